@@ -1,0 +1,1 @@
+//! The commands: arguments → a validated job; exit codes.

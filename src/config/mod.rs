@@ -1,0 +1,1 @@
+//! TOML → checked scenes and settings.

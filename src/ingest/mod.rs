@@ -1,0 +1,1 @@
+//! Stage 1: recordings and memory become takes.

@@ -1,0 +1,1 @@
+//! Stage 3: a first guess, arc by arc.

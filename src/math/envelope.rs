@@ -1,0 +1,1 @@
+//! A Cholesky factorisation for chains of blocks.

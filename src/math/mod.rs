@@ -1,0 +1,13 @@
+//! Rotations, linear algebra for chains of blocks, and numeric differentiation for tests.
+//!
+//! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
+//! Hamilton and unit, world from body; tangents in body axes.
+
+pub mod envelope;
+pub mod so3;
+
+#[cfg(test)]
+pub mod differentiate;
+
+/// A rigid transform, named by its frames: `world_from_body`.
+pub type Pose = nalgebra::Isometry3<f64>;

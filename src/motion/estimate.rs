@@ -1,0 +1,154 @@
+//! What comes out: a physical motion, its timing, and an honest account of both.
+
+use nalgebra::Vector3;
+
+use super::take::Stamp;
+use crate::physics::State;
+
+/// How far the motion may be called physical.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every gap is within tolerance.
+    Physical,
+    /// The goals are met; some velocity gaps are left, and listed.
+    Plausible,
+    /// Neither; the reason is given beside it.
+    Failed,
+}
+
+impl Verdict {
+    /// The word for it in files and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Physical => "physical",
+            Verdict::Plausible => "plausible",
+            Verdict::Failed => "failed",
+        }
+    }
+}
+
+/// The motion of one body between two of its events.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArcEstimate {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// Physical time of `state` [s since the first sample].
+    pub epoch_s: f64,
+    /// State at the epoch.
+    pub state: State,
+    /// Physical time at which the arc begins [s].
+    pub start_s: f64,
+    /// Physical time at which it ends [s].
+    pub end_s: f64,
+}
+
+/// What is left of the constraints at an event, largest of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gap {
+    /// Contact and position [m].
+    pub position_m: f64,
+    /// Orientation [rad].
+    pub orientation_rad: f64,
+    /// Velocity [m/s].
+    pub velocity_m_s: f64,
+    /// Angular velocity [rad/s].
+    pub angular_velocity_rad_s: f64,
+}
+
+/// An event as estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventEstimate {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Physical time [s since the first sample].
+    pub time_s: f64,
+    /// Its standard deviation [s]; `None` where it is fixed or undetermined.
+    pub sd_s: Option<f64>,
+    /// Acted time, refined [s since `Sketch::origin`].
+    pub acted_s: f64,
+    /// What is left of the constraints there.
+    pub gap: Gap,
+}
+
+/// A free parameter as estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterEstimate {
+    /// Its name in the scene.
+    pub name: String,
+    /// Value, in the quantity's unit.
+    pub value: f64,
+    /// Standard deviation; `None` where the performance does not determine it.
+    pub sd: Option<f64>,
+    /// Least value allowed.
+    pub lower: f64,
+    /// Greatest value allowed.
+    pub upper: f64,
+}
+
+/// How well one segment fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentResidual {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// Samples in the objective.
+    pub samples: usize,
+    /// Root mean square distance of the centre of mass [m].
+    pub position_rms_m: f64,
+    /// Root mean square angle [rad].
+    pub orientation_rms_rad: f64,
+}
+
+/// Where a sample lies on the physical time line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleTime {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// The sample.
+    pub stamp: Stamp,
+    /// Its physical time [s since the first sample].
+    pub time_s: f64,
+}
+
+/// Work done, by kind: golden in the tests.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Evaluations with a factorisation, in sweep, multiplier rounds and finish.
+    pub iterations: usize,
+    /// Evaluations of all sample residuals.
+    pub evaluations: usize,
+    /// Matrix factorisations.
+    pub factorisations: usize,
+    /// Iterations of the arc fits.
+    pub fit_iterations: usize,
+    /// Rounds of mark refinement and of time assignment.
+    pub assignment_rounds: usize,
+    /// Starts tried.
+    pub starts: usize,
+}
+
+/// The result of an estimation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// How far the motion may be called physical.
+    pub verdict: Verdict,
+    /// Why the solver stopped, with the measured value and the threshold.
+    pub reason: String,
+    /// Sum of squared weighted residuals, priors included.
+    pub objective: f64,
+    /// Gravity it was estimated with, or that was estimated [m/s², world].
+    pub gravity_m_s2: Vector3<f64>,
+    /// The motion: arcs body by body, in order of time.
+    pub arcs: Vec<ArcEstimate>,
+    /// The scene's events.
+    pub events: Vec<EventEstimate>,
+    /// The scene's free parameters.
+    pub parameters: Vec<ParameterEstimate>,
+    /// One per arc, in the order of `arcs`.
+    pub residuals: Vec<SegmentResidual>,
+    /// Physical time of every used sample, body by body.
+    pub sample_times: Vec<SampleTime>,
+    /// Names of what the performance does not determine.
+    pub undetermined: Vec<String>,
+    /// Work done.
+    pub counters: Counters,
+}

@@ -1,0 +1,19 @@
+//! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
+//! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), and what
+//! comes out ([`estimate`]).
+
+pub mod estimate;
+pub mod scene;
+pub mod sketch;
+pub mod take;
+
+pub use estimate::{
+    ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
+    SegmentResidual, Verdict,
+};
+pub use scene::{
+    Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Quantity, Scene,
+    SceneBody, Surface, Timing, Weights,
+};
+pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
+pub use take::{Mark, PoseSample, Stamp, TakeEvent};

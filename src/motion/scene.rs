@@ -1,0 +1,214 @@
+//! The scene: bodies, static world, expected events, goals, free parameters, weights.
+//!
+//! Plain validated data in SI units. `config` makes it from TOML; the stages trust it.
+
+use nalgebra::Vector3;
+
+use crate::math::Pose;
+use crate::physics::{Body, Shape};
+
+/// Everything that is known about a performance before it is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name, for people.
+    pub name: String,
+    /// Gravity in world axes [m/s²].
+    pub gravity_m_s2: Vector3<f64>,
+    /// Whether sample stamps are physical times or only an order with a tempo.
+    pub timing: Timing,
+    /// Topic that carries the marks.
+    pub marks_topic: String,
+    /// The moving bodies.
+    pub bodies: Vec<SceneBody>,
+    /// Planes that bodies collide with.
+    pub surfaces: Vec<Surface>,
+    /// Solid parts of the static world, for drawing and for verification.
+    pub obstacles: Vec<Obstacle>,
+    /// What happens, in order of time.
+    pub events: Vec<Event>,
+    /// What must hold at events.
+    pub goals: Vec<Goal>,
+    /// What the estimation may change besides the motion.
+    pub parameters: Vec<FreeParameter>,
+    /// What one unit of residual is.
+    pub weights: Weights,
+}
+
+/// What the stamps of the samples mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Timing {
+    /// Stamps are physical times.
+    Known,
+    /// The performer's tempo is unknown and smooth: the logarithm of its rate wanders as
+    /// Brownian motion of this strength [1/√s of acted time].
+    Unknown {
+        /// Standard deviation of the log-rate's change after one second.
+        tempo_sd_per_sqrt_s: f64,
+    },
+}
+
+/// A moving rigid body with a tracker on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneBody {
+    /// Unique name.
+    pub name: String,
+    /// Topic that carries its tracker's poses.
+    pub topic: String,
+    /// Mass and principal moments; body axes are principal axes at the centre of mass.
+    pub body: Body,
+    /// Shape in body axes.
+    pub shape: Shape,
+    /// Pose of the tracker's frame in body axes.
+    pub body_from_tracker: Pose,
+    /// Points that may touch something.
+    pub features: Vec<Feature>,
+}
+
+/// A named point of a body that may touch a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Unique within the body.
+    pub name: String,
+    /// Position in body axes [m].
+    pub point_m: Vector3<f64>,
+}
+
+/// A plane of the static world; bodies are on the side its normal points to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Unique name.
+    pub name: String,
+    /// A point on it [m, world].
+    pub point_m: Vector3<f64>,
+    /// Unit normal, out of the surface [world].
+    pub normal: Vector3<f64>,
+}
+
+/// A solid part of the static world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Unique name.
+    pub name: String,
+    /// Its shape.
+    pub shape: Shape,
+    /// Where it stands.
+    pub world_from_shape: Pose,
+}
+
+/// Something that happens at one instant and is marked by the performer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Unique name; marks may refer to it.
+    pub name: String,
+    /// What happens.
+    pub kind: EventKind,
+}
+
+/// The kinds of event.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// The performance begins; samples before it are not used. Only as the first event.
+    Start,
+    /// A body's feature hits a surface.
+    Collision {
+        /// Index into `Scene::bodies`.
+        body: usize,
+        /// Index into that body's features.
+        feature: usize,
+        /// Index into `Scene::surfaces`.
+        surface: usize,
+        /// Coefficient of restitution, 0 to 1.
+        restitution: f64,
+    },
+    /// The performance ends; samples after it are not used. Only as the last event. Its time
+    /// is estimated when a goal holds there, otherwise it stays at the mark.
+    End,
+}
+
+impl EventKind {
+    /// The word for it in files and reports.
+    pub fn word(&self) -> &'static str {
+        match self {
+            EventKind::Start => "start",
+            EventKind::Collision { .. } => "collision",
+            EventKind::End => "end",
+        }
+    }
+}
+
+/// A hard condition on a body at an event (just before it, if it is a collision).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// What must hold.
+    pub target: GoalTarget,
+}
+
+/// What a goal asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GoalTarget {
+    /// The body's pose.
+    Pose {
+        /// Pose of the body's axes, at its centre of mass.
+        world_from_body: Pose,
+    },
+    /// The centre of mass inside an axis-aligned box; equal bounds fix a coordinate, infinite
+    /// ones leave it free [m, world].
+    PositionWithin {
+        /// Lower corner.
+        lower_m: Vector3<f64>,
+        /// Upper corner.
+        upper_m: Vector3<f64>,
+    },
+}
+
+/// A quantity the estimation may change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeParameter {
+    /// Unique name, as in the scene file: `gravity.z`, `bounce.restitution`.
+    pub name: String,
+    /// What it is.
+    pub quantity: Quantity,
+    /// Value to start from, in the quantity's unit.
+    pub initial: f64,
+    /// Least value allowed (may be −∞).
+    pub lower: f64,
+    /// Greatest value allowed (may be +∞).
+    pub upper: f64,
+    /// Standard deviation of a prior about `initial`, if there is one.
+    pub prior_sd: Option<f64>,
+}
+
+/// The quantities that may be free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A component of gravity [m/s²]: axis 0, 1, 2.
+    Gravity {
+        /// World axis.
+        axis: usize,
+    },
+    /// Restitution at a collision [–].
+    Restitution {
+        /// Index into `Scene::events`.
+        event: usize,
+    },
+    /// Tilt of the surface's normal at a collision [rad] about one of two tangents.
+    Tilt {
+        /// Index into `Scene::events`.
+        event: usize,
+        /// Tangent, 0 or 1.
+        tangent: usize,
+    },
+}
+
+/// What one unit of residual is: the objective is the sum of squared residuals in these units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Position [m].
+    pub position_m: f64,
+    /// Orientation [rad].
+    pub orientation_rad: f64,
+}

@@ -1,0 +1,114 @@
+//! The performance as the estimator sees it: cleaned, in body axes, cut at the marks.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::take::Stamp;
+
+/// One acted pose of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// When the tracker measured it.
+    pub stamp: Stamp,
+    /// The same in seconds since [`Sketch::origin`].
+    pub acted_s: f64,
+    /// Centre of mass [m, world].
+    pub position_m: Vector3<f64>,
+    /// World from body; signs are continuous along a stream.
+    pub orientation: UnitQuaternion<f64>,
+}
+
+/// The samples of one body, strictly increasing in time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodySketch {
+    /// In order of time.
+    pub samples: Vec<Sample>,
+}
+
+/// A whole performance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sketch {
+    /// Zero of `acted_s`.
+    pub origin: Stamp,
+    /// One per body of the scene.
+    pub bodies: Vec<BodySketch>,
+    /// Acted time of each of the scene's events [s since `origin`].
+    pub marks_s: Vec<f64>,
+}
+
+/// Collision-free flight of one body between two of its events.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// Event that begins it, if any (index into `Scene::events`).
+    pub start_event: Option<usize>,
+    /// Event that ends it, if any.
+    pub end_event: Option<usize>,
+    /// Samples of the body's stream that lie in it, those near a collision left out.
+    pub samples: Range<usize>,
+}
+
+/// Why a sample was not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DropReason {
+    /// A coordinate or a component is NaN or infinite.
+    NotFinite,
+    /// The quaternion's norm is off 1 by more than 1 %.
+    NotUnit,
+    /// Same stamp as another sample of the body.
+    Duplicate,
+    /// Bit for bit the pose before it: the tracker stood still or lost sight.
+    Frozen,
+    /// Before the start.
+    BeforeStart,
+    /// After the end.
+    AfterEnd,
+    /// Within the window about a collision in which a sample may belong to either side.
+    NearCollision,
+}
+
+impl DropReason {
+    /// The word for it in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            DropReason::NotFinite => "not_finite",
+            DropReason::NotUnit => "not_unit",
+            DropReason::Duplicate => "duplicate",
+            DropReason::Frozen => "frozen",
+            DropReason::BeforeStart => "before_start",
+            DropReason::AfterEnd => "after_end",
+            DropReason::NearCollision => "near_collision",
+        }
+    }
+}
+
+/// What became of the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampleCounts {
+    /// Delivered.
+    pub read: usize,
+    /// In the objective.
+    pub used: usize,
+    /// Left out, by reason.
+    pub dropped: BTreeMap<DropReason, usize>,
+    /// Arrived after a sample with a later stamp, and sorted in.
+    pub reordered: usize,
+    /// Quaternions within 1 % of unit norm, normalised.
+    pub normalised: usize,
+    /// Quaternions whose sign was flipped for continuity.
+    pub flipped: usize,
+    /// Intervals longer than 2.5 times the median one.
+    pub gaps: usize,
+}
+
+impl SampleCounts {
+    /// Counts one more sample dropped.
+    pub fn drop(&mut self, reason: DropReason, count: usize) {
+        if count > 0 {
+            *self.dropped.entry(reason).or_default() += count;
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! A take as the trackers and the performer gave it: integer nanoseconds, tracker frames.
+
+use crate::math::Pose;
+
+/// A point in time in integer nanoseconds, of whatever clock the tracker used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Stamp(pub i64);
+
+impl Stamp {
+    /// Seconds from `origin` to this stamp; exact to a nanosecond for takes under 104 days.
+    pub fn seconds_since(self, origin: Stamp) -> f64 {
+        (self.0 - origin.0) as f64 * 1e-9
+    }
+}
+
+/// One reading of one tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseSample {
+    /// When it was measured (sensor time where there is one).
+    pub stamp: Stamp,
+    /// Position [m] as measured: possibly not finite.
+    pub position_m: nalgebra::Vector3<f64>,
+    /// Quaternion `[x, y, z, w]` as measured: possibly not unit, not finite, of either sign.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+impl PoseSample {
+    /// A sample from a valid pose.
+    pub fn from_pose(stamp: Stamp, world_from_tracker: &Pose) -> Self {
+        let q = world_from_tracker.rotation.quaternion();
+        Self {
+            stamp,
+            position_m: world_from_tracker.translation.vector,
+            quaternion_xyzw: [q.i, q.j, q.k, q.w],
+        }
+    }
+}
+
+/// The performer's note that an event of the scene happens near this time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mark {
+    /// When the mark was made, on the clock of the samples.
+    pub stamp: Stamp,
+    /// Name of the scene's event it stands for; `None`: the next one in order.
+    pub event: Option<String>,
+}
+
+/// What a source of takes delivers, in any order of stamps.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TakeEvent {
+    /// A tracker reading for the body of that index in the scene.
+    Pose {
+        /// Index into `Scene::bodies`.
+        body: usize,
+        /// The reading.
+        sample: PoseSample,
+    },
+    /// The performer marked an event.
+    Mark(Mark),
+}

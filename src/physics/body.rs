@@ -1,0 +1,124 @@
+//! What of a rigid body matters to its motion: mass and principal moments.
+
+use nalgebra::Vector3;
+use thiserror::Error;
+
+/// Moments closer than this, relative to the largest, are one moment: further apart than
+/// rounding leaves them, far closer than any scale can weigh.
+const EQUAL_MOMENTS: f64 = 1e-9;
+
+/// Mass and principal moments of inertia at the centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    mass_kg: f64,
+    moments_kg_m2: Vector3<f64>,
+    symmetry: Symmetry,
+}
+
+/// How many of the moments are equal: which flow is exact for the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// Three equal: die, box.
+    Spherical,
+    /// Two equal: pencil, hat. The axis of the third is 0, 1 or 2.
+    Axial {
+        /// Body axis of symmetry.
+        axis: usize,
+    },
+}
+
+/// Why mass and moments make no body.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum BodyError {
+    /// Mass is not positive.
+    #[error("mass is {mass_kg} kg, expected a positive number")]
+    Mass {
+        /// As given.
+        mass_kg: f64,
+    },
+    /// A moment is not positive.
+    #[error("moment {axis} is {moment_kg_m2} kg m², expected a positive number")]
+    Moment {
+        /// Which one: 0, 1, 2.
+        axis: usize,
+        /// As given.
+        moment_kg_m2: f64,
+    },
+    /// No distribution of mass has such moments.
+    #[error("moments {0} + {1} < {2} kg m²: the sum of any two is at least the third")]
+    Triangle(f64, f64, f64),
+    /// Three different moments: their flow is not implemented.
+    #[error(
+        "moments {0}, {1}, {2} kg m² are all different: only bodies with two or three equal moments are supported"
+    )]
+    ThreeDifferent(f64, f64, f64),
+}
+
+impl Body {
+    /// A body from its mass [kg] and principal moments [kg m²] about body axes 0, 1, 2.
+    ///
+    /// Fails where no distribution of mass has these, or where all three moments differ.
+    pub fn new(mass_kg: f64, moments_kg_m2: Vector3<f64>) -> Result<Self, BodyError> {
+        if !(mass_kg > 0.0 && mass_kg.is_finite()) {
+            return Err(BodyError::Mass { mass_kg });
+        }
+        for axis in 0..3 {
+            let moment_kg_m2 = moments_kg_m2[axis];
+            if !(moment_kg_m2 > 0.0 && moment_kg_m2.is_finite()) {
+                return Err(BodyError::Moment { axis, moment_kg_m2 });
+            }
+        }
+        let largest = moments_kg_m2.max();
+        for axis in 0..3 {
+            let (a, b, c) = (
+                moments_kg_m2[(axis + 1) % 3],
+                moments_kg_m2[(axis + 2) % 3],
+                moments_kg_m2[axis],
+            );
+            if a + b < c * (1.0 - EQUAL_MOMENTS) {
+                return Err(BodyError::Triangle(a, b, c));
+            }
+        }
+        let equal = |i: usize, j: usize| {
+            (moments_kg_m2[i] - moments_kg_m2[j]).abs() <= EQUAL_MOMENTS * largest
+        };
+        let mut moments_kg_m2 = moments_kg_m2;
+        let symmetry = if equal(0, 1) && equal(1, 2) && equal(0, 2) {
+            moments_kg_m2.fill(moments_kg_m2.mean());
+            Symmetry::Spherical
+        } else {
+            let axis = (0..3)
+                .find(|axis| equal((axis + 1) % 3, (axis + 2) % 3))
+                .ok_or(BodyError::ThreeDifferent(
+                    moments_kg_m2[0],
+                    moments_kg_m2[1],
+                    moments_kg_m2[2],
+                ))?;
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let mean = 0.5 * (moments_kg_m2[i] + moments_kg_m2[j]);
+            moments_kg_m2[i] = mean;
+            moments_kg_m2[j] = mean;
+            Symmetry::Axial { axis }
+        };
+        Ok(Self {
+            mass_kg,
+            moments_kg_m2,
+            symmetry,
+        })
+    }
+
+    /// Mass [kg].
+    pub fn mass_kg(&self) -> f64 {
+        self.mass_kg
+    }
+
+    /// Principal moments [kg m²] about body axes 0, 1, 2; equal ones are equal exactly.
+    pub fn moments_kg_m2(&self) -> Vector3<f64> {
+        self.moments_kg_m2
+    }
+
+    /// How many of the moments are equal.
+    pub fn symmetry(&self) -> Symmetry {
+        self.symmetry
+    }
+}

@@ -1,0 +1,1 @@
+//! How a body bounces: one contact, restitution, with its derivatives.

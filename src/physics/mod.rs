@@ -1,0 +1,12 @@
+//! Rigid bodies: what they are ([`body`], [`shape`]), how they fly ([`flow`]), how they
+//! bounce ([`impact`]); each formula beside its derivatives. All of parry is behind [`shape`].
+
+pub mod body;
+pub mod flow;
+pub mod impact;
+pub mod shape;
+pub mod state;
+
+pub use body::{Body, BodyError};
+pub use shape::{Shape, ShapeError};
+pub use state::State;

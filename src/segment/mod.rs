@@ -1,0 +1,1 @@
+//! Stage 2: clean the streams and cut them at the marks.

@@ -1,0 +1,1 @@
+//! Stage 4b: an independent check of the estimate.

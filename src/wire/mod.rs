@@ -1,0 +1,1 @@
+//! Bytes ↔ motion, shared by ingest and write; no files.
