@@ -3,6 +3,7 @@
 //! comes out ([`estimate`]).
 
 pub mod estimate;
+pub mod guess;
 pub mod scene;
 pub mod sketch;
 pub mod take;
@@ -11,6 +12,7 @@ pub use estimate::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
     SegmentResidual, Verdict,
 };
+pub use guess::{ArcGuess, Guess};
 pub use scene::{
     Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Quantity, Scene,
     SceneBody, Surface, Timing, Weights,
