@@ -285,3 +285,18 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_scenes_that_come_along_are_accepted() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let scene = scene_from_toml(&text).unwrap_or_else(|error| {
+            panic!("{}", error.in_file(path.display().to_string()));
+        });
+        names.push(scene.name);
+    }
+    assert!(names.contains(&"cube toss, first flight".to_owned()));
+}
