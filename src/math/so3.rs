@@ -41,6 +41,26 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     v * (2.0 * sine.atan2(w) / sine)
 }
 
+/// `Exp(θ)` and `J_r(θ)` at the price of one sine.
+pub fn exp_and_right_jacobian(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+    let square = theta.norm_squared();
+    if square < SERIES_BELOW {
+        return (exp(theta), right_jacobian(theta));
+    }
+    let angle = square.sqrt();
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let rotation =
+        UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, theta * (sin / angle)));
+    let a = 2.0 * sin * sin / square;
+    let b = (angle - 2.0 * sin * cos) / (square * angle);
+    (rotation, jacobian_from(theta, -a, b, square))
+}
+
+/// The rotation matrix of a unit quaternion.
+pub fn matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    rotation.to_rotation_matrix().into_inner()
+}
+
 /// `[θ]×`, so that `[θ]× a = θ × a`.
 pub fn hat(theta: &Vector3<f64>) -> Matrix3<f64> {
     theta.cross_matrix()
@@ -161,6 +181,15 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_combined_form_agrees_with_its_parts() {
+        for theta in cases() {
+            let (rotation, jacobian) = exp_and_right_jacobian(&theta);
+            assert_eq!(rotation, exp(&theta));
+            assert!((jacobian - right_jacobian(&theta)).norm() < 1e-11);
         }
     }
 
