@@ -39,13 +39,21 @@ pub fn fit(
     };
     let count = samples.len() as f64;
     let mean_a = samples.iter().map(|sample| target(sample).0).sum::<f64>() / count;
-    let mean_p = samples.iter().map(|sample| target(sample).1).sum::<Vector3<f64>>() / count;
+    let mean_p = samples
+        .iter()
+        .map(|sample| target(sample).1)
+        .sum::<Vector3<f64>>()
+        / count;
     let (mut first_norm, mut first) = (0.0, Vector3::zeros());
     for (a, p) in samples.iter().map(target) {
         first_norm += (a - mean_a) * (a - mean_a);
         first += (p - mean_p) * (a - mean_a);
     }
-    let slope = if first_norm > 0.0 { first / first_norm } else { Vector3::zeros() };
+    let slope = if first_norm > 0.0 {
+        first / first_norm
+    } else {
+        Vector3::zeros()
+    };
 
     // The quadratic orthogonal to 1 and a, only along gravity.
     let quadratic = Quadratic::new(samples, middle_s, mean_a, first_norm);
@@ -68,8 +76,11 @@ pub fn fit(
         }
     }
     let at = |a: f64| mean_p + slope * (a - mean_a) + curvature * quadratic.at(a);
-    let square_m2 =
-        samples.iter().map(target).map(|(a, p)| (p - at(a)).norm_squared()).sum();
+    let square_m2 = samples
+        .iter()
+        .map(target)
+        .map(|(a, p)| (p - at(a)).norm_squared())
+        .sum();
     Ballistic {
         position_m: at(0.0),
         acted_velocity_m_s: slope - curvature * (quadratic.slope + 2.0 * mean_a),
@@ -88,11 +99,20 @@ struct Quadratic {
 
 impl Quadratic {
     fn new(samples: &[Sample], middle_s: f64, mean_a: f64, first_norm: f64) -> Self {
-        let centred = || samples.iter().map(move |sample| sample.acted_s - middle_s - mean_a);
+        let centred = || {
+            samples
+                .iter()
+                .map(move |sample| sample.acted_s - middle_s - mean_a)
+        };
         let count = samples.len() as f64;
         let mean_square = centred().map(|b| b * b).sum::<f64>() / count;
         let slope = centred().map(|b| b * b * b).sum::<f64>() / first_norm.max(f64::MIN_POSITIVE);
-        let mut quadratic = Self { mean_a, mean_square, slope, norm: 0.0 };
+        let mut quadratic = Self {
+            mean_a,
+            mean_square,
+            slope,
+            norm: 0.0,
+        };
         quadratic.norm = centred().map(|b| quadratic.at(b + mean_a).powi(2)).sum();
         quadratic
     }
@@ -147,7 +167,12 @@ mod tests {
     #[test]
     fn what_rises_instead_of_falling_has_no_rate() {
         let mut rising = samples(1.0);
-        rising.iter_mut().for_each(|sample| sample.position_m.z *= -1.0);
-        assert_eq!(fit(&rising, 2.2, &Vector3::new(0.0, 0.0, -9.8), None).rate, None);
+        rising
+            .iter_mut()
+            .for_each(|sample| sample.position_m.z *= -1.0);
+        assert_eq!(
+            fit(&rising, 2.2, &Vector3::new(0.0, 0.0, -9.8), None).rate,
+            None
+        );
     }
 }

@@ -43,8 +43,10 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             let samples = samples(segment);
             let middle_s = middle(segment);
             let flight = ballistic::fit(samples, middle_s, &scene.gravity_m_s2, Some(*rate));
-            let sample_times_s: Vec<f64> =
-                samples.iter().map(|sample| time_line.at(sample.acted_s)).collect();
+            let sample_times_s: Vec<f64> = samples
+                .iter()
+                .map(|sample| time_line.at(sample.acted_s))
+                .collect();
             let epoch_s = time_line.at(middle_s);
             let readings: Vec<Reading> = samples
                 .iter()
@@ -69,8 +71,18 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             }
         })
         .collect();
-    let event_times_s = sketch.marks_s.iter().map(|mark_s| time_line.at(*mark_s)).collect();
-    Guessed { guess: Guess { arcs, event_times_s }, fit_iterations }
+    let event_times_s = sketch
+        .marks_s
+        .iter()
+        .map(|mark_s| time_line.at(*mark_s))
+        .collect();
+    Guessed {
+        guess: Guess {
+            arcs,
+            event_times_s,
+        },
+        fit_iterations,
+    }
 }
 
 /// Rate of each segment; where a fit gives none, the median of the others.
@@ -90,7 +102,10 @@ fn rates<'s>(
         .collect();
     let mut sorted: Vec<f64> = found.iter().flatten().copied().collect();
     sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(RATE_OTHERWISE);
+    let median = sorted
+        .get(sorted.len() / 2)
+        .copied()
+        .unwrap_or(RATE_OTHERWISE);
     // An actor does not change tempo by more than this from one flight to the next.
     found
         .iter()
@@ -115,8 +130,10 @@ impl TimeLine {
         samples: &impl Fn(&Segment) -> &'s [Sample],
         rates: &[f64],
     ) -> Self {
-        let first_s =
-            segments.iter().map(|segment| samples(segment)[0].acted_s).fold(f64::INFINITY, f64::min);
+        let first_s = segments
+            .iter()
+            .map(|segment| samples(segment)[0].acted_s)
+            .fold(f64::INFINITY, f64::min);
         let mut acted_s = vec![first_s];
         acted_s.extend((0..scene.events.len()).filter_map(|event| {
             let is_collision = matches!(scene.events[event].kind, EventKind::Collision { .. });
@@ -133,7 +150,11 @@ impl TimeLine {
                     weight += overlap_s;
                 }
             }
-            if weight > 0.0 { (sum / weight).exp() } else { RATE_OTHERWISE }
+            if weight > 0.0 {
+                (sum / weight).exp()
+            } else {
+                RATE_OTHERWISE
+            }
         };
         let mut physical_s = vec![first_s];
         for pair in acted_s.windows(2) {

@@ -83,7 +83,12 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
     } else {
         Vector3::zeros()
     };
-    TurnFit { orientation, angular_velocity_rad_s, square_rad2: f64::INFINITY, iterations: 0 }
+    TurnFit {
+        orientation,
+        angular_velocity_rad_s,
+        square_rad2: f64::INFINITY,
+        iterations: 0,
+    }
 }
 
 fn evaluate(body: &Body, readings: &[Reading], fit: &TurnFit) -> TurnTerms {
@@ -102,7 +107,13 @@ fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
     for iteration in 1..=ITERATIONS_MAX {
         let (delta, predicted) = match step(&terms, damping) {
             Some(step) => step,
-            None => return TurnFit { square_rad2: 2.0 * terms.cost, iterations: iteration, ..fit },
+            None => {
+                return TurnFit {
+                    square_rad2: 2.0 * terms.cost,
+                    iterations: iteration,
+                    ..fit
+                };
+            }
         };
         let trial = TurnFit {
             orientation: UnitQuaternion::new_normalize(
@@ -127,21 +138,32 @@ fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
             break;
         }
     }
-    TurnFit { square_rad2: 2.0 * terms.cost, ..fit }
+    TurnFit {
+        square_rad2: 2.0 * terms.cost,
+        ..fit
+    }
 }
 
 /// A damped step and the decrease it promises; `None` where nothing is determined.
 fn step(terms: &TurnTerms, damping: f64) -> Option<(Vector6<f64>, f64)> {
     let mut matrix = Matrix6::zeros();
-    matrix.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(terms.count);
+    matrix
+        .fixed_view_mut::<3, 3>(0, 0)
+        .fill_diagonal(terms.count);
     matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&terms.cross);
-    matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&terms.cross.transpose());
+    matrix
+        .fixed_view_mut::<3, 3>(3, 0)
+        .copy_from(&terms.cross.transpose());
     matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&terms.square);
     let scale = matrix.diagonal().map(|d| damping * d + 1e-12);
     let damped = matrix + Matrix6::from_diagonal(&scale);
     let mut gradient = Vector6::zeros();
-    gradient.fixed_rows_mut::<3>(0).copy_from(&terms.gradient_orientation);
-    gradient.fixed_rows_mut::<3>(3).copy_from(&terms.gradient_spin);
+    gradient
+        .fixed_rows_mut::<3>(0)
+        .copy_from(&terms.gradient_orientation);
+    gradient
+        .fixed_rows_mut::<3>(3)
+        .copy_from(&terms.gradient_spin);
     let delta = -damped.cholesky()?.solve(&gradient);
     let predicted = 0.5 * (delta.component_mul(&scale).dot(&delta) - gradient.dot(&delta));
     Some((delta, predicted))

@@ -1,7 +1,6 @@
 //! Marks cut each body's stream into segments.
 
-use thiserror::Error;
-
+use super::error::SegmentError;
 use crate::motion::{EventKind, Scene, Segment, Sketch};
 
 /// Samples closer to a collision's mark than this many median intervals are left out: they may
@@ -10,26 +9,6 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 
 /// Samples a segment must have: six numbers of a state's pose, twice.
 pub const SAMPLES_MIN: usize = 3;
-
-/// Why a sketch cannot be cut.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum SegmentError {
-    /// Too little data between two events.
-    #[error(
-        "body `{body}` has {samples} usable samples between {from} and {to}: at least \
-         {SAMPLES_MIN} are needed"
-    )]
-    TooFewSamples {
-        /// Whose.
-        body: String,
-        /// How many.
-        samples: usize,
-        /// Event at the segment's start, or "the beginning".
-        from: String,
-        /// Event at its end, or "the end of the data".
-        to: String,
-    },
-}
 
 /// Cuts every body's samples at the events it takes part in; `start` and `end` are everybody's.
 ///
@@ -83,6 +62,7 @@ fn cut_body(
                 return Err(SegmentError::TooFewSamples {
                     body: scene.bodies[body].name.clone(),
                     samples: end - first,
+                    expected: SAMPLES_MIN,
                     from: name(start_event, "the beginning"),
                     to: name(end_event, "the end of the data"),
                 });
