@@ -169,7 +169,7 @@ impl Flight<'_> {
         contact: &impact::Contact,
         limit_s: f64,
     ) -> Option<f64> {
-        self.crossing_s(limit_s, |time_s| contact.gap_m(&self.advance(state, time_s)))
+        crossing_s(SCAN_S, limit_s, |time_s| contact.gap_m(&self.advance(state, time_s)))
     }
 
     /// How long ago a contact point last left its surface, to rounding.
@@ -179,23 +179,27 @@ impl Flight<'_> {
         contact: &impact::Contact,
         limit_s: f64,
     ) -> Option<f64> {
-        self.crossing_s(limit_s, |time_s| contact.gap_m(&self.advance(state, -time_s)))
+        crossing_s(SCAN_S, limit_s, |time_s| contact.gap_m(&self.advance(state, -time_s)))
     }
+}
 
-    /// First time at which a gap goes from positive to not positive, by scan and bisection.
-    fn crossing_s(&self, limit_s: f64, gap_m: impl Fn(f64) -> f64) -> Option<f64> {
-        let steps = (limit_s / SCAN_S).ceil() as usize;
-        let (mut low_s, mut outside) = (0.0, false);
-        for step in 1..=steps {
-            let time_s = (step as f64 * SCAN_S).min(limit_s);
-            let is_outside = gap_m(time_s) > 0.0;
-            if outside && !is_outside {
-                return Some(bisect(low_s, time_s, &gap_m));
-            }
-            (low_s, outside) = (time_s, is_outside);
+/// First time at which a gap goes from positive to not positive, by scan and bisection.
+pub(super) fn crossing_s(
+    scan_s: f64,
+    limit_s: f64,
+    gap_m: impl Fn(f64) -> f64,
+) -> Option<f64> {
+    let steps = (limit_s / scan_s).ceil() as usize;
+    let (mut low_s, mut outside) = (0.0, false);
+    for step in 1..=steps {
+        let time_s = (step as f64 * scan_s).min(limit_s);
+        let is_outside = gap_m(time_s) > 0.0;
+        if outside && !is_outside {
+            return Some(bisect(low_s, time_s, &gap_m));
         }
-        None
+        (low_s, outside) = (time_s, is_outside);
     }
+    None
 }
 
 /// Root of a gap that is positive at `low_s` and not at `high_s`: the neighbour with the smaller
