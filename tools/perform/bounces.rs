@@ -2,8 +2,7 @@
 //!
 //! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
 //! So each bounce's restitution is chosen, from a few values, such that the flight after it is a
-//! good one: depth-first search. The more bounces, the nearer the choices are to 1, so that the
-//! energy lasts.
+//! good one: depth-first search. Most choices are near 1, so that the energy lasts.
 
 use enact::math::Pose;
 use enact::motion::{
@@ -18,19 +17,21 @@ use rand_distr::{Distribution, StandardNormal};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
 
 /// Half the cube's side [m].
-const HALF_M: f64 = 0.1;
+const HALF_M: f64 = 0.15;
 /// Mass of the cube [kg].
 const MASS_KG: f64 = 1.0;
 /// A good flight: not shorter than this [s],
-const SHORTEST_S: f64 = 0.15;
+const SHORTEST_S: f64 = 0.1;
 /// nor longer [s],
-const LONGEST_S: f64 = 0.7;
+const LONGEST_S: f64 = 1.0;
 /// turning no faster than this [rad/s],
-const FASTEST_RAD_S: f64 = 15.0;
+const FASTEST_RAD_S: f64 = 25.0;
 /// ending with a corner that approaches at least this fast [m/s],
 const SLOWEST_APPROACH_M_S: f64 = 0.5;
 /// and the next corner at least this far off [m].
-const CLEAREST_M: f64 = 0.005;
+const CLEAREST_M: f64 = 0.002;
+/// The least restitution is 1 minus this.
+const WORST_LOSS: f64 = 0.15;
 /// Values of restitution to choose from at a bounce.
 const CHOICES: usize = 8;
 /// Arcs looked at per bounce before giving up.
@@ -52,7 +53,6 @@ struct Hop {
 pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
     let cube = Cube::new();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let worst_loss = (2.0 / count.max(1) as f64).min(0.25);
     let mut path: Vec<Hop> = Vec::new();
     let tries = TRIES_PER_BOUNCE * (count + 1);
     for _ in 0..tries {
@@ -60,15 +60,19 @@ pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
         let next = match path.last_mut() {
             None => Some(thrown(&mut rng)),
             Some(last) if last.choice < CHOICES => {
-                // Not evenly spaced, and from a random offset: no two bounces alike.
-                last.restitution = 1.0 - worst_loss * (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                // Small losses first; random, so that no two bounces are alike.
+                let share = (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                last.restitution = 1.0 - WORST_LOSS * share.powi(4);
                 last.choice += 1;
                 Some(cube.bounced(last))
             }
             Some(_) => None,
         };
         let Some(state) = next else {
-            path.pop();
+            // The last choices before a dead end hardly differ: back by one hop mostly, by n hops
+            // or more with chance 1/n², so that no dead end holds the search for long.
+            let back = (1.0 - rng.random::<f64>()).powf(-0.5) as usize;
+            path.truncate(path.len().saturating_sub(back));
             continue;
         };
         if let Some(hop) = cube.hop(&state) {
