@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
 
 use super::performance::Performance;
 use super::tempo::Tempo;
@@ -13,7 +14,7 @@ use super::truth::Truth;
 use super::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
 
 /// The knobs. Standard deviations and rms are per axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Acting {
     /// Acted time per physical time, on the whole.
     pub slowdown: f64,
@@ -55,6 +56,7 @@ pub struct Acting {
     /// From measurement to arrival [s].
     pub latency_s: f64,
     /// When acting begins.
+    #[serde(skip)]
     pub start: Stamp,
 }
 
@@ -120,6 +122,47 @@ impl Acting {
     /// Whether stamps mean physical time.
     pub fn is_timing_known(&self) -> bool {
         self.slowdown == 1.0 && self.tempo_variation == 0.0
+    }
+
+    /// Says which knob is out of its range.
+    pub fn check(&self) -> Result<(), String> {
+        let positive = [
+            ("slowdown", self.slowdown),
+            ("wander_pace", self.wander_pace),
+            ("rate_hz", self.rate_hz),
+        ];
+        let not_negative = [
+            ("tempo_variation", self.tempo_variation),
+            ("wander_position_m", self.wander_position_m),
+            ("wander_orientation_rad", self.wander_orientation_rad),
+            ("distortion", self.distortion),
+            ("noise_position_m", self.noise_position_m),
+            ("noise_orientation_rad", self.noise_orientation_rad),
+            ("resolution_m", self.resolution_m),
+            ("resolution_quaternion", self.resolution_quaternion),
+            ("stamp_jitter_s", self.stamp_jitter_s),
+            ("mark_error_s", self.mark_error_s),
+            ("hold_before_s", self.hold_before_s),
+            ("hold_after_s", self.hold_after_s),
+            ("latency_s", self.latency_s),
+        ];
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(format!("{name} is {value}, expected a positive number"));
+            }
+        }
+        for (name, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(format!("{name} is {value}, expected zero or a positive number"));
+            }
+        }
+        if !(self.dropout_rate >= 0.0 && self.dropout_rate < 1.0) {
+            return Err(format!("dropout_rate is {}, expected 0 to below 1", self.dropout_rate));
+        }
+        if !(self.dropout_burst >= 1.0 && self.dropout_burst.is_finite()) {
+            return Err(format!("dropout_burst is {}, expected 1 or more", self.dropout_burst));
+        }
+        Ok(())
     }
 
     fn stamp(&self, acted_s: f64) -> Stamp {
@@ -285,8 +328,7 @@ struct Sight {
 
 impl Sight {
     fn new(acting: &Acting, rng: ChaCha8Rng) -> Self {
-        let find = 1.0 / acting.dropout_burst.max(1.0);
-        let rate = acting.dropout_rate.clamp(0.0, 0.99);
+        let (find, rate) = (1.0 / acting.dropout_burst, acting.dropout_rate);
         Self { rng, lose: (find * rate / (1.0 - rate)).min(1.0), find, is_lost: false }
     }
 

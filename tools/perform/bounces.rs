@@ -97,6 +97,37 @@ fn thrown(rng: &mut impl Rng) -> State {
     }
 }
 
+/// The scene file of such a motion.
+pub fn scene_toml(truth: &Truth) -> String {
+    let size_mm = 2e3 * HALF_M;
+    let scene = &truth.scene;
+    let cube = &scene.bodies[0];
+    let tracker_mm = cube.body_from_tracker.translation.vector * 1e3;
+    let moment_kg_m2 = cube.body.moments_kg_m2().x;
+    let mut text = format!(
+        "name = {:?}\n[timing]\nstamps = \"tempo\"\n[[body]]\nname = \"cube\"\n\
+         shape = {{ kind = \"cuboid\", size_mm = [{size_mm:?}, {size_mm:?}, {size_mm:?}] }}\n\
+         mass_kg = {MASS_KG:?}\nmoments_kg_m2 = [{moment_kg_m2:?}, {moment_kg_m2:?}, {moment_kg_m2:?}]\n\
+         tracker = {{ position_mm = [{:?}, {:?}, {:?}] }}\n[body.features_mm]\n",
+        scene.name, tracker_mm.x, tracker_mm.y, tracker_mm.z,
+    );
+    for feature in &cube.features {
+        let at_mm = feature.point_m * 1e3;
+        text += &format!("{} = [{:?}, {:?}, {:?}]\n", feature.name, at_mm.x, at_mm.y, at_mm.z);
+    }
+    text += "[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+    for event in &scene.events {
+        text += &format!("[[event]]\nname = {:?}\nkind = {:?}\n", event.name, event.kind.word());
+        if let EventKind::Collision { feature, restitution, .. } = event.kind {
+            text += &format!(
+                "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n",
+                cube.features[feature].name,
+            );
+        }
+    }
+    text
+}
+
 struct Cube {
     body: Body,
     gravity_m_s2: Vector3<f64>,
@@ -196,7 +227,7 @@ impl Cube {
 
     fn scene(&self, events: Vec<Event>) -> Scene {
         let feature = |(corner, point_m): (usize, &Vector3<f64>)| Feature {
-            name: format!("corner {corner}"),
+            name: format!("corner_{corner}"),
             point_m: *point_m,
         };
         let cube = SceneBody {
