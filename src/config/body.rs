@@ -1,6 +1,6 @@
 //! Bodies: shape, mass, tracker, features.
 
-use std::ops::Range;
+use std::ops::RangeInclusive;
 
 use toml::Spanned;
 
@@ -19,7 +19,7 @@ const SIZE: SizeLimits = SizeLimits {
 };
 
 /// Lightest and heaviest body [kg].
-const MASS_KG: Range<f64> = 1e-6..1e4;
+const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
 
 /// A checked body.
 pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
@@ -94,12 +94,13 @@ fn mass_and_moments(
             );
         }
     };
-    if mass_kg < MASS_KG.start || mass_kg > MASS_KG.end {
+    if !MASS_KG.contains(&mass_kg) {
         return fault(
             mass_span,
             format!(
                 "the body's mass is {mass_kg} kg, expected {:e} to {:e} kg: mass_g is in grams, mass_kg in kilograms",
-                MASS_KG.start, MASS_KG.end
+                MASS_KG.start(),
+                MASS_KG.end()
             ),
         );
     }

@@ -93,8 +93,8 @@ fn moments_of_every_solid_agree_with_the_closed_formulas() {
     for (shape, volume_m3, moments_m2) in cases {
         let uniform = shape.uniform_mass().unwrap();
         close(uniform.volume_m3, volume_m3);
-        for axis in 0..3 {
-            close(uniform.moments_per_mass_m2[axis], moments_m2[axis]);
+        for (computed, formula) in uniform.moments_per_mass_m2.iter().zip(moments_m2) {
+            close(*computed, formula);
         }
     }
 }
