@@ -32,7 +32,12 @@ fn invariants(truth: &Truth, state: &State) -> (f64, Vector3<f64>) {
 }
 
 fn advance(truth: &Truth, state: &State, duration_s: f64) -> State {
-    flow::advance(&truth.scene.bodies[0].body, &truth.scene.gravity_m_s2, state, duration_s)
+    flow::advance(
+        &truth.scene.bodies[0].body,
+        &truth.scene.gravity_m_s2,
+        state,
+        duration_s,
+    )
 }
 
 /// The body's true pose every half millisecond.
@@ -48,7 +53,11 @@ fn goals_are_met_to_rounding() {
     for style in Style::ALL {
         let truth = style.truth();
         assert_eq!(truth.scene.goals.len(), 1);
-        assert!(truth.goal_miss() < 1e-13, "{style:?} misses by {}", truth.goal_miss());
+        assert!(
+            truth.goal_miss() < 1e-13,
+            "{style:?} misses by {}",
+            truth.goal_miss()
+        );
         let again = simulate(&truth.scene, &truth.arcs[0].state, truth.duration_s).unwrap();
         assert_eq!(again, truth);
     }
@@ -63,7 +72,11 @@ fn flight_conserves_energy_and_angular_momentum() {
                 let time_s = arc.start_s + (arc.end_s - arc.start_s) * f64::from(step) / 10.0;
                 let later = advance(&truth, &arc.state, time_s - arc.start_s);
                 let (e, m) = invariants(&truth, &later);
-                assert!((e - energy).abs() < 1e-13 * energy.abs(), "{}", truth.scene.name);
+                assert!(
+                    (e - energy).abs() < 1e-13 * energy.abs(),
+                    "{}",
+                    truth.scene.name
+                );
                 assert!((m - momentum).norm() < 1e-13 * momentum.norm());
             }
         }
@@ -76,7 +89,9 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
         let body = &truth.scene.bodies[0].body;
         let mut collisions = 0;
         for (index, event) in truth.scene.events.iter().enumerate() {
-            let EventKind::Collision { restitution, .. } = event.kind else { continue };
+            let EventKind::Collision { restitution, .. } = event.kind else {
+                continue;
+            };
             collisions += 1;
             let contact = perform::truth::contact(&truth.scene, &event.kind).unwrap();
             let arc = &truth.arcs[index];
@@ -86,7 +101,11 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
             });
             let before = advance(&truth, &arc.state, arc.end_s - arc.start_s);
             let after = &truth.arcs[index + 1].state;
-            assert!(contact.gap_m(&before).abs() < 1e-14, "{}", contact.gap_m(&before));
+            assert!(
+                contact.gap_m(&before).abs() < 1e-14,
+                "{}",
+                contact.gap_m(&before)
+            );
             assert!((after.position_m - before.position_m).norm() < 1e-13);
 
             let normal = contact.surface_normal;
@@ -95,7 +114,8 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
                 1.0 / body.mass_kg() + arm.dot(&arm.component_div(&body.moments_kg_m2()));
             let speed = contact.normal_speed_m_s(&before);
             let lost = 0.5 * (1.0 - restitution * restitution) * speed * speed / inverse_inertia;
-            let (energy, energy_after) = (invariants(&truth, &before).0, invariants(&truth, after).0);
+            let (energy, energy_after) =
+                (invariants(&truth, &before).0, invariants(&truth, after).0);
             assert!((energy - energy_after - lost).abs() < 1e-13 * energy);
             assert!(speed < -0.5);
             let back = impact::bounce(body, &contact, &normal, 1.0 / restitution, after);
@@ -110,8 +130,12 @@ fn the_pencils_do_what_their_names_say() {
     for (style, feature, half_turns) in [(Style::Tip, "tip", 2.0), (Style::Eraser, "eraser", 1.0)] {
         let truth = style.truth();
         assert!((0.7..1.0).contains(&truth.duration_s));
-        let EventKind::Collision { body, feature: touching, restitution, .. } =
-            truth.scene.events[0].kind
+        let EventKind::Collision {
+            body,
+            feature: touching,
+            restitution,
+            ..
+        } = truth.scene.events[0].kind
         else {
             panic!("the first event is the bounce");
         };
@@ -129,7 +153,10 @@ fn the_pencils_do_what_their_names_say() {
             .map(|(_, pose)| pose.rotation * Vector3::z())
             .collect();
         let turned: f64 = axes.windows(2).map(|pair| pair[0].angle(&pair[1])).sum();
-        assert!((turned / std::f64::consts::PI - half_turns).abs() < 0.1, "{turned}");
+        assert!(
+            (turned / std::f64::consts::PI - half_turns).abs() < 0.1,
+            "{turned}"
+        );
         assert!(truth.arcs[1].state.angular_velocity_rad_s.z.abs() > 10.0);
         let lean = axes.last().unwrap().angle(&Vector3::z()).to_degrees();
         assert!((1.0..10.0).contains(&lean), "it leans by {lean}°");
@@ -145,18 +172,32 @@ fn the_pencils_pass_through_neither_table_nor_mug() {
             .scene
             .obstacles
             .iter()
-            .map(|o| (o.name.as_str(), o.shape.solid().unwrap(), o.world_from_shape))
+            .map(|o| {
+                (
+                    o.name.as_str(),
+                    o.shape.solid().unwrap(),
+                    o.world_from_shape,
+                )
+            })
             .collect();
         assert_eq!(obstacles.len(), 9);
         for (time_s, pose) in poses(&truth) {
             for end in [-0.095, 0.095] {
                 let point = pose * nalgebra::Point3::new(0.0, 0.0, end);
-                assert!(point.z > -1e-12, "{style:?} is under the table at {time_s} s");
+                assert!(
+                    point.z > -1e-12,
+                    "{style:?} is under the table at {time_s} s"
+                );
             }
             for (name, obstacle, world_from_shape) in &obstacles {
-                let distance_m = pencil.distance_m(&pose, obstacle, world_from_shape).unwrap();
+                let distance_m = pencil
+                    .distance_m(&pose, obstacle, world_from_shape)
+                    .unwrap();
                 let least_m = if *name == "mug floor" { 1e-4 } else { 0.015 };
-                assert!(distance_m > least_m, "{style:?} at {time_s} s: {name} {distance_m} m");
+                assert!(
+                    distance_m > least_m,
+                    "{style:?} at {time_s} s: {name} {distance_m} m"
+                );
             }
         }
         // It does arrive at the floor, inside.
@@ -178,7 +219,10 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
                 .iter()
                 .map(|corner| (pose * nalgebra::Point3::from(corner.point_m)).z)
                 .fold(f64::INFINITY, f64::min);
-            assert!(lowest_m > -1e-9, "{count} bounces, seed {seed}, {time_s} s: {lowest_m}");
+            assert!(
+                lowest_m > -1e-9,
+                "{count} bounces, seed {seed}, {time_s} s: {lowest_m}"
+            );
         }
         for arc in &truth.arcs[..count] {
             assert!(arc.end_s - arc.start_s > 0.1);
@@ -199,7 +243,10 @@ fn a_motion_that_does_not_happen_is_refused() {
     let mut upward = truth.arcs[0].state;
     upward.velocity_m_s.z = 30.0;
     let refused = simulate(&truth.scene, &upward, 0.5);
-    assert!(matches!(refused, Err(perform::TruthError::NoContact { event: 0, .. })));
+    assert!(matches!(
+        refused,
+        Err(perform::TruthError::NoContact { event: 0, .. })
+    ));
     let mut twice = truth.scene.clone();
     twice.bodies.push(twice.bodies[0].clone());
     let refused = simulate(&twice, &truth.arcs[0].state, 0.5);
@@ -228,7 +275,10 @@ fn kept_recordings_are_made_again_byte_for_byte() {
     for kept in recording::kept() {
         let path = folder.path().join(kept.name);
         kept.write(&path).unwrap();
-        let (made, stored) = (std::fs::read(path).unwrap(), std::fs::read(kept_in.join(kept.name)));
+        let (made, stored) = (
+            std::fs::read(path).unwrap(),
+            std::fs::read(kept_in.join(kept.name)),
+        );
         assert!(
             made == stored.unwrap(),
             "{}: run `cargo run --example perform -- --all -o recordings` if that is meant",
@@ -251,9 +301,15 @@ fn the_attached_truth_is_the_truth() {
     assert!(near(&json["duration_s"], truth.duration_s));
     assert_eq!(json["events"][0]["name"], "bounce");
     assert!(near(&json["events"][0]["time_s"], truth.event_times_s[0]));
-    assert!(near(&json["arcs"][1]["velocity_m_s"][2], truth.arcs[1].state.velocity_m_s.z));
+    assert!(near(
+        &json["arcs"][1]["velocity_m_s"][2],
+        truth.arcs[1].state.velocity_m_s.z
+    ));
     let times = json["samples"][0]["times_s"].as_array().unwrap();
     assert_eq!(times.len(), performance.sample_times_s[0].len());
-    assert_eq!(times.len(), json["samples"][0]["stamps_ns"].as_array().unwrap().len());
+    assert_eq!(
+        times.len(),
+        json["samples"][0]["stamps_ns"].as_array().unwrap().len()
+    );
     assert!(near(&times[100], performance.sample_times_s[0][100]));
 }

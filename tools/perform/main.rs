@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example perform -- --style tip --seed 7 -o pencil.mcap`
 
-mod recording;
 #[path = "mod.rs"]
 mod perform;
+mod recording;
 
 use std::path::PathBuf;
 

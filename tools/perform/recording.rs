@@ -28,10 +28,23 @@ pub struct Kept {
 
 /// The recordings in `recordings/`. The performer's hand rests after the landing.
 pub fn kept() -> [Kept; 2] {
-    let acting = Acting { hold_after_s: 0.3, ..Acting::default() };
+    let acting = Acting {
+        hold_after_s: 0.3,
+        ..Acting::default()
+    };
     [
-        Kept { name: "pencil_tip.mcap", style: Style::Tip, acting, seed: 7 },
-        Kept { name: "pencil_eraser.mcap", style: Style::Eraser, acting, seed: 8 },
+        Kept {
+            name: "pencil_tip.mcap",
+            style: Style::Tip,
+            acting,
+            seed: 7,
+        },
+        Kept {
+            name: "pencil_eraser.mcap",
+            style: Style::Eraser,
+            acting,
+            seed: 8,
+        },
     ]
 }
 
@@ -44,11 +57,7 @@ impl Kept {
 }
 
 /// Writes a performance: `scene.toml` first, as a live pipeline would need it, `truth.json` last.
-pub fn write(
-    performance: &Performance,
-    scene_toml: &str,
-    path: &Path,
-) -> Result<(), WriteError> {
+pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result<(), WriteError> {
     let scene = &performance.truth.scene;
     let mut writer = RecordingWriter::create(path)?;
     writer.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
@@ -60,7 +69,11 @@ pub fn write(
             TakeEvent::Mark(mark) => writer.mark(&scene.marks_topic, *arrival, mark)?,
         }
     }
-    writer.attach("truth.json", "application/json", truth_json(performance).as_bytes())?;
+    writer.attach(
+        "truth.json",
+        "application/json",
+        truth_json(performance).as_bytes(),
+    )?;
     writer.finish()
 }
 
@@ -154,7 +167,12 @@ pub fn truth_json(performance: &Performance) -> String {
 }
 
 fn samples(performance: &Performance) -> Vec<SamplesRecord<'_>> {
-    let bodies = performance.truth.scene.bodies.iter().zip(&performance.sample_times_s);
+    let bodies = performance
+        .truth
+        .scene
+        .bodies
+        .iter()
+        .zip(&performance.sample_times_s);
     bodies
         .enumerate()
         .map(|(index, (body, times_s))| SamplesRecord {
