@@ -68,33 +68,34 @@ fn exact_acting_is_the_truth() {
 
 #[test]
 fn the_wander_is_as_large_as_asked() {
+    let whole = |per_axis: (f64, f64)| (per_axis.0 * 3_f64.sqrt(), per_axis.1 * 3_f64.sqrt());
     // A take is shorter than the slowest wander: some 400 takes × 3 axes × 1 independent value
     // each leave a standard error of 2 %.
     let wander = Acting {
         distortion: 1.0,
         ..Acting::exact()
     };
-    let (shift_m, _) = rms_per_axis(
+    let (shift_m, _) = whole(rms_per_axis(
         &Acting {
             wander_orientation_rad: 0.0,
             ..wander
         },
         400,
-    );
+    ));
     close(shift_m, 0.02, 0.06);
-    let (_, turn_rad) = rms_per_axis(
+    let (_, turn_rad) = whole(rms_per_axis(
         &Acting {
             wander_position_m: 0.0,
             ..wander
         },
         400,
-    );
+    ));
     close(turn_rad, 8_f64.to_radians(), 0.06);
     let small = Acting {
         distortion: 0.25,
         ..wander
     };
-    let (shift_m, turn_rad) = rms_per_axis(&small, 400);
+    let (shift_m, turn_rad) = whole(rms_per_axis(&small, 400));
     close(shift_m, 0.005, 0.06);
     close(turn_rad, 2_f64.to_radians(), 0.06);
 }

@@ -109,6 +109,9 @@ impl<'a> Descent<'a> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
+            if predicted < patience.gain && gained < patience.gain {
+                return step;
+            }
         }
         patience.steps
     }

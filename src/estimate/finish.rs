@@ -224,6 +224,18 @@ impl Finish<'_> {
             finished.decrease = decrease / self.system.cost.max(NO_COST);
             let done = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease;
+            let accepted = if done {
+                // The last step costs one evaluation and squares what error is left.
+                self.evaluate(&guidance, &step.delta, &mut trial);
+                trial.1.violation() <= finished.violation
+            } else {
+                self.search(&guidance, &kkt, &step, &mut trial)
+            };
+            if accepted {
+                std::mem::swap(&mut self.point, &mut trial.0);
+                std::mem::swap(&mut self.system, &mut trial.1);
+                self.multipliers = step.multipliers;
+            }
             if done {
                 finished.converged = true;
                 finished.violation = self.system.violation();

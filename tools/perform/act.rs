@@ -157,11 +157,12 @@ impl Hand {
     fn draw(acting: &Acting, seed: u64, body: usize) -> Self {
         let mut position = stream(seed, Role::PositionWander, body);
         let mut orientation = stream(seed, Role::OrientationWander, body);
+        let per_axis = acting.distortion / 3_f64.sqrt();
         Self {
             position: std::array::from_fn(|_| Wander::draw(&HAND_POSITION, &mut position)),
             orientation: std::array::from_fn(|_| Wander::draw(&HAND_ORIENTATION, &mut orientation)),
-            position_m: acting.distortion * acting.wander_position_m,
-            orientation_rad: acting.distortion * acting.wander_orientation_rad,
+            position_m: per_axis * acting.wander_position_m,
+            orientation_rad: per_axis * acting.wander_orientation_rad,
             pace: acting.wander_pace,
         }
     }

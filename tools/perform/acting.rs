@@ -3,16 +3,17 @@
 use enact::motion::Stamp;
 use serde::Serialize;
 
-/// The knobs. Standard deviations and rms are per axis.
+/// The knobs. The wanders are the rms length of the whole displacement and angle; standard
+/// deviations of noise are per axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Acting {
     /// Acted time per physical time, on the whole.
     pub slowdown: f64,
     /// Standard deviation of the logarithm of the tempo, which varies smoothly.
     pub tempo_variation: f64,
-    /// Smooth wander of the centre of mass: rms [m].
+    /// Smooth wander of the centre of mass: rms distance [m].
     pub wander_position_m: f64,
-    /// Smooth wander of the orientation: rms [rad].
+    /// Smooth wander of the orientation: rms angle [rad].
     pub wander_orientation_rad: f64,
     /// Factor on both wanders.
     pub distortion: f64,

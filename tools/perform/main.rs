@@ -66,10 +66,10 @@ struct Knobs {
     /// Standard deviation of the tempo's logarithm
     #[arg(long)]
     tempo_variation: Option<f64>,
-    /// Wander of the position, rms per axis
+    /// Wander of the position, rms distance
     #[arg(long)]
     wander_position_mm: Option<f64>,
-    /// Wander of the orientation, rms per axis
+    /// Wander of the orientation, rms angle
     #[arg(long)]
     wander_orientation_deg: Option<f64>,
     /// Factor on both wanders
