@@ -4,10 +4,10 @@
 //! Hamilton and unit, world from body; tangents in body axes.
 
 pub mod envelope;
+mod pose;
 pub mod so3;
 
 #[cfg(test)]
 pub mod differentiate;
 
-/// A rigid transform, named by its frames: `world_from_body`.
-pub type Pose = nalgebra::Isometry3<f64>;
+pub use pose::Pose;

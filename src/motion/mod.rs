@@ -1,8 +1,10 @@
 //! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
-//! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), and what
-//! comes out ([`estimate`]).
+//! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), what comes
+//! out ([`estimate`]), and who watches meanwhile ([`observe`]).
 
 pub mod estimate;
+pub mod guess;
+pub mod observe;
 pub mod scene;
 pub mod sketch;
 pub mod take;
@@ -11,6 +13,8 @@ pub use estimate::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
     SegmentResidual, Verdict,
 };
+pub use guess::{ArcGuess, Guess};
+pub use observe::{Observer, Phase};
 pub use scene::{
     Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Quantity, Scene,
     SceneBody, Surface, Timing, Weights,

@@ -1,0 +1,128 @@
+//! Bodies: shape, mass, tracker, features.
+
+use std::ops::RangeInclusive;
+
+use toml::Spanned;
+
+use super::error::{Fault, fault};
+use super::number::{name, pose, positive, topic, vector, vector_from_mm};
+use super::raw::{RawBody, RawShape};
+use super::solid::{SizeLimits, shape};
+use crate::math::Pose;
+use crate::motion::{Feature, SceneBody};
+use crate::physics::{Body, BodyError, Shape, ShapeError};
+
+/// A body is something a hand can act with.
+const SIZE: SizeLimits = SizeLimits {
+    least_m: 1e-4,
+    greatest_m: 100.0,
+};
+
+/// Lightest and heaviest body [kg].
+const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
+
+/// A checked body.
+pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
+    let raw = spanned.get_ref();
+    let name = name("body", &raw.name)?;
+    let topic = match &raw.topic {
+        Some(text) => topic("topic", text)?,
+        None => format!("/tracker/{name}/pose"),
+    };
+    let shape = shape("the body", &raw.shape, &SIZE)?;
+    let body = mass_and_moments(spanned, &raw.shape, &shape)?;
+    let body_from_tracker = match &raw.tracker {
+        Some(tracker) => pose(
+            "the tracker",
+            tracker.position_mm.as_ref(),
+            tracker.orientation_wxyz.as_ref(),
+        )?,
+        None => Pose::identity(),
+    };
+    Ok(SceneBody {
+        name,
+        topic,
+        body,
+        shape,
+        body_from_tracker,
+        features: features(raw)?,
+    })
+}
+
+fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
+    raw.features_mm
+        .iter()
+        .map(|(text, point)| {
+            let name = name("feature", text)?;
+            let point_m = vector_from_mm(&format!("feature {name:?}"), point)?;
+            Ok(Feature { name, point_m })
+        })
+        .collect()
+}
+
+/// Exactly one of the three keys for mass; moments from the shape unless they are given.
+fn mass_and_moments(
+    spanned: &Spanned<RawBody>,
+    raw_shape: &Spanned<RawShape>,
+    shape: &Shape,
+) -> Result<Body, Fault> {
+    let raw = spanned.get_ref();
+    let at_shape = |error: ShapeError| Fault {
+        span: raw_shape.span(),
+        message: error.to_string(),
+    };
+    let (mass_kg, mass_span) = match (&raw.mass_g, &raw.mass_kg, &raw.density_kg_m3) {
+        (Some(g), None, None) => (positive("mass_g", g)? / 1e3, g.span()),
+        (None, Some(kg), None) => (positive("mass_kg", kg)?, kg.span()),
+        (None, None, Some(density)) => {
+            let volume_m3 = shape.uniform_mass().map_err(at_shape)?.volume_m3;
+            (
+                positive("density_kg_m3", density)? * volume_m3,
+                density.span(),
+            )
+        }
+        (None, None, None) => {
+            return fault(
+                spanned.span(),
+                "the body has no mass, expected one of mass_g, mass_kg, density_kg_m3",
+            );
+        }
+        (_, _, Some(extra)) | (_, Some(extra), _) => {
+            return fault(
+                extra.span(),
+                "the body's mass is given twice, expected only one of mass_g, mass_kg, density_kg_m3",
+            );
+        }
+    };
+    if !MASS_KG.contains(&mass_kg) {
+        return fault(
+            mass_span,
+            format!(
+                "the body's mass is {mass_kg} kg, expected {:e} to {:e} kg: mass_g is in grams, mass_kg in kilograms",
+                MASS_KG.start(),
+                MASS_KG.end()
+            ),
+        );
+    }
+    let Some(given) = &raw.moments_kg_m2 else {
+        return shape.body_of_mass_kg(mass_kg).map_err(at_shape);
+    };
+    let moments_kg_m2 = vector("moments_kg_m2", given)?;
+    let greatest_kg_m2 = mass_kg * shape.radius_m().powi(2);
+    if moments_kg_m2.max() > greatest_kg_m2 * (1.0 + 1e-9) {
+        return fault(
+            given.span(),
+            format!(
+                "moments_kg_m2 has {} kg m², expected at most {greatest_kg_m2:e}: no {mass_kg} kg within this shape have more",
+                moments_kg_m2.max()
+            ),
+        );
+    }
+    Body::new(mass_kg, moments_kg_m2).map_err(|error| Fault {
+        span: match error {
+            BodyError::Mass { .. } => mass_span,
+            _ => given.span(),
+        },
+        message: error.to_string(),
+    })
+}

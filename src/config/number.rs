@@ -1,0 +1,188 @@
+//! Numbers, names, vectors and poses, checked where they stand.
+
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use toml::Spanned;
+
+use super::error::{Fault, fault};
+use super::raw::{Number, Quadruple, Text, Triple};
+use crate::math::Pose;
+
+/// How far the norm of a quaternion may be off 1.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// Longest name [characters].
+const NAME_LENGTH: usize = 64;
+
+/// A finite number.
+pub(super) fn finite(what: &str, number: &Number) -> Result<f64, Fault> {
+    let value = *number.get_ref();
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        fault(
+            number.span(),
+            format!("{what} is {value}, expected a finite number"),
+        )
+    }
+}
+
+/// A finite number above zero.
+pub(super) fn positive(what: &str, number: &Number) -> Result<f64, Fault> {
+    let value = finite(what, number)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        fault(
+            number.span(),
+            format!("{what} is {value}, expected a positive number"),
+        )
+    }
+}
+
+/// Three finite numbers.
+pub(super) fn vector(what: &str, triple: &Triple) -> Result<Vector3<f64>, Fault> {
+    let value = Vector3::from(*triple.get_ref());
+    if value.iter().all(|x| x.is_finite()) {
+        Ok(value)
+    } else {
+        fault(
+            triple.span(),
+            format!(
+                "{what} is [{}, {}, {}], expected three finite numbers",
+                value.x, value.y, value.z
+            ),
+        )
+    }
+}
+
+/// Three finite numbers, from millimetres to metres.
+pub(super) fn vector_from_mm(what: &str, triple: &Triple) -> Result<Vector3<f64>, Fault> {
+    Ok(vector(what, triple)? / 1e3)
+}
+
+/// A unit vector from one of any length but zero.
+pub(super) fn direction(what: &str, triple: &Triple) -> Result<Vector3<f64>, Fault> {
+    let value = vector(what, triple)?;
+    // Scaled by its largest component first, so that no square under- or overflows.
+    let largest = value.amax();
+    if largest > 0.0 {
+        return Ok((value / largest).normalize());
+    }
+    fault(
+        triple.span(),
+        format!("{what} is zero, expected a direction"),
+    )
+}
+
+/// A unit quaternion `[w, x, y, z]`, world from body.
+pub(super) fn orientation(what: &str, wxyz: &Quadruple) -> Result<UnitQuaternion<f64>, Fault> {
+    let [w, x, y, z] = *wxyz.get_ref();
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    // Not `> UNIT_TOLERANCE`: a norm that is NaN is no unit either.
+    if (norm - 1.0).abs() <= UNIT_TOLERANCE {
+        Ok(Unit::new_normalize(quaternion))
+    } else {
+        fault(
+            wxyz.span(),
+            format!(
+                "{what} has norm {norm}, expected a unit quaternion [w, x, y, z] within {UNIT_TOLERANCE}"
+            ),
+        )
+    }
+}
+
+/// A pose from its parts; what is left out is identity.
+pub(super) fn pose(
+    what: &str,
+    position_mm: Option<&Triple>,
+    orientation_wxyz: Option<&Quadruple>,
+) -> Result<Pose, Fault> {
+    let position_m = match position_mm {
+        Some(position) => vector_from_mm(&format!("position of {what}"), position)?,
+        None => Vector3::zeros(),
+    };
+    let rotation = match orientation_wxyz {
+        Some(wxyz) => orientation(&format!("orientation of {what}"), wxyz)?,
+        None => UnitQuaternion::identity(),
+    };
+    Ok(Pose::from_parts(position_m.into(), rotation))
+}
+
+/// A name: what reports and topics are made of.
+pub(super) fn name(what: &str, text: &Text) -> Result<String, Fault> {
+    let name = text.get_ref();
+    let complaint = if name.trim().is_empty() {
+        "is empty"
+    } else if name.trim() != name {
+        "begins or ends with a space"
+    } else if name.chars().any(char::is_control) {
+        "has a control character in it"
+    } else if name.chars().count() > NAME_LENGTH {
+        "has more than 64 characters"
+    } else {
+        return Ok(name.clone());
+    };
+    fault(
+        text.span(),
+        format!("the name of the {what} {complaint}, expected a short plain name"),
+    )
+}
+
+/// A topic: begins with a slash, no spaces.
+pub(super) fn topic(what: &str, text: &Text) -> Result<String, Fault> {
+    let topic = text.get_ref();
+    let plain = !topic.chars().any(|c| c.is_whitespace() || c.is_control());
+    if !topic.is_empty() && plain {
+        Ok(topic.clone())
+    } else {
+        fault(
+            text.span(),
+            format!("{what} is {topic:?}, expected a topic without spaces, such as \"/marks\""),
+        )
+    }
+}
+
+/// Index of a name among those that were defined.
+pub(super) fn index_of<'a>(
+    what: &str,
+    text: &Text,
+    defined: impl IntoIterator<Item = &'a str>,
+) -> Result<usize, Fault> {
+    let defined: Vec<&str> = defined.into_iter().collect();
+    let wanted = text.get_ref();
+    if let Some(index) = defined.iter().position(|name| name == wanted) {
+        return Ok(index);
+    }
+    let expected = match defined.as_slice() {
+        [] => format!("but no {what} is defined"),
+        [one] => format!("expected {one:?}"),
+        many => format!("expected one of {}", quoted(many)),
+    };
+    fault(
+        text.span(),
+        format!("unknown {what} {wanted:?}, {expected}"),
+    )
+}
+
+/// Refuses the second of two equal names.
+pub(super) fn unique<'a, T>(
+    what: &str,
+    text: &Spanned<T>,
+    name: &str,
+    before: impl IntoIterator<Item = &'a str>,
+) -> Result<(), Fault> {
+    if before.into_iter().any(|other| other == name) {
+        return fault(
+            text.span(),
+            format!("a second {what} {name:?}, expected a name of its own"),
+        );
+    }
+    Ok(())
+}
+
+/// Names in quotes, with commas.
+pub(super) fn quoted(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    quoted.join(", ")
+}

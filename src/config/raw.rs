@@ -1,0 +1,142 @@
+//! The scene file as it is written: every key, every unit, nothing checked but types.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+pub(super) type Number = Spanned<f64>;
+pub(super) type Triple = Spanned<[f64; 3]>;
+pub(super) type Quadruple = Spanned<[f64; 4]>;
+pub(super) type Text = Spanned<String>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a scene")]
+pub(super) struct RawScene {
+    pub(super) name: Text,
+    pub(super) gravity_m_s2: Option<Triple>,
+    pub(super) marks_topic: Option<Text>,
+    pub(super) timing: RawTiming,
+    pub(super) weights: Option<RawWeights>,
+    #[serde(default)]
+    pub(super) body: Vec<Spanned<RawBody>>,
+    #[serde(default)]
+    pub(super) surface: Vec<RawSurface>,
+    #[serde(default)]
+    pub(super) obstacle: Vec<RawObstacle>,
+    #[serde(default)]
+    pub(super) event: Vec<Spanned<RawEvent>>,
+    #[serde(default)]
+    pub(super) goal: Vec<Spanned<RawGoal>>,
+    #[serde(default)]
+    pub(super) free: Vec<RawFree>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with `stamps`")]
+pub(super) struct RawTiming {
+    pub(super) stamps: Text,
+    pub(super) tempo_sd_per_sqrt_s: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of weights")]
+pub(super) struct RawWeights {
+    pub(super) position_mm: Option<Number>,
+    pub(super) orientation_deg: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a body")]
+pub(super) struct RawBody {
+    pub(super) name: Text,
+    pub(super) topic: Option<Text>,
+    pub(super) shape: Spanned<RawShape>,
+    pub(super) mass_g: Option<Number>,
+    pub(super) mass_kg: Option<Number>,
+    pub(super) density_kg_m3: Option<Number>,
+    pub(super) moments_kg_m2: Option<Triple>,
+    pub(super) tracker: Option<RawTracker>,
+    #[serde(default)]
+    pub(super) features_mm: BTreeMap<Text, Triple>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table with `position_mm` and `orientation_wxyz`"
+)]
+pub(super) struct RawTracker {
+    pub(super) position_mm: Option<Triple>,
+    pub(super) orientation_wxyz: Option<Quadruple>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a shape such as { kind = \"sphere\", radius_mm = 10 }"
+)]
+pub(super) struct RawShape {
+    pub(super) kind: Text,
+    pub(super) size_mm: Option<Triple>,
+    pub(super) radius_mm: Option<Number>,
+    pub(super) length_mm: Option<Number>,
+    pub(super) height_mm: Option<Number>,
+    pub(super) points_mm: Option<Spanned<Vec<[f64; 3]>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a surface")]
+pub(super) struct RawSurface {
+    pub(super) name: Text,
+    pub(super) point_mm: Triple,
+    pub(super) normal: Triple,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an obstacle")]
+pub(super) struct RawObstacle {
+    pub(super) name: Text,
+    pub(super) shape: Spanned<RawShape>,
+    pub(super) position_mm: Triple,
+    pub(super) orientation_wxyz: Option<Quadruple>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an event")]
+pub(super) struct RawEvent {
+    pub(super) name: Text,
+    pub(super) kind: Text,
+    pub(super) body: Option<Text>,
+    pub(super) feature: Option<Text>,
+    pub(super) surface: Option<Text>,
+    pub(super) restitution: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a goal")]
+pub(super) struct RawGoal {
+    pub(super) event: Text,
+    pub(super) body: Text,
+    pub(super) position_mm: Option<Triple>,
+    pub(super) orientation_wxyz: Option<Quadruple>,
+    pub(super) position_within_mm: Option<Spanned<[[f64; 3]; 2]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a free quantity")]
+pub(super) struct RawFree {
+    pub(super) quantity: Text,
+    pub(super) initial: Option<Number>,
+    pub(super) initial_m_s2: Option<Number>,
+    pub(super) initial_deg: Option<Number>,
+    pub(super) lower: Option<Number>,
+    pub(super) lower_m_s2: Option<Number>,
+    pub(super) lower_deg: Option<Number>,
+    pub(super) upper: Option<Number>,
+    pub(super) upper_m_s2: Option<Number>,
+    pub(super) upper_deg: Option<Number>,
+    pub(super) prior_sd: Option<Number>,
+    pub(super) prior_sd_m_s2: Option<Number>,
+    pub(super) prior_sd_deg: Option<Number>,
+}

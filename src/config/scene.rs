@@ -1,0 +1,176 @@
+//! The whole scene, part by part.
+
+use nalgebra::Vector3;
+
+use super::body::body;
+use super::error::{Fault, SceneError, fault};
+use super::event::{events, goals};
+use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
+use super::parameter::parameters;
+use super::raw::{RawObstacle, RawScene, RawSurface, RawTiming, RawWeights};
+use super::solid::{SizeLimits, shape};
+use crate::motion::{Obstacle, Scene, SceneBody, Surface, Timing, Weights};
+
+const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
+const MARKS_TOPIC: &str = "/marks";
+const TEMPO_SD_PER_SQRT_S: f64 = 0.5;
+const WEIGHTS: Weights = Weights {
+    position_m: 0.01,
+    orientation_rad: 0.1,
+};
+
+/// Gravity above which the unit must be wrong [m/s²].
+const GRAVITY_LIMIT_M_S2: f64 = 1e3;
+
+const OBSTACLE_SIZE: SizeLimits = SizeLimits {
+    least_m: 1e-4,
+    greatest_m: 1e4,
+};
+
+/// A checked scene from the text of a scene file.
+///
+/// ```
+/// let error = enact::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
+/// assert_eq!((error.line, error.column), (2, 1));
+/// ```
+pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
+    let raw: RawScene =
+        toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
+    scene(&raw).map_err(|fault| SceneError::from_fault(text, fault))
+}
+
+fn scene(raw: &RawScene) -> Result<Scene, Fault> {
+    let name = name("scene", &raw.name)?;
+    let gravity_m_s2 = gravity_m_s2(raw)?;
+    let marks_topic = match &raw.marks_topic {
+        Some(text) => topic("marks_topic", text)?,
+        None => MARKS_TOPIC.into(),
+    };
+    let bodies = bodies(raw, &marks_topic)?;
+    let surfaces = surfaces(&raw.surface)?;
+    let events = events(&raw.event, &bodies, &surfaces)?;
+    Ok(Scene {
+        name,
+        gravity_m_s2,
+        timing: timing(&raw.timing)?,
+        marks_topic,
+        obstacles: obstacles(&raw.obstacle)?,
+        goals: goals(&raw.goal, &bodies, &events)?,
+        parameters: parameters(&raw.free, &gravity_m_s2, &events)?,
+        weights: weights(raw.weights.as_ref())?,
+        bodies,
+        surfaces,
+        events,
+    })
+}
+
+fn gravity_m_s2(raw: &RawScene) -> Result<Vector3<f64>, Fault> {
+    let Some(given) = &raw.gravity_m_s2 else {
+        return Ok(STANDARD_GRAVITY_M_S2);
+    };
+    let gravity_m_s2 = vector("gravity_m_s2", given)?;
+    if gravity_m_s2.amax() > GRAVITY_LIMIT_M_S2 {
+        return fault(
+            given.span(),
+            format!(
+                "gravity_m_s2 has {} m/s², expected at most {GRAVITY_LIMIT_M_S2}: it is in metres, not in millimetres",
+                gravity_m_s2.amax()
+            ),
+        );
+    }
+    Ok(gravity_m_s2)
+}
+
+fn timing(raw: &RawTiming) -> Result<Timing, Fault> {
+    match (raw.stamps.get_ref().as_str(), &raw.tempo_sd_per_sqrt_s) {
+        ("physical", None) => Ok(Timing::Known),
+        ("physical", Some(tempo)) => fault(
+            tempo.span(),
+            "tempo_sd_per_sqrt_s does not apply to physical stamps",
+        ),
+        ("tempo", tempo) => Ok(Timing::Unknown {
+            tempo_sd_per_sqrt_s: match tempo {
+                Some(number) => positive("tempo_sd_per_sqrt_s", number)?,
+                None => TEMPO_SD_PER_SQRT_S,
+            },
+        }),
+        (other, _) => fault(
+            raw.stamps.span(),
+            format!("stamps are {other:?}, expected \"tempo\" or \"physical\""),
+        ),
+    }
+}
+
+fn weights(raw: Option<&RawWeights>) -> Result<Weights, Fault> {
+    let mut weights = WEIGHTS;
+    if let Some(number) = raw.and_then(|raw| raw.position_mm.as_ref()) {
+        weights.position_m = positive("position_mm", number)? / 1e3;
+    }
+    if let Some(number) = raw.and_then(|raw| raw.orientation_deg.as_ref()) {
+        weights.orientation_rad = positive("orientation_deg", number)?.to_radians();
+    }
+    Ok(weights)
+}
+
+fn bodies(raw: &RawScene, marks_topic: &str) -> Result<Vec<SceneBody>, Fault> {
+    let mut bodies: Vec<SceneBody> = Vec::new();
+    for spanned in &raw.body {
+        let raw_body = spanned.get_ref();
+        let body = body(spanned)?;
+        unique(
+            "body",
+            &raw_body.name,
+            &body.name,
+            bodies.iter().map(|b| b.name.as_str()),
+        )?;
+        let taken = bodies.iter().map(|b| b.topic.as_str());
+        unique(
+            "use of the topic",
+            raw_body.topic.as_ref().unwrap_or(&raw_body.name),
+            &body.topic,
+            taken.chain([marks_topic]),
+        )?;
+        bodies.push(body);
+    }
+    if bodies.is_empty() {
+        return fault(
+            raw.name.span(),
+            "the scene has no body, expected at least one [[body]]",
+        );
+    }
+    Ok(bodies)
+}
+
+fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
+    let mut surfaces: Vec<Surface> = Vec::new();
+    for surface in raw {
+        let name = name("surface", &surface.name)?;
+        let taken = surfaces.iter().map(|s| s.name.as_str());
+        unique("surface", &surface.name, &name, taken)?;
+        surfaces.push(Surface {
+            name,
+            point_m: vector_from_mm("point_mm", &surface.point_mm)?,
+            normal: direction("normal", &surface.normal)?,
+        });
+    }
+    Ok(surfaces)
+}
+
+fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {
+    let mut obstacles: Vec<Obstacle> = Vec::new();
+    for obstacle in raw {
+        let name = name("obstacle", &obstacle.name)?;
+        let taken = obstacles.iter().map(|o| o.name.as_str());
+        unique("obstacle", &obstacle.name, &name, taken)?;
+        obstacles.push(Obstacle {
+            name,
+            shape: shape("the obstacle", &obstacle.shape, &OBSTACLE_SIZE)?,
+            world_from_shape: pose(
+                "the obstacle",
+                Some(&obstacle.position_mm),
+                obstacle.orientation_wxyz.as_ref(),
+            )?,
+        });
+    }
+    Ok(obstacles)
+}

@@ -1,0 +1,300 @@
+//! From readings in any order to poses of bodies in order of time, with an account of both.
+
+use std::cmp::Ordering;
+
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+
+use super::error::SegmentError;
+use super::marks::{Extent, check_extents, matched, seconds, union};
+use crate::math::Pose;
+use crate::motion::{
+    BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
+    Sketch, Stamp, TakeEvent,
+};
+
+/// How far the norm of a quaternion may be off 1 for the reading to be used.
+const NORM_LIMIT: f64 = 0.01;
+
+/// How far it may be off without being counted as repaired.
+const NORM_ROUNDING: f64 = 1e-6;
+
+/// An interval is a gap if it is longer than this many median ones.
+const GAP_RATIO: f64 = 2.5;
+
+/// Longest take [s].
+const SPAN_LIMIT_S: f64 = 86_400.0;
+
+/// The sketch of a take: streams sorted by stamp, without what cannot be used, in body axes,
+/// from the start to the end that the scene's events say; and what became of every sample.
+///
+/// Of readings with the same stamp the least in a fixed order of their numbers is kept, so that
+/// the sketch does not depend on the order of arrival; only `reordered` does. `used` counts all
+/// samples of the sketch.
+pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCounts), SegmentError> {
+    let mut counts = SampleCounts::default();
+    let (mut streams, marks) = sorted(scene, events, &mut counts)?;
+    if counts.read == 0 {
+        let topics: Vec<String> = scene
+            .bodies
+            .iter()
+            .map(|body| format!("{:?}", body.topic))
+            .collect();
+        return Err(SegmentError::NoSamples {
+            topics: topics.join(", "),
+        });
+    }
+    let mut extents = Vec::new();
+    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+        let read = stream.len();
+        let mut dropped = SampleCounts::default();
+        let extent = extent(stream);
+        drop_unusable(stream, &mut dropped);
+        extents.push(extent.ok_or_else(|| no_samples_of(body, read, &dropped))?);
+        merge(&mut counts, &dropped);
+    }
+    let whole = union(&extents).expect("a scene has bodies");
+    let span_s = seconds(whole.last, whole.first);
+    if span_s > SPAN_LIMIT_S {
+        return Err(SegmentError::Span {
+            span_s,
+            limit_s: SPAN_LIMIT_S,
+        });
+    }
+    let stamps = matched(scene, &marks, whole.first)?;
+    let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
+    check_extents(scene, &stamps, &extents, slack_ns)?;
+    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+        let read = stream.len();
+        let mut dropped = SampleCounts::default();
+        drop_outside(scene, &stamps, stream, &mut dropped);
+        if stream.is_empty() {
+            return Err(no_samples_of(body, read, &dropped));
+        }
+        merge(&mut counts, &dropped);
+    }
+    Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
+}
+
+/// Readings by body and the marks, in an order that arrival does not change.
+fn sorted(
+    scene: &Scene,
+    events: &[TakeEvent],
+    counts: &mut SampleCounts,
+) -> Result<(Vec<Vec<PoseSample>>, Vec<Mark>), SegmentError> {
+    let mut streams: Vec<Vec<PoseSample>> = vec![Vec::new(); scene.bodies.len()];
+    let mut latest: Vec<Option<Stamp>> = vec![None; scene.bodies.len()];
+    let mut marks = Vec::new();
+    for event in events {
+        match event {
+            TakeEvent::Mark(mark) => marks.push(mark.clone()),
+            TakeEvent::Pose { body, sample } => {
+                let Some(stream) = streams.get_mut(*body) else {
+                    return Err(SegmentError::NoSuchBody {
+                        body: *body,
+                        bodies: scene.bodies.len(),
+                    });
+                };
+                counts.read += 1;
+                counts.reordered += usize::from(latest[*body] > Some(sample.stamp));
+                latest[*body] = latest[*body].max(Some(sample.stamp));
+                stream.push(*sample);
+            }
+        }
+    }
+    for stream in &mut streams {
+        stream.sort_by(by_stamp_then_numbers);
+    }
+    Ok((streams, marks))
+}
+
+fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
+    let numbers = |s: &PoseSample| {
+        let [x, y, z, w] = s.quaternion_xyzw;
+        [s.position_m.x, s.position_m.y, s.position_m.z, x, y, z, w]
+    };
+    a.stamp.cmp(&b.stamp).then_with(|| {
+        numbers(a)
+            .iter()
+            .zip(&numbers(b))
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|order| order.is_ne())
+            .unwrap_or(Ordering::Equal)
+    })
+}
+
+/// Leaves out what is no pose, repeats a stamp, or repeats the pose before it bit for bit.
+fn drop_unusable(stream: &mut Vec<PoseSample>, counts: &mut SampleCounts) {
+    let mut previous: Option<PoseSample> = None;
+    stream.retain(|sample| {
+        let reason = unusable(sample).or_else(|| {
+            let previous = previous.as_ref()?;
+            if previous.stamp == sample.stamp {
+                Some(DropReason::Duplicate)
+            } else if same_bits(previous, sample) {
+                Some(DropReason::Frozen)
+            } else {
+                None
+            }
+        });
+        match reason {
+            Some(reason) => counts.drop(reason, 1),
+            None => previous = Some(*sample),
+        }
+        reason.is_none()
+    });
+}
+
+fn unusable(sample: &PoseSample) -> Option<DropReason> {
+    let finite = sample
+        .position_m
+        .iter()
+        .chain(&sample.quaternion_xyzw)
+        .all(|x| x.is_finite());
+    if !finite {
+        return Some(DropReason::NotFinite);
+    }
+    // Not `> NORM_LIMIT`: a norm that overflowed is no unit either.
+    let near_unit = (norm(sample) - 1.0).abs() <= NORM_LIMIT;
+    (!near_unit).then_some(DropReason::NotUnit)
+}
+
+fn same_bits(a: &PoseSample, b: &PoseSample) -> bool {
+    let bits = |s: &PoseSample| {
+        (
+            [s.position_m.x, s.position_m.y, s.position_m.z].map(f64::to_bits),
+            s.quaternion_xyzw.map(f64::to_bits),
+        )
+    };
+    bits(a) == bits(b)
+}
+
+fn norm(sample: &PoseSample) -> f64 {
+    let [x, y, z, w] = sample.quaternion_xyzw;
+    Quaternion::new(w, x, y, z).norm()
+}
+
+/// Leaves out what is before the start and after the end, if the scene has them.
+fn drop_outside(
+    scene: &Scene,
+    stamps: &[Stamp],
+    stream: &mut Vec<PoseSample>,
+    counts: &mut SampleCounts,
+) {
+    let of = |kind: EventKind| {
+        let event = scene.events.iter().position(|event| event.kind == kind);
+        event.map(|event| stamps[event])
+    };
+    let (start, end) = (of(EventKind::Start), of(EventKind::End));
+    stream.retain(|sample| {
+        let reason = if start.is_some_and(|start| sample.stamp < start) {
+            DropReason::BeforeStart
+        } else if end.is_some_and(|end| sample.stamp > end) {
+            DropReason::AfterEnd
+        } else {
+            return true;
+        };
+        counts.drop(reason, 1);
+        false
+    });
+}
+
+/// From the first pose to the last, one that repeats the pose before it included: a tracker at
+/// rest still saw what was marked then.
+fn extent(stream: &[PoseSample]) -> Option<Extent> {
+    let usable = |sample: &&PoseSample| unusable(sample).is_none();
+    Some(Extent {
+        first: stream.iter().find(usable)?.stamp,
+        last: stream.iter().rfind(usable)?.stamp,
+    })
+}
+
+fn no_samples_of(body: &SceneBody, read: usize, dropped: &SampleCounts) -> SegmentError {
+    let reasons: Vec<String> = dropped
+        .dropped
+        .iter()
+        .map(|(reason, count)| format!(", {count} {}", reason.word()))
+        .collect();
+    SegmentError::NoSamplesOfBody {
+        body: body.name.clone(),
+        topic: body.topic.clone(),
+        read,
+        dropped: reasons.concat(),
+    }
+}
+
+fn merge(counts: &mut SampleCounts, more: &SampleCounts) {
+    for (reason, count) in &more.dropped {
+        counts.drop(*reason, *count);
+    }
+}
+
+/// Interval above which there is a gap in the stream [ns].
+fn gap_limit_ns(stream: &[PoseSample]) -> i64 {
+    let mut intervals: Vec<i64> = stream
+        .windows(2)
+        .map(|pair| pair[1].stamp.0 - pair[0].stamp.0)
+        .collect();
+    intervals.sort_unstable();
+    let median = intervals.get(intervals.len() / 2).copied().unwrap_or(0);
+    (median as f64 * GAP_RATIO) as i64
+}
+
+/// Body poses since the first kept sample, unit quaternions of continuous sign.
+fn sketch(
+    scene: &Scene,
+    streams: &[Vec<PoseSample>],
+    stamps: &[Stamp],
+    counts: &mut SampleCounts,
+) -> Sketch {
+    let origin = streams
+        .iter()
+        .filter_map(|stream| Some(stream.first()?.stamp))
+        .min()
+        .expect("every body has samples");
+    let mut bodies = Vec::new();
+    for (stream, body) in streams.iter().zip(&scene.bodies) {
+        let limit_ns = gap_limit_ns(stream);
+        counts.gaps += stream
+            .windows(2)
+            .filter(|pair| pair[1].stamp.0 - pair[0].stamp.0 > limit_ns)
+            .count();
+        counts.used += stream.len();
+        let tracker_from_body = body.body_from_tracker.inverse();
+        let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
+        for sample in stream {
+            counts.normalised += usize::from((norm(sample) - 1.0).abs() > NORM_ROUNDING);
+            let world_from_body = world_from_tracker(sample) * tracker_from_body;
+            let mut orientation = world_from_body.rotation;
+            if samples
+                .last()
+                .is_some_and(|last| last.orientation.coords.dot(&orientation.coords) < 0.0)
+            {
+                orientation = UnitQuaternion::new_unchecked(-orientation.into_inner());
+                counts.flipped += 1;
+            }
+            samples.push(Sample {
+                stamp: sample.stamp,
+                acted_s: sample.stamp.seconds_since(origin),
+                position_m: world_from_body.translation.vector,
+                orientation,
+            });
+        }
+        bodies.push(BodySketch { samples });
+    }
+    Sketch {
+        origin,
+        bodies,
+        marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
+    }
+}
+
+fn world_from_tracker(sample: &PoseSample) -> Pose {
+    let [x, y, z, w] = sample.quaternion_xyzw;
+    Pose::from_parts(
+        Translation3::from(sample.position_m),
+        UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! Why a take makes no sketch.
+
+use thiserror::Error;
+
+/// Why a take makes no sketch of the scene. Times are seconds since the first sample.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SegmentError {
+    /// Nothing was delivered.
+    #[error("the take has no samples, expected poses on {topics}")]
+    NoSamples {
+        /// Topics of all bodies.
+        topics: String,
+    },
+    /// Nothing of one body can be used.
+    #[error("body {body:?} has no usable samples on {topic:?}: {read} read{dropped}")]
+    NoSamplesOfBody {
+        /// Its name.
+        body: String,
+        /// Its topic.
+        topic: String,
+        /// Delivered for it.
+        read: usize,
+        /// Why they were left out: `, 3 not_finite`.
+        dropped: String,
+    },
+    /// A sample of a body that the scene does not have.
+    #[error("a sample of body number {body}, expected one of {bodies}")]
+    NoSuchBody {
+        /// As delivered.
+        body: usize,
+        /// How many the scene has.
+        bodies: usize,
+    },
+    /// Stamps that cannot be of one take.
+    #[error("the samples span {span_s} s, expected at most {limit_s} s: are two clocks mixed?")]
+    Span {
+        /// From first to last.
+        span_s: f64,
+        /// At most.
+        limit_s: f64,
+    },
+    /// More or fewer marks than events.
+    #[error("{found} marks, expected {expected}{events}")]
+    MarkCount {
+        /// In the take.
+        found: usize,
+        /// Events of the scene.
+        expected: usize,
+        /// Their names: `: "release", "bounce"`, and those that no mark names.
+        events: String,
+    },
+    /// A mark names an event that the scene does not have.
+    #[error("a mark at {time_s:.3} s is for {name:?}, expected one of {events}")]
+    UnknownMark {
+        /// As named.
+        name: String,
+        /// When it was made.
+        time_s: f64,
+        /// The scene's events.
+        events: String,
+    },
+    /// Two marks name the same event.
+    #[error("two marks for {event:?}, at {first_s:.3} s and {second_s:.3} s, expected one")]
+    DuplicateMark {
+        /// The event.
+        event: String,
+        /// Earlier mark.
+        first_s: f64,
+        /// Later mark.
+        second_s: f64,
+    },
+    /// Marks do not follow the order of the scene's events.
+    #[error(
+        "the mark of {later:?} is at {later_s:.3} s, expected after that of {earlier:?} at {earlier_s:.3} s"
+    )]
+    MarkOrder {
+        /// Event that the scene has first.
+        earlier: String,
+        /// Its mark.
+        earlier_s: f64,
+        /// Event that the scene has next.
+        later: String,
+        /// Its mark.
+        later_s: f64,
+    },
+    /// A mark lies where there are no samples.
+    #[error(
+        "the mark of {event:?} is at {time_s:.3} s, outside the data: expected {first_s:.3} to {last_s:.3} s"
+    )]
+    MarkOutsideData {
+        /// The event.
+        event: String,
+        /// Its mark.
+        time_s: f64,
+        /// First sample of what it concerns.
+        first_s: f64,
+        /// Last sample of what it concerns.
+        last_s: f64,
+    },
+    /// Too little data between two events.
+    #[error(
+        "body `{body}` has {samples} usable samples between {from} and {to}: at least \
+         {expected} are needed"
+    )]
+    TooFewSamples {
+        /// Whose.
+        body: String,
+        /// How many.
+        samples: usize,
+        /// At least needed.
+        expected: usize,
+        /// Event at the segment's start, or "the beginning".
+        from: String,
+        /// Event at its end, or "the end of the data".
+        to: String,
+    },
+}

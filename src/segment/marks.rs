@@ -1,0 +1,135 @@
+//! Which mark stands for which event.
+
+use super::error::SegmentError;
+use crate::motion::{EventKind, Mark, Scene, Stamp};
+
+/// First and last stamp of some samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) first: Stamp,
+    pub(super) last: Stamp,
+}
+
+/// One stamp per event of the scene, in order of time.
+///
+/// Marks with a name go to their event; the others, in order of time, to the events that are
+/// left. `origin` is the zero of the times in errors.
+pub(super) fn matched(
+    scene: &Scene,
+    marks: &[Mark],
+    origin: Stamp,
+) -> Result<Vec<Stamp>, SegmentError> {
+    let mut marks = marks.to_vec();
+    marks.sort_by(|a, b| (a.stamp, &a.event).cmp(&(b.stamp, &b.event)));
+    let mut stamps: Vec<Option<Stamp>> = vec![None; scene.events.len()];
+    for mark in &marks {
+        let Some(name) = &mark.event else { continue };
+        let time_s = seconds(mark.stamp, origin);
+        let Some(event) = scene.events.iter().position(|e| &e.name == name) else {
+            return Err(SegmentError::UnknownMark {
+                name: name.clone(),
+                time_s,
+                events: names(scene, |_| true),
+            });
+        };
+        if let Some(first) = stamps[event].replace(mark.stamp) {
+            return Err(SegmentError::DuplicateMark {
+                event: name.clone(),
+                first_s: seconds(first, origin),
+                second_s: time_s,
+            });
+        }
+    }
+    if marks.len() != stamps.len() {
+        let mut events = String::new();
+        if !scene.events.is_empty() {
+            events = format!(": {}", names(scene, |_| true));
+        }
+        let unnamed = names(scene, |event| stamps[event].is_none());
+        let some_named = stamps.iter().any(Option::is_some);
+        if some_named && !unnamed.is_empty() && marks.len() < stamps.len() {
+            events += &format!("; no mark names {unnamed}");
+        }
+        return Err(SegmentError::MarkCount {
+            found: marks.len(),
+            expected: stamps.len(),
+            events,
+        });
+    }
+    let mut unnamed = marks.iter().filter(|mark| mark.event.is_none());
+    let stamps: Vec<Stamp> = stamps
+        .into_iter()
+        .filter_map(|stamp| stamp.or_else(|| unnamed.next().map(|mark| mark.stamp)))
+        .collect();
+    assert_eq!(stamps.len(), scene.events.len(), "as many marks as events");
+    check_order(scene, &stamps, origin)?;
+    Ok(stamps)
+}
+
+fn check_order(scene: &Scene, stamps: &[Stamp], origin: Stamp) -> Result<(), SegmentError> {
+    for (pair, events) in stamps.windows(2).zip(scene.events.windows(2)) {
+        if pair[0] >= pair[1] {
+            return Err(SegmentError::MarkOrder {
+                earlier: events[0].name.clone(),
+                earlier_s: seconds(pair[0], origin),
+                later: events[1].name.clone(),
+                later_s: seconds(pair[1], origin),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses marks where there are no samples: of the body, for a collision; of any body, for a
+/// start or an end, which may also lie up to `slack_ns` outside.
+pub(super) fn check_extents(
+    scene: &Scene,
+    stamps: &[Stamp],
+    bodies: &[Extent],
+    slack_ns: i64,
+) -> Result<(), SegmentError> {
+    let Some(whole) = union(bodies) else {
+        return Ok(());
+    };
+    for (event, stamp) in scene.events.iter().zip(stamps) {
+        let (extent, slack_ns) = match event.kind {
+            EventKind::Collision { body, .. } => (bodies[body], 0),
+            EventKind::Start | EventKind::End => (whole, slack_ns),
+        };
+        let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)
+            && stamp.0 <= extent.last.0.saturating_add(slack_ns);
+        if !inside {
+            return Err(SegmentError::MarkOutsideData {
+                event: event.name.clone(),
+                time_s: seconds(*stamp, whole.first),
+                first_s: seconds(extent.first, whole.first),
+                last_s: seconds(extent.last, whole.first),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// From the first of the firsts to the last of the lasts.
+pub(super) fn union(extents: &[Extent]) -> Option<Extent> {
+    Some(Extent {
+        first: extents.iter().map(|e| e.first).min()?,
+        last: extents.iter().map(|e| e.last).max()?,
+    })
+}
+
+/// Seconds between stamps that may be as far apart as integers allow.
+pub(super) fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
+    (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9
+}
+
+fn names(scene: &Scene, listed: impl Fn(usize) -> bool) -> String {
+    let names: Vec<String> = scene
+        .events
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| listed(*index))
+        .map(|(_, event)| format!("{:?}", event.name))
+        .collect();
+    names.join(", ")
+}
