@@ -43,17 +43,34 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
 
 /// `Exp(θ)` and `J_r(θ)` at the price of one sine.
 pub fn exp_and_right_jacobian(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+    let (rotation, a, b, square) = exp_and_coefficients(theta);
+    (rotation, jacobian_from(theta, -a, b, square))
+}
+
+/// `Exp(θ)` and the left Jacobian `J_l(θ) = J_r(θ)ᵀ`: `Exp(θ + δ) = Exp(J_l(θ) δ)·Exp(θ)`.
+pub fn exp_and_left_jacobian(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+    let (rotation, a, b, square) = exp_and_coefficients(theta);
+    (rotation, jacobian_from(theta, a, b, square))
+}
+
+/// `Exp(θ)`, `(1 − cos θ)/θ²`, `(θ − sin θ)/θ³`, `θ²`.
+fn exp_and_coefficients(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, f64, f64, f64) {
     let square = theta.norm_squared();
     if square < SERIES_BELOW {
-        return (exp(theta), right_jacobian(theta));
+        let a = 0.5 - square / 24.0 + square * square / 720.0;
+        let b = 1.0 / 6.0 - square / 120.0 + square * square / 5040.0;
+        return (exp(theta), a, b, square);
     }
     let angle = square.sqrt();
     let (sin, cos) = (0.5 * angle).sin_cos();
     let rotation =
         UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, theta * (sin / angle)));
-    let a = 2.0 * sin * sin / square;
-    let b = (angle - 2.0 * sin * cos) / (square * angle);
-    (rotation, jacobian_from(theta, -a, b, square))
+    (
+        rotation,
+        2.0 * sin * sin / square,
+        (angle - 2.0 * sin * cos) / (square * angle),
+        square,
+    )
 }
 
 /// The rotation matrix of a unit quaternion.
@@ -68,19 +85,7 @@ pub fn hat(theta: &Vector3<f64>) -> Matrix3<f64> {
 
 /// Right Jacobian: `Exp(θ + δ) = Exp(θ)·Exp(J_r(θ) δ)` to first order in δ.
 pub fn right_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
-    let square = theta.norm_squared();
-    // (1 − cos θ)/θ² and (θ − sin θ)/θ³
-    let (a, b) = if square < SERIES_BELOW {
-        (
-            0.5 - square / 24.0 + square * square / 720.0,
-            1.0 / 6.0 - square / 120.0 + square * square / 5040.0,
-        )
-    } else {
-        let angle = square.sqrt();
-        let (sin, cos) = angle.sin_cos();
-        ((1.0 - cos) / square, (angle - sin) / (square * angle))
-    };
-    jacobian_from(theta, -a, b, square)
+    exp_and_right_jacobian(theta).1
 }
 
 /// Inverse of [`right_jacobian`]: `Log(Exp(θ)·Exp(δ)) = θ + J_r⁻¹(θ) δ` to first order in δ.
@@ -185,11 +190,11 @@ mod tests {
     }
 
     #[test]
-    fn the_combined_form_agrees_with_its_parts() {
+    fn left_jacobian_is_the_transpose_and_exp_agrees() {
         for theta in cases() {
-            let (rotation, jacobian) = exp_and_right_jacobian(&theta);
+            let (rotation, jacobian) = exp_and_left_jacobian(&theta);
             assert_eq!(rotation, exp(&theta));
-            assert!((jacobian - right_jacobian(&theta)).norm() < 1e-11);
+            assert_eq!(jacobian.transpose(), right_jacobian(&theta));
         }
     }
 

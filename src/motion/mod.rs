@@ -3,6 +3,7 @@
 //! out ([`estimate`]), and who watches meanwhile ([`observe`]).
 
 pub mod estimate;
+pub mod guess;
 pub mod observe;
 pub mod scene;
 pub mod sketch;
@@ -12,6 +13,7 @@ pub use estimate::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
     SegmentResidual, Verdict,
 };
+pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use scene::{
     Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Quantity, Scene,

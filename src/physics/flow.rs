@@ -53,6 +53,42 @@ pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTan
     rate
 }
 
+/// The free turn of one angular velocity, for many durations.
+#[derive(Clone, Debug)]
+pub struct Spin {
+    turning: Turning,
+    alpha: Vector3<f64>,
+    beta: f64,
+}
+
+impl Spin {
+    /// The turn that begins with `ω` [rad/s, body].
+    pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
+        let turning = Turning::of(body);
+        Self {
+            alpha: turning.scale.component_mul(angular_velocity_rad_s),
+            beta: turning.precession(angular_velocity_rad_s),
+            turning,
+        }
+    }
+
+    /// `R(0)⁻¹R(s)`, and the `K` by which a change of `ω` turns `R(s)` by `s K δω`, seen from
+    /// the frame of `R(0)`. Since `ω` turns with the body, `K ω` is `ω(s)` in that frame.
+    #[inline]
+    pub fn turn_and_derivative(&self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+        let (first, mut k) = so3::exp_and_left_jacobian(&(self.alpha * duration_s));
+        if self.turning.excess == 0.0 {
+            return (first, k);
+        }
+        let axis = &self.turning.axis;
+        for column in 0..3 {
+            k.column_mut(column).scale_mut(self.turning.scale[column]);
+        }
+        k += (first * axis) * (axis * self.turning.excess).transpose();
+        (first * so3::exp(&(axis * (self.beta * duration_s))), k)
+    }
+}
+
 /// Orientation and angular velocity after a free turn, with their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
@@ -67,6 +103,7 @@ pub struct Turn {
 }
 
 /// `I = I_t·diag(…)`, as the flow needs it.
+#[derive(Clone, Debug)]
 struct Turning {
     axis: Vector3<f64>,
     /// `I_t⁻¹ I`, diagonal.
@@ -280,6 +317,25 @@ mod tests {
                         );
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn spin_agrees_with_turn_seen_from_the_epoch() {
+        for body in bodies() {
+            let omega = state().angular_velocity_rad_s;
+            let spin = Spin::new(&body, &omega);
+            for duration_s in [0.31, -0.2, 0.0] {
+                let turn = turn(&body, &state().orientation, &omega, duration_s);
+                let (rotation, k) = spin.turn_and_derivative(duration_s);
+                assert!((state().orientation * rotation).angle_to(&turn.orientation) < 1e-14);
+                let carried = turn.orientation_by_orientation.transpose()
+                    * turn.orientation_by_angular_velocity;
+                assert!((carried - k * duration_s).norm() < 1e-14);
+                let seen =
+                    turn.orientation_by_orientation.transpose() * turn.angular_velocity_rad_s;
+                assert!((seen - k * omega).norm() < 1e-13);
             }
         }
     }

@@ -4,6 +4,7 @@
 pub mod body;
 pub mod flow;
 pub mod impact;
+pub mod observe;
 pub mod shape;
 pub mod state;
 

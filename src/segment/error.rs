@@ -97,4 +97,21 @@ pub enum SegmentError {
         /// Last sample of what it concerns.
         last_s: f64,
     },
+    /// Too little data between two events.
+    #[error(
+        "body `{body}` has {samples} usable samples between {from} and {to}: at least \
+         {expected} are needed"
+    )]
+    TooFewSamples {
+        /// Whose.
+        body: String,
+        /// How many.
+        samples: usize,
+        /// At least needed.
+        expected: usize,
+        /// Event at the segment's start, or "the beginning".
+        from: String,
+        /// Event at its end, or "the end of the data".
+        to: String,
+    },
 }

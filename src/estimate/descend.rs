@@ -1,0 +1,228 @@
+//! Levenberg–Marquardt on the augmented Lagrangian, with a second-order correction.
+//!
+//! The damping matrix is fixed, `10/s²` with a length `s` for every kind of unknown: the
+//! diagonal of the normal matrix would let the constraints' weight damp the motion along
+//! their valley.
+
+use nalgebra::DVector;
+
+use super::layout::Layout;
+use super::merit::{self, Price};
+use super::point::Point;
+use super::problem::Problem;
+use super::system::{Frame, Guidance, System};
+use crate::math::envelope::Envelope;
+use crate::motion::Counters;
+
+/// Lengths `s` of the damping.
+mod length {
+    pub const POSITION_M: f64 = 0.05;
+    pub const ORIENTATION_RAD: f64 = 1.0;
+    pub const VELOCITY_M_S: f64 = 0.5;
+    pub const ANGULAR_VELOCITY_RAD_S: f64 = 5.0;
+    pub const TIME_S: f64 = 0.02;
+}
+
+/// Least and greatest damping at the start of a descent.
+pub const DAMPING: (f64, f64) = (1e-6, 1e-2);
+
+/// A point and everything that moves it.
+pub struct Descent<'a> {
+    /// What stays fixed.
+    pub frame: &'a Frame<'a>,
+    /// Where it stands.
+    pub point: Point,
+    /// Objective and constraints there.
+    pub system: System,
+    /// Levenberg–Marquardt's λ.
+    pub damping: f64,
+    /// Work done so far.
+    pub counters: Counters,
+    scale: DVector<f64>,
+    trial: Point,
+    trial_system: System,
+    matrix: Envelope,
+}
+
+/// When a descent may stop.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// At most so many steps.
+    pub steps: usize,
+    /// Enough when a step gained less than this, as predicted and in truth.
+    pub gain: f64,
+}
+
+impl<'a> Descent<'a> {
+    /// Starts at `point`.
+    pub fn new(frame: &'a Frame<'a>, guidance: &Guidance, point: Point) -> Self {
+        let mut system = System::new(frame);
+        system.evaluate(frame, guidance, &point);
+        Self {
+            scale: scale(frame.problem, frame.layout),
+            trial: point.clone(),
+            trial_system: system.clone(),
+            matrix: Envelope::zeros(&frame.layout.pattern),
+            frame,
+            point,
+            system,
+            damping: 1e-3,
+            counters: Counters {
+                evaluations: 1,
+                ..Counters::default()
+            },
+        }
+    }
+
+    /// Evaluates the point again, under other guidance.
+    pub fn refresh(&mut self, guidance: &Guidance) {
+        self.system.evaluate(self.frame, guidance, &self.point);
+        self.counters.evaluations += 1;
+    }
+
+    /// Descends on the augmented Lagrangian; returns the number of steps.
+    pub fn run(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
+        self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
+        let mut growth = 2.0;
+        for step in 1..=patience.steps {
+            let before = price.merit(&self.system);
+            let Some((delta, predicted)) = self.direction(price) else {
+                self.damping = (self.damping * 10.0).max(1e-6);
+                continue;
+            };
+            let after = self.try_step(guidance, price, &delta, before, predicted);
+            let gained = before - after;
+            let ratio = gained / predicted.max(f64::MIN_POSITIVE);
+            if gained.is_finite() && ratio > 1e-4 {
+                std::mem::swap(&mut self.point, &mut self.trial);
+                std::mem::swap(&mut self.system, &mut self.trial_system);
+                self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+                growth = 2.0;
+            } else {
+                self.damping *= growth;
+                growth *= 2.0;
+            }
+            if predicted < patience.gain && gained < patience.gain {
+                return step;
+            }
+        }
+        patience.steps
+    }
+
+    /// The damped step and the decrease it promises.
+    fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64)> {
+        let pattern = &self.frame.layout.pattern;
+        self.counters.iterations += 1;
+        self.counters.factorisations += 1;
+        let mut gradient = self.system.gradient.clone();
+        self.matrix.copy_from(&self.system.hessian);
+        price.add_to(self.frame, &self.system, &mut self.matrix, &mut gradient);
+        for row in 0..pattern.size() {
+            self.matrix
+                .add(pattern, row, row, self.damping * self.scale[row]);
+        }
+        self.matrix.factorise(pattern).ok()?;
+        let mut delta = -&gradient;
+        self.matrix.solve(pattern, &mut delta);
+        let damped: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
+        let predicted = 0.5 * (-gradient.dot(&delta) + self.damping * damped);
+        Some((delta, predicted))
+    }
+
+    /// Evaluates the step, corrected for the curvature of the constraints where that helps,
+    /// and leaves the better in `trial`; returns its merit.
+    fn try_step(
+        &mut self,
+        guidance: &Guidance,
+        price: &Price,
+        delta: &DVector<f64>,
+        before: f64,
+        predicted: f64,
+    ) -> f64 {
+        let after = self.evaluate_trial(guidance, price, delta);
+        if before - after >= 0.9 * predicted {
+            return after;
+        }
+        let Some(corrected) = self.corrected(price, delta) else {
+            return after;
+        };
+        let trial = self.trial.clone();
+        let trial_system = self.trial_system.clone();
+        let corrected_after = self.evaluate_trial(guidance, price, &corrected);
+        if corrected_after < after {
+            return corrected_after;
+        }
+        self.trial = trial;
+        self.trial_system = trial_system;
+        after
+    }
+
+    fn evaluate_trial(&mut self, guidance: &Guidance, price: &Price, delta: &DVector<f64>) -> f64 {
+        let frame = self.frame;
+        self.trial
+            .retract_from(&self.point, frame.problem, frame.layout, delta);
+        self.trial_system.evaluate(frame, guidance, &self.trial);
+        self.counters.evaluations += 1;
+        let merit = price.merit(&self.trial_system);
+        if merit.is_finite() {
+            merit
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The step plus what removes the constraints' departure from their linearisation.
+    fn corrected(&self, price: &Price, delta: &DVector<f64>) -> Option<DVector<f64>> {
+        let layout = self.frame.layout;
+        let mut errors = merit::along(layout, &self.system, delta);
+        for ((errors, block), trial) in errors
+            .iter_mut()
+            .zip(&self.system.blocks)
+            .zip(&self.trial_system.blocks)
+        {
+            for (row, error) in errors.iter_mut().enumerate() {
+                *error = trial.values[row] - block.values[row] - *error;
+            }
+        }
+        let mut correction = DVector::zeros(layout.size());
+        price.add_pull(layout, &self.system, &errors, &mut correction);
+        correction.neg_mut();
+        self.matrix.solve(&layout.pattern, &mut correction);
+        let size = |d: &DVector<f64>| -> f64 {
+            d.iter()
+                .zip(&self.scale)
+                .map(|(d, s)| d * d * s)
+                .sum::<f64>()
+                .sqrt()
+        };
+        (size(&correction) < 0.75 * size(delta)).then(|| delta + correction)
+    }
+}
+
+/// `10/s²` for every unknown; parameters by the width of their bounds or their prior.
+fn scale(problem: &Problem, layout: &Layout) -> DVector<f64> {
+    let weight = |length: f64| 10.0 / (length * length);
+    let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
+    for at in &layout.arcs {
+        for (block, length) in [
+            length::POSITION_M,
+            length::ORIENTATION_RAD,
+            length::VELOCITY_M_S,
+            length::ANGULAR_VELOCITY_RAD_S,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            scale.rows_mut(at + 3 * block, 3).fill(weight(length));
+        }
+    }
+    for (at, free) in layout.parameters.iter().zip(&problem.parameters) {
+        let width = free.upper - free.lower;
+        let length = free
+            .prior_sd
+            .unwrap_or(1.0)
+            .min(if width > 0.0 { width } else { 1.0 });
+        scale[*at] = weight(length);
+    }
+    scale
+}

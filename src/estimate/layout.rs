@@ -1,0 +1,164 @@
+//! Where each unknown sits: along time, so that the normal matrix is a narrow envelope.
+//!
+//! Between two events come the sample times (where they are unknown), then the states of the
+//! arcs that end at the next event, then that event's time; parameters, which everything may
+//! share, come last.
+
+use super::problem::Problem;
+use crate::math::envelope::Pattern;
+
+/// Number of unknowns of a state.
+pub const STATE: usize = 12;
+
+/// Index of the first unknown of every part.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Of each arc's state.
+    pub arcs: Vec<usize>,
+    /// Of each event's time, where it is free.
+    pub events: Vec<Option<usize>>,
+    /// Of each node's time, where it is unknown. The first node is fixed: it is time's zero.
+    pub nodes: Vec<Option<usize>>,
+    /// Of each parameter.
+    pub parameters: Vec<usize>,
+    /// Which unknowns meet in a residual.
+    pub pattern: Pattern,
+    /// Unknowns that meet in each collision, in the order of its derivative's columns.
+    pub collisions: Vec<Vec<usize>>,
+    /// Likewise for each goal.
+    pub goals: Vec<Vec<usize>>,
+}
+
+impl Layout {
+    /// The layout of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        let mut next = 0;
+        let mut take = |count: usize| {
+            next += count;
+            next - count
+        };
+        let mut arcs = vec![0; problem.arcs.len()];
+        let mut events = vec![None; problem.event_is_free.len()];
+        let mut nodes = vec![None; problem.nodes_acted_s.len()];
+        let mut placed = vec![false; problem.arcs.len()];
+        let mut next_node = 1;
+        // One round per event and one for what ends without any.
+        for event in (0..events.len()).map(Some).chain([None]) {
+            let ending = |arc: usize| event.is_none() || problem.arcs[arc].end == event;
+            let here: Vec<usize> = (0..arcs.len())
+                .filter(|a| !placed[*a] && ending(*a))
+                .collect();
+            if problem.times_are_unknown() {
+                let last = here
+                    .iter()
+                    .filter_map(|arc| problem.arcs[*arc].samples.last())
+                    .map(|sample| sample.node)
+                    .max();
+                while last.is_some_and(|last| next_node <= last) {
+                    nodes[next_node] = Some(take(1));
+                    next_node += 1;
+                }
+            }
+            for arc in here {
+                placed[arc] = true;
+                arcs[arc] = take(STATE);
+            }
+            if let Some(event) = event
+                && problem.event_is_free[event]
+            {
+                events[event] = Some(take(1));
+            }
+        }
+        let parameters: Vec<usize> = problem.parameters.iter().map(|_| take(1)).collect();
+        let mut layout = Self {
+            arcs,
+            events,
+            nodes,
+            parameters,
+            pattern: Pattern::new(0, []),
+            collisions: Vec::new(),
+            goals: Vec::new(),
+        };
+        layout.collisions = (0..problem.collisions.len())
+            .map(|index| layout.collision_columns(problem, index))
+            .collect();
+        layout.goals = (0..problem.goals.len())
+            .map(|index| layout.goal_columns(problem, index))
+            .collect();
+        layout.pattern = Pattern::new(next, layout.couplings(problem));
+        layout
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.pattern.size()
+    }
+
+    /// State before, state after, time, gravity, restitution, tilts.
+    fn collision_columns(&self, problem: &Problem, index: usize) -> Vec<usize> {
+        let collision = &problem.collisions[index];
+        let mut columns: Vec<usize> = Vec::with_capacity(2 * STATE + 7);
+        columns.extend(self.state(collision.before));
+        columns.extend(self.state(collision.after));
+        columns.extend(self.events[collision.event]);
+        columns.extend(self.gravity(problem));
+        columns.extend(collision.restitution_parameter.map(|p| self.parameters[p]));
+        columns.extend(collision.tilts.iter().map(|(_, p)| self.parameters[*p]));
+        columns
+    }
+
+    /// State, time, gravity.
+    fn goal_columns(&self, problem: &Problem, index: usize) -> Vec<usize> {
+        let goal = &problem.goals[index];
+        let mut columns: Vec<usize> = self.state(goal.arc).collect();
+        columns.extend(self.events[goal.event]);
+        columns.extend(self.gravity(problem));
+        columns
+    }
+
+    fn state(&self, arc: usize) -> impl Iterator<Item = usize> + use<> {
+        self.arcs[arc]..self.arcs[arc] + STATE
+    }
+
+    /// Unknowns that hold components of gravity.
+    pub fn gravity(&self, problem: &Problem) -> Vec<usize> {
+        problem
+            .gravity_parameters
+            .iter()
+            .flatten()
+            .map(|p| self.parameters[*p])
+            .collect()
+    }
+
+    /// Every pair that may meet, each row at least with its first column.
+    fn couplings(&self, problem: &Problem) -> Vec<(usize, usize)> {
+        let mut couplings = Vec::new();
+        let mut clique = |members: &[usize]| {
+            if let Some(first) = members.iter().min() {
+                couplings.extend(members.iter().map(|member| (*member, *first)));
+            }
+        };
+        let gravity = self.gravity(problem);
+        for (index, arc) in problem.arcs.iter().enumerate() {
+            let mut members: Vec<usize> = self.state(index).collect();
+            members.extend(&gravity);
+            clique(&members);
+            for sample in &arc.samples {
+                if let Some(node) = self.nodes[sample.node] {
+                    members.push(node);
+                    clique(&members);
+                    members.pop();
+                }
+            }
+        }
+        self.collisions
+            .iter()
+            .chain(&self.goals)
+            .for_each(|columns| clique(columns));
+        // The tempo prior compares neighbouring rates: three times in a row.
+        for three in self.nodes.windows(3) {
+            clique(&three.iter().flatten().copied().collect::<Vec<_>>());
+        }
+        couplings
+    }
+}

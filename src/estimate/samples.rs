@@ -1,0 +1,198 @@
+//! The sample terms of the objective (paper eq. 1), summed into one small block per arc.
+//!
+//! Half the squared distance of a pose from its sample is `½|x(s) − x_i|²/u_x²` plus the turn's
+//! part ([`TurnTerms`]).
+//!
+//! With known times the position terms are an exact quadratic of the state, whatever the
+//! number of samples: [`ArcSums`] keeps their sums, relative to a reference near the optimum
+//! so that no digits cancel.
+
+use nalgebra::Vector3;
+
+use super::problem::{Arc, Problem};
+use crate::physics::flow::{self, Spin};
+use crate::physics::observe::TurnTerms;
+use crate::physics::{Body, State};
+
+/// Sums over the samples of an arc that the position terms need when times are known.
+#[derive(Clone, Debug)]
+pub struct ArcSums {
+    reference_position_m: Vector3<f64>,
+    reference_velocity_m_s: Vector3<f64>,
+    reference_gravity_m_s2: Vector3<f64>,
+    /// `Σ s^k`, k = 0…4.
+    powers: [f64; 5],
+    /// `Σ r`, `Σ s r`, `Σ ½s² r` of the reference's residuals.
+    moments: [Vector3<f64>; 3],
+    /// `Σ |r|²`.
+    square: f64,
+}
+
+/// Half the sum of squared residuals of an arc and its derivatives by the state, in the
+/// order position, orientation, velocity, angular velocity; and by gravity.
+#[derive(Clone, Debug, Default)]
+pub struct ArcTerms {
+    /// Value of the position terms.
+    pub cost: f64,
+    /// `Σ r`, `Σ s r`, `Σ ½s² r` per squared unit: gradients by position, velocity, gravity.
+    pub position_gradient: [Vector3<f64>; 3],
+    /// `Σ s^k` per squared unit, k = 0…4: the Hessian between position, velocity, gravity is
+    /// `[p0, p1, p2/2; ·, p2, p3/2; ·, ·, p4/4]`, the same on every axis.
+    pub powers: [f64; 5],
+    /// Terms of the turn, its cost included.
+    pub turn: TurnTerms,
+}
+
+/// Derivatives of one sample's terms that involve its time.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeTerms {
+    /// By the time.
+    pub gradient: f64,
+    /// Second, by the time.
+    pub square: f64,
+    /// By the time and position, orientation, velocity, angular velocity, gravity.
+    pub cross: [Vector3<f64>; 5],
+}
+
+impl ArcSums {
+    /// Sums over the samples of `arc` at `times_s` about the flight through `state`.
+    pub fn new(
+        arc: &Arc,
+        times_s: &[f64],
+        epoch_s: f64,
+        state: &State,
+        gravity_m_s2: &Vector3<f64>,
+    ) -> Self {
+        let mut sums = Self {
+            reference_position_m: state.position_m,
+            reference_velocity_m_s: state.velocity_m_s,
+            reference_gravity_m_s2: *gravity_m_s2,
+            powers: [0.0; 5],
+            moments: [Vector3::zeros(); 3],
+            square: 0.0,
+        };
+        for sample in &arc.samples {
+            let s = times_s[sample.node] - epoch_s;
+            let residual = flow::position(gravity_m_s2, state, s) - sample.position_m;
+            sums.moments[0] += residual;
+            sums.moments[1] += residual * s;
+            sums.moments[2] += residual * (0.5 * s * s);
+            sums.square += residual.norm_squared();
+            let mut power = 1.0;
+            for entry in &mut sums.powers {
+                *entry += power;
+                power *= s;
+            }
+        }
+        sums
+    }
+
+    /// Adds the position terms of a state.
+    fn add_to(
+        &self,
+        terms: &mut ArcTerms,
+        state: &State,
+        gravity_m_s2: &Vector3<f64>,
+        unit_m: f64,
+    ) {
+        let weight = 1.0 / (unit_m * unit_m);
+        let [p0, p1, p2, p3, p4] = self.powers;
+        let x = state.position_m - self.reference_position_m;
+        let v = state.velocity_m_s - self.reference_velocity_m_s;
+        let g = gravity_m_s2 - self.reference_gravity_m_s2;
+        let change = [
+            x * p0 + v * p1 + g * (0.5 * p2),
+            x * p1 + v * p2 + g * (0.5 * p3),
+            x * (0.5 * p2) + v * (0.5 * p3) + g * (0.25 * p4),
+        ];
+        let step = [x, v, g];
+        let mut cost = 0.5 * self.square;
+        for k in 0..3 {
+            cost += step[k].dot(&(self.moments[k] + change[k] * 0.5));
+            terms.position_gradient[k] += (self.moments[k] + change[k]) * weight;
+        }
+        // A sum of squares; rounding may leave a perfect fit just below zero.
+        terms.cost += cost.max(0.0) * weight;
+        for (entry, power) in terms.powers.iter_mut().zip(&self.powers) {
+            *entry += power * weight;
+        }
+    }
+}
+
+/// Terms of an arc whose sample times are known.
+pub fn known_times(
+    problem: &Problem,
+    arc: &Arc,
+    sums: &ArcSums,
+    (state, epoch_s): (&State, f64),
+    gravity_m_s2: &Vector3<f64>,
+    times_s: &[f64],
+) -> ArcTerms {
+    let mut terms = ArcTerms::default();
+    let spin = Spin::new(&problem.bodies[arc.body], &state.angular_velocity_rad_s);
+    let weight = 1.0 / (problem.orientation_unit_rad * problem.orientation_unit_rad);
+    for sample in &arc.samples {
+        let s = times_s[sample.node] - epoch_s;
+        terms
+            .turn
+            .add(&spin, &state.orientation, &sample.orientation, s, weight);
+    }
+    sums.add_to(&mut terms, state, gravity_m_s2, problem.position_unit_m);
+    terms
+}
+
+/// Terms of an arc whose sample times are unknowns; `each` gets every sample's node and terms.
+pub fn unknown_times(
+    problem: &Problem,
+    arc: &Arc,
+    (state, epoch_s): (&State, f64),
+    gravity_m_s2: &Vector3<f64>,
+    times_s: &[f64],
+    mut each: impl FnMut(usize, TimeTerms),
+) -> ArcTerms {
+    let mut terms = ArcTerms::default();
+    let body: &Body = &problem.bodies[arc.body];
+    let spin = Spin::new(body, &state.angular_velocity_rad_s);
+    let turn_weight = 1.0 / (problem.orientation_unit_rad * problem.orientation_unit_rad);
+    let weight = 1.0 / (problem.position_unit_m * problem.position_unit_m);
+    for sample in &arc.samples {
+        let s = times_s[sample.node] - epoch_s;
+        let (k, error) = terms.turn.add(
+            &spin,
+            &state.orientation,
+            &sample.orientation,
+            s,
+            turn_weight,
+        );
+        let velocity = state.velocity_m_s + gravity_m_s2 * s;
+        let residual = flow::position(gravity_m_s2, state, s) - sample.position_m;
+        let half_square = 0.5 * s * s;
+        terms.cost += 0.5 * weight * residual.norm_squared();
+        terms.position_gradient[0] += residual * weight;
+        terms.position_gradient[1] += residual * (weight * s);
+        terms.position_gradient[2] += residual * (weight * half_square);
+        let mut power = weight;
+        for entry in &mut terms.powers {
+            *entry += power;
+            power *= s;
+        }
+        // The body's angular velocity at s, seen from the epoch's frame, is K ω.
+        let omega = k * state.angular_velocity_rad_s;
+        let (pull, turn) = (velocity * weight, omega * turn_weight);
+        each(
+            sample.node,
+            TimeTerms {
+                gradient: pull.dot(&residual) + turn.dot(&error),
+                square: pull.dot(&velocity) + turn.dot(&omega),
+                cross: [
+                    pull,
+                    turn,
+                    pull * s,
+                    k.tr_mul(&turn) * s,
+                    pull * half_square,
+                ],
+            },
+        );
+    }
+    terms
+}

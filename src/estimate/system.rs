@@ -1,0 +1,277 @@
+//! Objective and constraints at a point, with derivatives: what one iteration works on.
+
+use nalgebra::DVector;
+
+use super::constraint::{self, Block};
+use super::layout::Layout;
+use super::point::Point;
+use super::problem::Problem;
+use super::samples::{self, ArcSums, ArcTerms};
+use super::tempo;
+use crate::math::envelope::Envelope;
+use crate::physics::state::part;
+
+/// What stays fixed while one problem is solved.
+#[derive(Clone, Debug)]
+pub struct Frame<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Where its unknowns sit.
+    pub layout: &'a Layout,
+    /// Physical times at which the arcs' states are held [s].
+    pub epochs_s: Vec<f64>,
+    /// Sums of each arc's samples; empty where times are unknown.
+    pub sums: Vec<ArcSums>,
+}
+
+impl<'a> Frame<'a> {
+    /// A frame about `point`.
+    pub fn new(
+        problem: &'a Problem,
+        layout: &'a Layout,
+        epochs_s: Vec<f64>,
+        point: &Point,
+    ) -> Self {
+        let gravity = problem.gravity(&point.parameters);
+        let sums = if problem.times_are_unknown() {
+            Vec::new()
+        } else {
+            let arcs = problem.arcs.iter().zip(&point.arcs).zip(&epochs_s);
+            arcs.map(|((arc, state), epoch_s)| {
+                ArcSums::new(arc, &point.node_times_s, *epoch_s, state, &gravity)
+            })
+            .collect()
+        };
+        Self {
+            problem,
+            layout,
+            epochs_s,
+            sums,
+        }
+    }
+}
+
+/// Terms that lead the way and are gone at the end.
+#[derive(Clone, Debug)]
+pub struct Guidance {
+    /// Greatest normal speed on arrival at each collision [m/s].
+    pub approach_limits_m_s: Vec<f64>,
+    /// Times towards which the events are pulled [s].
+    pub event_times_s: Vec<f64>,
+    /// Standard deviation of that pull [s]; `None`: no pull.
+    pub event_sd_s: Option<f64>,
+}
+
+impl Guidance {
+    /// None, but that contacts do not recede.
+    pub fn none(problem: &Problem) -> Self {
+        Self {
+            approach_limits_m_s: vec![0.0; problem.collisions.len()],
+            event_times_s: Vec::new(),
+            event_sd_s: None,
+        }
+    }
+}
+
+/// Objective and constraints at a point.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Half the sum of squared residuals, priors and guidance included.
+    pub cost: f64,
+    /// Its gradient.
+    pub gradient: DVector<f64>,
+    /// Its positive semidefinite Hessian.
+    pub hessian: Envelope,
+    /// Constraints: collisions, then goals.
+    pub blocks: Vec<Block>,
+}
+
+impl System {
+    /// An empty system.
+    pub fn new(frame: &Frame) -> Self {
+        let blocks = frame.problem.collisions.len() + frame.problem.goals.len();
+        Self {
+            cost: 0.0,
+            gradient: DVector::zeros(frame.layout.size()),
+            hessian: Envelope::zeros(&frame.layout.pattern),
+            blocks: vec![Block::default(); blocks],
+        }
+    }
+
+    /// Columns of a block's derivative.
+    pub fn columns<'l>(layout: &'l Layout, block: usize) -> &'l [usize] {
+        let collisions = layout.collisions.len();
+        if block < collisions {
+            &layout.collisions[block]
+        } else {
+            &layout.goals[block - collisions]
+        }
+    }
+
+    /// Evaluates everything at `point`.
+    pub fn evaluate(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
+        self.cost = 0.0;
+        self.gradient.fill(0.0);
+        self.hessian.clear();
+        self.add_samples(frame, point);
+        self.add_priors(frame, guidance, point);
+        let problem = frame.problem;
+        let (collisions, goals) = self.blocks.split_at_mut(problem.collisions.len());
+        for ((collision, block), limit) in problem
+            .collisions
+            .iter()
+            .zip(collisions)
+            .zip(&guidance.approach_limits_m_s)
+        {
+            constraint::collision(problem, collision, point, &frame.epochs_s, *limit, block);
+        }
+        for (goal, block) in problem.goals.iter().zip(goals) {
+            constraint::goal(problem, goal, point, &frame.epochs_s, block);
+        }
+    }
+
+    fn add_samples(&mut self, frame: &Frame, point: &Point) {
+        let (problem, layout) = (frame.problem, frame.layout);
+        let gravity = problem.gravity(&point.parameters);
+        for (index, arc) in problem.arcs.iter().enumerate() {
+            let flight = (&point.arcs[index], frame.epochs_s[index]);
+            let times_s = &point.node_times_s;
+            let terms = if problem.times_are_unknown() {
+                samples::unknown_times(problem, arc, flight, &gravity, times_s, |node, terms| {
+                    if let Some(at) = layout.nodes[node] {
+                        self.add_time(frame, index, at, &terms);
+                    }
+                })
+            } else {
+                let sums = &frame.sums[index];
+                samples::known_times(problem, arc, sums, flight, &gravity, times_s)
+            };
+            self.add_arc(frame, layout.arcs[index], &terms);
+        }
+    }
+
+    fn add_time(&mut self, frame: &Frame, arc: usize, at: usize, terms: &samples::TimeTerms) {
+        let layout = frame.layout;
+        self.gradient[at] += terms.gradient;
+        self.hessian.add(&layout.pattern, at, at, terms.square);
+        let state = layout.arcs[arc];
+        for (block, cross) in terms.cross[..4].iter().enumerate() {
+            for axis in 0..3 {
+                self.hessian
+                    .add(&layout.pattern, state + 3 * block + axis, at, cross[axis]);
+            }
+        }
+        for axis in 0..3 {
+            if let Some(parameter) = frame.problem.gravity_parameters[axis] {
+                let row = layout.parameters[parameter];
+                self.hessian
+                    .add(&layout.pattern, row, at, terms.cross[4][axis]);
+            }
+        }
+    }
+
+    fn add_arc(&mut self, frame: &Frame, at: usize, terms: &ArcTerms) {
+        let pattern = &frame.layout.pattern;
+        let [p0, p1, p2, p3, p4] = terms.powers;
+        self.cost += terms.cost + terms.turn.cost;
+        let [x, v, r, w] = [
+            part::POSITION,
+            part::VELOCITY,
+            part::ORIENTATION,
+            part::ANGULAR_VELOCITY,
+        ]
+        .map(|part| at + part);
+        for axis in 0..3 {
+            self.gradient[x + axis] += terms.position_gradient[0][axis];
+            self.gradient[v + axis] += terms.position_gradient[1][axis];
+            self.gradient[r + axis] += terms.turn.gradient_orientation[axis];
+            self.gradient[w + axis] += terms.turn.gradient_spin[axis];
+            self.hessian.add(pattern, x + axis, x + axis, p0);
+            self.hessian.add(pattern, v + axis, x + axis, p1);
+            self.hessian.add(pattern, v + axis, v + axis, p2);
+            self.hessian
+                .add(pattern, r + axis, r + axis, terms.turn.count);
+            for other in 0..3 {
+                self.hessian.add(
+                    pattern,
+                    w + axis,
+                    r + other,
+                    terms.turn.cross[(other, axis)],
+                );
+                if other <= axis {
+                    let square = terms.turn.square[(axis, other)];
+                    self.hessian.add(pattern, w + axis, w + other, square);
+                }
+            }
+            if let Some(parameter) = frame.problem.gravity_parameters[axis] {
+                let g = frame.layout.parameters[parameter];
+                self.gradient[g] += terms.position_gradient[2][axis];
+                self.hessian.add(pattern, g, x + axis, 0.5 * p2);
+                self.hessian.add(pattern, g, v + axis, 0.5 * p3);
+                self.hessian.add(pattern, g, g, 0.25 * p4);
+            }
+        }
+    }
+
+    fn add_priors(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
+        let (problem, layout) = (frame.problem, frame.layout);
+        if let Some(sd) = problem.tempo_sd_per_sqrt_s {
+            for first in 0..problem.nodes_acted_s.len().saturating_sub(2) {
+                self.add_tempo(frame, point, first, sd);
+            }
+        }
+        for (index, free) in problem.parameters.iter().enumerate() {
+            if let Some(sd) = free.prior_sd {
+                let offset = point.parameters[index] - free.initial;
+                self.add_pull(frame, layout.parameters[index], offset, sd);
+            }
+        }
+        if let Some(sd_s) = guidance.event_sd_s {
+            for (event, at) in layout.events.iter().enumerate() {
+                if let Some(at) = *at {
+                    let offset = point.event_times_s[event] - guidance.event_times_s[event];
+                    self.add_pull(frame, at, offset, sd_s);
+                }
+            }
+        }
+    }
+
+    /// Half the square of `offset/sd`, for one unknown.
+    fn add_pull(&mut self, frame: &Frame, at: usize, offset: f64, sd: f64) {
+        let weight = 1.0 / (sd * sd);
+        self.cost += 0.5 * weight * offset * offset;
+        self.gradient[at] += weight * offset;
+        self.hessian.add(&frame.layout.pattern, at, at, weight);
+    }
+
+    fn add_tempo(&mut self, frame: &Frame, point: &Point, first: usize, sd: f64) {
+        let three = |values: &[f64]| [values[first], values[first + 1], values[first + 2]];
+        let term = tempo::term(
+            &three(&point.node_times_s),
+            &three(&frame.problem.nodes_acted_s),
+            sd,
+        );
+        self.cost += 0.5 * term.residual * term.residual;
+        for i in 0..3 {
+            let Some(row) = frame.layout.nodes[first + i] else {
+                continue;
+            };
+            self.gradient[row] += term.residual * term.jacobian[i];
+            for j in 0..=i {
+                let Some(column) = frame.layout.nodes[first + j] else {
+                    continue;
+                };
+                let value = term.jacobian[i] * term.jacobian[j];
+                self.hessian.add(&frame.layout.pattern, row, column, value);
+            }
+        }
+    }
+
+    /// Largest violation of any constraint, in units.
+    pub fn violation(&self) -> f64 {
+        let blocks = self.blocks.iter();
+        blocks
+            .flat_map(|block| (0..block.values.len()).map(|row| block.violation(row).abs()))
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,183 @@
+//! All arcs on one time line.
+
+use nalgebra::Vector3;
+
+use super::ballistic;
+use super::turn::{self, Reading};
+use crate::motion::{ArcGuess, EventKind, Guess, Sample, Scene, Segment, Sketch, Timing};
+use crate::physics::State;
+
+/// Rate of physical against acted time where no segment tells: people act about so slowly.
+const RATE_OTHERWISE: f64 = 0.4;
+
+/// A guess and the iterations it took.
+#[derive(Clone, Debug)]
+pub struct Guessed {
+    /// The guess.
+    pub guess: Guess,
+    /// Iterations of all fits together.
+    pub fit_iterations: usize,
+}
+
+/// Fits every segment by itself and puts the fits on one time line: where the tempo is unknown
+/// each stretch between marks runs at the rate of the fits it belongs to.
+pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
+    let known = match scene.timing {
+        Timing::Known => Some(1.0),
+        Timing::Unknown { .. } => None,
+    };
+    let samples = |segment: &Segment| -> &[Sample] {
+        &sketch.bodies[segment.body].samples[segment.samples.clone()]
+    };
+    let middle = |segment: &Segment| {
+        let samples = samples(segment);
+        0.5 * (samples[0].acted_s + samples[samples.len() - 1].acted_s)
+    };
+    let rates = rates(scene, segments, &samples, &middle, known);
+    let time_line = TimeLine::new(scene, sketch, segments, &samples, &rates);
+    let mut fit_iterations = 0;
+    let arcs = segments
+        .iter()
+        .zip(&rates)
+        .map(|(segment, rate)| {
+            let samples = samples(segment);
+            let middle_s = middle(segment);
+            let flight = ballistic::fit(samples, middle_s, &scene.gravity_m_s2, Some(*rate));
+            let sample_times_s: Vec<f64> = samples
+                .iter()
+                .map(|sample| time_line.at(sample.acted_s))
+                .collect();
+            let epoch_s = time_line.at(middle_s);
+            let readings: Vec<Reading> = samples
+                .iter()
+                .zip(&sample_times_s)
+                .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
+                .collect();
+            let turn = turn::fit(&scene.bodies[segment.body].body, &readings);
+            fit_iterations += turn.iterations;
+            let weights = &scene.weights;
+            let square = flight.square_m2 / (weights.position_m * weights.position_m)
+                + turn.square_rad2 / (weights.orientation_rad * weights.orientation_rad);
+            ArcGuess {
+                epoch_s,
+                state: State {
+                    position_m: flight.position_m,
+                    orientation: turn.orientation,
+                    velocity_m_s: flight.acted_velocity_m_s / *rate,
+                    angular_velocity_rad_s: turn.angular_velocity_rad_s,
+                },
+                sample_times_s,
+                mean_square: square / samples.len() as f64,
+            }
+        })
+        .collect();
+    let event_times_s = sketch
+        .marks_s
+        .iter()
+        .map(|mark_s| time_line.at(*mark_s))
+        .collect();
+    Guessed {
+        guess: Guess {
+            arcs,
+            event_times_s,
+        },
+        fit_iterations,
+    }
+}
+
+/// Rate of each segment; where a fit gives none, the median of the others.
+fn rates<'s>(
+    scene: &Scene,
+    segments: &[Segment],
+    samples: &impl Fn(&Segment) -> &'s [Sample],
+    middle: &impl Fn(&Segment) -> f64,
+    known: Option<f64>,
+) -> Vec<f64> {
+    let gravity: &Vector3<f64> = &scene.gravity_m_s2;
+    let found: Vec<Option<f64>> = segments
+        .iter()
+        .map(|segment| {
+            known.or_else(|| ballistic::fit(samples(segment), middle(segment), gravity, None).rate)
+        })
+        .collect();
+    let mut sorted: Vec<f64> = found.iter().flatten().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted
+        .get(sorted.len() / 2)
+        .copied()
+        .unwrap_or(RATE_OTHERWISE);
+    // An actor does not change tempo by more than this from one flight to the next.
+    found
+        .iter()
+        .map(|rate| rate.unwrap_or(median).clamp(median / 3.0, median * 3.0))
+        .collect()
+}
+
+/// Acted to physical time, linear between breaks.
+struct TimeLine {
+    acted_s: Vec<f64>,
+    physical_s: Vec<f64>,
+    rate_before: f64,
+    rate_after: f64,
+}
+
+impl TimeLine {
+    /// Breaks at the marks of collisions; between them the mean rate of the segments there.
+    fn new<'s>(
+        scene: &Scene,
+        sketch: &Sketch,
+        segments: &[Segment],
+        samples: &impl Fn(&Segment) -> &'s [Sample],
+        rates: &[f64],
+    ) -> Self {
+        let first_s = segments
+            .iter()
+            .map(|segment| samples(segment)[0].acted_s)
+            .fold(f64::INFINITY, f64::min);
+        let mut acted_s = vec![first_s];
+        acted_s.extend((0..scene.events.len()).filter_map(|event| {
+            let is_collision = matches!(scene.events[event].kind, EventKind::Collision { .. });
+            is_collision.then_some(sketch.marks_s[event])
+        }));
+        let rate_in = |from_s: f64, to_s: f64| {
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for (segment, rate) in segments.iter().zip(rates) {
+                let samples = samples(segment);
+                let end_s = samples[samples.len() - 1].acted_s.min(to_s);
+                let overlap_s = end_s - samples[0].acted_s.max(from_s);
+                if overlap_s > 0.0 {
+                    sum += overlap_s * rate.ln();
+                    weight += overlap_s;
+                }
+            }
+            if weight > 0.0 {
+                (sum / weight).exp()
+            } else {
+                RATE_OTHERWISE
+            }
+        };
+        let mut physical_s = vec![first_s];
+        for pair in acted_s.windows(2) {
+            let last_s = physical_s[physical_s.len() - 1];
+            physical_s.push(last_s + (pair[1] - pair[0]) * rate_in(pair[0], pair[1]));
+        }
+        Self {
+            rate_before: rate_in(f64::NEG_INFINITY, *acted_s.get(1).unwrap_or(&f64::INFINITY)),
+            rate_after: rate_in(acted_s[acted_s.len() - 1], f64::INFINITY),
+            acted_s,
+            physical_s,
+        }
+    }
+
+    fn at(&self, acted_s: f64) -> f64 {
+        let after = self.acted_s.partition_point(|a| *a <= acted_s);
+        if after == 0 {
+            return self.physical_s[0] + (acted_s - self.acted_s[0]) * self.rate_before;
+        }
+        let (from, start_s) = (self.acted_s[after - 1], self.physical_s[after - 1]);
+        let rate = self.acted_s.get(after).map_or(self.rate_after, |next| {
+            (self.physical_s[after] - start_s) / (next - from)
+        });
+        start_s + (acted_s - from) * rate
+    }
+}

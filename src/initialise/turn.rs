@@ -1,0 +1,200 @@
+//! A free turn through the orientations of one segment, by Levenberg–Marquardt from several
+//! starts: where the performance turns unevenly, the least squares have several minima.
+
+use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
+
+use crate::math::so3;
+use crate::physics::Body;
+use crate::physics::body::Symmetry;
+use crate::physics::flow::Spin;
+use crate::physics::observe::TurnTerms;
+
+/// Samples that the starts are compared on; all are used by the last fit.
+const SCOUTS: usize = 14;
+/// Iterations of one fit at most.
+const ITERATIONS_MAX: usize = 25;
+
+/// A measured orientation, `s` seconds from the epoch.
+pub type Reading = (f64, UnitQuaternion<f64>);
+
+/// Orientation and angular velocity at the epoch, and how well they fit.
+#[derive(Clone, Copy, Debug)]
+pub struct TurnFit {
+    /// World from body.
+    pub orientation: UnitQuaternion<f64>,
+    /// [rad/s, body].
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Sum of squared angles [rad²].
+    pub square_rad2: f64,
+    /// Iterations, of all starts together.
+    pub iterations: usize,
+}
+
+/// Fits `readings`, in order of time: from the mean rate of all, and from fits to the first
+/// half, the middle and the last half.
+pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
+    let stride = readings.len().div_ceil(SCOUTS).max(1);
+    let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
+    let count = scouts.len();
+    let mut best = descend(body, &scouts, start(body, readings));
+    let mut iterations = best.iterations;
+    if count >= 8 {
+        for window in [0..count / 2, count / 4..count - count / 4, count / 2..count] {
+            let window = &scouts[window];
+            let local = descend(body, window, start(body, window));
+            let whole = descend(body, &scouts, local);
+            iterations += local.iterations + whole.iterations;
+            if whole.square_rad2 < best.square_rad2 {
+                best = whole;
+            }
+        }
+    }
+    if stride > 1 {
+        best = descend(body, readings, best);
+        iterations += best.iterations;
+    }
+    TurnFit { iterations, ..best }
+}
+
+/// The mean rate of `readings`, from the orientation nearest the epoch.
+///
+/// A symmetric top keeps the rate of its axis in the world and the rate about it in the body.
+fn start(body: &Body, readings: &[Reading]) -> TurnFit {
+    let axis = match body.symmetry() {
+        Symmetry::Spherical => Vector3::zeros(),
+        Symmetry::Axial { axis } => Vector3::ith(axis, 1.0),
+    };
+    // Neighbours far enough apart that noise is small beside the turn between them.
+    let stride = (readings.len() / 8).max(1);
+    let (mut about_axis, mut across, mut pairs) = (0.0, Vector3::zeros(), 0.0);
+    for (from, to) in readings.iter().zip(readings.iter().skip(stride)) {
+        let rate = so3::log(&(from.1.inverse() * to.1)) / (to.0 - from.0);
+        let spin = rate.dot(&axis);
+        about_axis += spin;
+        across += from.1 * (rate - axis * spin);
+        pairs += 1.0;
+    }
+    let orientation = readings
+        .iter()
+        .min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+        .map_or_else(UnitQuaternion::identity, |reading| reading.1);
+    let angular_velocity_rad_s = if pairs > 0.0 {
+        (orientation.inverse() * across + axis * about_axis) / pairs
+    } else {
+        Vector3::zeros()
+    };
+    TurnFit {
+        orientation,
+        angular_velocity_rad_s,
+        square_rad2: f64::INFINITY,
+        iterations: 0,
+    }
+}
+
+fn evaluate(body: &Body, readings: &[Reading], fit: &TurnFit) -> TurnTerms {
+    let spin = Spin::new(body, &fit.angular_velocity_rad_s);
+    let mut terms = TurnTerms::default();
+    for (s, measured) in readings {
+        terms.add(&spin, &fit.orientation, measured, *s, 1.0);
+    }
+    terms
+}
+
+fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
+    let mut fit = from;
+    let mut terms = evaluate(body, readings, &fit);
+    let (mut damping, mut growth) = (1e-4, 2.0);
+    for iteration in 1..=ITERATIONS_MAX {
+        let (delta, predicted) = match step(&terms, damping) {
+            Some(step) => step,
+            None => {
+                return TurnFit {
+                    square_rad2: 2.0 * terms.cost,
+                    iterations: iteration,
+                    ..fit
+                };
+            }
+        };
+        let trial = TurnFit {
+            orientation: UnitQuaternion::new_normalize(
+                (fit.orientation * so3::exp(&delta.fixed_rows::<3>(0).into())).into_inner(),
+            ),
+            angular_velocity_rad_s: fit.angular_velocity_rad_s + delta.fixed_rows::<3>(3),
+            ..fit
+        };
+        let trial_terms = evaluate(body, readings, &trial);
+        let ratio = (terms.cost - trial_terms.cost) / predicted.max(f64::MIN_POSITIVE);
+        let small = predicted < 1e-5 * terms.cost.max(1e-12);
+        if ratio > 1e-4 {
+            damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
+            growth = 2.0;
+            (fit, terms) = (trial, trial_terms);
+        } else {
+            damping *= growth;
+            growth *= 2.0;
+        }
+        fit.iterations = iteration;
+        if small {
+            break;
+        }
+    }
+    TurnFit {
+        square_rad2: 2.0 * terms.cost,
+        ..fit
+    }
+}
+
+/// A damped step and the decrease it promises; `None` where nothing is determined.
+fn step(terms: &TurnTerms, damping: f64) -> Option<(Vector6<f64>, f64)> {
+    let mut matrix = Matrix6::zeros();
+    matrix
+        .fixed_view_mut::<3, 3>(0, 0)
+        .fill_diagonal(terms.count);
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&terms.cross);
+    matrix
+        .fixed_view_mut::<3, 3>(3, 0)
+        .copy_from(&terms.cross.transpose());
+    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&terms.square);
+    let scale = matrix.diagonal().map(|d| damping * d + 1e-12);
+    let damped = matrix + Matrix6::from_diagonal(&scale);
+    let mut gradient = Vector6::zeros();
+    gradient
+        .fixed_rows_mut::<3>(0)
+        .copy_from(&terms.gradient_orientation);
+    gradient
+        .fixed_rows_mut::<3>(3)
+        .copy_from(&terms.gradient_spin);
+    let delta = -damped.cholesky()?.solve(&gradient);
+    let predicted = 0.5 * (delta.component_mul(&scale).dot(&delta) - gradient.dot(&delta));
+    Some((delta, predicted))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_a_fast_turn_from_clean_data_to_rounding() {
+        for moments in [Vector3::new(2.0, 2.0, 2.0), Vector3::new(2.0, 2.0, 0.02)] {
+            let body = Body::new(1.0, moments).unwrap();
+            let orientation = UnitQuaternion::from_euler_angles(0.3, 1.0, -2.0);
+            let omega = Vector3::new(9.0, -6.0, 14.0);
+            let spin = Spin::new(&body, &omega);
+            let readings: Vec<Reading> = (0..60)
+                .map(|i| f64::from(i) / 120.0 - 0.25)
+                .map(|s| (s, orientation * spin.turn_and_derivative(s).0))
+                .collect();
+            let fit = fit(&body, &readings);
+            assert!(fit.square_rad2 < 1e-9, "{fit:?}");
+            assert!((fit.angular_velocity_rad_s - omega).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn three_readings_without_motion_stand_still() {
+        let body = Body::new(1.0, Vector3::new(2.0, 2.0, 0.02)).unwrap();
+        let readings = [-0.1, 0.0, 0.1].map(|s| (s, UnitQuaternion::identity()));
+        let fit = fit(&body, &readings);
+        assert!(fit.angular_velocity_rad_s.norm() < 1e-12 && fit.square_rad2 < 1e-20);
+    }
+}

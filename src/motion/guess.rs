@@ -1,0 +1,25 @@
+//! Where the estimation starts from.
+
+use crate::physics::State;
+
+/// A first guess of everything that is unknown, free parameters aside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guess {
+    /// One per segment.
+    pub arcs: Vec<ArcGuess>,
+    /// Physical time of each of the scene's events [s].
+    pub event_times_s: Vec<f64>,
+}
+
+/// A first guess of the flight in one segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArcGuess {
+    /// Physical time of `state`, about the middle of the arc [s].
+    pub epoch_s: f64,
+    /// State at the epoch.
+    pub state: State,
+    /// Physical times of the segment's samples, strictly increasing [s].
+    pub sample_times_s: Vec<f64>,
+    /// What remains of the samples: mean square residual in the scene's units.
+    pub mean_square: f64,
+}

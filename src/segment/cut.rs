@@ -1,0 +1,98 @@
+//! Marks cut each body's stream into segments.
+
+use super::error::SegmentError;
+use crate::motion::{EventKind, Scene, Segment, Sketch};
+
+/// Samples closer to a collision's mark than this many median intervals are left out: they may
+/// belong to either side, and a sample that changed sides would make the objective jump.
+const NEAR_COLLISION_INTERVALS: f64 = 1.0;
+
+/// Samples a segment must have: six numbers of a state's pose, twice.
+pub const SAMPLES_MIN: usize = 3;
+
+/// Cuts every body's samples at the events it takes part in; `start` and `end` are everybody's.
+///
+/// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
+pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
+    let mut segments = Vec::new();
+    for body in 0..scene.bodies.len() {
+        cut_body(scene, sketch, body, &mut segments)?;
+    }
+    segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));
+    Ok(segments)
+}
+
+fn cut_body(
+    scene: &Scene,
+    sketch: &Sketch,
+    body: usize,
+    segments: &mut Vec<Segment>,
+) -> Result<(), SegmentError> {
+    let samples = &sketch.bodies[body].samples;
+    let window_s = NEAR_COLLISION_INTERVALS * median_interval_s(sketch, body);
+    let mut start_event = None;
+    let mut first = 0;
+    let concerns = |event: &EventKind| match event {
+        EventKind::Start | EventKind::End => true,
+        EventKind::Collision { body: other, .. } => *other == body,
+    };
+    let cuts = (0..scene.events.len()).filter(|event| concerns(&scene.events[*event].kind));
+    for end_event in cuts.map(Some).chain([None]) {
+        let is_collision = |event: Option<usize>| {
+            event.is_some_and(|e| matches!(scene.events[e].kind, EventKind::Collision { .. }))
+        };
+        let (until_s, next_s) = match end_event {
+            Some(event) if is_collision(end_event) => (
+                sketch.marks_s[event] - window_s,
+                sketch.marks_s[event] + window_s,
+            ),
+            Some(event) => (sketch.marks_s[event], sketch.marks_s[event]),
+            None => (f64::INFINITY, f64::INFINITY),
+        };
+        let end = samples
+            .partition_point(|sample| sample.acted_s <= until_s)
+            .max(first);
+        let is_start = end_event.is_some_and(|e| scene.events[e].kind == EventKind::Start);
+        let past_end = start_event.is_some_and(|e: usize| scene.events[e].kind == EventKind::End);
+        if !is_start && !past_end {
+            if end - first < SAMPLES_MIN {
+                let name = |event: Option<usize>, otherwise: &str| {
+                    event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))
+                };
+                return Err(SegmentError::TooFewSamples {
+                    body: scene.bodies[body].name.clone(),
+                    samples: end - first,
+                    expected: SAMPLES_MIN,
+                    from: name(start_event, "the beginning"),
+                    to: name(end_event, "the end of the data"),
+                });
+            }
+            segments.push(Segment {
+                body,
+                start_event,
+                end_event,
+                samples: first..end,
+            });
+        }
+        first = if is_start {
+            samples.partition_point(|sample| sample.acted_s < next_s)
+        } else {
+            samples
+                .partition_point(|sample| sample.acted_s < next_s)
+                .max(end)
+        };
+        start_event = end_event;
+    }
+    Ok(())
+}
+
+/// Median interval between a body's samples [s]; zero for fewer than two.
+pub(super) fn median_interval_s(sketch: &Sketch, body: usize) -> f64 {
+    let samples = &sketch.bodies[body].samples;
+    let mut intervals: Vec<f64> = samples
+        .windows(2)
+        .map(|pair| pair[1].acted_s - pair[0].acted_s)
+        .collect();
+    intervals.sort_by(f64::total_cmp);
+    intervals.get(intervals.len() / 2).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,76 @@
+//! What can go wrong when a file is written.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::wire::EncodeError;
+
+/// Why a file was not written. Nothing is left under its final name.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The file or its temporary cannot be made, written or renamed.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// The final name.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The MCAP writer refuses a record.
+    #[error("{}: {source}", path.display())]
+    Mcap {
+        /// The final name.
+        path: PathBuf,
+        /// What the writer says.
+        source: mcap::McapError,
+    },
+    /// A message cannot be encoded.
+    #[error("{}: topic {topic}: {source}", path.display())]
+    Encode {
+        /// The final name.
+        path: PathBuf,
+        /// Topic of the message.
+        topic: String,
+        /// Why.
+        source: EncodeError,
+    },
+    /// The log time of a message is before 1970.
+    #[error("{}: topic {topic}: log time {log_time} ns is negative", path.display())]
+    LogTime {
+        /// The final name.
+        path: PathBuf,
+        /// Topic of the message.
+        topic: String,
+        /// As given.
+        log_time: i64,
+    },
+}
+
+impl WriteError {
+    /// For `map_err`: an I/O error while doing `action` to `path`.
+    pub(super) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| WriteError::Io {
+            path,
+            action,
+            source,
+        }
+    }
+
+    /// For `map_err`: an error of the MCAP writer, which may be one of I/O.
+    pub(super) fn mcap(path: &Path) -> impl FnOnce(mcap::McapError) -> Self {
+        let path = path.to_owned();
+        move |source| match source {
+            mcap::McapError::Io(source) => WriteError::Io {
+                path,
+                action: "write",
+                source,
+            },
+            source => WriteError::Mcap { path, source },
+        }
+    }
+}

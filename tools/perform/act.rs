@@ -1,0 +1,325 @@
+//! How a person acts a motion, and what the tracker makes of it.
+
+use enact::math::{Pose, so3};
+use enact::motion::{Mark, PoseSample, Stamp, TakeEvent, Timing};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::performance::Performance;
+use super::tempo::Tempo;
+use super::truth::Truth;
+use super::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
+
+/// The knobs. Standard deviations and rms are per axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acting {
+    /// Acted time per physical time, on the whole.
+    pub slowdown: f64,
+    /// Standard deviation of the logarithm of the tempo, which varies smoothly.
+    pub tempo_variation: f64,
+    /// Smooth wander of the centre of mass: rms [m].
+    pub wander_position_m: f64,
+    /// Smooth wander of the orientation: rms [rad].
+    pub wander_orientation_rad: f64,
+    /// Factor on both wanders.
+    pub distortion: f64,
+    /// Seconds of the hand's wander per second of acted time: 1, or the slowdown that a motion
+    /// acted at full speed is to look as if it had.
+    pub wander_pace: f64,
+    /// White noise of the tracker's position [m].
+    pub noise_position_m: f64,
+    /// White noise of the tracker's orientation [rad].
+    pub noise_orientation_rad: f64,
+    /// The tracker rounds to this [m]; 0: not at all.
+    pub resolution_m: f64,
+    /// The tracker rounds the components of its quaternions to this, then normalises; 0: not.
+    pub resolution_quaternion: f64,
+    /// Samples per second of acted time.
+    pub rate_hz: f64,
+    /// Error of the stamps [s], at most 0.45 of the sampling interval.
+    pub stamp_jitter_s: f64,
+    /// Share of the samples that are lost, in bursts.
+    pub dropout_rate: f64,
+    /// Mean length of a burst of lost samples.
+    pub dropout_burst: f64,
+    /// Error of the performer's marks [s, acted]: a normal distribution cut off at twice this.
+    pub mark_error_s: f64,
+    /// Whether marks name their events.
+    pub marks_named: bool,
+    /// How long the performer holds still before the motion [s, acted].
+    pub hold_before_s: f64,
+    /// How long the performer holds still after it [s, acted].
+    pub hold_after_s: f64,
+    /// From measurement to arrival [s].
+    pub latency_s: f64,
+    /// When acting begins.
+    pub start: Stamp,
+}
+
+/// 2026-01-05 10:00:00 UTC [ns since 1970].
+pub const START: Stamp = Stamp(1_767_607_200_000_000_000);
+
+impl Default for Acting {
+    fn default() -> Self {
+        Self {
+            slowdown: 2.5,
+            tempo_variation: 0.3,
+            wander_position_m: 0.02,
+            wander_orientation_rad: 8_f64.to_radians(),
+            distortion: 1.0,
+            wander_pace: 1.0,
+            noise_position_m: 0.0005,
+            noise_orientation_rad: 0.3_f64.to_radians(),
+            resolution_m: 1e-7,
+            resolution_quaternion: 1e-9,
+            rate_hz: 120.0,
+            stamp_jitter_s: 0.0005,
+            dropout_rate: 0.01,
+            dropout_burst: 3.0,
+            mark_error_s: 0.03,
+            marks_named: false,
+            hold_before_s: 0.0,
+            hold_after_s: 0.0,
+            latency_s: 0.004,
+            start: START,
+        }
+    }
+}
+
+impl Acting {
+    /// Stamps are physical times, marks are within a sample, nothing is lost; the hand wanders
+    /// as in the slow performance, compressed.
+    pub fn timing_known() -> Self {
+        let slow = Self::default();
+        Self {
+            slowdown: 1.0,
+            tempo_variation: 0.0,
+            wander_pace: slow.slowdown,
+            stamp_jitter_s: 0.0,
+            dropout_rate: 0.0,
+            mark_error_s: 0.5 / slow.rate_hz,
+            ..slow
+        }
+    }
+
+    /// The truth itself, at full speed, through a perfect tracker.
+    pub fn exact() -> Self {
+        Self {
+            distortion: 0.0,
+            noise_position_m: 0.0,
+            noise_orientation_rad: 0.0,
+            resolution_m: 0.0,
+            resolution_quaternion: 0.0,
+            mark_error_s: 0.0,
+            ..Self::timing_known()
+        }
+    }
+
+    /// Whether stamps mean physical time.
+    pub fn is_timing_known(&self) -> bool {
+        self.slowdown == 1.0 && self.tempo_variation == 0.0
+    }
+
+    fn stamp(&self, acted_s: f64) -> Stamp {
+        Stamp(self.start.0 + ((acted_s + self.hold_before_s) * 1e9).round() as i64)
+    }
+}
+
+/// What a stream of random numbers is for: a knob changes nothing but what it is about.
+#[derive(Clone, Copy)]
+enum Role {
+    Tempo,
+    Marks,
+    PositionWander,
+    OrientationWander,
+    Noise,
+    Jitter,
+    Dropouts,
+}
+
+fn stream(seed: u64, role: Role, body: usize) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(role as u64 + 16 * body as u64);
+    rng
+}
+
+fn normal(rng: &mut impl Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+fn normal3(rng: &mut impl Rng) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| normal(rng))
+}
+
+/// Normal, cut off at two standard deviations: drawn again beyond.
+fn normal_within_two(rng: &mut impl Rng) -> f64 {
+    loop {
+        let value = normal(rng);
+        if value.abs() <= 2.0 {
+            return value;
+        }
+    }
+}
+
+/// Acts a true motion. The same arguments give the same performance, bit for bit.
+pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
+    let tempo = Tempo::draw(
+        truth.duration_s,
+        acting.slowdown,
+        acting.tempo_variation,
+        &mut stream(seed, Role::Tempo, 0),
+    );
+    let mut truth = truth.clone();
+    if acting.is_timing_known() {
+        truth.scene.timing = Timing::Known;
+    }
+    let latency_ns = (acting.latency_s * 1e9).round() as i64;
+    let mut arrivals: Vec<(Stamp, TakeEvent)> = marks(&truth, acting, &tempo, seed)
+        .into_iter()
+        .map(|mark| (Stamp(mark.stamp.0 + latency_ns), TakeEvent::Mark(mark)))
+        .collect();
+    let mut sample_times_s = Vec::new();
+    for body in 0..truth.scene.bodies.len() {
+        let mut times_s = Vec::new();
+        for shot in track(&truth, acting, &tempo, seed, body) {
+            let arrival = Stamp(acting.stamp(shot.acted_s).0 + latency_ns);
+            arrivals.push((arrival, TakeEvent::Pose { body, sample: shot.sample }));
+            times_s.push(tempo.physical_s(shot.acted_s));
+        }
+        sample_times_s.push(times_s);
+    }
+    // Stable: simultaneous arrivals stay in the order marks, then bodies.
+    arrivals.sort_by_key(|(arrival, _)| *arrival);
+    let (arrivals, events) = arrivals.into_iter().unzip();
+    Performance { truth, acting: *acting, seed, tempo, events, arrivals, sample_times_s }
+}
+
+fn marks(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64) -> Vec<Mark> {
+    let mut rng = stream(seed, Role::Marks, 0);
+    let events = truth.scene.events.iter().zip(&truth.event_times_s);
+    events
+        .map(|(event, time_s)| {
+            let error_s = acting.mark_error_s * normal_within_two(&mut rng);
+            Mark {
+                stamp: acting.stamp(tempo.acted_s(*time_s) + error_s),
+                event: acting.marks_named.then(|| event.name.clone()),
+            }
+        })
+        .collect()
+}
+
+/// One reading, and when it was really taken [s, acted].
+struct Shot {
+    acted_s: f64,
+    sample: PoseSample,
+}
+
+fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) -> Vec<Shot> {
+    let hand = Hand::draw(acting, seed, body);
+    let mut noise = stream(seed, Role::Noise, body);
+    let mut jitter = stream(seed, Role::Jitter, body);
+    let mut sight = Sight::new(acting, stream(seed, Role::Dropouts, body));
+    let body_from_tracker = truth.scene.bodies[body].body_from_tracker;
+    let whole_s = acting.hold_before_s + tempo.acted_duration_s() + acting.hold_after_s;
+    // A sample that rounding would put just past the end still belongs to it.
+    let count = (whole_s * acting.rate_hz + 1e-9).floor() as usize + 1;
+    let most_s = 0.45 / acting.rate_hz;
+    let mut shots = Vec::new();
+    for index in 0..count {
+        let acted_s = index as f64 / acting.rate_hz - acting.hold_before_s;
+        let true_pose = truth.world_from_body(body, tempo.physical_s(acted_s));
+        let seen = acting.measured(&(hand.led_astray(&true_pose, acted_s) * body_from_tracker), &mut noise);
+        let late_s = (acting.stamp_jitter_s * normal(&mut jitter)).clamp(-most_s, most_s);
+        // The first sample, zero of all times, is never lost.
+        if sight.is_kept() || index == 0 {
+            let sample = PoseSample::from_pose(acting.stamp(acted_s + late_s), &seen);
+            shots.push(Shot { acted_s, sample });
+        }
+    }
+    shots
+}
+
+/// The wander of one body.
+struct Hand {
+    position: [Wander; 3],
+    orientation: [Wander; 3],
+    position_m: f64,
+    orientation_rad: f64,
+    pace: f64,
+}
+
+impl Hand {
+    fn draw(acting: &Acting, seed: u64, body: usize) -> Self {
+        let mut position = stream(seed, Role::PositionWander, body);
+        let mut orientation = stream(seed, Role::OrientationWander, body);
+        Self {
+            position: std::array::from_fn(|_| Wander::draw(&HAND_POSITION, &mut position)),
+            orientation: std::array::from_fn(|_| Wander::draw(&HAND_ORIENTATION, &mut orientation)),
+            position_m: acting.distortion * acting.wander_position_m,
+            orientation_rad: acting.distortion * acting.wander_orientation_rad,
+            pace: acting.wander_pace,
+        }
+    }
+
+    /// Where the hand holds the body instead, at an acted time.
+    fn led_astray(&self, world_from_body: &Pose, acted_s: f64) -> Pose {
+        let at = |axes: &[Wander; 3]| Vector3::from_fn(|i, _| axes[i].at(self.pace * acted_s));
+        let shift = at(&self.position) * self.position_m;
+        let turn = so3::exp(&(at(&self.orientation) * self.orientation_rad));
+        Pose::from_parts(
+            (world_from_body.translation.vector + shift).into(),
+            world_from_body.rotation * turn,
+        )
+    }
+}
+
+/// Whether the tracker sees its target: a chain of two states.
+struct Sight {
+    rng: ChaCha8Rng,
+    lose: f64,
+    find: f64,
+    is_lost: bool,
+}
+
+impl Sight {
+    fn new(acting: &Acting, rng: ChaCha8Rng) -> Self {
+        let find = 1.0 / acting.dropout_burst.max(1.0);
+        let rate = acting.dropout_rate.clamp(0.0, 0.99);
+        Self { rng, lose: (find * rate / (1.0 - rate)).min(1.0), find, is_lost: false }
+    }
+
+    fn is_kept(&mut self) -> bool {
+        let chance = if self.is_lost { self.find } else { self.lose };
+        if self.rng.random::<f64>() < chance {
+            self.is_lost = !self.is_lost;
+        }
+        !self.is_lost
+    }
+}
+
+impl Acting {
+    /// What the tracker makes of a pose: noise, rounding, and the quaternion of positive `w`.
+    fn measured(&self, world_from_tracker: &Pose, rng: &mut impl Rng) -> Pose {
+        let shift = normal3(rng) * self.noise_position_m;
+        let turn = so3::exp(&(normal3(rng) * self.noise_orientation_rad));
+        let position_m = world_from_tracker.translation.vector + shift;
+        let q = (world_from_tracker.rotation * turn).into_inner();
+        let q = if q.w < 0.0 { -q } else { q };
+        Pose::from_parts(
+            position_m.map(|x| rounded(x, self.resolution_m)).into(),
+            unit(q.coords.map(|x| rounded(x, self.resolution_quaternion))),
+        )
+    }
+}
+
+/// To the nearest multiple, so that the last bits of sines, which differ between platforms, do
+/// not reach the recording.
+fn rounded(value: f64, resolution: f64) -> f64 {
+    if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
+}
+
+fn unit(xyzw: nalgebra::Vector4<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_normalize(Quaternion::from_vector(xyzw))
+}

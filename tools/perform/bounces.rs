@@ -1,0 +1,225 @@
+//! A cube that bounces along a table, as often as one likes: for studies of cost and scaling.
+//!
+//! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
+//! So each bounce's restitution is chosen, from a few values, such that the flight after it is a
+//! good one: depth-first search. The more bounces, the nearer the choices are to 1, so that the
+//! energy lasts.
+
+use enact::math::Pose;
+use enact::motion::{
+    ArcEstimate, Event, EventKind, Feature, Scene, SceneBody, Surface, Timing, Weights,
+};
+use enact::physics::{Body, Shape, State, impact};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::truth::{Flight, Truth, TruthError, crossing_s};
+
+/// Half the cube's side [m].
+const HALF_M: f64 = 0.1;
+/// Mass of the cube [kg].
+const MASS_KG: f64 = 1.0;
+/// A good flight: not shorter than this [s],
+const SHORTEST_S: f64 = 0.15;
+/// nor longer [s],
+const LONGEST_S: f64 = 0.7;
+/// turning no faster than this [rad/s],
+const FASTEST_RAD_S: f64 = 15.0;
+/// ending with a corner that approaches at least this fast [m/s],
+const SLOWEST_APPROACH_M_S: f64 = 0.5;
+/// and the next corner at least this far off [m].
+const CLEAREST_M: f64 = 0.005;
+/// Values of restitution to choose from at a bounce.
+const CHOICES: usize = 8;
+/// Arcs looked at per bounce before giving up.
+const TRIES_PER_BOUNCE: usize = 2000;
+/// Contacts are looked for at this spacing [s]; no corner turns by more than 1° within it.
+const SCAN_S: f64 = 1e-3;
+
+/// A flight and the corner that ends it.
+#[derive(Clone, Copy)]
+struct Hop {
+    state: State,
+    duration_s: f64,
+    corner: usize,
+    restitution: f64,
+    choice: usize,
+}
+
+/// A motion of a cube with `count` bounces, each on a corner, then a last flight. No goals.
+pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
+    let cube = Cube::new();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let worst_loss = (2.0 / count.max(1) as f64).min(0.25);
+    let mut path: Vec<Hop> = Vec::new();
+    let tries = TRIES_PER_BOUNCE * (count + 1);
+    for _ in 0..tries {
+        // Go on from the last hop with its next untried restitution, or begin anew.
+        let next = match path.last_mut() {
+            None => Some(thrown(&mut rng)),
+            Some(last) if last.choice < CHOICES => {
+                // Not evenly spaced, and from a random offset: no two bounces alike.
+                last.restitution = 1.0 - worst_loss * (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                last.choice += 1;
+                Some(cube.bounced(last))
+            }
+            Some(_) => None,
+        };
+        let Some(state) = next else {
+            path.pop();
+            continue;
+        };
+        if let Some(hop) = cube.hop(&state) {
+            path.push(hop);
+        }
+        if path.len() == count + 1 {
+            return Ok(cube.truth(&path));
+        }
+    }
+    Err(TruthError::NotFound { count, tries })
+}
+
+/// A cube thrown up from above the table, any way round.
+fn thrown(rng: &mut impl Rng) -> State {
+    let mut normal = || -> f64 { StandardNormal.sample(rng) };
+    let quaternion = Quaternion::new(normal(), normal(), normal(), normal());
+    State {
+        position_m: Vector3::new(0.0, 0.0, 0.5),
+        orientation: UnitQuaternion::new_normalize(quaternion),
+        velocity_m_s: Vector3::new(0.2 + 0.05 * normal(), 0.05 * normal(), 0.5 + 0.2 * normal()),
+        angular_velocity_rad_s: Vector3::new(normal(), normal(), normal()) * 4.0,
+    }
+}
+
+struct Cube {
+    body: Body,
+    gravity_m_s2: Vector3<f64>,
+    corners_m: Vec<Vector3<f64>>,
+}
+
+impl Cube {
+    fn new() -> Self {
+        let moment_kg_m2 = MASS_KG * (2.0 * HALF_M) * (2.0 * HALF_M) / 6.0;
+        let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -HALF_M } else { HALF_M };
+        Self {
+            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("a cube is a body"),
+            gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
+            corners_m: (0..8).map(|c| Vector3::from_fn(|axis, _| sign(c, axis))).collect(),
+        }
+    }
+
+    fn flight(&self) -> Flight<'_> {
+        Flight { body: &self.body, gravity_m_s2: &self.gravity_m_s2 }
+    }
+
+    fn contact(&self, corner: usize) -> impact::Contact {
+        impact::Contact {
+            point_m: self.corners_m[corner],
+            surface_point_m: Vector3::zeros(),
+            surface_normal: Vector3::z(),
+        }
+    }
+
+    /// Heights of the corners and their indices, lowest first.
+    fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
+        let mut heights: Vec<_> =
+            (0..8).map(|corner| (self.contact(corner).gap_m(state), corner)).collect();
+        heights.sort_by(|a, b| a.0.total_cmp(&b.0));
+        heights
+    }
+
+    fn bounced(&self, hop: &Hop) -> State {
+        let before = self.flight().advance(&hop.state, hop.duration_s);
+        let contact = self.contact(hop.corner);
+        let normal = contact.surface_normal;
+        impact::bounce(&self.body, &contact, &normal, hop.restitution, &before)
+    }
+
+    /// The flight from a state, if it is a good one.
+    fn hop(&self, state: &State) -> Option<Hop> {
+        if state.angular_velocity_rad_s.norm() > FASTEST_RAD_S {
+            return None;
+        }
+        let flight = self.flight();
+        let lowest_m = |time_s: f64| {
+            let state = flight.advance(state, time_s);
+            let turned = state.orientation.inverse_transform_vector(&Vector3::z());
+            state.position_m.z - HALF_M * turned.abs().sum()
+        };
+        if lowest_m(SCAN_S) <= 0.0 {
+            return None;
+        }
+        let duration_s = crossing_s(SCAN_S, LONGEST_S, lowest_m)?;
+        let before = flight.advance(state, duration_s);
+        let heights = self.heights_m(&before);
+        let (corner, next_m) = (heights[0].1, heights[1].0);
+        let approach_m_s = -self.contact(corner).normal_speed_m_s(&before);
+        let is_good = duration_s >= SHORTEST_S
+            && approach_m_s >= SLOWEST_APPROACH_M_S
+            && next_m >= CLEAREST_M;
+        is_good.then_some(Hop { state: *state, duration_s, corner, restitution: 1.0, choice: 0 })
+    }
+
+    /// The record of a path; it ends half-way through its last flight.
+    fn truth(&self, path: &[Hop]) -> Truth {
+        let mut arcs = Vec::new();
+        let mut event_times_s = Vec::new();
+        let mut events = Vec::new();
+        let mut start_s = 0.0;
+        for (index, hop) in path.iter().enumerate() {
+            let is_last = index + 1 == path.len();
+            let end_s = start_s + if is_last { 0.5 } else { 1.0 } * hop.duration_s;
+            let (name, kind) = if is_last {
+                ("end".to_owned(), EventKind::End)
+            } else {
+                let kind = EventKind::Collision {
+                    body: 0,
+                    feature: hop.corner,
+                    surface: 0,
+                    restitution: hop.restitution,
+                };
+                (format!("bounce {}", index + 1), kind)
+            };
+            events.push(Event { name, kind });
+            event_times_s.push(end_s);
+            arcs.push(ArcEstimate { body: 0, epoch_s: start_s, state: hop.state, start_s, end_s });
+            start_s = end_s;
+        }
+        Truth { scene: self.scene(events), arcs, event_times_s, duration_s: start_s }
+    }
+
+    fn scene(&self, events: Vec<Event>) -> Scene {
+        let feature = |(corner, point_m): (usize, &Vector3<f64>)| Feature {
+            name: format!("corner {corner}"),
+            point_m: *point_m,
+        };
+        let cube = SceneBody {
+            name: "cube".to_owned(),
+            topic: "/tracker/cube/pose".to_owned(),
+            body: self.body,
+            shape: Shape::Cuboid { half_extents_m: Vector3::repeat(HALF_M) },
+            body_from_tracker: Pose::translation(0.02, -0.03, HALF_M),
+            features: self.corners_m.iter().enumerate().map(feature).collect(),
+        };
+        let table = Surface {
+            name: "table".to_owned(),
+            point_m: Vector3::zeros(),
+            normal: Vector3::z(),
+        };
+        Scene {
+            name: "cube, bouncing".to_owned(),
+            gravity_m_s2: self.gravity_m_s2,
+            timing: Timing::Unknown { tempo_sd_per_sqrt_s: 0.5 },
+            marks_topic: "/marks".to_owned(),
+            bodies: vec![cube],
+            surfaces: vec![table],
+            obstacles: Vec::new(),
+            events,
+            goals: Vec::new(),
+            parameters: Vec::new(),
+            weights: Weights { position_m: 0.01, orientation_rad: 0.1 },
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The performance maker: recordings of acted motions whose truth is known.
+//!
+//! A true physical motion ([`truth`], [`styles`], [`bounces`]) is performed as a person would
+//! ([`act`]): slowly, in a wavering [`tempo`], with a hand that wanders ([`wander`]), before a
+//! tracker that is noisy, jitters and loses sight. A seed and the knobs in [`Acting`] determine
+//! every byte.
+//!
+//! Tests, benches and tools include this folder with
+//! `#[path = "../tools/perform/mod.rs"] mod perform;`; none of them uses all of it, hence the
+//! allowance below.
+#![allow(dead_code, unused_imports)]
+
+pub mod act;
+pub mod bounces;
+pub mod performance;
+pub mod styles;
+pub mod tempo;
+pub mod truth;
+pub mod wander;
+
+pub use act::{Acting, perform};
+pub use bounces::bounces;
+pub use performance::Performance;
+pub use styles::Style;
+pub use truth::{Truth, TruthError, simulate};
