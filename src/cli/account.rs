@@ -97,10 +97,7 @@ fn largest_gaps(report: &Report) -> String {
     ];
     let mut words = Vec::new();
     for (of, shown) in kinds {
-        let largest = report
-            .events
-            .iter()
-            .max_by(|a, b| of(a).total_cmp(&of(b)));
+        let largest = report.events.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
         if let Some(event) = largest {
             let value = shown(of(event));
             words.push(if value.starts_with('<') {

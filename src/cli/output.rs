@@ -23,6 +23,11 @@ pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     Ok(print(&line)?)
 }
 
+/// Says on stderr what went wrong; whether anybody listens there is not our business.
+pub(super) fn complain(error: &str) {
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
+
 /// Whether colours are wanted on stdout.
 pub(super) fn colours_on_stdout() -> bool {
     io::stdout().is_terminal() && colours_allowed()

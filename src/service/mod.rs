@@ -12,7 +12,7 @@ mod replay;
 mod report;
 mod stopwatch;
 
-pub use inspect::{Inspection, TopicLine, inspect};
+pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use process::{Failure, ProcessJob, process};
 pub use replay::{ReplayJob, replay};
-pub use report::{EventLine, ParameterLine, Report, SampleLine, SegmentLine};
+pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
