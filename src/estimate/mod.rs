@@ -7,6 +7,7 @@ pub mod layout;
 pub mod merit;
 pub mod point;
 pub mod problem;
+pub mod recipe;
 pub mod samples;
 pub mod system;
 pub mod tempo;
