@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::motion::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, Observer, ParameterEstimate, Phase,
-    SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, TakeEvent, Verdict,
+    SampleCounts, SampleTime, Scene, Segment, SegmentResidual, Sketch, TakeEvent, Verdict,
 };
 use crate::physics::State;
 use crate::segment::{self, SegmentError};
@@ -62,8 +62,9 @@ impl Pipeline {
     /// that verdict; an error means that there is nothing to estimate from.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         observer.phase(Phase::Clean);
-        let (sketch, mut counts) = segment::clean::clean(&self.scene, &self.events)?;
-        let estimate = solve(&self.scene, &sketch, &mut counts, observer);
+        let (sketch, counts) = segment::clean::clean(&self.scene, &self.events)?;
+        let segments = segment::cut(&self.scene, &sketch)?;
+        let estimate = solve(&self.scene, &sketch, &segments, observer);
         observer.phase(Phase::Done);
         Ok(Outcome {
             sketch,
@@ -78,7 +79,7 @@ impl Pipeline {
 fn solve(
     scene: &Scene,
     sketch: &Sketch,
-    counts: &mut SampleCounts,
+    segments: &[Segment],
     observer: &mut dyn Observer,
 ) -> Estimate {
     observer.phase(Phase::ArcFits);
@@ -102,7 +103,7 @@ fn solve(
     Estimate {
         verdict: Verdict::Failed,
         reason: "no solving stage is wired in".into(),
-        objective: counts.used as f64,
+        objective: segments.iter().map(|s| s.samples.len()).sum::<usize>() as f64,
         gravity_m_s2: scene.gravity_m_s2,
         arcs: bodies.clone().map(hanging).collect(),
         events: sketch

@@ -23,7 +23,7 @@ pub fn run() -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(error) => {
-            output::complain(&format!("{error:#}"));
+            output::complain(&output::words(&error));
             Exit::Error.into()
         }
     }

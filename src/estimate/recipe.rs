@@ -102,8 +102,21 @@ pub fn solve(
     let guidance = Guidance::none(problem);
     let price = tighten(&mut descent, &guidance, recipe, observer);
     observer.phase(Phase::Finish);
-    let Descent { point, system, counters, .. } = descent;
-    conclude(&frame, point, system, price.multipliers, recipe, counters, observer)
+    let Descent {
+        point,
+        system,
+        counters,
+        ..
+    } = descent;
+    conclude(
+        &frame,
+        point,
+        system,
+        price.multipliers,
+        recipe,
+        counters,
+        observer,
+    )
 }
 
 /// The finish alone, from a point with good multipliers.
@@ -129,7 +142,14 @@ pub fn conclude(
             stopped
         },
     );
-    Solution { point, system, multipliers, finished, stopped, counters }
+    Solution {
+        point,
+        system,
+        multipliers,
+        finished,
+        stopped,
+        counters,
+    }
 }
 
 /// Multiplier rounds until the constraints hold well enough for the finish.
@@ -168,8 +188,7 @@ fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Gu
     let mut block = constraint::Block::default();
     for (index, collision) in problem.collisions.iter().enumerate() {
         constraint::collision(problem, collision, start, &frame.epochs_s, 0.0, &mut block);
-        let speed_m_s =
-            block.values[constraint::APPROACH_ROW] * super::problem::unit::VELOCITY_M_S;
+        let speed_m_s = block.values[constraint::APPROACH_ROW] * super::problem::unit::VELOCITY_M_S;
         guidance.approach_limits_m_s[index] = (0.3 * speed_m_s).min(-0.1);
     }
     guidance
