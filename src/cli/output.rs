@@ -28,19 +28,6 @@ pub(super) fn complain(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }
 
-/// An error with its causes, each said once: some errors say their cause themselves.
-pub(super) fn words(error: &anyhow::Error) -> String {
-    let mut words = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if words.is_empty() {
-            words = cause;
-        } else if !words.contains(&cause) {
-            words = format!("{words}: {cause}");
-        }
-    }
-    words
-}
-
 /// Whether colours are wanted on stdout.
 pub(super) fn colours_on_stdout() -> bool {
     io::stdout().is_terminal() && colours_allowed()
@@ -54,17 +41,4 @@ pub(super) fn colours_on_stderr() -> bool {
 /// The convention of <https://no-color.org>: any text but the empty one forbids colours.
 fn colours_allowed() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::words;
-
-    #[test]
-    fn causes_are_said_once() {
-        let error = anyhow::anyhow!("disk full")
-            .context("x.mcap: cannot write: disk full")
-            .context("toss 3");
-        assert_eq!(words(&error), "toss 3: x.mcap: cannot write: disk full");
-    }
 }

@@ -58,7 +58,7 @@ pub(super) fn print_failure(
         recording: &'a str,
         error: String,
     }
-    let error = output::words(error);
+    let error = service::words(error);
     output::complain(&error);
     if format == Format::Ndjson {
         output::print_json(&FailureLine { recording, error })?;

@@ -8,6 +8,7 @@ use tracing_subscriber::EnvFilter;
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 use super::{completion, inspect, output, process, replay};
+use crate::service;
 
 /// Runs the command that the process was started with.
 pub fn run() -> ExitCode {
@@ -23,7 +24,7 @@ pub fn run() -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(error) => {
-            output::complain(&output::words(&error));
+            output::complain(&service::words(&error));
             Exit::Error.into()
         }
     }

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::finish::{attached_scene, lost, warnings};
+use super::words::words;
 use crate::ingest::Recording;
 use crate::motion::{Scene, Stamp, TakeEvent};
 
@@ -106,7 +107,7 @@ pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
             inspection.scene = Some(scene.name.clone());
             look_with(&recording, &scene, &mut inspection);
         }
-        Err(error) => inspection.complaint = Some(format!("{error:#}")),
+        Err(error) => inspection.complaint = Some(words(&error)),
     }
     Ok(inspection)
 }

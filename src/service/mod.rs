@@ -11,8 +11,10 @@ mod process;
 mod replay;
 mod report;
 mod stopwatch;
+mod words;
 
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use process::{Failure, ProcessJob, process};
 pub use replay::{ReplayJob, replay};
 pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
+pub use words::words;
