@@ -11,20 +11,38 @@ use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
 use crate::motion::Scene;
 use crate::pipeline::Pipeline;
+use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
-/// The recording and the scene that it is to be read with: the file's, if there is one,
-/// otherwise the one attached to the recording.
-pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<(Recording, Scene)> {
+/// A recording and the scene that it is to be read with.
+pub(super) struct Opened {
+    pub(super) recording: Recording,
+    pub(super) scene: Scene,
+    /// The same as text, as it was written.
+    pub(super) scene_toml: Vec<u8>,
+}
+
+/// Opens a recording. The scene is the file's, if there is one, otherwise the attached one.
+pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
     let recording = Recording::open(input)?;
-    let scene = match scene_file {
+    let (scene, scene_toml) = match scene_file {
         Some(file) => {
             let text = std::fs::read_to_string(file)
                 .with_context(|| format!("{}: cannot read the scene", file.display()))?;
-            scene_from_toml(&text).map_err(|error| error.in_file(file.display().to_string()))?
+            let scene = scene_from_toml(&text)
+                .map_err(|error| error.in_file(file.display().to_string()))?;
+            (scene, text.into_bytes())
         }
-        None => attached_scene(&recording)?,
+        None => {
+            let scene = attached_scene(&recording)?;
+            let text = recording.scene_toml().unwrap_or_default();
+            (scene, text.to_vec())
+        }
     };
-    Ok((recording, scene))
+    Ok(Opened {
+        recording,
+        scene,
+        scene_toml,
+    })
 }
 
 /// The scene that the recording carries.
@@ -68,11 +86,12 @@ pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> 
 
 /// Estimates what was pushed, writes it, and says what became of it.
 pub(super) fn finish(
-    recording: &Recording,
+    opened: &Opened,
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
 ) -> anyhow::Result<Report> {
+    let recording = &opened.recording;
     let mut stopwatch = Stopwatch::start();
     let outcome = pipeline
         .finish(&mut stopwatch)
@@ -84,7 +103,27 @@ pub(super) fn finish(
         iterations = outcome.estimate.counters.iterations,
         "estimated"
     );
-
+    let written = write_estimate(
+        output,
+        &EstimateFile {
+            input: recording.container(),
+            input_path: Some(recording.path()),
+            scene: &opened.scene,
+            scene_toml: &opened.scene_toml,
+            sketch: &outcome.sketch,
+            counts: &outcome.counts,
+            estimate: &outcome.estimate,
+            world_frame: world_frame(take),
+            log_offset_ns: take.log_offset_ns.unwrap_or(0),
+            frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
+        },
+    )?;
+    tracing::info!(
+        output = %output.display(),
+        copied = written.copied,
+        added = written.added,
+        "written"
+    );
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
         output: output.display().to_string(),
@@ -93,7 +132,15 @@ pub(super) fn finish(
         lost: lost(take),
         warnings: warnings(take),
     };
-    Ok(Report::new(pipeline.scene(), &outcome, circumstances))
+    Ok(Report::new(&opened.scene, &outcome, circumstances))
+}
+
+/// The frame in which poses are given, if they agree on one with a name.
+fn world_frame(take: &TakeReport) -> &str {
+    match take.frame_ids.first() {
+        Some(frame) if take.frame_ids.len() == 1 && !frame.is_empty() => frame,
+        _ => DEFAULT_WORLD_FRAME,
+    }
 }
 
 /// What of the recording could not be read.

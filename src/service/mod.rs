@@ -1,6 +1,6 @@
 //! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
-//! Both end in the same [`finish`], and the same recording gives the same bytes by both.
+//! Both end in the same way, and the same recording gives the same bytes by both.
 //!
 //! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
 //! in words and SI units, for whoever prints it.

@@ -105,13 +105,13 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
 
 fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<Report, Failure> {
     let estimate = || {
-        let (recording, scene) = open(input, scene)?;
-        let take = recording.take(&scene)?;
-        let mut pipeline = Pipeline::new(scene);
+        let opened = open(input, scene)?;
+        let take = opened.recording.take(&opened.scene)?;
+        let mut pipeline = Pipeline::new(opened.scene.clone());
         for event in take.events {
             pipeline.push(event);
         }
-        finish(&recording, &pipeline, &take.report, output)
+        finish(&opened, &pipeline, &take.report, output)
     };
     estimate().map_err(|error| Failure {
         recording: input.display().to_string(),

@@ -30,9 +30,9 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
         None => output_path(&job.input, None)?,
     };
     check_distinct(&job.input, &output)?;
-    let (recording, scene) = open(&job.input, job.scene.as_deref())?;
-    let mut source = recording.source(&scene)?;
-    let mut pipeline = Pipeline::new(scene);
+    let opened = open(&job.input, job.scene.as_deref())?;
+    let mut source = opened.recording.source(&opened.scene)?;
+    let mut pipeline = Pipeline::new(opened.scene.clone());
     let mut pace = job.rate.map(Pace::new);
     while let Some((log_time, event)) = source.next()? {
         if let Some(pace) = &mut pace {
@@ -40,7 +40,7 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
         }
         pipeline.push(event);
     }
-    finish(&recording, &pipeline, source.report(), &output)
+    finish(&opened, &pipeline, source.report(), &output)
 }
 
 /// Keeps the distances of log times, divided by a rate.
