@@ -6,7 +6,7 @@
 
 use super::constraint;
 use super::descend::{Descent, Patience};
-use super::finish::{self, Finished, Tolerances};
+use super::finish::{Finish, Finished, Tolerances};
 use super::layout::Layout;
 use super::merit::Price;
 use super::point::Point;
@@ -27,6 +27,8 @@ pub struct Recipe {
     pub multiplier_weight: f64,
     /// Rounds at most, steps of each at most.
     pub multiplier_rounds: (usize, usize),
+    /// Orientations of an arc that sweep and multiplier rounds read.
+    pub orientations_per_arc: usize,
     /// Violation at which the finish takes over, in units.
     pub finish_below: f64,
     /// When the finish is done.
@@ -41,6 +43,7 @@ impl Default for Recipe {
             event_sd_s: 0.002,
             multiplier_weight: 100.0,
             multiplier_rounds: (12, 15),
+            orientations_per_arc: 16,
             finish_below: 0.02,
             tolerances: Tolerances::default(),
         }
@@ -54,8 +57,8 @@ pub struct Solution {
     pub point: Point,
     /// Objective and constraints there.
     pub system: System,
-    /// Multipliers of the constraints.
-    pub multipliers: Vec<Vec<f64>>,
+    /// Multipliers of the constraints, row by row.
+    pub multipliers: Vec<f64>,
     /// How the finish ended.
     pub finished: Finished,
     /// Whether it was ended from outside.
@@ -80,6 +83,7 @@ pub fn solve(
     let start = Point::new(problem, guess);
     let frame = Frame::new(problem, layout, epochs_s(guess), &start);
     let mut guidance = leading(problem, guess, &frame, &start);
+    guidance.orientations_per_arc = recipe.orientations_per_arc;
     let mut descent = Descent::new(&frame, &guidance, start);
 
     observer.phase(Phase::Sweep);
@@ -99,49 +103,39 @@ pub fn solve(
     }
 
     observer.phase(Phase::Multipliers);
-    let guidance = Guidance::none(problem);
+    guidance = Guidance {
+        orientations_per_arc: recipe.orientations_per_arc,
+        ..Guidance::none(problem)
+    };
     let price = tighten(&mut descent, &guidance, recipe, observer);
     observer.phase(Phase::Finish);
+    descent.refresh(&Guidance::none(problem));
     let Descent {
         point,
         system,
         counters,
         ..
     } = descent;
-    conclude(
-        &frame,
+    let multipliers = price.multipliers;
+    let mut finish = Finish {
+        frame: &frame,
         point,
         system,
-        price.multipliers,
-        recipe,
+        multipliers,
         counters,
-        observer,
-    )
-}
-
-/// The finish alone, from a point with good multipliers.
-pub fn conclude(
-    frame: &Frame,
-    mut point: Point,
-    mut system: System,
-    mut multipliers: Vec<Vec<f64>>,
-    recipe: &Recipe,
-    mut counters: Counters,
-    observer: &mut dyn Observer,
-) -> Solution {
+    };
     let mut stopped = false;
-    let finished = finish::finish(
-        frame,
-        &mut point,
-        &mut system,
-        &mut multipliers,
-        &recipe.tolerances,
-        &mut counters,
-        &mut || {
-            stopped |= observer.should_stop();
-            stopped
-        },
-    );
+    let finished = finish.run(&recipe.tolerances, &mut || {
+        stopped |= observer.should_stop();
+        stopped
+    });
+    let Finish {
+        point,
+        system,
+        multipliers,
+        counters,
+        ..
+    } = finish;
     Solution {
         point,
         system,

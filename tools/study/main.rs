@@ -81,13 +81,7 @@ fn main() {
                 let t1 = Instant::now();
                 let problem = Problem::new(&scene, &sketch, &segments);
                 let layout = Layout::new(&problem);
-                let sol = recipe::solve(
-                    &problem,
-                    &layout,
-                    &guessed.guess,
-                    &Recipe::default(),
-                    &mut (),
-                );
+                let sol = enact::estimate::solve::best(&problem, &layout, &guessed.guesses, &Recipe::default(), &mut ()).1;
                 let t2 = Instant::now();
                 n += 1;
                 fit.push((t1 - t0).as_secs_f64());
@@ -97,7 +91,7 @@ fn main() {
                     conv += 1;
                 }
                 // from the truth
-                let tg = truth_guess(&perf, &guessed.guess, true);
+                let tg = truth_guess(&perf, &guessed.guesses[0], true);
                 let refs = [tg];
                 let mut low = sol.system.cost;
                 for g in &refs {
