@@ -9,7 +9,12 @@ use perform::{Acting, Style, bounces, perform};
 fn goals_are_met_to_rounding() {
     for style in Style::ALL {
         let truth = style.truth();
-        println!("{style:?} miss {:e} {:?} {}", truth.goal_miss(), truth.event_times_s, truth.duration_s);
+        println!(
+            "{style:?} miss {:e} {:?} {}",
+            truth.goal_miss(),
+            truth.event_times_s,
+            truth.duration_s
+        );
         let p = perform(&truth, &Acting::default(), 7);
         println!("{} events", p.events.len());
         assert!(truth.goal_miss() < 1e-13);

@@ -185,7 +185,13 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
         let mut times_s = Vec::new();
         for shot in track(&truth, acting, &tempo, seed, body) {
             let arrival = Stamp(acting.stamp(shot.acted_s).0 + latency_ns);
-            arrivals.push((arrival, TakeEvent::Pose { body, sample: shot.sample }));
+            arrivals.push((
+                arrival,
+                TakeEvent::Pose {
+                    body,
+                    sample: shot.sample,
+                },
+            ));
             times_s.push(tempo.physical_s(shot.acted_s));
         }
         sample_times_s.push(times_s);
@@ -193,7 +199,15 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
     // Stable: simultaneous arrivals stay in the order marks, then bodies.
     arrivals.sort_by_key(|(arrival, _)| *arrival);
     let (arrivals, events) = arrivals.into_iter().unzip();
-    Performance { truth, acting: *acting, seed, tempo, events, arrivals, sample_times_s }
+    Performance {
+        truth,
+        acting: *acting,
+        seed,
+        tempo,
+        events,
+        arrivals,
+        sample_times_s,
+    }
 }
 
 fn marks(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64) -> Vec<Mark> {
@@ -230,7 +244,10 @@ fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) 
     for index in 0..count {
         let acted_s = index as f64 / acting.rate_hz - acting.hold_before_s;
         let true_pose = truth.world_from_body(body, tempo.physical_s(acted_s));
-        let seen = acting.measured(&(hand.led_astray(&true_pose, acted_s) * body_from_tracker), &mut noise);
+        let seen = acting.measured(
+            &(hand.led_astray(&true_pose, acted_s) * body_from_tracker),
+            &mut noise,
+        );
         let late_s = (acting.stamp_jitter_s * normal(&mut jitter)).clamp(-most_s, most_s);
         // The first sample, zero of all times, is never lost.
         if sight.is_kept() || index == 0 {
@@ -287,7 +304,12 @@ impl Sight {
     fn new(acting: &Acting, rng: ChaCha8Rng) -> Self {
         let find = 1.0 / acting.dropout_burst.max(1.0);
         let rate = acting.dropout_rate.clamp(0.0, 0.99);
-        Self { rng, lose: (find * rate / (1.0 - rate)).min(1.0), find, is_lost: false }
+        Self {
+            rng,
+            lose: (find * rate / (1.0 - rate)).min(1.0),
+            find,
+            is_lost: false,
+        }
     }
 
     fn is_kept(&mut self) -> bool {
@@ -317,7 +339,11 @@ impl Acting {
 /// To the nearest multiple, so that the last bits of sines, which differ between platforms, do
 /// not reach the recording.
 fn rounded(value: f64, resolution: f64) -> f64 {
-    if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
+    if resolution > 0.0 {
+        (value / resolution).round() * resolution
+    } else {
+        value
+    }
 }
 
 fn unit(xyzw: nalgebra::Vector4<f64>) -> UnitQuaternion<f64> {

@@ -61,7 +61,8 @@ pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
             None => Some(thrown(&mut rng)),
             Some(last) if last.choice < CHOICES => {
                 // Not evenly spaced, and from a random offset: no two bounces alike.
-                last.restitution = 1.0 - worst_loss * (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                last.restitution =
+                    1.0 - worst_loss * (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
                 last.choice += 1;
                 Some(cube.bounced(last))
             }
@@ -102,16 +103,27 @@ struct Cube {
 impl Cube {
     fn new() -> Self {
         let moment_kg_m2 = MASS_KG * (2.0 * HALF_M) * (2.0 * HALF_M) / 6.0;
-        let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -HALF_M } else { HALF_M };
+        let sign = |corner: usize, axis: usize| {
+            if corner >> axis & 1 == 0 {
+                -HALF_M
+            } else {
+                HALF_M
+            }
+        };
         Self {
             body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("a cube is a body"),
             gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
-            corners_m: (0..8).map(|c| Vector3::from_fn(|axis, _| sign(c, axis))).collect(),
+            corners_m: (0..8)
+                .map(|c| Vector3::from_fn(|axis, _| sign(c, axis)))
+                .collect(),
         }
     }
 
     fn flight(&self) -> Flight<'_> {
-        Flight { body: &self.body, gravity_m_s2: &self.gravity_m_s2 }
+        Flight {
+            body: &self.body,
+            gravity_m_s2: &self.gravity_m_s2,
+        }
     }
 
     fn contact(&self, corner: usize) -> impact::Contact {
@@ -124,8 +136,9 @@ impl Cube {
 
     /// Heights of the corners and their indices, lowest first.
     fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
-        let mut heights: Vec<_> =
-            (0..8).map(|corner| (self.contact(corner).gap_m(state), corner)).collect();
+        let mut heights: Vec<_> = (0..8)
+            .map(|corner| (self.contact(corner).gap_m(state), corner))
+            .collect();
         heights.sort_by(|a, b| a.0.total_cmp(&b.0));
         heights
     }
@@ -159,7 +172,13 @@ impl Cube {
         let is_good = duration_s >= SHORTEST_S
             && approach_m_s >= SLOWEST_APPROACH_M_S
             && next_m >= CLEAREST_M;
-        is_good.then_some(Hop { state: *state, duration_s, corner, restitution: 1.0, choice: 0 })
+        is_good.then_some(Hop {
+            state: *state,
+            duration_s,
+            corner,
+            restitution: 1.0,
+            choice: 0,
+        })
     }
 
     /// The record of a path; it ends half-way through its last flight.
@@ -184,10 +203,21 @@ impl Cube {
             };
             events.push(Event { name, kind });
             event_times_s.push(end_s);
-            arcs.push(ArcEstimate { body: 0, epoch_s: start_s, state: hop.state, start_s, end_s });
+            arcs.push(ArcEstimate {
+                body: 0,
+                epoch_s: start_s,
+                state: hop.state,
+                start_s,
+                end_s,
+            });
             start_s = end_s;
         }
-        Truth { scene: self.scene(events), arcs, event_times_s, duration_s: start_s }
+        Truth {
+            scene: self.scene(events),
+            arcs,
+            event_times_s,
+            duration_s: start_s,
+        }
     }
 
     fn scene(&self, events: Vec<Event>) -> Scene {
@@ -199,7 +229,9 @@ impl Cube {
             name: "cube".to_owned(),
             topic: "/tracker/cube/pose".to_owned(),
             body: self.body,
-            shape: Shape::Cuboid { half_extents_m: Vector3::repeat(HALF_M) },
+            shape: Shape::Cuboid {
+                half_extents_m: Vector3::repeat(HALF_M),
+            },
             body_from_tracker: Pose::translation(0.02, -0.03, HALF_M),
             features: self.corners_m.iter().enumerate().map(feature).collect(),
         };
@@ -211,7 +243,9 @@ impl Cube {
         Scene {
             name: "cube, bouncing".to_owned(),
             gravity_m_s2: self.gravity_m_s2,
-            timing: Timing::Unknown { tempo_sd_per_sqrt_s: 0.5 },
+            timing: Timing::Unknown {
+                tempo_sd_per_sqrt_s: 0.5,
+            },
             marks_topic: "/marks".to_owned(),
             bodies: vec![cube],
             surfaces: vec![table],
@@ -219,7 +253,10 @@ impl Cube {
             events,
             goals: Vec::new(),
             parameters: Vec::new(),
-            weights: Weights { position_m: 0.01, orientation_rad: 0.1 },
+            weights: Weights {
+                position_m: 0.01,
+                orientation_rad: 0.1,
+            },
         }
     }
 }

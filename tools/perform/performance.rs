@@ -63,15 +63,16 @@ impl Performance {
                 }
             }
         }
-        Sketch { origin, bodies, marks_s }
+        Sketch {
+            origin,
+            bodies,
+            marks_s,
+        }
     }
 }
 
 /// Of `q` and `−q`, one rotation, the nearer to the one before.
-fn nearer(
-    q: UnitQuaternion<f64>,
-    last: Option<UnitQuaternion<f64>>,
-) -> UnitQuaternion<f64> {
+fn nearer(q: UnitQuaternion<f64>, last: Option<UnitQuaternion<f64>>) -> UnitQuaternion<f64> {
     match last {
         Some(last) if last.coords.dot(&q.coords) < 0.0 => {
             UnitQuaternion::new_unchecked(-q.into_inner())

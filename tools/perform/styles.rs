@@ -76,13 +76,16 @@ impl Style {
     /// If the scene file in this repository is broken.
     pub fn truth(self) -> Truth {
         let scene = enact::config::scene_from_toml(self.scene_toml()).expect("a valid scene file");
-        self.truth_in(&scene).expect("a scene with a bounce and a pose goal")
+        self.truth_in(&scene)
+            .expect("a scene with a bounce and a pose goal")
     }
 
     /// The true motion in a scene of one body, one bounce and a pose goal at the end.
     pub fn truth_in(self, scene: &Scene) -> Result<Truth, TruthError> {
         let [moving] = scene.bodies.as_slice() else {
-            return Err(TruthError::Bodies { count: scene.bodies.len() });
+            return Err(TruthError::Bodies {
+                count: scene.bodies.len(),
+            });
         };
         let lacks = |what| TruthError::Lacks { what };
         let goal = scene.goals.iter().find_map(|goal| match &goal.target {
@@ -111,7 +114,10 @@ impl Style {
             velocity_m_s: chosen.velocity_m_s,
             angular_velocity_rad_s,
         };
-        let flight = Flight { body: &moving.body, gravity_m_s2: &scene.gravity_m_s2 };
+        let flight = Flight {
+            body: &moving.body,
+            gravity_m_s2: &scene.gravity_m_s2,
+        };
         let after_bounce_s = flight
             .since_contact_s(&landing, &contact, LONGEST_ARC_S)
             .ok_or(lacks("a bounce before the landing"))?;

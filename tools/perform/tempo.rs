@@ -31,7 +31,11 @@ impl Tempo {
             knots.push([physical_s, next]);
             last = next;
         }
-        let mut tempo = Self { knots, duration_s, acted_duration_s: 0.0 };
+        let mut tempo = Self {
+            knots,
+            duration_s,
+            acted_duration_s: 0.0,
+        };
         tempo.acted_duration_s = tempo.acted_s(duration_s);
         tempo
     }
@@ -59,7 +63,9 @@ impl Tempo {
     pub fn acted_s(&self, physical_s: f64) -> f64 {
         let physical_s = physical_s.clamp(0.0, self.duration_s);
         let after = self.knots.partition_point(|knot| knot[0] < physical_s);
-        let Some(knot) = after.checked_sub(1) else { return 0.0 };
+        let Some(knot) = after.checked_sub(1) else {
+            return 0.0;
+        };
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         loop {
             let middle = 0.5 * (low + high);

@@ -66,7 +66,10 @@ impl Truth {
     pub fn state(&self, body: usize, time_s: f64) -> State {
         let mut arcs = self.arcs.iter().filter(|arc| arc.body == body);
         let first = arcs.next().expect("a truth has arcs for every body");
-        let arc = arcs.take_while(|arc| arc.start_s <= time_s).last().unwrap_or(first);
+        let arc = arcs
+            .take_while(|arc| arc.start_s <= time_s)
+            .last()
+            .unwrap_or(first);
         flow::advance(
             &self.scene.bodies[body].body,
             &self.scene.gravity_m_s2,
@@ -90,7 +93,9 @@ impl Truth {
                 shift.norm().max(enact::math::so3::log(&turn).norm())
             }
             GoalTarget::PositionWithin { lower_m, upper_m } => {
-                let x = self.state(goal.body, self.event_times_s[goal.event]).position_m;
+                let x = self
+                    .state(goal.body, self.event_times_s[goal.event])
+                    .position_m;
                 (lower_m - x).sup(&(x - upper_m)).max().max(0.0)
             }
         };
@@ -101,9 +106,14 @@ impl Truth {
 /// Simulates a scene of one body through all its collisions, up to `duration_s`.
 pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth, TruthError> {
     let [moving] = scene.bodies.as_slice() else {
-        return Err(TruthError::Bodies { count: scene.bodies.len() });
+        return Err(TruthError::Bodies {
+            count: scene.bodies.len(),
+        });
     };
-    let flight = Flight { body: &moving.body, gravity_m_s2: &scene.gravity_m_s2 };
+    let flight = Flight {
+        body: &moving.body,
+        gravity_m_s2: &scene.gravity_m_s2,
+    };
     let mut truth = Truth {
         scene: scene.clone(),
         arcs: Vec::new(),
@@ -116,12 +126,23 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
             EventKind::Collision { restitution, .. } => {
-                let contact = contact(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
+                let contact =
+                    contact(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
                 let flown_s = flight
                     .until_contact_s(&state, &contact, duration_s - start_s)
-                    .ok_or(TruthError::NoContact { event, from_s: start_s, to_s: duration_s })?;
+                    .ok_or(TruthError::NoContact {
+                        event,
+                        from_s: start_s,
+                        to_s: duration_s,
+                    })?;
                 let end_s = start_s + flown_s;
-                truth.arcs.push(ArcEstimate { body: 0, epoch_s: start_s, state, start_s, end_s });
+                truth.arcs.push(ArcEstimate {
+                    body: 0,
+                    epoch_s: start_s,
+                    state,
+                    start_s,
+                    end_s,
+                });
                 // From the time as it is recorded, so that the record is what was simulated.
                 let before = flight.advance(&state, end_s - start_s);
                 let normal = contact.surface_normal;
@@ -132,13 +153,27 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
         };
         truth.event_times_s.push(time_s);
     }
-    truth.arcs.push(ArcEstimate { body: 0, epoch_s: start_s, state, start_s, end_s: duration_s });
+    truth.arcs.push(ArcEstimate {
+        body: 0,
+        epoch_s: start_s,
+        state,
+        start_s,
+        end_s: duration_s,
+    });
     Ok(truth)
 }
 
 /// The contact of a collision; none for other events.
 pub fn contact(scene: &Scene, kind: &EventKind) -> Option<impact::Contact> {
-    let EventKind::Collision { body, feature, surface, .. } = *kind else { return None };
+    let EventKind::Collision {
+        body,
+        feature,
+        surface,
+        ..
+    } = *kind
+    else {
+        return None;
+    };
     let surface = &scene.surfaces[surface];
     Some(impact::Contact {
         point_m: scene.bodies[body].features[feature].point_m,
@@ -169,7 +204,9 @@ impl Flight<'_> {
         contact: &impact::Contact,
         limit_s: f64,
     ) -> Option<f64> {
-        crossing_s(SCAN_S, limit_s, |time_s| contact.gap_m(&self.advance(state, time_s)))
+        crossing_s(SCAN_S, limit_s, |time_s| {
+            contact.gap_m(&self.advance(state, time_s))
+        })
     }
 
     /// How long ago a contact point last left its surface, to rounding.
@@ -179,16 +216,14 @@ impl Flight<'_> {
         contact: &impact::Contact,
         limit_s: f64,
     ) -> Option<f64> {
-        crossing_s(SCAN_S, limit_s, |time_s| contact.gap_m(&self.advance(state, -time_s)))
+        crossing_s(SCAN_S, limit_s, |time_s| {
+            contact.gap_m(&self.advance(state, -time_s))
+        })
     }
 }
 
 /// First time at which a gap goes from positive to not positive, by scan and bisection.
-pub(super) fn crossing_s(
-    scan_s: f64,
-    limit_s: f64,
-    gap_m: impl Fn(f64) -> f64,
-) -> Option<f64> {
+pub(super) fn crossing_s(scan_s: f64, limit_s: f64, gap_m: impl Fn(f64) -> f64) -> Option<f64> {
     let steps = (limit_s / scan_s).ceil() as usize;
     let (mut low_s, mut outside) = (0.0, false);
     for step in 1..=steps {

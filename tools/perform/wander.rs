@@ -33,14 +33,26 @@ pub struct Spectrum {
 }
 
 /// A hand's position, as measured above.
-pub const HAND_POSITION: Spectrum = Spectrum { low_hz: 0.2, high_hz: 4.0, slope: 4.0 };
+pub const HAND_POSITION: Spectrum = Spectrum {
+    low_hz: 0.2,
+    high_hz: 4.0,
+    slope: 4.0,
+};
 
 /// A hand's orientation, as measured above.
-pub const HAND_ORIENTATION: Spectrum = Spectrum { low_hz: 0.2, high_hz: 4.0, slope: 3.0 };
+pub const HAND_ORIENTATION: Spectrum = Spectrum {
+    low_hz: 0.2,
+    high_hz: 4.0,
+    slope: 3.0,
+};
 
 /// The logarithm of the tempo: Brownian motion in a band (not measured). With a standard
 /// deviation of 0.3 its strength is 0.44 per √s.
-pub const TEMPO: Spectrum = Spectrum { low_hz: 0.1, high_hz: 1.5, slope: 2.0 };
+pub const TEMPO: Spectrum = Spectrum {
+    low_hz: 0.1,
+    high_hz: 1.5,
+    slope: 2.0,
+};
 
 impl Spectrum {
     /// Power between two frequencies, up to a factor.
@@ -77,7 +89,11 @@ impl Wander {
                     let normal: f64 = StandardNormal.sample(rng);
                     sd * normal
                 };
-                [std::f64::consts::TAU * frequency_hz, amplitude(), amplitude()]
+                [
+                    std::f64::consts::TAU * frequency_hz,
+                    amplitude(),
+                    amplitude(),
+                ]
             })
             .collect();
         Self { lines }
