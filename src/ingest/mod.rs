@@ -15,3 +15,6 @@ pub use error::IngestError;
 pub use recording::{Recording, SCENE_NAME, Take};
 pub use report::{TakeReport, TopicReport};
 pub use source::{MemorySource, RecordingSource, Source};
+
+#[cfg(test)]
+mod tests;

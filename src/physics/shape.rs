@@ -407,6 +407,15 @@ fn hull_of(points_m: &[Vector3<f64>]) -> Result<(Vec<ParryVector>, Vec<[u32; 3]>
     })
 }
 
+/// The triangles of the hull of points, counter-clockwise from outside, for drawing.
+pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Result<Vec<[Vector3<f64>; 3]>, ShapeError> {
+    let (points, triangles) = hull_of(points_m)?;
+    Ok(triangles
+        .into_iter()
+        .map(|triangle| triangle.map(|i| from_parry(points[i as usize])))
+        .collect())
+}
+
 /// Sums tetrahedra between the origin and each triangle. parry's own sum is exact too, but the
 /// frame it diagonalises to does not give the tensor back for boxes that are turned.
 fn hull_mass(points_m: &[Vector3<f64>]) -> Result<UniformMass, ShapeError> {

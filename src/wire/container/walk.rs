@@ -143,9 +143,11 @@ impl Walk {
                     self.end_whole(range);
                     return None;
                 }
-                // A summary without the record that ends the data: the data are whole.
+                // A footer without the record that ends the data: a chunk with its type
+                // damaged would look so.
                 op::FOOTER => {
-                    self.ended = true;
+                    self.at = self.offset;
+                    self.end_cut();
                     return None;
                 }
                 _ => return Some((Place::File, opcode, range)),
