@@ -1,4 +1,83 @@
 //! `enact`: acting capture.
+//!
+//! Somebody picks up a real object with a 6-DoF tracker on it and *acts* a motion: a pencil
+//! bounces on the table, twirls, lands in a mug. The performance is slow, imprecise, physically
+//! impossible. `enact` takes the tracker's stream, cuts it at the collisions that the performer
+//! marked, and estimates the rigid-body motion that fits it best and is physically correct,
+//! subject to what must hold (it *does* land in the mug). It follows Popović, Seitz and Erdmann,
+//! "Motion Sketching for Control of Rigid-Body Simulations", ACM Transactions on Graphics 22(4),
+//! 2003; equation numbers in the code are theirs.
+//!
+//! # The problem
+//!
+//! Unknown are the state `q` of every arc, the times `τ` of the events, free parameters `u`, and
+//! the physical times `t` of the samples where the stamps only give an order:
+//!
+//! ```text
+//! min   Σ_i ‖W (Φ(q, t_i) ⊟ s_i)‖² + priors(u) + tempo(t)     how far from what was acted
+//! s.t.  φ(Φ(q, τ)) = 0, approaching                           contact at a collision
+//!       q⁺ = Impact(q⁻, u)                                    continuity over it
+//!       goals, bounds, order of events
+//! ```
+//!
+//! # The rooms
+//!
+//! Folders are the stages of the pipeline and the few rooms they stand on.
+//!
+//! | room | what is in it | may import |
+//! |---|---|---|
+//! | [`math`] | SO(3), envelope matrices | |
+//! | [`physics`] | bodies, shapes (all of parry), flight, impact; each beside its derivatives | `math` |
+//! | [`motion`] | the nouns that stages exchange: scene, take, sketch, estimate | `physics`, `math` |
+//! | [`ingest`] | 1 recordings and memory become takes | `wire`, `motion` |
+//! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
+//! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
+//! | [`estimate`] | 4 the constrained estimation | `motion` and below |
+//! | [`verify`] | 4b an independent check of it | `motion` and below |
+//! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
+//! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion` and below |
+//! | [`config`] | TOML → checked scenes | `motion` and below |
+//! | [`pipeline`] | stages 2 to 4b as one pure state machine | the stages |
+//! | [`service`] | its drivers, with clock, files and threads: replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
+//! | [`cli`] | the commands and their accounts | `config`, `service` |
+//!
+//! `math`, `physics`, `motion`, the stages 2 to 4b and `pipeline` are the core. What is absent
+//! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
+//! container of random order. A run can be stopped and watched through
+//! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
+//! what they exchange is in [`motion`]. `tests/tidy.rs` enforces all of this.
+//!
+//! # Conventions
+//!
+//! - Perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are Hamilton and unit, world
+//!   from body.
+//! - A transform is named by its frames, `world_from_body`, so that neighbours cancel.
+//! - SI inside, with the unit in the name of every bare float that crosses a room (`gap_m`,
+//!   `rate_rad_s`). Time is integer nanoseconds at the edge ([`motion::Stamp`]) and seconds
+//!   since the first sample inside.
+//! - Distances are signed: negative is penetration.
+//! - Body axes are principal axes at the centre of mass.
+//! - Bad input is an error with place and numbers, one enum per room. Not converging is an
+//!   outcome with a verdict and a reason. A bug is a failed assertion.
+//!
+//! # Symbols
+//!
+//! | symbol | in the code | meaning |
+//! |---|---|---|
+//! | `q` | [`physics::State`] | state of a free body |
+//! | `x`, `R`, `v`, `ω` | `position_m`, `orientation`, `velocity_m_s`, `angular_velocity_rad_s` | its parts: centre of mass and velocity in world axes, angular velocity in body axes |
+//! | `s_i` | [`motion::Sample`] | an acted pose |
+//! | `τ_k` | [`motion::EventEstimate::time_s`] | physical time of an event |
+//! | `t_i` | [`motion::SampleTime::time_s`] | physical time of a sample |
+//! | `u` | [`motion::ParameterEstimate`] | free parameters |
+//! | `Φ` | [`physics::flow`] | flight: state and duration → state |
+//! | `e` | `restitution` | coefficient of restitution |
+//!
+//! # Limits
+//!
+//! Free rigid bodies with two or three equal principal moments, colliding at named points with
+//! fixed planes, without friction. Joints, friction and collisions between bodies are not
+//! modelled.
 
 #![forbid(unsafe_code)]
 

@@ -1,2 +1,7 @@
 //! Parse, run, one exit code.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    enact::cli::run()
+}

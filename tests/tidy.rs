@@ -39,7 +39,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ),
     ("wire", &["motion", "math"]),
     ("ingest", &["wire", "motion"]),
-    ("write", &["wire", "motion"]),
+    ("write", &["wire", "motion", "physics", "math"]),
     ("config", &["motion", "physics", "math"]),
     (
         "service",

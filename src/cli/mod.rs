@@ -1,1 +1,23 @@
-//! The commands: arguments → a validated job; exit codes.
+//! The commands: arguments → a job for [`service`](crate::service) → an account of it.
+//!
+//! Results go to stdout, diagnostics and progress to stderr. How it went is in the exit code:
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | error: nothing was written for at least one recording |
+//! | 2 | usage: the arguments make no job |
+//! | 3 | finished, but data were lost or the estimate is not physical |
+
+mod account;
+mod arguments;
+mod completion;
+mod exit;
+mod inspect;
+mod output;
+mod process;
+mod replay;
+mod run;
+mod table;
+
+pub use run::run;

@@ -14,7 +14,7 @@ use thiserror::Error;
 use super::body::{Body, BodyError};
 use crate::math::Pose;
 
-/// How far a hull's centre of mass may be off the origin [m].
+/// How far a hull's centre of mass may be off the origin \[m\].
 const CENTRE_TOLERANCE_M: f64 = 1e-9;
 
 /// Products of inertia of a hull, and differences of its moments, that count as none, relative
@@ -168,7 +168,7 @@ impl Shape {
         }
     }
 
-    /// Radius of the least ball about the origin that holds the shape [m].
+    /// Radius of the least ball about the origin that holds the shape \[m\].
     pub fn radius_m(&self) -> f64 {
         match self {
             Shape::Cuboid { half_extents_m } => half_extents_m.norm(),
@@ -239,7 +239,7 @@ impl Shape {
         })
     }
 
-    /// The body that this shape makes at uniform density with that mass [kg].
+    /// The body that this shape makes at uniform density with that mass \[kg\].
     pub fn body_of_mass_kg(&self, mass_kg: f64) -> Result<Body, ShapeError> {
         let uniform = self.uniform_mass()?;
         Ok(Body::new(mass_kg, uniform.moments_per_mass_m2 * mass_kg)?)
@@ -301,7 +301,7 @@ impl Shape {
         })
     }
 
-    /// Distance between two placed shapes [m]; negative is the depth of penetration.
+    /// Distance between two placed shapes \[m\]; negative is the depth of penetration.
     ///
     /// Builds both solids: for many queries build them once, by [`Shape::solid`].
     pub fn distance_m(
@@ -323,7 +323,7 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// Distance between two placed solids [m]; negative is the depth of penetration.
+    /// Distance between two placed solids \[m\]; negative is the depth of penetration.
     ///
     /// Refuses poses that are not finite: parry's answer for them is 0.
     pub fn distance_m(
@@ -405,6 +405,15 @@ fn hull_of(points_m: &[Vector3<f64>]) -> Result<(Vec<ParryVector>, Vec<[u32; 3]>
         count: points_m.len(),
         reason: error.to_string(),
     })
+}
+
+/// The triangles of the hull of points, counter-clockwise from outside, for drawing.
+pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Result<Vec<[Vector3<f64>; 3]>, ShapeError> {
+    let (points, triangles) = hull_of(points_m)?;
+    Ok(triangles
+        .into_iter()
+        .map(|triangle| triangle.map(|i| from_parry(points[i as usize])))
+        .collect())
 }
 
 /// Sums tetrahedra between the origin and each triangle. parry's own sum is exact too, but the

@@ -1,1 +1,20 @@
-//! Drivers of the pipeline: replay and offline.
+//! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
+//! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
+//! Both end in the same way, and the same recording gives the same bytes by both.
+//!
+//! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
+//! in words and SI units, for whoever prints it.
+
+mod finish;
+mod inspect;
+mod process;
+mod replay;
+mod report;
+mod stopwatch;
+mod words;
+
+pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
+pub use process::{Failure, ProcessJob, process};
+pub use replay::{ReplayJob, replay};
+pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
+pub use words::words;

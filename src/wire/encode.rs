@@ -107,23 +107,42 @@ pub fn frame_transforms(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError
 /// A `foxglove.Event` at the mark's instant; the scene's event, if named, is its metadata
 /// under [`MARK_EVENT_KEY`].
 pub fn event(mark: &Mark) -> Result<Vec<u8>, EncodeError> {
-    let at = timestamp(mark.stamp)?;
+    let name = mark.event.as_deref();
+    let pairs: Vec<_> = name
+        .map(|name| (MARK_EVENT_KEY, name))
+        .into_iter()
+        .collect();
+    event_with(mark.stamp, &pairs)
+}
+
+/// A `foxglove.Event` at one instant with that metadata.
+pub fn event_with(stamp: Stamp, pairs: &[(&str, &str)]) -> Result<Vec<u8>, EncodeError> {
+    let at = timestamp(stamp)?;
     Ok(bytes_of(&Event {
         start_time: Some(at),
         end_time: Some(at),
-        metadata: mark
-            .event
+        metadata: pairs
             .iter()
-            .map(|name| KeyValuePair {
-                key: MARK_EVENT_KEY.to_owned(),
-                value: name.clone(),
+            .map(|&(key, value)| KeyValuePair {
+                key: key.to_owned(),
+                value: value.to_owned(),
             })
             .collect(),
     }))
 }
 
+/// A `std_msgs/msg/String` as little-endian CDR: length with the closing zero, text, zero.
+pub fn ros_string(text: &str) -> Vec<u8> {
+    let length = u32::try_from(text.len() + 1).expect("texts of ours are far below 4 GB");
+    let mut bytes = vec![0, 1, 0, 0];
+    bytes.extend_from_slice(&length.to_le_bytes());
+    bytes.extend_from_slice(text.as_bytes());
+    bytes.push(0);
+    bytes
+}
+
 /// The stamp as foxglove writes it.
-pub(super) fn timestamp(stamp: Stamp) -> Result<Timestamp, EncodeError> {
+pub(crate) fn timestamp(stamp: Stamp) -> Result<Timestamp, EncodeError> {
     let seconds = u32::try_from(stamp.0.div_euclid(NANOSECONDS_PER_SECOND))
         .map_err(|_| EncodeError::Stamp(stamp.0))?;
     let nanoseconds = stamp.0.rem_euclid(NANOSECONDS_PER_SECOND);
@@ -134,7 +153,7 @@ pub(super) fn timestamp(stamp: Stamp) -> Result<Timestamp, EncodeError> {
 }
 
 /// Encodes any foxglove message.
-pub(super) fn bytes_of<M: Encode>(message: &M) -> Vec<u8> {
+pub(crate) fn bytes_of<M: Encode>(message: &M) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(message.encoded_len().unwrap_or(0));
     message
         .encode(&mut bytes)
@@ -158,6 +177,14 @@ fn rotation(sample: &PoseSample) -> Quaternion {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ros_strings_are_what_an_independent_encoder_makes() {
+        for text in ["", "a", "<robot/>"] {
+            let theirs = cdr::serialize::<_, _, cdr::CdrLe>(text, cdr::Infinite).expect("cdr");
+            assert_eq!(ros_string(text), theirs);
+        }
+    }
 
     #[test]
     fn stamps_outside_what_messages_can_say_are_refused_by_value() {

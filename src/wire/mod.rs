@@ -1,8 +1,13 @@
 //! Bytes ↔ motion, shared by ingest and write; no files.
 //!
-//! [`encode`] makes messages of what we hold. Whatever is a foxglove message comes from the
+//! [`container`] finds the messages in an MCAP file held in memory, [`decode`] makes motion of
+//! them, [`encode`] makes messages of motion. Whatever is a foxglove message comes from the
 //! `foxglove` crate, whose types stop at this room's door.
 
+pub mod container;
+pub mod decode;
 pub mod encode;
 
+pub use container::{Container, ContainerError};
+pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat};
 pub use encode::{EncodeError, Encoded, Transform};

@@ -48,6 +48,35 @@ pub enum WriteError {
         /// As given.
         log_time: i64,
     },
+    /// The output is the input.
+    #[error("{}: is the input; write to another file", path.display())]
+    IsInput {
+        /// The final name.
+        path: PathBuf,
+    },
+    /// No frames can be made at this rate.
+    #[error("{}: frame rate {frame_rate_hz} Hz, expected 0.001 to 100000", path.display())]
+    FrameRate {
+        /// The final name.
+        path: PathBuf,
+        /// As given.
+        frame_rate_hz: f64,
+    },
+    /// The estimated motion is absurdly long.
+    #[error(
+        "{}: the motion of body {body:?} reaches from {start_s} s to {end_s} s: too many frames to write",
+        path.display()
+    )]
+    Span {
+        /// The final name.
+        path: PathBuf,
+        /// The body.
+        body: String,
+        /// Where its first arc begins.
+        start_s: f64,
+        /// Where its last arc ends.
+        end_s: f64,
+    },
 }
 
 impl WriteError {
@@ -57,6 +86,16 @@ impl WriteError {
         move |source| WriteError::Io {
             path,
             action,
+            source,
+        }
+    }
+
+    /// For `map_err`: a message on `topic` cannot be encoded.
+    pub(super) fn encode(path: &Path, topic: &str) -> impl FnOnce(EncodeError) -> Self {
+        let (path, topic) = (path.to_owned(), topic.to_owned());
+        move |source| WriteError::Encode {
+            path,
+            topic,
             source,
         }
     }

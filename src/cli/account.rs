@@ -1,0 +1,270 @@
+//! A report for people: short, aligned.
+
+use std::fmt::Write;
+
+use super::table::table;
+use crate::service::{EventLine, Report};
+
+/// How an account looks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Style {
+    pub(super) colours: bool,
+    pub(super) verbose: bool,
+}
+
+/// The account of one finished recording.
+pub(super) fn account(report: &Report, style: Style) -> String {
+    let mut text = format!(
+        "{}: {}\n",
+        report.recording,
+        coloured(report.verdict, style)
+    );
+    let mut line = |words: String| {
+        text.push_str("  ");
+        text.push_str(words.trim_end());
+        text.push('\n');
+    };
+    line(report.reason.clone());
+    line(format!(
+        "{}: {} acted, {} physical",
+        report.scene,
+        seconds(report.acted_s),
+        seconds(report.physical_s)
+    ));
+    for loss in &report.lost {
+        line(format!("lost: {loss}"));
+    }
+    for warning in &report.warnings {
+        line(format!("note: {warning}"));
+    }
+    for block in [
+        events(report),
+        segments(report),
+        parameters(report),
+        summary(report, style),
+    ] {
+        if !block.is_empty() {
+            text.push('\n');
+            text.push_str(&block);
+        }
+    }
+    text
+}
+
+fn coloured(verdict: &str, style: Style) -> String {
+    let code = match verdict {
+        "physical" => 32,
+        "plausible" => 33,
+        _ => 31,
+    };
+    if style.colours {
+        format!("\u{1b}[{code}m{verdict}\u{1b}[0m")
+    } else {
+        verdict.to_owned()
+    }
+}
+
+fn events(report: &Report) -> String {
+    let rows: Vec<Vec<String>> = report
+        .events
+        .iter()
+        .map(|event| {
+            vec![
+                event.name.clone(),
+                event.kind.to_owned(),
+                seconds(event.acted_s),
+                seconds(event.time_s),
+                event
+                    .time_sd_s
+                    .map_or_else(|| "fixed".into(), |sd_s| format!("± {:.1} ms", sd_s * 1e3)),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    table("  ", &["event", "kind", "acted", "physical", ""], &rows) + &largest_gaps(report)
+}
+
+/// The largest gap of each kind, with the event where it is.
+fn largest_gaps(report: &Report) -> String {
+    type Kind = (fn(&EventLine) -> f64, fn(f64) -> String);
+    let kinds: [Kind; 4] = [
+        (|e| e.gap_m, length),
+        (|e| e.gap_rad, angle),
+        (|e| e.gap_m_s, |v| format!("{}/s", length(v))),
+        (|e| e.gap_rad_s, |w| format!("{}/s", angle(w))),
+    ];
+    let mut words = Vec::new();
+    for (of, shown) in kinds {
+        let largest = report.events.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+        if let Some(event) = largest {
+            let value = shown(of(event));
+            words.push(if value.starts_with('<') {
+                value
+            } else {
+                format!("{value} at {}", event.name)
+            });
+        }
+    }
+    format!("  largest gaps  {}\n", words.join(", "))
+}
+
+fn segments(report: &Report) -> String {
+    let rows: Vec<Vec<String>> = report
+        .segments
+        .iter()
+        .map(|segment| {
+            vec![
+                segment.body.clone(),
+                seconds(segment.start_s),
+                seconds(segment.end_s),
+                segment.samples.to_string(),
+                format!("{:.2} mm", segment.residual_mm),
+                format!("{:.2}°", segment.residual_deg),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    table(
+        "  ",
+        &["flight", "from", "to", "samples", "residual", ""],
+        &rows,
+    )
+}
+
+fn parameters(report: &Report) -> String {
+    let rows: Vec<Vec<String>> = report
+        .parameters
+        .0
+        .iter()
+        .map(|(name, parameter)| {
+            // Radians are for machines.
+            let (factor, unit) = match parameter.unit {
+                "rad" => (1f64.to_degrees(), "°"),
+                other => (1.0, other),
+            };
+            let [lower, upper] = parameter.bounds.map(|bound| bound * factor);
+            vec![
+                name.clone(),
+                format!("{:.4}", parameter.value * factor),
+                parameter.sd.map_or_else(
+                    || "undetermined".into(),
+                    |sd| format!("± {:.4}", sd * factor),
+                ),
+                unit.to_owned(),
+                format!("[{}, {}]", bound(lower), bound(upper)),
+            ]
+        })
+        .collect();
+    let mut text = String::new();
+    if !rows.is_empty() {
+        text = table("  ", &["parameter", "value", "", "", "bounds"], &rows);
+    }
+    if !report.undetermined.is_empty() {
+        let _ = writeln!(
+            text,
+            "  not determined by the performance: {}",
+            report.undetermined.join(", ")
+        );
+    }
+    text
+}
+
+fn summary(report: &Report, style: Style) -> String {
+    let samples = &report.samples;
+    let dropped: usize = samples.dropped.0.iter().map(|(_, count)| count).sum();
+    let reasons: Vec<String> = samples
+        .dropped
+        .0
+        .iter()
+        .map(|(reason, count)| format!("{count} {}", reason.replace('_', " ")))
+        .collect();
+    let mut text = format!("  samples   {} read, {} used", samples.read, samples.used);
+    if dropped > 0 {
+        let _ = write!(text, ", {dropped} dropped ({})", reasons.join(", "));
+    }
+    let repaired: Vec<String> = [
+        (samples.reordered, "sorted in"),
+        (samples.normalised, "normalised"),
+        (samples.flipped, "flipped"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect();
+    if !repaired.is_empty() {
+        let _ = write!(text, "; {}", repaired.join(", "));
+    }
+    if samples.gaps > 0 {
+        let _ = write!(text, "; {} gaps", samples.gaps);
+    }
+    let _ = write!(
+        text,
+        "\n  residual  {:.2} mm, {:.2}° over all, objective {:.6}\n  solved    in {}, {} iterations",
+        report.residual_mm,
+        report.residual_deg,
+        report.objective,
+        duration(report.solve_seconds),
+        report.iterations
+    );
+    if report.assignment_rounds > 0 {
+        let _ = write!(text, ", {} rounds of assignment", report.assignment_rounds);
+    }
+    if style.verbose {
+        for (phase, seconds) in &report.phase_seconds.0 {
+            let _ = write!(
+                text,
+                "\n              {:<12} {:>10}",
+                phase.replace('_', " "),
+                duration(*seconds)
+            );
+        }
+    }
+    let _ = writeln!(text, "\n  written   {}", report.output);
+    text
+}
+
+fn seconds(seconds: f64) -> String {
+    format!("{seconds:.3} s")
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 1.0 {
+        format!("{:.2} ms", seconds * 1e3)
+    } else {
+        format!("{seconds:.2} s")
+    }
+}
+
+fn length(m: f64) -> String {
+    if m < 1e-6 {
+        "< 1 µm".into()
+    } else if m < 1e-3 {
+        format!("{:.0} µm", m * 1e6)
+    } else {
+        format!("{:.1} mm", m * 1e3)
+    }
+}
+
+fn angle(rad: f64) -> String {
+    let degrees = rad.to_degrees();
+    if degrees < 1e-3 {
+        "< 0.001°".into()
+    } else {
+        format!("{degrees:.3}°")
+    }
+}
+
+fn bound(value: f64) -> String {
+    match value {
+        f64::INFINITY => "∞".into(),
+        f64::NEG_INFINITY => "-∞".into(),
+        _ => format!("{value:.4}")
+            .trim_end_matches('0')
+            .trim_end_matches('.')
+            .to_owned(),
+    }
+}

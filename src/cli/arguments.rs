@@ -1,0 +1,119 @@
+//! What may be written on the command line.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+
+/// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
+/// fits it best comes out.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Exit codes: 0 done, 1 error, 2 usage, 3 finished but data were lost or the estimate is not physical."
+)]
+pub(super) struct Arguments {
+    /// Say more on stderr; also set by RUST_LOG, such as `enact=debug`
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub(super) verbose: u8,
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Play a recording through the pipeline and write its estimate
+    Replay(ReplayArguments),
+    /// Estimate many recordings, as fast as they come
+    Process(ProcessArguments),
+    /// Say what is in a recording
+    Inspect(InspectArguments),
+    /// Write completions for a shell to stdout
+    Completion {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub(super) struct ReplayArguments {
+    /// The recording, an MCAP file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Where the estimate goes [default: IN with .estimate.mcap in place of .mcap]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Scene file [default: scene.toml attached to the recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// Pace: 1 is that of the performance, 2 twice as fast [default: as fast as possible]
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub(super) rate: Option<f64>,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `process`.
+#[derive(Debug, Args)]
+pub(super) struct ProcessArguments {
+    /// The recordings, MCAP files
+    #[arg(value_name = "IN", required = true)]
+    pub(super) inputs: Vec<PathBuf>,
+    /// Folder for the estimates, made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: PathBuf,
+    /// Scene file for all [default: scene.toml attached to each recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// How the accounts on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `inspect`.
+#[derive(Debug, Args)]
+pub(super) struct InspectArguments {
+    /// The recording, an MCAP file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// How an account is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    /// For people
+    Text,
+    /// One JSON object per recording and line
+    Ndjson,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
+        _ => Err("expected a positive number".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_commands_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn rates_are_positive() {
+        assert_eq!(rate("0.5"), Ok(0.5));
+        for bad in ["0", "-1", "inf", "NaN", "fast"] {
+            assert!(rate(bad).is_err(), "{bad}");
+        }
+    }
+}

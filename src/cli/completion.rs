@@ -1,0 +1,15 @@
+//! `completion`: what a shell needs to complete our arguments.
+
+use clap::CommandFactory;
+
+use super::arguments::Arguments;
+use super::exit::Exit;
+use super::output;
+
+pub(super) fn run(shell: clap_complete::Shell) -> anyhow::Result<Exit> {
+    let mut script = Vec::new();
+    let mut command = Arguments::command();
+    clap_complete::generate(shell, &mut command, "enact", &mut script);
+    output::print(&String::from_utf8_lossy(&script))?;
+    Ok(Exit::Done)
+}

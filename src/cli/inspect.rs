@@ -1,0 +1,117 @@
+//! `inspect`: what is in a recording.
+
+use std::fmt::Write;
+
+use super::arguments::{Format, InspectArguments};
+use super::exit::Exit;
+use super::output;
+use super::process::print_failure;
+use super::table::table;
+use crate::service::{self, Inspection};
+
+pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
+    let inspection = match service::inspect(&arguments.input) {
+        Ok(inspection) => inspection,
+        Err(error) => {
+            let recording = arguments.input.display().to_string();
+            print_failure(&recording, &error, arguments.format)?;
+            return Ok(Exit::Error);
+        }
+    };
+    match arguments.format {
+        Format::Ndjson => output::print_json(&inspection)?,
+        Format::Text => output::print(&text(&inspection))?,
+    }
+    Ok(if inspection.lost.is_empty() {
+        Exit::Done
+    } else {
+        Exit::NotWhole
+    })
+}
+
+fn text(inspection: &Inspection) -> String {
+    let mut text = format!(
+        "{}: {} bytes, {} messages, {:.3} s{}{}\n",
+        inspection.recording,
+        inspection.bytes,
+        inspection.messages,
+        inspection.duration_s,
+        if inspection.sorted {
+            ""
+        } else {
+            ", not sorted"
+        },
+        if inspection.truncated {
+            ", truncated"
+        } else {
+            ""
+        }
+    );
+    // Writing to a String cannot fail.
+    let _ = match &inspection.scene {
+        Some(scene) => writeln!(text, "  scene: {scene}"),
+        None => Ok(()),
+    };
+    if let Some(complaint) = &inspection.complaint {
+        let _ = writeln!(text, "  scene: {complaint}");
+    }
+    for loss in &inspection.lost {
+        let _ = writeln!(text, "  lost: {loss}");
+    }
+    for warning in &inspection.warnings {
+        let _ = writeln!(text, "  note: {warning}");
+    }
+    if !inspection.attachments.is_empty() {
+        let _ = writeln!(text, "  attached: {}", inspection.attachments.join(", "));
+    }
+    if !inspection.topics.is_empty() {
+        text.push('\n');
+        text.push_str(&topics(inspection));
+    }
+    if !inspection.marks.is_empty() {
+        text.push('\n');
+        text.push_str(&marks(inspection));
+    }
+    text
+}
+
+fn topics(inspection: &Inspection) -> String {
+    let shown = |number: Option<f64>, unit: &str, decimals: usize| {
+        number.map_or_else(|| "-".into(), |n| format!("{n:.decimals$} {unit}"))
+    };
+    let rows: Vec<Vec<String>> = inspection
+        .topics
+        .iter()
+        .map(|topic| {
+            vec![
+                topic.topic.clone(),
+                format!("{} ({})", topic.schema, topic.encoding),
+                topic.messages.to_string(),
+                shown(topic.rate_hz, "Hz", 1),
+                topic.gaps.to_string(),
+                shown(topic.longest_gap_s, "s", 3),
+            ]
+        })
+        .collect();
+    table(
+        "  ",
+        &["topic", "schema", "messages", "rate", "gaps", "longest"],
+        &rows,
+    )
+}
+
+fn marks(inspection: &Inspection) -> String {
+    let rows: Vec<Vec<String>> = inspection
+        .marks
+        .iter()
+        .enumerate()
+        .map(|(index, mark)| {
+            vec![
+                (index + 1).to_string(),
+                format!("{:.3} s", mark.time_s),
+                mark.event.clone().unwrap_or_else(|| "(next)".into()),
+            ]
+        })
+        .collect();
+    table("  ", &["mark", "time", "event"], &rows)
+}

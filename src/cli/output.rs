@@ -1,0 +1,44 @@
+//! Results on stdout.
+
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+use serde::Serialize;
+
+/// Writes a text. A reader that has gone away is no error: it has seen what it wanted.
+pub(super) fn print(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    let written = stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush());
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// Writes one JSON object on a line of its own.
+pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
+    let mut line = serde_json::to_string(value)?;
+    line.push('\n');
+    Ok(print(&line)?)
+}
+
+/// Says on stderr what went wrong; whether anybody listens there is not our business.
+pub(super) fn complain(error: &str) {
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+/// Whether colours are wanted on stdout.
+pub(super) fn colours_on_stdout() -> bool {
+    io::stdout().is_terminal() && colours_allowed()
+}
+
+/// Whether colours are wanted on stderr.
+pub(super) fn colours_on_stderr() -> bool {
+    io::stderr().is_terminal() && colours_allowed()
+}
+
+/// The convention of <https://no-color.org>: any text but the empty one forbids colours.
+fn colours_allowed() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}

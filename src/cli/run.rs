@@ -1,0 +1,45 @@
+//! Parse, dispatch, one exit code.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use tracing_subscriber::EnvFilter;
+
+use super::arguments::{Arguments, Command};
+use super::exit::Exit;
+use super::{completion, inspect, output, process, replay};
+use crate::service;
+
+/// Runs the command that the process was started with.
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    log_to_stderr(arguments.verbose);
+    let verbose = arguments.verbose > 0;
+    let result = match arguments.command {
+        Command::Replay(arguments) => replay::run(arguments, verbose),
+        Command::Process(arguments) => process::run(arguments, verbose),
+        Command::Inspect(arguments) => inspect::run(arguments),
+        Command::Completion { shell } => completion::run(shell),
+    };
+    match result {
+        Ok(exit) => exit.into(),
+        Err(error) => {
+            output::complain(&service::words(&error));
+            Exit::Error.into()
+        }
+    }
+}
+
+/// Flag over environment over default.
+fn log_to_stderr(verbose: u8) {
+    let filter = match verbose {
+        0 => EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn")),
+        1 => EnvFilter::new("warn,enact=info"),
+        _ => EnvFilter::new("warn,enact=debug"),
+    };
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(output::colours_on_stderr())
+        .init();
+}

@@ -1,0 +1,117 @@
+//! What can go wrong when a recording is read.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::wire::ContainerError;
+
+/// Why a recording cannot be used.
+#[derive(Debug, Error)]
+pub enum IngestError {
+    /// The file cannot be opened or read.
+    #[error("{}: cannot read: {source}", path.display())]
+    Read {
+        /// The recording.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file is not MCAP.
+    #[error("{}: {source}", path.display())]
+    Container {
+        /// The recording.
+        path: PathBuf,
+        /// In what way.
+        source: ContainerError,
+    },
+    /// A body's topic is not in the recording.
+    #[error(
+        "{}: no topic {topic}, which body {body:?} of the scene wants; the recording has {}",
+        path.display(), listed(present)
+    )]
+    TopicAbsent {
+        /// The recording.
+        path: PathBuf,
+        /// The body.
+        body: String,
+        /// What the scene says.
+        topic: String,
+        /// The topics that are there.
+        present: BTreeSet<String>,
+    },
+    /// The marks topic is not in the recording.
+    #[error(
+        "{}: no marks: topic {topic} is not in the recording, which has {}",
+        path.display(), listed(present)
+    )]
+    MarksAbsent {
+        /// The recording.
+        path: PathBuf,
+        /// What the scene says.
+        topic: String,
+        /// The topics that are there.
+        present: BTreeSet<String>,
+    },
+    /// A topic carries messages that cannot be read.
+    #[error(
+        "{}: topic {topic} carries {schema} ({encoding}); supported are {supported}",
+        path.display()
+    )]
+    Unsupported {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// Name of its schema.
+        schema: String,
+        /// Encoding of its messages.
+        encoding: String,
+        /// What could be read.
+        supported: &'static str,
+    },
+    /// A topic carries several frames or poses and the scene does not say which.
+    #[error(
+        "{}: topic {topic} carries {}; name one of them in the scene, as in \"{topic}#{}\"",
+        path.display(), listed(children), children.first().map_or("", String::as_str)
+    )]
+    Ambiguous {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// Some of what it carries.
+        children: BTreeSet<String>,
+    },
+    /// The frame or pose that the scene names never comes on its topic.
+    #[error(
+        "{}: topic {topic} never carries {child:?}, only {}",
+        path.display(), listed(children)
+    )]
+    ChildAbsent {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// What the scene names.
+        child: String,
+        /// What comes instead.
+        children: BTreeSet<String>,
+    },
+}
+
+fn listed(names: &BTreeSet<String>) -> String {
+    if names.is_empty() {
+        return "none".to_owned();
+    }
+    names
+        .iter()
+        .map(|name| match name.as_str() {
+            "" => "(unnamed)",
+            name => name,
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
+}

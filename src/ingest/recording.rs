@@ -1,0 +1,113 @@
+//! Recordings: MCAP files with a take in them.
+
+use std::path::{Path, PathBuf};
+
+use super::error::IngestError;
+use super::report::TakeReport;
+use super::route;
+use super::source::{RecordingSource, Source};
+use crate::motion::{Scene, TakeEvent};
+use crate::wire::Container;
+
+/// Name of the attachment that holds the scene.
+pub const SCENE_NAME: &str = "scene.toml";
+
+/// An MCAP file in memory. Of its attachments only the scene is handed out: a recording may
+/// also carry what its maker knows to be true, which nobody who estimates may see.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    path: PathBuf,
+    container: Container,
+}
+
+/// All that a scene wants of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Take {
+    /// In file order.
+    pub events: Vec<TakeEvent>,
+    /// What was found on the way.
+    pub report: TakeReport,
+}
+
+impl Recording {
+    /// Reads a file and walks through it once. A damaged or cut-off file is no error as long
+    /// as it begins as MCAP: see [`Container::damages`].
+    pub fn open(path: &Path) -> Result<Self, IngestError> {
+        let bytes = std::fs::read(path).map_err(|source| IngestError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_bytes(path, bytes)
+    }
+
+    /// The same of bytes that are there already; `path` is their name in errors.
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, IngestError> {
+        let container = Container::new(bytes).map_err(|source| IngestError::Container {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            container,
+        })
+    }
+
+    /// Where it was read from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Channels, counts, damages; what [`crate::write`] copies.
+    pub fn container(&self) -> &Container {
+        &self.container
+    }
+
+    /// The scene it carries: the last attachment named [`SCENE_NAME`].
+    pub fn scene_toml(&self) -> Option<&[u8]> {
+        self.container
+            .attachments()
+            .iter()
+            .rfind(|attachment| attachment.name == SCENE_NAME)
+            .map(|attachment| self.container.attachment_data(attachment))
+    }
+
+    /// Whether its end is missing; what comes before is there.
+    pub fn is_truncated(&self) -> bool {
+        self.container.damages().is_truncated()
+    }
+
+    /// The events on the scene's topics, one by one in file order.
+    ///
+    /// Fails where a topic is absent or carries what cannot be read; while reading, where a
+    /// topic carries several frames and the scene does not say which.
+    pub fn source(&self, scene: &Scene) -> Result<RecordingSource, IngestError> {
+        let (routes, feeds) = route::routes(&self.path, &self.container, scene)?;
+        let report = TakeReport {
+            messages: self.container.message_count(),
+            bytes: self.container.byte_count(),
+            is_truncated: self.is_truncated(),
+            damages: self.container.damages().clone(),
+            ..TakeReport::default()
+        };
+        Ok(RecordingSource::new(
+            self.path.clone(),
+            self.container.walk(),
+            routes,
+            feeds,
+            report,
+        ))
+    }
+
+    /// All events on the scene's topics; fails as [`Recording::source`] does.
+    pub fn take(&self, scene: &Scene) -> Result<Take, IngestError> {
+        let mut source = self.source(scene)?;
+        let mut events = Vec::new();
+        while let Some((_, event)) = source.next()? {
+            events.push(event);
+        }
+        Ok(Take {
+            events,
+            report: source.report().clone(),
+        })
+    }
+}

@@ -1,0 +1,147 @@
+//! Which channels of a recording feed what of a scene.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::error::IngestError;
+use crate::motion::Scene;
+use crate::wire::container::{Channel, Container};
+use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
+
+/// Parts a topic from the frame or pose on it that is meant.
+const CHILD_SEPARATOR: char = '#';
+
+/// What a channel's messages are to the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Feed {
+    pub(super) format: Format,
+    /// Who wants them: several bodies may be on one topic.
+    pub(super) routes: Vec<usize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Format {
+    Poses(PoseFormat),
+    Marks(MarkFormat),
+}
+
+/// One body's claim to a topic. Routes are numbered as `TakeReport::topics`.
+#[derive(Clone, Debug)]
+pub(super) struct Route {
+    /// As the scene writes it.
+    pub(super) topic: String,
+    /// The child that is meant, where the scene says.
+    pub(super) child: Option<String>,
+    /// The children that were seen.
+    pub(super) seen: BTreeSet<String>,
+}
+
+/// The routes of a scene's bodies, then the one of its marks, and the feeds by channel.
+pub(super) fn routes(
+    path: &Path,
+    container: &Container,
+    scene: &Scene,
+) -> Result<(Vec<Route>, BTreeMap<u16, Feed>), IngestError> {
+    let mut routes = Vec::new();
+    let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
+    let present = || container.topics().into_iter().map(str::to_owned).collect();
+    for body in &scene.bodies {
+        let (topic, child) =
+            resolve(container, &body.topic).ok_or_else(|| IngestError::TopicAbsent {
+                path: path.to_owned(),
+                body: body.name.clone(),
+                topic: body.topic.clone(),
+                present: present(),
+            })?;
+        let format = |name: &str, encoding: &str| PoseFormat::of(name, encoding).map(Format::Poses);
+        for (id, format) in formats(path, container, topic, format, POSE_SCHEMAS)? {
+            let feed = feeds.entry(id).or_insert_with(|| Feed {
+                format,
+                routes: Vec::new(),
+            });
+            feed.routes.push(routes.len());
+        }
+        routes.push(Route {
+            topic: body.topic.clone(),
+            child: child.map(str::to_owned),
+            seen: BTreeSet::new(),
+        });
+    }
+    let marks = scene.marks_topic.as_str();
+    if !container.topics().contains(marks) {
+        return Err(IngestError::MarksAbsent {
+            path: path.to_owned(),
+            topic: marks.to_owned(),
+            present: present(),
+        });
+    }
+    let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
+    for (id, format) in formats(path, container, marks, format, MARK_SCHEMAS)? {
+        feeds.insert(
+            id,
+            Feed {
+                format,
+                routes: vec![routes.len()],
+            },
+        );
+    }
+    routes.push(Route {
+        topic: marks.to_owned(),
+        child: None,
+        seen: BTreeSet::new(),
+    });
+    Ok((routes, feeds))
+}
+
+/// The recording's topic and the child on it that a scene's topic means.
+fn resolve<'a>(container: &Container, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
+    let present = container.topics();
+    if present.contains(topic) {
+        return Some((topic, None));
+    }
+    let (base, child) = topic.split_once(CHILD_SEPARATOR)?;
+    present.contains(base).then_some((base, Some(child)))
+}
+
+/// The channels of a topic that can be read. It is an error if there are only others.
+fn formats(
+    path: &Path,
+    container: &Container,
+    topic: &str,
+    format: impl Fn(&str, &str) -> Option<Format>,
+    supported: &'static str,
+) -> Result<Vec<(u16, Format)>, IngestError> {
+    let schema_name = |channel: &Channel| {
+        container
+            .schema_of(channel)
+            .map_or(String::new(), |schema| schema.name.clone())
+    };
+    let mut found = Vec::new();
+    let mut refused = None;
+    for (&id, channel) in container.channels() {
+        if channel.topic != topic {
+            continue;
+        }
+        match format(&schema_name(channel), &channel.message_encoding) {
+            Some(format) => found.push((id, format)),
+            None => refused = Some(channel),
+        }
+    }
+    match refused {
+        Some(channel) if found.is_empty() => {
+            let schema = schema_name(channel);
+            Err(IngestError::Unsupported {
+                path: path.to_owned(),
+                topic: topic.to_owned(),
+                schema: if schema.is_empty() {
+                    "messages without a schema".to_owned()
+                } else {
+                    schema
+                },
+                encoding: channel.message_encoding.clone(),
+                supported,
+            })
+        }
+        _ => Ok(found),
+    }
+}

@@ -1,0 +1,192 @@
+//! Takes, one event at a time.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::PathBuf;
+
+use super::error::IngestError;
+use super::report::{TakeReport, TopicReport};
+use super::route::{Feed, Format, Route};
+use crate::motion::{Stamp, TakeEvent};
+use crate::wire::FramedPose;
+use crate::wire::container::Walk;
+
+/// Where a take comes from.
+pub trait Source {
+    /// The next event and its log time, in the order of the source; `None` at its end.
+    fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError>;
+}
+
+/// A take from memory.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MemorySource {
+    events: VecDeque<(Stamp, TakeEvent)>,
+}
+
+impl MemorySource {
+    /// Yields these events with these log times, in this order.
+    pub fn new(events: impl IntoIterator<Item = (Stamp, TakeEvent)>) -> Self {
+        Self {
+            events: events.into_iter().collect(),
+        }
+    }
+}
+
+impl Source for MemorySource {
+    fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError> {
+        Ok(self.events.pop_front())
+    }
+}
+
+/// A take from a recording, in file order. It shares the recording's bytes and outlives it.
+pub struct RecordingSource {
+    path: PathBuf,
+    walk: Walk,
+    routes: Vec<Route>,
+    feeds: BTreeMap<u16, Feed>,
+    /// What the last message gave and has not been handed out.
+    ready: VecDeque<(Stamp, TakeEvent)>,
+    poses: Vec<FramedPose>,
+    report: TakeReport,
+}
+
+impl RecordingSource {
+    pub(super) fn new(
+        path: PathBuf,
+        walk: Walk,
+        routes: Vec<Route>,
+        feeds: BTreeMap<u16, Feed>,
+        mut report: TakeReport,
+    ) -> Self {
+        report.topics = routes
+            .iter()
+            .map(|route| TopicReport {
+                topic: route.topic.clone(),
+                ..TopicReport::default()
+            })
+            .collect();
+        Self {
+            path,
+            walk,
+            routes,
+            feeds,
+            ready: VecDeque::new(),
+            poses: Vec::new(),
+            report,
+        }
+    }
+
+    /// What was found so far; complete once the source has ended.
+    pub fn report(&self) -> &TakeReport {
+        &self.report
+    }
+
+    /// Decodes the next message of the scene's channels. False at the end.
+    fn read_message(&mut self) -> Result<bool, IngestError> {
+        let Some(message) = self.walk.next_message() else {
+            return Ok(false);
+        };
+        let Some(feed) = self.feeds.get(&message.channel_id) else {
+            return Ok(true);
+        };
+        // Log times past the year 2262 are no times.
+        let log_time = Stamp(i64::try_from(message.log_time).unwrap_or(i64::MAX));
+        for &route in &feed.routes {
+            self.report.topics[route].messages += 1;
+        }
+        let decoded = match feed.format {
+            Format::Marks(format) => format.decode(message.data).map(|mark| {
+                let topic = &mut self.report.topics[feed.routes[0]];
+                topic.events += 1;
+                topic.stamped_by_log_time += u64::from(mark.stamp.is_none() && log_time.0 != 0);
+                self.ready
+                    .push_back((log_time, TakeEvent::Mark(mark.mark(log_time))));
+            }),
+            Format::Poses(format) => {
+                self.poses.clear();
+                format.decode(message.data, &mut self.poses)
+            }
+        };
+        let routes = feed.routes.clone();
+        if let Err(error) = decoded {
+            for route in routes {
+                let topic = &mut self.report.topics[route];
+                topic.undecodable += 1;
+                topic.first_error.get_or_insert_with(|| error.clone());
+            }
+        } else if matches!(feed.format, Format::Poses(_)) {
+            for body in routes {
+                self.route_poses(body, log_time)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Hands the body what it claims of the last message's poses.
+    fn route_poses(&mut self, body: usize, log_time: Stamp) -> Result<(), IngestError> {
+        let route = &mut self.routes[body];
+        let topic = &mut self.report.topics[body];
+        for pose in &self.poses {
+            if !route.seen.contains(&pose.child) {
+                route.seen.insert(pose.child.clone());
+            }
+            if route
+                .child
+                .as_ref()
+                .is_some_and(|child| *child != pose.child)
+            {
+                continue;
+            }
+            if route.child.is_none() && route.seen.len() > 1 {
+                return Err(IngestError::Ambiguous {
+                    path: self.path.clone(),
+                    topic: route.topic.clone(),
+                    children: route.seen.clone(),
+                });
+            }
+            topic.events += 1;
+            topic.stamped_by_log_time += u64::from(pose.stamp.is_none() && log_time.0 != 0);
+            if !self.report.frame_ids.contains(&pose.parent) {
+                self.report.frame_ids.insert(pose.parent.clone());
+            }
+            let sample = pose.sample(log_time);
+            let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
+            let least = self.report.log_offset_ns.get_or_insert(offset_ns);
+            *least = offset_ns.min(*least);
+            self.ready
+                .push_back((log_time, TakeEvent::Pose { body, sample }));
+        }
+        Ok(())
+    }
+
+    /// At the end: every child that the scene names must have come.
+    fn check_children(&self) -> Result<(), IngestError> {
+        for (route, topic) in self.routes.iter().zip(&self.report.topics) {
+            if let Some(child) = &route.child
+                && topic.events == 0
+                && !route.seen.is_empty()
+            {
+                return Err(IngestError::ChildAbsent {
+                    path: self.path.clone(),
+                    topic: route.topic.clone(),
+                    child: child.clone(),
+                    children: route.seen.clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Source for RecordingSource {
+    fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError> {
+        loop {
+            if let Some(event) = self.ready.pop_front() {
+                return Ok(Some(event));
+            }
+            if !self.read_message()? {
+                self.check_children()?;
+                return Ok(None);
+            }
+        }
+    }
+}

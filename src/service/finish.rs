@@ -1,0 +1,205 @@
+//! What every driver does before the first event and after the last: find the scene, run the
+//! pipeline, write the file, report.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use super::report::{Circumstances, Report};
+use super::stopwatch::Stopwatch;
+use crate::config::scene_from_toml;
+use crate::ingest::{Recording, SCENE_NAME, TakeReport};
+use crate::motion::Scene;
+use crate::pipeline::Pipeline;
+use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
+
+/// A recording and the scene that it is to be read with.
+pub(super) struct Opened {
+    pub(super) recording: Recording,
+    pub(super) scene: Scene,
+    /// The same as text, as it was written.
+    pub(super) scene_toml: Vec<u8>,
+}
+
+/// Opens a recording. The scene is the file's, if there is one, otherwise the attached one.
+pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
+    let recording = Recording::open(input)?;
+    let (scene, scene_toml) = match scene_file {
+        Some(file) => {
+            let text = std::fs::read_to_string(file)
+                .with_context(|| format!("{}: cannot read the scene", file.display()))?;
+            let scene = scene_from_toml(&text)
+                .map_err(|error| error.in_file(file.display().to_string()))?;
+            (scene, text.into_bytes())
+        }
+        None => {
+            let scene = attached_scene(&recording)?;
+            let text = recording.scene_toml().unwrap_or_default();
+            (scene, text.to_vec())
+        }
+    };
+    Ok(Opened {
+        recording,
+        scene,
+        scene_toml,
+    })
+}
+
+/// The scene that the recording carries.
+pub(super) fn attached_scene(recording: &Recording) -> anyhow::Result<Scene> {
+    let path = recording.path().display();
+    let Some(bytes) = recording.scene_toml() else {
+        bail!("{path}: no {SCENE_NAME} attached, expected one or --scene FILE");
+    };
+    let text = std::str::from_utf8(bytes)
+        .with_context(|| format!("{path}: the attached {SCENE_NAME} is not UTF-8"))?;
+    let in_file = format!("{path}#{SCENE_NAME}");
+    Ok(scene_from_toml(text).map_err(|error| error.in_file(in_file))?)
+}
+
+/// `tip.mcap` → `tip.estimate.mcap`, beside it or in another folder.
+pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result<PathBuf> {
+    let Some(stem) = input.file_stem() else {
+        bail!("{}: expected the name of a file", input.display());
+    };
+    let mut name = stem.to_owned();
+    name.push(".estimate.mcap");
+    let folder = folder.unwrap_or_else(|| input.parent().unwrap_or(Path::new("")));
+    Ok(folder.join(name))
+}
+
+/// Refuses to write over what is read.
+pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> {
+    let same = input == output
+        || matches!(
+            (input.canonicalize(), output.canonicalize()),
+            (Ok(a), Ok(b)) if a == b
+        );
+    if same {
+        bail!(
+            "{}: the estimate would replace the recording, expected another name",
+            output.display()
+        );
+    }
+    Ok(())
+}
+
+/// Estimates what was pushed, writes it, and says what became of it.
+pub(super) fn finish(
+    opened: &Opened,
+    pipeline: &Pipeline,
+    take: &TakeReport,
+    output: &Path,
+) -> anyhow::Result<Report> {
+    let recording = &opened.recording;
+    let mut stopwatch = Stopwatch::start();
+    let outcome = pipeline
+        .finish(&mut stopwatch)
+        .with_context(|| recording.path().display().to_string())?;
+    let (solve_seconds, phase_seconds) = stopwatch.stop();
+    tracing::info!(
+        recording = %recording.path().display(),
+        verdict = outcome.estimate.verdict.word(),
+        iterations = outcome.estimate.counters.iterations,
+        "estimated"
+    );
+    let written = write_estimate(
+        output,
+        &EstimateFile {
+            input: recording.container(),
+            input_path: Some(recording.path()),
+            scene: &opened.scene,
+            scene_toml: &opened.scene_toml,
+            sketch: &outcome.sketch,
+            counts: &outcome.counts,
+            estimate: &outcome.estimate,
+            world_frame: world_frame(take),
+            log_offset_ns: take.log_offset_ns.unwrap_or(0),
+            frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
+        },
+    )?;
+    tracing::info!(
+        output = %output.display(),
+        copied = written.copied,
+        added = written.added,
+        "written"
+    );
+    let circumstances = Circumstances {
+        recording: recording.path().display().to_string(),
+        output: output.display().to_string(),
+        solve_seconds,
+        phase_seconds,
+        lost: lost(take),
+        warnings: warnings(take),
+    };
+    Ok(Report::new(&opened.scene, &outcome, circumstances))
+}
+
+/// The frame in which poses are given, if they agree on one with a name.
+fn world_frame(take: &TakeReport) -> &str {
+    match take.frame_ids.first() {
+        Some(frame) if take.frame_ids.len() == 1 && !frame.is_empty() => frame,
+        _ => DEFAULT_WORLD_FRAME,
+    }
+}
+
+/// What of the recording could not be read.
+pub(super) fn lost(take: &TakeReport) -> Vec<String> {
+    let damages = &take.damages;
+    let mut lost: Vec<String> = damages.first().iter().map(ToString::to_string).collect();
+    if damages.count() > lost.len() {
+        lost.push(format!("{} more damages", damages.count() - lost.len()));
+    }
+    for topic in take.topics.iter().filter(|topic| topic.undecodable > 0) {
+        let reason = topic.first_error.as_ref().map(ToString::to_string);
+        lost.push(format!(
+            "{} of {} messages on {} cannot be decoded: {}",
+            topic.undecodable,
+            topic.messages,
+            topic.topic,
+            reason.unwrap_or_default()
+        ));
+    }
+    lost
+}
+
+/// What in the recording was read with reservations.
+pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for topic in take.topics.iter().filter(|t| t.stamped_by_log_time > 0) {
+        warnings.push(format!(
+            "{} of {} on {} have no stamp of their own: log time was taken",
+            topic.stamped_by_log_time, topic.events, topic.topic
+        ));
+    }
+    if take.frame_ids.len() > 1 {
+        let frames: Vec<&str> = take.frame_ids.iter().map(String::as_str).collect();
+        warnings.push(format!(
+            "poses are given in {} frames ({}), taken as one",
+            frames.len(),
+            frames.join(", ")
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_are_named_after_inputs() {
+        for (input, folder, output) in [
+            ("a/tip.mcap", None, "a/tip.estimate.mcap"),
+            ("tip.mcap", None, "tip.estimate.mcap"),
+            ("a/tip", Some("out"), "out/tip.estimate.mcap"),
+            ("a/b.c.mcap", Some("out"), "out/b.c.estimate.mcap"),
+        ] {
+            assert_eq!(
+                output_path(Path::new(input), folder.map(Path::new)).unwrap(),
+                Path::new(output)
+            );
+        }
+        assert!(output_path(Path::new("/"), None).is_err());
+    }
+}

@@ -1,0 +1,225 @@
+//! What is in a recording, without estimating anything.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::finish::{attached_scene, lost, warnings};
+use super::words::words;
+use crate::ingest::Recording;
+use crate::motion::{Scene, Stamp, TakeEvent};
+
+/// A distance between messages longer than this many median ones is a gap.
+const GAP_RATIO: f64 = 2.5;
+
+/// What is in a recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    /// The file.
+    pub recording: String,
+    /// Its size.
+    pub bytes: usize,
+    /// Its messages, on all topics.
+    pub messages: u64,
+    /// From the least log time to the greatest.
+    pub duration_s: f64,
+    /// Whether messages lie in order of log time.
+    pub sorted: bool,
+    /// Whether its end is missing.
+    pub truncated: bool,
+    /// What could not be read.
+    pub lost: Vec<String>,
+    /// What was read with reservations.
+    pub warnings: Vec<String>,
+    /// In alphabetical order.
+    pub topics: Vec<TopicLine>,
+    /// Names of the attachments.
+    pub attachments: Vec<String>,
+    /// Name of the attached scene, if it is one.
+    pub scene: Option<String>,
+    /// Why there is no scene, or why the recording does not match it.
+    pub complaint: Option<String>,
+    /// The marks, as the scene reads them.
+    pub marks: Vec<MarkLine>,
+}
+
+/// What is on a topic.
+#[derive(Clone, Debug, Serialize)]
+pub struct TopicLine {
+    /// The topic.
+    pub topic: String,
+    /// Schema of its messages.
+    pub schema: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// How many.
+    pub messages: u64,
+    /// By the median distance of log times.
+    pub rate_hz: Option<f64>,
+    /// Distances longer than 2.5 times the median.
+    pub gaps: usize,
+    /// The longest distance.
+    pub longest_gap_s: Option<f64>,
+}
+
+/// A mark.
+#[derive(Clone, Debug, Serialize)]
+pub struct MarkLine {
+    /// Since the first sample.
+    pub time_s: f64,
+    /// The event it names.
+    pub event: Option<String>,
+}
+
+/// Looks at a recording. Damage is no error, and neither is a missing scene.
+pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
+    let recording = Recording::open(input)?;
+    let container = recording.container();
+    let mut inspection = Inspection {
+        recording: input.display().to_string(),
+        bytes: container.byte_count(),
+        messages: container.message_count(),
+        duration_s: container
+            .log_times()
+            .map_or(0.0, |(first, last)| (last - first) as f64 * 1e-9),
+        sorted: container.is_sorted(),
+        truncated: recording.is_truncated(),
+        lost: container
+            .damages()
+            .first()
+            .iter()
+            .map(ToString::to_string)
+            .collect(),
+        warnings: Vec::new(),
+        topics: topics(&recording),
+        attachments: container
+            .attachments()
+            .iter()
+            .map(|attachment| attachment.name.clone())
+            .collect(),
+        scene: None,
+        complaint: None,
+        marks: Vec::new(),
+    };
+    match attached_scene(&recording) {
+        Ok(scene) => {
+            inspection.scene = Some(scene.name.clone());
+            look_with(&recording, &scene, &mut inspection);
+        }
+        Err(error) => inspection.complaint = Some(words(&error)),
+    }
+    Ok(inspection)
+}
+
+fn look_with(recording: &Recording, scene: &Scene, inspection: &mut Inspection) {
+    let take = match recording.take(scene) {
+        Ok(take) => take,
+        Err(error) => {
+            inspection.complaint = Some(error.to_string());
+            return;
+        }
+    };
+    inspection.lost = lost(&take.report);
+    inspection.warnings = warnings(&take.report);
+    let stamps = take.events.iter().filter_map(|event| match event {
+        TakeEvent::Pose { sample, .. } => Some(sample.stamp),
+        TakeEvent::Mark(_) => None,
+    });
+    let first = stamps.min();
+    for event in &take.events {
+        if let TakeEvent::Mark(mark) = event {
+            inspection.marks.push(MarkLine {
+                time_s: seconds(mark.stamp, first.unwrap_or(mark.stamp)),
+                event: mark.event.clone(),
+            });
+        }
+    }
+    inspection
+        .marks
+        .sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+}
+
+fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
+    (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9
+}
+
+fn topics(recording: &Recording) -> Vec<TopicLine> {
+    let container = recording.container();
+    let mut log_times: BTreeMap<u16, Vec<u64>> = BTreeMap::new();
+    let mut walk = container.walk();
+    while let Some(message) = walk.next_message() {
+        let times = log_times.entry(message.channel_id).or_default();
+        times.push(message.log_time);
+    }
+    let mut lines: Vec<TopicLine> = container
+        .channels()
+        .iter()
+        .map(|(id, channel)| {
+            let pace = pace(log_times.remove(id).unwrap_or_default());
+            TopicLine {
+                topic: channel.topic.clone(),
+                schema: container
+                    .schema_of(channel)
+                    .map_or(String::new(), |schema| schema.name.clone()),
+                encoding: channel.message_encoding.clone(),
+                messages: channel.messages,
+                rate_hz: pace.rate_hz,
+                gaps: pace.gaps,
+                longest_gap_s: pace.longest_gap_s,
+            }
+        })
+        .collect();
+    lines.sort_by(|a, b| (&a.topic, &a.schema).cmp(&(&b.topic, &b.schema)));
+    lines
+}
+
+#[derive(Default)]
+struct MessagePace {
+    rate_hz: Option<f64>,
+    gaps: usize,
+    longest_gap_s: Option<f64>,
+}
+
+fn pace(mut log_times: Vec<u64>) -> MessagePace {
+    log_times.sort_unstable();
+    let mut intervals: Vec<u64> = log_times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals.sort_unstable();
+    let Some(longest) = intervals.last() else {
+        return MessagePace::default();
+    };
+    let median = intervals[intervals.len() / 2] as f64;
+    let limit = median * GAP_RATIO;
+    MessagePace {
+        rate_hz: (median > 0.0).then_some(1e9 / median),
+        gaps: intervals
+            .iter()
+            .filter(|interval| **interval as f64 > limit)
+            .count(),
+        longest_gap_s: Some(*longest as f64 * 1e-9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pace_is_by_the_median_and_gaps_stand_out() {
+        let pace = pace(
+            vec![0, 10, 20, 30, 60, 70, 80]
+                .into_iter()
+                .map(|t| t * 1_000_000)
+                .collect(),
+        );
+        assert_eq!(pace.rate_hz, Some(100.0));
+        assert_eq!(pace.gaps, 1);
+        assert_eq!(pace.longest_gap_s, Some(0.03));
+    }
+
+    #[test]
+    fn one_message_has_no_pace() {
+        let pace = pace(vec![5]);
+        assert!(pace.rate_hz.is_none() && pace.longest_gap_s.is_none() && pace.gaps == 0);
+    }
+}

@@ -1,0 +1,120 @@
+//! Many recordings, each on its own, as many at a time as there are cores.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread;
+
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+
+use super::finish::{check_distinct, finish, open, output_path};
+use super::report::Report;
+use crate::pipeline::Pipeline;
+
+/// What to process.
+#[derive(Clone, Debug)]
+pub struct ProcessJob {
+    /// The recordings.
+    pub inputs: Vec<PathBuf>,
+    /// Folder for the estimates; made if it is not there.
+    pub output: PathBuf,
+    /// Scene file for all; each recording's own scene by default.
+    pub scene: Option<PathBuf>,
+}
+
+/// A recording that gave no estimate.
+#[derive(Debug)]
+pub struct Failure {
+    /// The file.
+    pub recording: String,
+    /// Why.
+    pub error: anyhow::Error,
+}
+
+/// Estimates every recording and hands over what became of each, in the order of the inputs, as
+/// soon as it and those before it are done. One that fails does not stop the others.
+///
+/// Progress goes to stderr, if that is a terminal. Fails as a whole only where the outputs
+/// cannot be placed, or where `each` does.
+pub fn process(
+    job: &ProcessJob,
+    mut each: impl FnMut(Result<Report, Failure>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let outputs = outputs(job)?;
+    std::fs::create_dir_all(&job.output)
+        .with_context(|| format!("{}: cannot make the folder", job.output.display()))?;
+    let progress = ProgressBar::new(job.inputs.len() as u64).with_style(
+        ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {wide_msg}")
+            .context("progress template")?,
+    );
+    let (sender, results) = mpsc::channel();
+    thread::scope(|scope| {
+        let progress = &progress;
+        scope.spawn(move || {
+            job.inputs
+                .par_iter()
+                .zip(&outputs)
+                .enumerate()
+                .for_each_with(sender, |sender, (index, (input, output))| {
+                    progress.set_message(input.display().to_string());
+                    let result = one(input, output, job.scene.as_deref());
+                    progress.inc(1);
+                    // A receiver that has gone away has failed and says why itself.
+                    let _ = sender.send((index, result));
+                });
+        });
+        let mut waiting = BTreeMap::new();
+        let mut next = 0;
+        for (index, result) in results {
+            waiting.insert(index, result);
+            while let Some(result) = waiting.remove(&next) {
+                progress.suspend(|| each(result))?;
+                next += 1;
+            }
+        }
+        progress.finish_and_clear();
+        Ok(())
+    })
+}
+
+/// Where each estimate goes: no two to one place, none over a recording.
+fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
+    let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
+    let mut outputs = Vec::new();
+    for input in &job.inputs {
+        let output = output_path(input, Some(&job.output))?;
+        if let Some(other) = taken.insert(output.clone(), input) {
+            bail!(
+                "{} and {} would both be written to {}",
+                other.display(),
+                input.display(),
+                output.display()
+            );
+        }
+        outputs.push(output);
+    }
+    for input in &job.inputs {
+        for output in &outputs {
+            check_distinct(input, output)?;
+        }
+    }
+    Ok(outputs)
+}
+
+fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<Report, Failure> {
+    let estimate = || {
+        let opened = open(input, scene)?;
+        let take = opened.recording.take(&opened.scene)?;
+        let mut pipeline = Pipeline::new(opened.scene.clone());
+        for event in take.events {
+            pipeline.push(event);
+        }
+        finish(&opened, &pipeline, &take.report, output)
+    };
+    estimate().map_err(|error| Failure {
+        recording: input.display().to_string(),
+        error,
+    })
+}

@@ -1,0 +1,67 @@
+//! One recording through the pipeline, event by event, as if it came in now.
+
+use std::path::PathBuf;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::finish::{check_distinct, finish, open, output_path};
+use super::report::Report;
+use crate::ingest::Source;
+use crate::motion::Stamp;
+use crate::pipeline::Pipeline;
+
+/// What to replay, and how.
+#[derive(Clone, Debug)]
+pub struct ReplayJob {
+    /// The recording.
+    pub input: PathBuf,
+    /// Where the estimate goes; beside the recording by default.
+    pub output: Option<PathBuf>,
+    /// Scene file; the recording's own scene by default.
+    pub scene: Option<PathBuf>,
+    /// 1 is the pace of the performance; as fast as possible by default.
+    pub rate: Option<f64>,
+}
+
+/// Replays a recording and writes its estimate.
+pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
+    let output = match &job.output {
+        Some(output) => output.clone(),
+        None => output_path(&job.input, None)?,
+    };
+    check_distinct(&job.input, &output)?;
+    let opened = open(&job.input, job.scene.as_deref())?;
+    let mut source = opened.recording.source(&opened.scene)?;
+    let mut pipeline = Pipeline::new(opened.scene.clone());
+    let mut pace = job.rate.map(Pace::new);
+    while let Some((log_time, event)) = source.next()? {
+        if let Some(pace) = &mut pace {
+            pace.wait_until(log_time);
+        }
+        pipeline.push(event);
+    }
+    finish(&opened, &pipeline, source.report(), &output)
+}
+
+/// Keeps the distances of log times, divided by a rate.
+struct Pace {
+    rate: f64,
+    begun: Option<(Instant, Stamp)>,
+}
+
+impl Pace {
+    fn new(rate: f64) -> Self {
+        Self { rate, begun: None }
+    }
+
+    fn wait_until(&mut self, log_time: Stamp) {
+        let (begun, first) = *self.begun.get_or_insert((Instant::now(), log_time));
+        let due_s = i128::from(log_time.0) - i128::from(first.0);
+        let due_s = due_s as f64 * 1e-9 / self.rate;
+        // Messages of the past, and those of a clock gone wild, are due at once.
+        let Ok(due) = Duration::try_from_secs_f64(due_s) else {
+            return;
+        };
+        thread::sleep(due.saturating_sub(begun.elapsed()));
+    }
+}

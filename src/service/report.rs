@@ -1,0 +1,308 @@
+//! What became of one recording, with names in place of indices: one JSON object, or the
+//! numbers of a text.
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use crate::motion::{Estimate, EventKind, Phase, Quantity, SampleCounts, Scene, Sketch};
+use crate::pipeline::Outcome;
+
+/// A finished recording. SI units unless a name says otherwise; numbers that do not exist, such
+/// as infinite bounds, are `null` in JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The file that was read.
+    pub recording: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// `physical`, `plausible` or `failed`.
+    pub verdict: &'static str,
+    /// Why the solver stopped.
+    pub reason: String,
+    /// Sum of squared weighted residuals, priors included.
+    pub objective: f64,
+    /// Evaluations with a factorisation.
+    pub iterations: usize,
+    /// Rounds of mark refinement and of time assignment.
+    pub assignment_rounds: usize,
+    /// Wall time of the pipeline.
+    pub solve_seconds: f64,
+    /// The same by phase, in order.
+    pub phase_seconds: Ordered<f64>,
+    /// From the first used sample to the last, as acted.
+    pub acted_s: f64,
+    /// From the beginning of the estimated motion to its end.
+    pub physical_s: f64,
+    /// In order of time.
+    pub events: Vec<EventLine>,
+    /// Free quantities by name.
+    pub parameters: Ordered<ParameterLine>,
+    /// Root mean square distance over all samples.
+    pub residual_mm: f64,
+    /// Root mean square angle over all samples.
+    pub residual_deg: f64,
+    /// Arc by arc.
+    pub segments: Vec<SegmentLine>,
+    /// What the performance does not determine.
+    pub undetermined: Vec<String>,
+    /// What became of the samples.
+    pub samples: SampleLine,
+    /// What of the recording could not be read.
+    pub lost: Vec<String>,
+    /// What in it was read with reservations.
+    pub warnings: Vec<String>,
+    /// The file that was written.
+    pub output: String,
+}
+
+/// An event as estimated.
+#[derive(Clone, Debug, Serialize)]
+pub struct EventLine {
+    /// Name in the scene.
+    pub name: String,
+    /// `start`, `collision` or `end`.
+    pub kind: &'static str,
+    /// Physical time since the first sample.
+    pub time_s: f64,
+    /// Its standard deviation, where it is estimated and determined.
+    pub time_sd_s: Option<f64>,
+    /// Acted time since the first sample.
+    pub acted_s: f64,
+    /// Whom it concerns.
+    pub bodies: Vec<String>,
+    /// Largest position gap.
+    pub gap_m: f64,
+    /// Largest orientation gap.
+    pub gap_rad: f64,
+    /// Largest velocity gap.
+    pub gap_m_s: f64,
+    /// Largest angular velocity gap.
+    pub gap_rad_s: f64,
+}
+
+/// A free quantity as estimated.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterLine {
+    /// Its value.
+    pub value: f64,
+    /// Its standard deviation, where it is determined.
+    pub sd: Option<f64>,
+    /// Least and greatest value allowed.
+    pub bounds: [f64; 2],
+    /// Unit of them all.
+    pub unit: &'static str,
+}
+
+/// How one arc fits.
+#[derive(Clone, Debug, Serialize)]
+pub struct SegmentLine {
+    /// Whose.
+    pub body: String,
+    /// Physical time at which it begins.
+    pub start_s: f64,
+    /// Physical time at which it ends.
+    pub end_s: f64,
+    /// Samples in the objective.
+    pub samples: usize,
+    /// Root mean square distance.
+    pub residual_mm: f64,
+    /// Root mean square angle.
+    pub residual_deg: f64,
+}
+
+/// What became of the samples.
+#[derive(Clone, Debug, Serialize)]
+pub struct SampleLine {
+    /// Delivered.
+    pub read: usize,
+    /// In the objective.
+    pub used: usize,
+    /// Left out, by reason.
+    pub dropped: Ordered<usize>,
+    /// Sorted in.
+    pub reordered: usize,
+    /// Made unit.
+    pub normalised: usize,
+    /// Made continuous in sign.
+    pub flipped: usize,
+    /// Gaps in the streams.
+    pub gaps: usize,
+}
+
+/// Named values in the order that means something; a map in JSON.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ordered<T>(pub Vec<(String, T)>);
+
+impl<T: Serialize> Serialize for Ordered<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+/// What the driver knows and the pipeline does not.
+pub(super) struct Circumstances {
+    pub(super) recording: String,
+    pub(super) output: String,
+    pub(super) solve_seconds: f64,
+    pub(super) phase_seconds: Vec<(Phase, f64)>,
+    pub(super) lost: Vec<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Report {
+    pub(super) fn new(scene: &Scene, outcome: &Outcome, circumstances: Circumstances) -> Self {
+        let estimate = &outcome.estimate;
+        let (residual_mm, residual_deg) = whole_residual(estimate);
+        Self {
+            recording: circumstances.recording,
+            scene: scene.name.clone(),
+            verdict: estimate.verdict.word(),
+            reason: estimate.reason.clone(),
+            objective: estimate.objective,
+            iterations: estimate.counters.iterations,
+            assignment_rounds: estimate.counters.assignment_rounds,
+            solve_seconds: circumstances.solve_seconds,
+            phase_seconds: Ordered(
+                circumstances
+                    .phase_seconds
+                    .into_iter()
+                    .map(|(phase, seconds)| (phase.word().to_owned(), seconds))
+                    .collect(),
+            ),
+            acted_s: acted_s(&outcome.sketch),
+            physical_s: physical_s(estimate),
+            events: event_lines(scene, estimate),
+            parameters: parameter_lines(scene, estimate),
+            residual_mm,
+            residual_deg,
+            segments: segment_lines(scene, estimate),
+            undetermined: estimate.undetermined.clone(),
+            samples: sample_line(&outcome.counts),
+            lost: circumstances.lost,
+            warnings: circumstances.warnings,
+            output: circumstances.output,
+        }
+    }
+
+    /// Whether nothing was lost and the motion is physical.
+    pub fn is_whole(&self) -> bool {
+        self.lost.is_empty() && self.verdict == crate::motion::Verdict::Physical.word()
+    }
+}
+
+fn acted_s(sketch: &Sketch) -> f64 {
+    let last = sketch.bodies.iter().filter_map(|b| b.samples.last());
+    last.map(|sample| sample.acted_s).fold(0.0, f64::max)
+}
+
+fn physical_s(estimate: &Estimate) -> f64 {
+    let start_s = estimate.arcs.iter().map(|a| a.start_s);
+    let end_s = estimate.arcs.iter().map(|a| a.end_s);
+    (end_s.fold(f64::NEG_INFINITY, f64::max) - start_s.fold(f64::INFINITY, f64::min)).max(0.0)
+}
+
+fn whole_residual(estimate: &Estimate) -> (f64, f64) {
+    let samples: usize = estimate.residuals.iter().map(|r| r.samples).sum();
+    let rms = |square: &dyn Fn(&crate::motion::SegmentResidual) -> f64| {
+        let sum: f64 = estimate
+            .residuals
+            .iter()
+            .map(|r| r.samples as f64 * square(r))
+            .sum();
+        (sum / samples.max(1) as f64).sqrt()
+    };
+    (
+        rms(&|r| r.position_rms_m.powi(2)) * 1e3,
+        rms(&|r| r.orientation_rms_rad.powi(2)).to_degrees(),
+    )
+}
+
+fn event_lines(scene: &Scene, estimate: &Estimate) -> Vec<EventLine> {
+    let all = || scene.bodies.iter().map(|b| b.name.clone()).collect();
+    estimate
+        .events
+        .iter()
+        .map(|event| {
+            let of_scene = &scene.events[event.event];
+            EventLine {
+                name: of_scene.name.clone(),
+                kind: of_scene.kind.word(),
+                time_s: event.time_s,
+                time_sd_s: event.sd_s,
+                acted_s: event.acted_s,
+                bodies: match of_scene.kind {
+                    EventKind::Collision { body, .. } => vec![scene.bodies[body].name.clone()],
+                    EventKind::Start | EventKind::End => all(),
+                },
+                gap_m: event.gap.position_m,
+                gap_rad: event.gap.orientation_rad,
+                gap_m_s: event.gap.velocity_m_s,
+                gap_rad_s: event.gap.angular_velocity_rad_s,
+            }
+        })
+        .collect()
+}
+
+fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<ParameterLine> {
+    let unit_of = |name: &str| {
+        let free = scene.parameters.iter().find(|free| free.name == name);
+        match free.map(|free| free.quantity) {
+            Some(Quantity::Gravity { .. }) => "m/s²",
+            Some(Quantity::Tilt { .. }) => "rad",
+            Some(Quantity::Restitution { .. }) | None => "",
+        }
+    };
+    Ordered(
+        estimate
+            .parameters
+            .iter()
+            .map(|parameter| {
+                let line = ParameterLine {
+                    value: parameter.value,
+                    sd: parameter.sd,
+                    bounds: [parameter.lower, parameter.upper],
+                    unit: unit_of(&parameter.name),
+                };
+                (parameter.name.clone(), line)
+            })
+            .collect(),
+    )
+}
+
+fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
+    estimate
+        .residuals
+        .iter()
+        .zip(&estimate.arcs)
+        .map(|(residual, arc)| SegmentLine {
+            body: scene.bodies[residual.body].name.clone(),
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+            samples: residual.samples,
+            residual_mm: residual.position_rms_m * 1e3,
+            residual_deg: residual.orientation_rms_rad.to_degrees(),
+        })
+        .collect()
+}
+
+fn sample_line(counts: &SampleCounts) -> SampleLine {
+    SampleLine {
+        read: counts.read,
+        used: counts.used,
+        dropped: Ordered(
+            counts
+                .dropped
+                .iter()
+                .map(|(reason, count)| (reason.word().to_owned(), *count))
+                .collect(),
+        ),
+        reordered: counts.reordered,
+        normalised: counts.normalised,
+        flipped: counts.flipped,
+        gaps: counts.gaps,
+    }
+}

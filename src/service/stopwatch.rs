@@ -1,0 +1,74 @@
+//! How long each phase of a run took: the clock that the core does not have.
+
+use std::time::{Duration, Instant};
+
+use crate::motion::{Observer, Phase};
+
+/// Measures phases as they begin. A phase that comes again is added to.
+pub(super) struct Stopwatch {
+    begun: Instant,
+    current: Option<(Phase, Instant)>,
+    phases: Vec<(Phase, Duration)>,
+}
+
+impl Stopwatch {
+    pub(super) fn start() -> Self {
+        Self {
+            begun: Instant::now(),
+            current: None,
+            phases: Vec::new(),
+        }
+    }
+
+    /// Seconds since the start, and by phase in the order in which they first began.
+    pub(super) fn stop(mut self) -> (f64, Vec<(Phase, f64)>) {
+        let now = Instant::now();
+        self.close(now);
+        let phases = self.phases.into_iter();
+        (
+            (now - self.begun).as_secs_f64(),
+            phases
+                .map(|(phase, spent)| (phase, spent.as_secs_f64()))
+                .collect(),
+        )
+    }
+
+    fn close(&mut self, now: Instant) {
+        let Some((phase, since)) = self.current.take() else {
+            return;
+        };
+        let spent = now - since;
+        match self.phases.iter_mut().find(|(known, _)| *known == phase) {
+            Some((_, total)) => *total += spent,
+            None => self.phases.push((phase, spent)),
+        }
+    }
+}
+
+impl Observer for Stopwatch {
+    fn phase(&mut self, phase: Phase) {
+        let now = Instant::now();
+        self.close(now);
+        if phase != Phase::Done {
+            tracing::debug!(phase = phase.word(), "begins");
+            self.current = Some((phase, now));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_are_listed_once_in_order_and_sum_to_no_more_than_the_whole() {
+        let mut stopwatch = Stopwatch::start();
+        for phase in [Phase::Clean, Phase::Sweep, Phase::Clean, Phase::Done] {
+            stopwatch.phase(phase);
+        }
+        let (whole_s, phases) = stopwatch.stop();
+        let names: Vec<Phase> = phases.iter().map(|(phase, _)| *phase).collect();
+        assert_eq!(names, [Phase::Clean, Phase::Sweep]);
+        assert!(phases.iter().map(|(_, s)| s).sum::<f64>() <= whole_s);
+    }
+}

@@ -1,0 +1,285 @@
+//! What a file holds besides its messages.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::sync::Arc;
+
+use mcap::MAGIC;
+use thiserror::Error;
+
+use super::damage::{Damage, Damages};
+use super::record::Content;
+use super::walk::Walk;
+
+/// Why bytes are not an MCAP file at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum ContainerError {
+    /// There are none.
+    #[error("the file is empty")]
+    Empty,
+    /// They begin with something else.
+    #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
+    NotMcap,
+}
+
+/// A schema of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Schema {
+    /// Such as `foxglove.PoseInFrame`.
+    pub name: String,
+    /// Such as `protobuf`.
+    pub encoding: String,
+    /// The definition.
+    pub data: Vec<u8>,
+}
+
+/// A channel of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// Its topic; several channels may share one.
+    pub topic: String,
+    /// Its schema, if it has one.
+    pub schema_id: Option<u16>,
+    /// Such as `protobuf`.
+    pub message_encoding: String,
+    /// Whatever its writer noted.
+    pub metadata: BTreeMap<String, String>,
+    /// How many messages it has.
+    pub messages: u64,
+}
+
+/// An attachment of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// When it was recorded [ns].
+    pub log_time: u64,
+    /// When it was made [ns].
+    pub create_time: u64,
+    /// Its name; not necessarily unique.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    data: Range<usize>,
+}
+
+/// A metadata record of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Metadata {
+    /// Its name; not necessarily unique.
+    pub name: String,
+    /// Its pairs.
+    pub pairs: BTreeMap<String, String>,
+}
+
+/// An MCAP file in memory, walked through once.
+#[derive(Clone, Debug)]
+pub struct Container {
+    bytes: Arc<Vec<u8>>,
+    profile: String,
+    schemas: BTreeMap<u16, Schema>,
+    channels: BTreeMap<u16, Channel>,
+    attachments: Vec<Attachment>,
+    metadata: Vec<Metadata>,
+    messages: u64,
+    log_times: Option<(u64, u64)>,
+    is_sorted: bool,
+    damages: Damages,
+}
+
+impl Container {
+    /// Walks through the bytes of a file. Damage is no error: what can be read is there, and
+    /// [`Container::damages`] says what cannot.
+    pub fn new(bytes: Vec<u8>) -> Result<Self, ContainerError> {
+        if bytes.is_empty() {
+            return Err(ContainerError::Empty);
+        }
+        if !bytes.starts_with(MAGIC) {
+            return Err(ContainerError::NotMcap);
+        }
+        let bytes = Arc::new(bytes);
+        let mut container = Self {
+            bytes: Arc::clone(&bytes),
+            profile: String::new(),
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            attachments: Vec::new(),
+            metadata: Vec::new(),
+            messages: 0,
+            log_times: None,
+            is_sorted: true,
+            damages: Damages::default(),
+        };
+        let mut walk = Walk::verifying(bytes);
+        let mut damages = Damages::default();
+        while let Some((_, content)) = walk.next_content() {
+            if let Some(damage) = container.note(content, walk.offset()) {
+                damages.push(damage);
+            }
+        }
+        container.damages = walk.into_damages();
+        container.damages.append(damages);
+        Ok(container)
+    }
+
+    /// The messages, from the first on.
+    pub fn walk(&self) -> Walk {
+        Walk::new(Arc::clone(&self.bytes))
+    }
+
+    /// The profile in the header.
+    pub fn profile(&self) -> &str {
+        &self.profile
+    }
+
+    /// The schemas, by id.
+    pub fn schemas(&self) -> &BTreeMap<u16, Schema> {
+        &self.schemas
+    }
+
+    /// The channels, by id.
+    pub fn channels(&self) -> &BTreeMap<u16, Channel> {
+        &self.channels
+    }
+
+    /// The channel's schema.
+    pub fn schema_of(&self, channel: &Channel) -> Option<&Schema> {
+        self.schemas.get(&channel.schema_id?)
+    }
+
+    /// The topics, each once, in alphabetical order.
+    pub fn topics(&self) -> BTreeSet<&str> {
+        self.channels
+            .values()
+            .map(|channel| channel.topic.as_str())
+            .collect()
+    }
+
+    /// The attachments, in file order.
+    pub fn attachments(&self) -> &[Attachment] {
+        &self.attachments
+    }
+
+    /// The content of one of this file's attachments.
+    pub fn attachment_data(&self, attachment: &Attachment) -> &[u8] {
+        &self.bytes[attachment.data.clone()]
+    }
+
+    /// The metadata records, in file order.
+    pub fn metadata(&self) -> &[Metadata] {
+        &self.metadata
+    }
+
+    /// Messages of defined channels.
+    pub fn message_count(&self) -> u64 {
+        self.messages
+    }
+
+    /// Least and greatest log time of a message [ns].
+    pub fn log_times(&self) -> Option<(u64, u64)> {
+        self.log_times
+    }
+
+    /// Whether messages lie in the file in order of log time.
+    pub fn is_sorted(&self) -> bool {
+        self.is_sorted
+    }
+
+    /// Size of the file.
+    pub fn byte_count(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// What is wrong with it.
+    pub fn damages(&self) -> &Damages {
+        &self.damages
+    }
+
+    fn note(&mut self, content: Content, at: usize) -> Option<Damage> {
+        match content {
+            Content::Header { profile } => self.profile = profile,
+            Content::Schema { header, data } => {
+                let schema = Schema {
+                    name: header.name,
+                    encoding: header.encoding,
+                    data,
+                };
+                return define(&mut self.schemas, "schema", header.id, schema);
+            }
+            Content::Channel(channel) => return self.note_channel(channel),
+            Content::Message { header, .. } => {
+                let Some(channel) = self.channels.get_mut(&header.channel_id) else {
+                    return Some(Damage::NoChannel {
+                        at,
+                        id: header.channel_id,
+                    });
+                };
+                channel.messages += 1;
+                self.messages += 1;
+                let time = header.log_time;
+                let (first, last) = self.log_times.unwrap_or((time, time));
+                self.is_sorted &= time >= last;
+                self.log_times = Some((first.min(time), last.max(time)));
+            }
+            Content::Attachment {
+                log_time,
+                create_time,
+                name,
+                media_type,
+                data,
+            } => self.attachments.push(Attachment {
+                log_time,
+                create_time,
+                name,
+                media_type,
+                data,
+            }),
+            Content::Metadata(metadata) => self.metadata.push(Metadata {
+                name: metadata.name,
+                pairs: metadata.metadata,
+            }),
+            Content::Other => {}
+        }
+        None
+    }
+
+    fn note_channel(&mut self, record: mcap::records::Channel) -> Option<Damage> {
+        let schema_id = (record.schema_id != 0).then_some(record.schema_id);
+        if let Some(schema) = schema_id
+            && !self.schemas.contains_key(&schema)
+        {
+            return Some(Damage::NoSchema {
+                id: record.id,
+                schema,
+            });
+        }
+        let messages = self
+            .channels
+            .get(&record.id)
+            .map_or(0, |channel| channel.messages);
+        let channel = Channel {
+            topic: record.topic,
+            schema_id,
+            message_encoding: record.message_encoding,
+            metadata: record.metadata,
+            messages,
+        };
+        define(&mut self.channels, "channel", record.id, channel)
+    }
+}
+
+/// Enters a definition; writers may repeat one, but not change it.
+fn define<T: PartialEq>(
+    known: &mut BTreeMap<u16, T>,
+    what: &'static str,
+    id: u16,
+    value: T,
+) -> Option<Damage> {
+    match known.get(&id) {
+        None => {
+            known.insert(id, value);
+            None
+        }
+        Some(first) if *first == value => None,
+        Some(_) => Some(Damage::Redefined { what, id }),
+    }
+}

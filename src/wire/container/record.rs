@@ -1,0 +1,187 @@
+//! Single records: their frames and their contents.
+
+use std::ops::Range;
+
+use mcap::McapError;
+use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+/// Opcode and length.
+pub(super) const FRAME_BYTES: usize = 1 + 8;
+
+/// Largest record inside a chunk, and largest chunk, compressed or not. A file's own figure is
+/// not believed: a flipped bit would have us allocate hundreds of gigabytes.
+const RECORD_LIMIT_BYTES: usize = 64 << 20;
+
+/// Channel, sequence number and two times before a message's data.
+const MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
+
+/// A record's content, its bulk as a range of the bytes it was read from.
+pub(super) enum Content {
+    Header {
+        profile: String,
+    },
+    Schema {
+        header: SchemaHeader,
+        data: Vec<u8>,
+    },
+    Channel(Channel),
+    Message {
+        header: MessageHeader,
+        data: Range<usize>,
+    },
+    Attachment {
+        log_time: u64,
+        create_time: u64,
+        name: String,
+        media_type: String,
+        data: Range<usize>,
+    },
+    Metadata(Metadata),
+    /// Indexes, statistics, private records: nothing that is used.
+    Other,
+}
+
+/// The record at `at`: its opcode and the range of its body. `None` where it is not whole.
+pub(super) fn frame(bytes: &[u8], at: usize) -> Option<(u8, Range<usize>)> {
+    let frame = bytes.get(at..at.checked_add(FRAME_BYTES)?)?;
+    let length = u64::from_le_bytes(frame[1..].try_into().expect("eight bytes"));
+    let start = at + FRAME_BYTES;
+    let end = start.checked_add(usize::try_from(length).ok()?)?;
+    (end <= bytes.len()).then(|| (frame[0], start..end))
+}
+
+/// Parses the record whose body is `range` of `bytes`.
+pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Content, McapError> {
+    let body = &bytes[range.clone()];
+    match opcode {
+        op::MESSAGE => {
+            if body.len() < MESSAGE_HEADER_BYTES {
+                return Err(McapError::UnexpectedEof);
+            }
+            let number =
+                |at: usize| u64::from_le_bytes(body[at..at + 8].try_into().expect("eight bytes"));
+            Ok(Content::Message {
+                header: MessageHeader {
+                    channel_id: u16::from_le_bytes([body[0], body[1]]),
+                    sequence: u32::from_le_bytes(body[2..6].try_into().expect("four bytes")),
+                    log_time: number(6),
+                    publish_time: number(14),
+                },
+                data: range.start + MESSAGE_HEADER_BYTES..range.end,
+            })
+        }
+        op::ATTACHMENT => attachment(bytes, range),
+        op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
+            match mcap::parse_record(opcode, body)? {
+                Record::Header(header) => Ok(Content::Header {
+                    profile: header.profile,
+                }),
+                Record::Schema { header, .. } if header.id == 0 => Err(McapError::InvalidSchemaId),
+                Record::Schema { header, data } => Ok(Content::Schema {
+                    header,
+                    data: data.into_owned(),
+                }),
+                Record::Channel(channel) => Ok(Content::Channel(channel)),
+                Record::Metadata(metadata) => Ok(Content::Metadata(metadata)),
+                _ => Ok(Content::Other),
+            }
+        }
+        _ => Ok(Content::Other),
+    }
+}
+
+/// Parsed by hand: the library's parser slices out of bounds where the record is too short for
+/// its checksum.
+fn attachment(bytes: &[u8], range: Range<usize>) -> Result<Content, McapError> {
+    let body = &bytes[range.clone()];
+    let mut at = 0;
+    let log_time = u64::from_le_bytes(take(body, &mut at)?);
+    let create_time = u64::from_le_bytes(take(body, &mut at)?);
+    let name = text(body, &mut at)?;
+    let media_type = text(body, &mut at)?;
+    let length = usize::try_from(u64::from_le_bytes(take(body, &mut at)?))
+        .map_err(|_| McapError::UnexpectedEof)?;
+    let start = at;
+    at = start
+        .checked_add(length)
+        .filter(|&end| end <= body.len())
+        .ok_or(McapError::UnexpectedEof)?;
+    let end = at;
+    let saved = u32::from_le_bytes(take(body, &mut at)?);
+    if saved != 0 {
+        let calculated = crc32fast::hash(&body[..end]);
+        if calculated != saved {
+            return Err(McapError::BadAttachmentCrc { saved, calculated });
+        }
+    }
+    Ok(Content::Attachment {
+        log_time,
+        create_time,
+        name,
+        media_type,
+        data: range.start + start..range.start + end,
+    })
+}
+
+fn take<const N: usize>(body: &[u8], at: &mut usize) -> Result<[u8; N], McapError> {
+    let bytes = body.get(*at..*at + N).ok_or(McapError::UnexpectedEof)?;
+    *at += N;
+    Ok(bytes.try_into().expect("as many bytes as were asked for"))
+}
+
+fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+    let length = u32::from_le_bytes(take(body, at)?) as usize;
+    let bytes = at
+        .checked_add(length)
+        .and_then(|end| body.get(*at..end))
+        .ok_or(McapError::UnexpectedEof)?;
+    *at += length;
+    String::from_utf8(bytes.to_vec()).map_err(|_| McapError::UnexpectedEof)
+}
+
+/// Decompresses the chunk record `record` (frame included) into `records`, which holds whole
+/// verified records afterwards, or nothing.
+pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
+    records.clear();
+    let result = unpack(record, records);
+    if result.is_err() {
+        records.clear();
+    }
+    result
+}
+
+fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
+    // Start and end time come before the size.
+    let size = record
+        .get(FRAME_BYTES + 16..FRAME_BYTES + 24)
+        .ok_or(McapError::UnexpectedEof)?;
+    let size = u64::from_le_bytes(size.try_into().expect("eight bytes"));
+    if size > RECORD_LIMIT_BYTES as u64 {
+        return Err(McapError::ChunkTooLarge(size));
+    }
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_record_length_limit(RECORD_LIMIT_BYTES)
+            .with_prevalidate_chunk_crcs(true),
+    );
+    let mut rest = record;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (given, after) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(given.len()).copy_from_slice(given);
+                reader.notify_read(given.len());
+                rest = after;
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                records.push(opcode);
+                records.extend_from_slice(&(data.len() as u64).to_le_bytes());
+                records.extend_from_slice(data);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,34 @@
+//! Why a message cannot be decoded.
+
+use thiserror::Error;
+
+/// Why a message cannot be decoded.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum DecodeError {
+    /// Not a protobuf of its schema.
+    #[error("not a protobuf message: {0}")]
+    Protobuf(String),
+    /// Not JSON of the form foxglove gives its messages.
+    #[error("not such a JSON message: {0}")]
+    Json(String),
+    /// CDR ends inside a field.
+    #[error("CDR ends at byte {length}, inside {field}")]
+    CdrShort {
+        /// Size of the message.
+        length: usize,
+        /// What was being read.
+        field: &'static str,
+    },
+    /// The encapsulation header names no plain CDR.
+    #[error("encapsulation {0:#04x} is not plain CDR (0x00, 0x01)")]
+    CdrEncapsulation(u8),
+    /// A string is not UTF-8.
+    #[error("{0} is not UTF-8")]
+    CdrText(&'static str),
+    /// A part without which there is no pose is absent.
+    #[error("the message has no {0}")]
+    Missing(&'static str),
+    /// A stamp does not fit in 64 bits of nanoseconds.
+    #[error("stamp of {0} s is out of range")]
+    Stamp(i64),
+}

@@ -1,0 +1,153 @@
+//! The estimated motion and the performance as streams of stamped poses.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::UnitQuaternion;
+
+use super::error::WriteError;
+use crate::math::Pose;
+use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Sketch, Stamp};
+use crate::physics::{State, flow};
+
+/// Most frames that are written: a day at 240 Hz. More is no motion but the trace of an
+/// estimation that ran away, and would fill the disk.
+const FRAME_LIMIT: f64 = 86_400.0 * 240.0;
+
+/// Frame rates that are written [Hz].
+const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
+
+/// Physical time zero: the stamp of the first sample used.
+pub(super) fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
+    estimate
+        .sample_times
+        .iter()
+        .map(|sample| sample.stamp)
+        .min()
+        .unwrap_or(sketch.origin)
+}
+
+/// The stamp of a physical time [s].
+pub(super) fn stamp(zero: Stamp, time_s: f64) -> Stamp {
+    // A float converts to the nearest integer in range.
+    Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))
+}
+
+/// A body's estimated poses at every frame of a grid that holds time zero, at the beginning
+/// and end of its motion, and at every event in between. At a collision, whose sides may differ
+/// by a gap, the pose is the one before it. Stamps increase strictly; what would be stamped
+/// before zero, which messages cannot say, is left out.
+pub(super) fn estimate_samples(
+    path: &Path,
+    scene: &Scene,
+    estimate: &Estimate,
+    body: usize,
+    zero: Stamp,
+    frame_rate_hz: f64,
+) -> Result<Vec<PoseSample>, WriteError> {
+    if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
+        return Err(WriteError::FrameRate {
+            path: path.to_owned(),
+            frame_rate_hz,
+        });
+    }
+    let arcs: Vec<&ArcEstimate> = estimate
+        .arcs
+        .iter()
+        .filter(|arc| arc.body == body && arc.end_s >= arc.start_s)
+        .collect();
+    let (Some(first), Some(last)) = (arcs.first(), arcs.last()) else {
+        return Ok(Vec::new());
+    };
+    let (start_s, end_s) = (first.start_s, last.end_s);
+    let farthest_s = start_s.abs().max(end_s.abs());
+    if !((end_s - start_s).max(farthest_s) * frame_rate_hz <= FRAME_LIMIT) {
+        return Err(WriteError::Span {
+            path: path.to_owned(),
+            body: scene.bodies[body].name.clone(),
+            start_s,
+            end_s,
+        });
+    }
+    let mut times_s = BTreeMap::new();
+    let (from, to) = (
+        (start_s * frame_rate_hz).ceil() as i64,
+        (end_s * frame_rate_hz).floor() as i64,
+    );
+    for frame in from..=to {
+        let time_s = frame as f64 / frame_rate_hz;
+        times_s.insert(stamp(zero, time_s), time_s);
+    }
+    // After the frames, so that where both fall on one nanosecond the exact time stays.
+    let events = estimate.events.iter().map(|event| event.time_s);
+    let ends = arcs.iter().flat_map(|arc| [arc.start_s, arc.end_s]);
+    for time_s in events.chain(ends) {
+        if (start_s..=end_s).contains(&time_s) {
+            times_s.insert(stamp(zero, time_s), time_s);
+        }
+    }
+    let states = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let mut samples = states
+        .map(|(stamp, time_s)| {
+            let state = state_at(scene, estimate, &arcs, time_s);
+            PoseSample::from_pose(stamp, &state.world_from_body())
+        })
+        .collect();
+    make_signs_continuous(&mut samples);
+    Ok(samples)
+}
+
+/// A body's used samples at their physical times, in body axes.
+pub(super) fn sketch_samples(
+    estimate: &Estimate,
+    sketch: &Sketch,
+    body: usize,
+    zero: Stamp,
+) -> Vec<PoseSample> {
+    let mut samples: Vec<PoseSample> = estimate
+        .sample_times
+        .iter()
+        .filter(|time| time.body == body)
+        .filter_map(|time| {
+            let samples = &sketch.bodies.get(body)?.samples;
+            let at = samples
+                .binary_search_by_key(&time.stamp, |sample| sample.stamp)
+                .ok()?;
+            let pose = Pose::from_parts(samples[at].position_m.into(), samples[at].orientation);
+            Some(PoseSample::from_pose(stamp(zero, time.time_s), &pose))
+        })
+        .filter(|sample| sample.stamp.0 >= 0)
+        .collect();
+    samples.sort_by_key(|sample| sample.stamp);
+    make_signs_continuous(&mut samples);
+    samples
+}
+
+/// The state at a physical time within the arcs: on the first that has not ended.
+fn state_at(scene: &Scene, estimate: &Estimate, arcs: &[&ArcEstimate], time_s: f64) -> State {
+    let arc = arcs
+        .iter()
+        .find(|arc| time_s <= arc.end_s)
+        .or(arcs.last())
+        .expect("a body with samples has arcs");
+    flow::advance(
+        &scene.bodies[arc.body].body,
+        &estimate.gravity_m_s2,
+        &arc.state,
+        time_s - arc.epoch_s,
+    )
+}
+
+/// Quaternions q and −q are one rotation, but not to whoever interpolates them.
+fn make_signs_continuous(samples: &mut Vec<PoseSample>) {
+    let mut last = UnitQuaternion::identity().coords;
+    for sample in samples {
+        let [x, y, z, w] = sample.quaternion_xyzw;
+        let mut coords = nalgebra::Vector4::new(x, y, z, w);
+        if coords.dot(&last) < 0.0 {
+            coords = -coords;
+            sample.quaternion_xyzw = coords.into();
+        }
+        last = coords;
+    }
+}

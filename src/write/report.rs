@@ -1,0 +1,300 @@
+//! The estimate in words and numbers, as JSON with a schema.
+//!
+//! Numbers that are not finite (bounds that do not bind) are `null`; times are seconds, of
+//! acted time since `origin`, of physical time since `physical_zero`.
+
+use serde::Serialize;
+
+use crate::motion::{
+    ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Sketch, Stamp,
+};
+
+/// JSON schema of [`EstimateReport`].
+pub const REPORT_SCHEMA: &str = include_str!("report.schema.json");
+
+/// JSON schema of [`TimeMap`].
+pub const TIME_MAP_SCHEMA: &str = include_str!("time_map.schema.json");
+
+/// A stamp as foxglove's JSON has it: exact, where one number would lose nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Time {
+    sec: i64,
+    nsec: i64,
+}
+
+impl From<Stamp> for Time {
+    fn from(stamp: Stamp) -> Self {
+        Self {
+            sec: stamp.0.div_euclid(1_000_000_000),
+            nsec: stamp.0.rem_euclid(1_000_000_000),
+        }
+    }
+}
+
+/// Acted time against physical time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimeMap {
+    origin: Time,
+    physical_zero: Time,
+    bodies: Vec<BodyTimes>,
+    events: Vec<EventTime>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct BodyTimes {
+    body: String,
+    acted_s: Vec<f64>,
+    physical_s: Vec<f64>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct EventTime {
+    event: String,
+    acted_s: f64,
+    physical_s: f64,
+}
+
+impl TimeMap {
+    /// The map of an estimate, body by body and event by event.
+    pub fn new(scene: &Scene, sketch: &Sketch, estimate: &Estimate, zero: Stamp) -> Self {
+        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| {
+            let times = estimate
+                .sample_times
+                .iter()
+                .filter(|time| time.body == index);
+            let (acted_s, physical_s) = times
+                .map(|time| (time.stamp.seconds_since(sketch.origin), time.time_s))
+                .unzip();
+            BodyTimes {
+                body: body.name.clone(),
+                acted_s,
+                physical_s,
+            }
+        });
+        let events = estimate.events.iter().map(|event| EventTime {
+            event: scene.events[event.event].name.clone(),
+            acted_s: event.acted_s,
+            physical_s: event.time_s,
+        });
+        Self {
+            origin: sketch.origin.into(),
+            physical_zero: zero.into(),
+            bodies: bodies.collect(),
+            events: events.collect(),
+        }
+    }
+}
+
+/// The whole estimate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimateReport {
+    scene: String,
+    verdict: &'static str,
+    reason: String,
+    objective: f64,
+    gravity_m_s2: [f64; 3],
+    arcs: Vec<Arc>,
+    events: Vec<Event>,
+    parameters: Vec<Parameter>,
+    residuals: Vec<Residual>,
+    undetermined: Vec<String>,
+    samples: Samples,
+    counters: Counters,
+    time_map: TimeMap,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Arc {
+    body: String,
+    start_s: f64,
+    end_s: f64,
+    epoch_s: f64,
+    position_m: [f64; 3],
+    orientation_wxyz: [f64; 4],
+    velocity_m_s: [f64; 3],
+    angular_velocity_body_rad_s: [f64; 3],
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Event {
+    name: String,
+    kind: &'static str,
+    time_s: f64,
+    sd_s: Option<f64>,
+    acted_s: f64,
+    gap: Gap,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Gap {
+    position_m: f64,
+    orientation_rad: f64,
+    velocity_m_s: f64,
+    angular_velocity_rad_s: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Parameter {
+    name: String,
+    value: f64,
+    sd: Option<f64>,
+    lower: f64,
+    upper: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Residual {
+    body: String,
+    samples: usize,
+    position_rms_m: f64,
+    orientation_rms_rad: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Samples {
+    read: usize,
+    used: usize,
+    dropped: std::collections::BTreeMap<&'static str, usize>,
+    reordered: usize,
+    normalised: usize,
+    flipped: usize,
+    gaps: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Counters {
+    iterations: usize,
+    evaluations: usize,
+    factorisations: usize,
+    fit_iterations: usize,
+    assignment_rounds: usize,
+    starts: usize,
+}
+
+impl EstimateReport {
+    /// Everything that the estimate says, with the scene's names for its numbers.
+    pub fn new(
+        scene: &Scene,
+        sketch: &Sketch,
+        counts: &SampleCounts,
+        estimate: &Estimate,
+        zero: Stamp,
+    ) -> Self {
+        let counters = estimate.counters;
+        Self {
+            scene: scene.name.clone(),
+            verdict: estimate.verdict.word(),
+            reason: estimate.reason.clone(),
+            objective: estimate.objective,
+            gravity_m_s2: estimate.gravity_m_s2.into(),
+            arcs: estimate
+                .arcs
+                .iter()
+                .map(|arc| Arc::new(scene, arc))
+                .collect(),
+            events: estimate
+                .events
+                .iter()
+                .map(|event| Event::new(scene, event))
+                .collect(),
+            parameters: estimate
+                .parameters
+                .iter()
+                .map(|parameter| Parameter {
+                    name: parameter.name.clone(),
+                    value: parameter.value,
+                    sd: parameter.sd,
+                    lower: parameter.lower,
+                    upper: parameter.upper,
+                })
+                .collect(),
+            residuals: estimate
+                .residuals
+                .iter()
+                .map(|residual| Residual::new(scene, residual))
+                .collect(),
+            undetermined: estimate.undetermined.clone(),
+            samples: Samples::new(counts),
+            counters: Counters {
+                iterations: counters.iterations,
+                evaluations: counters.evaluations,
+                factorisations: counters.factorisations,
+                fit_iterations: counters.fit_iterations,
+                assignment_rounds: counters.assignment_rounds,
+                starts: counters.starts,
+            },
+            time_map: TimeMap::new(scene, sketch, estimate, zero),
+        }
+    }
+}
+
+impl Arc {
+    fn new(scene: &Scene, arc: &ArcEstimate) -> Self {
+        let state = &arc.state;
+        let q = state.orientation.quaternion();
+        Self {
+            body: scene.bodies[arc.body].name.clone(),
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+            epoch_s: arc.epoch_s,
+            position_m: state.position_m.into(),
+            orientation_wxyz: [q.w, q.i, q.j, q.k],
+            velocity_m_s: state.velocity_m_s.into(),
+            angular_velocity_body_rad_s: state.angular_velocity_rad_s.into(),
+        }
+    }
+}
+
+impl Event {
+    fn new(scene: &Scene, estimate: &EventEstimate) -> Self {
+        let event = &scene.events[estimate.event];
+        Self {
+            name: event.name.clone(),
+            kind: event.kind.word(),
+            time_s: estimate.time_s,
+            sd_s: estimate.sd_s,
+            acted_s: estimate.acted_s,
+            gap: Gap {
+                position_m: estimate.gap.position_m,
+                orientation_rad: estimate.gap.orientation_rad,
+                velocity_m_s: estimate.gap.velocity_m_s,
+                angular_velocity_rad_s: estimate.gap.angular_velocity_rad_s,
+            },
+        }
+    }
+}
+
+impl Residual {
+    fn new(scene: &Scene, residual: &SegmentResidual) -> Self {
+        Self {
+            body: scene.bodies[residual.body].name.clone(),
+            samples: residual.samples,
+            position_rms_m: residual.position_rms_m,
+            orientation_rms_rad: residual.orientation_rms_rad,
+        }
+    }
+}
+
+impl Samples {
+    fn new(counts: &SampleCounts) -> Self {
+        Self {
+            read: counts.read,
+            used: counts.used,
+            dropped: counts
+                .dropped
+                .iter()
+                .map(|(reason, count)| (reason.word(), *count))
+                .collect(),
+            reordered: counts.reordered,
+            normalised: counts.normalised,
+            flipped: counts.flipped,
+            gaps: counts.gaps,
+        }
+    }
+}
+
+/// The bytes of a JSON message.
+pub(super) fn json<T: Serialize>(value: &T) -> Vec<u8> {
+    serde_json::to_vec(value)
+        .unwrap_or_else(|error| unreachable!("structs of numbers and texts serialise: {error}"))
+}

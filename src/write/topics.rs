@@ -1,0 +1,64 @@
+//! Topics and frames of the estimate.
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/estimate/<body>/pose` | `foxglove.PoseInFrame` | the motion, on a frame grid and exactly at events |
+//! | `/sketch/<body>/pose` | `foxglove.PoseInFrame` | the performance, in body axes, at its physical times |
+//! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch` |
+//! | `/scene` | `foxglove.SceneUpdate` | bodies, obstacles, surfaces, goals |
+//! | `/robot_description` | `std_msgs/msg/String` | the same as URDF, for viewers that draw that |
+//! | `/estimate/events` | `foxglove.Event` | the scene's events, when they happen |
+//! | `/estimate/time_map` | `enact.TimeMap` (JSON) | acted time against physical time |
+//! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate |
+//!
+//! Where the input has a topic of that name already, ours begins with `/estimate`, as in
+//! `/estimate/tf`.
+
+use std::collections::BTreeMap;
+
+/// Frame transforms.
+pub const TRANSFORMS: &str = "/tf";
+/// What viewers draw.
+pub const SCENE: &str = "/scene";
+/// The same as URDF.
+pub const ROBOT_DESCRIPTION: &str = "/robot_description";
+/// When the scene's events happen.
+pub const EVENTS: &str = "/estimate/events";
+/// Acted time against physical time.
+pub const TIME_MAP: &str = "/estimate/time_map";
+/// The whole estimate.
+pub const REPORT: &str = "/estimate/report";
+
+/// Key and value in the metadata of every channel that an estimate adds; by them a later run
+/// knows what to replace.
+const OURS: (&str, &str) = ("enact", "estimate");
+
+/// Topic of a body's estimated poses.
+pub fn estimate_pose(body: &str) -> String {
+    format!("/estimate/{body}/pose")
+}
+
+/// Topic of a body's performed poses.
+pub fn sketch_pose(body: &str) -> String {
+    format!("/sketch/{body}/pose")
+}
+
+/// The frame that moves with a body's estimate.
+pub fn estimate_frame(body: &str) -> String {
+    format!("{body}_estimate")
+}
+
+/// The frame that moves with a body's performance.
+pub fn sketch_frame(body: &str) -> String {
+    format!("{body}_sketch")
+}
+
+/// Metadata of every channel that an estimate adds.
+pub(super) fn metadata() -> BTreeMap<String, String> {
+    BTreeMap::from([(OURS.0.to_owned(), OURS.1.to_owned())])
+}
+
+/// Whether an estimate added a channel with such metadata.
+pub(super) fn is_ours(metadata: &BTreeMap<String, String>) -> bool {
+    metadata.get(OURS.0).is_some_and(|value| value == OURS.1)
+}
