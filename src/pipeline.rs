@@ -6,11 +6,11 @@
 
 use thiserror::Error;
 
+use crate::estimate::{self, Recipe};
+use crate::initialise;
 use crate::motion::{
-    ArcEstimate, Counters, Estimate, EventEstimate, Gap, Observer, ParameterEstimate, Phase,
-    SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, TakeEvent, Verdict,
+    DropReason, Estimate, Observer, Phase, SampleCounts, Scene, Segment, Sketch, TakeEvent,
 };
-use crate::physics::State;
 use crate::segment::{self, SegmentError};
 
 /// One take of one scene on its way to an estimate.
@@ -62,8 +62,8 @@ impl Pipeline {
     /// that verdict; an error means that there is nothing to estimate from.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         observer.phase(Phase::Clean);
-        let (sketch, mut counts) = segment::clean::clean(&self.scene, &self.events)?;
-        let estimate = solve(&self.scene, &sketch, &mut counts, observer);
+        let (mut sketch, mut counts) = segment::clean::clean(&self.scene, &self.events)?;
+        let estimate = solve(&self.scene, &mut sketch, &mut counts, observer)?;
         observer.phase(Phase::Done);
         Ok(Outcome {
             sketch,
@@ -73,80 +73,52 @@ impl Pipeline {
     }
 }
 
-/// The one place where the solving stages are wired in. Until they are, every body hangs in
-/// its first pose and the verdict says so.
+/// Stages 2 to 4 on a clean sketch, whose marks are refined on the way.
 fn solve(
     scene: &Scene,
-    sketch: &Sketch,
+    sketch: &mut Sketch,
     counts: &mut SampleCounts,
     observer: &mut dyn Observer,
-) -> Estimate {
+) -> Result<Estimate, PipelineError> {
+    observer.phase(Phase::Marks);
+    let rounds = segment::refine(scene, sketch);
+    let segments = segment::cut(scene, sketch)?;
+    account(sketch, &segments, counts);
     observer.phase(Phase::ArcFits);
-    let hanging = |body: usize| {
-        let samples = &sketch.bodies[body].samples;
-        let (first, last) = (&samples[0], &samples[samples.len() - 1]);
-        ArcEstimate {
-            body,
-            epoch_s: first.acted_s,
-            state: State {
-                position_m: first.position_m,
-                orientation: first.orientation,
-                velocity_m_s: nalgebra::Vector3::zeros(),
-                angular_velocity_rad_s: nalgebra::Vector3::zeros(),
-            },
-            start_s: first.acted_s,
-            end_s: last.acted_s,
-        }
-    };
-    let bodies = 0..scene.bodies.len();
-    Estimate {
-        verdict: Verdict::Failed,
-        reason: "no solving stage is wired in".into(),
-        objective: counts.used as f64,
-        gravity_m_s2: scene.gravity_m_s2,
-        arcs: bodies.clone().map(hanging).collect(),
-        events: sketch
-            .marks_s
-            .iter()
-            .enumerate()
-            .map(|(event, mark_s)| EventEstimate {
-                event,
-                time_s: *mark_s,
-                sd_s: None,
-                acted_s: *mark_s,
-                gap: Gap::default(),
-            })
-            .collect(),
-        parameters: scene
-            .parameters
-            .iter()
-            .map(|free| ParameterEstimate {
-                name: free.name.clone(),
-                value: free.initial,
-                sd: None,
-                lower: free.lower,
-                upper: free.upper,
-            })
-            .collect(),
-        residuals: bodies
-            .clone()
-            .map(|body| SegmentResidual {
-                body,
-                samples: sketch.bodies[body].samples.len(),
-                position_rms_m: 0.0,
-                orientation_rms_rad: 0.0,
-            })
-            .collect(),
-        sample_times: bodies
-            .flat_map(|body| {
-                sketch.bodies[body].samples.iter().map(move |s| SampleTime {
-                    body,
-                    stamp: s.stamp,
-                    time_s: s.acted_s,
-                })
-            })
-            .collect(),
-        undetermined: scene.parameters.iter().map(|p| p.name.clone()).collect(),
-        counters: Counters::default(),
+    let guessed = initialise::guess(scene, sketch, &segments);
+    let recipe = Recipe::default();
+    let mut estimate = estimate::estimate(
+        scene,
+        sketch,
+        &segments,
+        &guessed.guesses,
+        &recipe,
+        observer,
+    );
+    estimate.counters.fit_iterations = guessed.fit_iterations;
+    estimate.counters.assignment_rounds = rounds;
+    Ok(estimate)
+}
+
+/// Counts the samples that segments use; what lies between segments is near a collision.
+fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
+    counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
+    let mut near = 0;
+    for body in 0..sketch.bodies.len() {
+        let of_body = || segments.iter().filter(move |segment| segment.body == body);
+        let first = of_body()
+            .map(|segment| segment.samples.start)
+            .min()
+            .unwrap_or(0);
+        let last = of_body()
+            .map(|segment| segment.samples.end)
+            .max()
+            .unwrap_or(0);
+        near += last
+            - first
+            - of_body()
+                .map(|segment| segment.samples.len())
+                .sum::<usize>();
     }
+    counts.drop(DropReason::NearCollision, near);
 }

@@ -7,7 +7,7 @@
 use nalgebra::DVector;
 
 use super::layout::Layout;
-use super::merit::{self, Price};
+use super::merit::{self, Acting, Price};
 use super::point::Point;
 use super::problem::Problem;
 use super::system::{Frame, Guidance, System};
@@ -39,9 +39,12 @@ pub struct Descent<'a> {
     /// Work done so far.
     pub counters: Counters,
     scale: DVector<f64>,
-    trial: Point,
-    trial_system: System,
+    trial: (Point, System),
+    corrected: (Point, System),
     matrix: Envelope,
+    acting: Acting,
+    gradient: DVector<f64>,
+    rows: Vec<f64>,
 }
 
 /// When a descent may stop.
@@ -58,11 +61,15 @@ impl<'a> Descent<'a> {
     pub fn new(frame: &'a Frame<'a>, guidance: &Guidance, point: Point) -> Self {
         let mut system = System::new(frame);
         system.evaluate(frame, guidance, &point);
+        let size = frame.layout.size();
         Self {
             scale: scale(frame.problem, frame.layout),
-            trial: point.clone(),
-            trial_system: system.clone(),
+            trial: (point.clone(), system.clone()),
+            corrected: (point.clone(), system.clone()),
             matrix: Envelope::zeros(&frame.layout.pattern),
+            acting: Acting::default(),
+            gradient: DVector::zeros(size),
+            rows: Vec::new(),
             frame,
             point,
             system,
@@ -94,14 +101,15 @@ impl<'a> Descent<'a> {
             let gained = before - after;
             let ratio = gained / predicted.max(f64::MIN_POSITIVE);
             if gained.is_finite() && ratio > 1e-4 {
-                std::mem::swap(&mut self.point, &mut self.trial);
-                std::mem::swap(&mut self.system, &mut self.trial_system);
+                std::mem::swap(&mut self.point, &mut self.trial.0);
+                std::mem::swap(&mut self.system, &mut self.trial.1);
                 self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
                 growth = 2.0;
             } else {
                 self.damping *= growth;
                 growth *= 2.0;
             }
+            if std::env::var("TRACE").is_ok() { eprintln!("  w {:.1e} step {step} merit {before:.4} gain {gained:.3e} pred {predicted:.3e} lam {:.1e} |d| {:.2e} viol {:.2e}", price.weight, self.damping, delta.amax(), self.system.violation()); }
             if predicted < patience.gain && gained < patience.gain {
                 return step;
             }
@@ -111,21 +119,25 @@ impl<'a> Descent<'a> {
 
     /// The damped step and the decrease it promises.
     fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64)> {
-        let pattern = &self.frame.layout.pattern;
+        let layout = self.frame.layout;
         self.counters.iterations += 1;
         self.counters.factorisations += 1;
-        let mut gradient = self.system.gradient.clone();
+        price.act(&self.system, &mut self.acting);
+        let acting = &self.acting;
+        self.gradient.copy_from(&self.system.gradient);
+        let pull = |row: usize| acting.weights[row] * acting.distances[row];
+        merit::add_pull(layout, &self.system, pull, &mut self.gradient);
         self.matrix.copy_from(&self.system.hessian);
-        price.add_to(self.frame, &self.system, &mut self.matrix, &mut gradient);
-        for row in 0..pattern.size() {
+        merit::add_square(layout, &self.system, &acting.weights, &mut self.matrix);
+        for row in 0..layout.size() {
             self.matrix
-                .add(pattern, row, row, self.damping * self.scale[row]);
+                .add(&layout.pattern, row, row, self.damping * self.scale[row]);
         }
-        self.matrix.factorise(pattern).ok()?;
-        let mut delta = -&gradient;
-        self.matrix.solve(pattern, &mut delta);
+        self.matrix.factorise(&layout.pattern).ok()?;
+        let mut delta = -&self.gradient;
+        self.matrix.solve(&layout.pattern, &mut delta);
         let damped: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
-        let predicted = 0.5 * (-gradient.dot(&delta) + self.damping * damped);
+        let predicted = 0.5 * (-self.gradient.dot(&delta) + self.damping * damped);
         Some((delta, predicted))
     }
 
@@ -143,27 +155,25 @@ impl<'a> Descent<'a> {
         if before - after >= 0.9 * predicted {
             return after;
         }
-        let Some(corrected) = self.corrected(price, delta) else {
+        let Some(corrected) = self.correct(delta) else {
             return after;
         };
-        let trial = self.trial.clone();
-        let trial_system = self.trial_system.clone();
+        std::mem::swap(&mut self.trial, &mut self.corrected);
         let corrected_after = self.evaluate_trial(guidance, price, &corrected);
         if corrected_after < after {
             return corrected_after;
         }
-        self.trial = trial;
-        self.trial_system = trial_system;
+        std::mem::swap(&mut self.trial, &mut self.corrected);
         after
     }
 
     fn evaluate_trial(&mut self, guidance: &Guidance, price: &Price, delta: &DVector<f64>) -> f64 {
         let frame = self.frame;
-        self.trial
-            .retract_from(&self.point, frame.problem, frame.layout, delta);
-        self.trial_system.evaluate(frame, guidance, &self.trial);
+        let (point, system) = &mut self.trial;
+        point.retract_from(&self.point, frame.problem, frame.layout, delta);
+        system.evaluate(frame, guidance, point);
         self.counters.evaluations += 1;
-        let merit = price.merit(&self.trial_system);
+        let merit = price.merit(system);
         if merit.is_finite() {
             merit
         } else {
@@ -171,22 +181,19 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The step plus what removes the constraints' departure from their linearisation.
-    fn corrected(&self, price: &Price, delta: &DVector<f64>) -> Option<DVector<f64>> {
+    /// The step plus what removes the constraints' departure from their linearisation; `None`
+    /// where that is no small correction.
+    fn correct(&mut self, delta: &DVector<f64>) -> Option<DVector<f64>> {
         let layout = self.frame.layout;
-        let mut errors = merit::along(layout, &self.system, delta);
-        for ((errors, block), trial) in errors
-            .iter_mut()
-            .zip(&self.system.blocks)
-            .zip(&self.trial_system.blocks)
-        {
-            for (row, error) in errors.iter_mut().enumerate() {
-                *error = trial.values[row] - block.values[row] - *error;
-            }
-        }
+        merit::curvature(layout, &self.system, &self.trial.1, delta, &mut self.rows);
         let mut correction = DVector::zeros(layout.size());
-        price.add_pull(layout, &self.system, &errors, &mut correction);
-        correction.neg_mut();
+        let (weights, rows) = (&self.acting.weights, &self.rows);
+        merit::add_pull(
+            layout,
+            &self.system,
+            |row| -weights[row] * rows[row],
+            &mut correction,
+        );
         self.matrix.solve(&layout.pattern, &mut correction);
         let size = |d: &DVector<f64>| -> f64 {
             d.iter()

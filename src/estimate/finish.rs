@@ -7,7 +7,7 @@
 
 use nalgebra::DVector;
 
-use super::merit::{self, Price};
+use super::merit::{self, Acting, Price};
 use super::point::Point;
 use super::system::{Frame, Guidance, System};
 use crate::math::envelope::Envelope;
@@ -16,9 +16,13 @@ use crate::motion::Counters;
 /// Weight of the rows in the factorised matrix, per squared unit.
 const WEIGHT: f64 = 1e5;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
-const DAMPING: f64 = 1e-9;
+pub(super) const DAMPING: f64 = 1e-9;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
+/// Halvings of a step at most.
+const HALVINGS_MAX: usize = 12;
+/// An objective below this is none: the decrease is then measured against it.
+const NO_COST: f64 = 1e-12;
 
 /// When the finish is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,79 +60,119 @@ pub struct Finished {
 pub struct KktStep {
     /// The step.
     pub delta: DVector<f64>,
-    /// The multipliers after it, block by block.
-    pub multipliers: Vec<Vec<f64>>,
+    /// The multipliers after it, row by row.
+    pub multipliers: Vec<f64>,
 }
 
 /// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
-    price: Price,
+    acting: Acting,
+    multipliers: Vec<f64>,
 }
 
 impl Kkt {
     /// Factorises; `None` where an unknown is undetermined beyond the damping.
-    pub fn new(frame: &Frame, system: &System, multipliers: &[Vec<f64>]) -> Option<Self> {
+    pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
         let price = Price {
             weight: WEIGHT,
             approach_weight: WEIGHT,
             multipliers: multipliers.to_vec(),
         };
+        let mut acting = Acting::default();
+        price.act(system, &mut acting);
         let pattern = &frame.layout.pattern;
         let mut matrix = system.hessian.clone();
-        price.add_to(
-            frame,
-            system,
-            &mut matrix,
-            &mut DVector::zeros(pattern.size()),
-        );
         for row in 0..pattern.size() {
             let diagonal = matrix.get(pattern, row, row);
             matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
         }
+        merit::add_square(frame.layout, system, &acting.weights, &mut matrix);
         matrix.factorise(pattern).ok()?;
-        Some(Self { matrix, price })
+        Some(Self {
+            matrix,
+            acting,
+            multipliers: price.multipliers,
+        })
     }
 
-    /// Solves for a step from `gradient` and violations `c` of the rows that act.
-    pub fn step(&self, frame: &Frame, system: &System, gradient: &DVector<f64>) -> KktStep {
+    /// The step to the optimum of the model at `system`.
+    pub fn step(&self, frame: &Frame, system: &System) -> KktStep {
         let layout = frame.layout;
-        let size = layout.size();
-        let mut multipliers = self.price.multipliers.clone();
-        let acting = self.price.acting(system);
-        let mut delta = DVector::zeros(size);
+        let (weights, violations) = (&self.acting.weights, &self.acting.violations);
+        let mut multipliers = self.multipliers.clone();
+        let mut delta = DVector::zeros(layout.size());
+        let mut residual = DVector::zeros(layout.size());
+        let mut rows = vec![0.0; multipliers.len()];
         for _ in 0..REFINEMENTS {
-            // Residual of the stationarity of the model's augmented Lagrangian at delta.
-            let mut residual = gradient.clone();
+            // Minus the gradient of the model's augmented Lagrangian at delta.
+            residual.copy_from(&system.gradient);
             system
                 .hessian
                 .multiply_add(&layout.pattern, &delta, &mut residual);
-            let mut errors = merit::along(layout, system, &delta);
-            let mut largest: f64 = 0.0;
-            for (index, errors) in errors.iter_mut().enumerate() {
-                for (row, error) in errors.iter_mut().enumerate() {
-                    *error = acting[index][row].map_or(0.0, |violation| violation + *error);
-                    largest = largest.max(error.abs());
-                    *error += multipliers[index][row] / WEIGHT;
+            let pull = |row: usize| {
+                if weights[row] > 0.0 {
+                    multipliers[row] + weights[row] * (violations[row] + rows[row])
+                } else {
+                    0.0
                 }
-            }
-            self.price.add_pull(layout, system, &errors, &mut residual);
+            };
+            merit::add_pull(layout, system, pull, &mut residual);
             residual.neg_mut();
             self.matrix.solve(&layout.pattern, &mut residual);
             delta += &residual;
-            let errors = merit::along(layout, system, &delta);
-            for (index, errors) in errors.iter().enumerate() {
-                for (row, error) in errors.iter().enumerate() {
-                    if let Some(violation) = acting[index][row] {
-                        multipliers[index][row] += WEIGHT * (violation + error);
-                    }
-                }
+            merit::along(layout, system, &delta, &mut rows);
+            let mut worst: f64 = 0.0;
+            for (row, multiplier) in multipliers.iter_mut().enumerate() {
+                let error = if weights[row] > 0.0 {
+                    violations[row] + rows[row]
+                } else {
+                    0.0
+                };
+                *multiplier += weights[row] * error;
+                worst = worst.max(error.abs());
             }
-            if residual.amax() <= 1e-14 * delta.amax() {
+            if worst < 1e-13 && residual.amax() <= 1e-12 * delta.amax() {
                 break;
             }
         }
+        for (multiplier, weight) in multipliers.iter_mut().zip(weights) {
+            if *weight == 0.0 {
+                *multiplier = 0.0;
+            }
+        }
         KktStep { delta, multipliers }
+    }
+
+    /// The step that also removes what the constraints depart from their linearisation.
+    fn correct(
+        &self,
+        frame: &Frame,
+        system: &System,
+        trial: &System,
+        delta: &DVector<f64>,
+    ) -> DVector<f64> {
+        let mut rows = Vec::new();
+        merit::curvature(frame.layout, system, trial, delta, &mut rows);
+        let mut correction = DVector::zeros(delta.len());
+        let weights = &self.acting.weights;
+        merit::add_pull(
+            frame.layout,
+            system,
+            |row| -weights[row] * rows[row],
+            &mut correction,
+        );
+        self.matrix.solve(&frame.layout.pattern, &mut correction);
+        delta + correction
+    }
+
+    /// Number of rows that act.
+    pub fn acting_rows(&self) -> usize {
+        self.acting
+            .weights
+            .iter()
+            .filter(|weight| **weight > 0.0)
+            .count()
     }
 
     /// Solves `(H + w JᵀJ) x = b` in place.
@@ -137,119 +181,112 @@ impl Kkt {
     }
 }
 
-/// Runs the finish from `point` and `multipliers`; both are replaced by where it ends.
-pub fn finish(
-    frame: &Frame,
-    point: &mut Point,
-    system: &mut System,
-    multipliers: &mut Vec<Vec<f64>>,
-    tolerances: &Tolerances,
-    counters: &mut Counters,
-    should_stop: &mut dyn FnMut() -> bool,
-) -> Finished {
-    let guidance = Guidance::none(frame.problem);
-    let mut trial = point.clone();
-    let mut trial_system = system.clone();
-    let mut finished = Finished {
-        converged: false,
-        violation: system.violation(),
-        decrease: f64::INFINITY,
-    };
-    for _ in 0..tolerances.steps {
-        if should_stop() {
-            break;
-        }
-        counters.iterations += 1;
-        counters.factorisations += 1;
-        let Some(kkt) = Kkt::new(frame, system, multipliers) else {
-            break;
+/// A point on its way through the finish.
+pub struct Finish<'a> {
+    /// What stays fixed.
+    pub frame: &'a Frame<'a>,
+    /// Where it stands.
+    pub point: Point,
+    /// Objective and constraints there.
+    pub system: System,
+    /// Multipliers, row by row.
+    pub multipliers: Vec<f64>,
+    /// Work done so far.
+    pub counters: Counters,
+}
+
+impl Finish<'_> {
+    /// Steps until within tolerances, no step helps, or `should_stop`.
+    pub fn run(
+        &mut self,
+        tolerances: &Tolerances,
+        should_stop: &mut dyn FnMut() -> bool,
+    ) -> Finished {
+        let guidance = Guidance::none(self.frame.problem);
+        let mut trial = (self.point.clone(), self.system.clone());
+        let mut finished = Finished {
+            converged: false,
+            violation: self.system.violation(),
+            decrease: f64::INFINITY,
         };
-        let step = kkt.step(frame, system, &system.gradient);
-        finished.violation = system.violation();
-        finished.decrease = system.gradient.dot(&step.delta).abs() / system.cost.max(1e-30);
-        let small = finished.decrease < tolerances.decrease
-            || system.gradient.dot(&step.delta).abs() < 1e-22;
-        if finished.violation < tolerances.violation && small {
-            finished.converged = true;
-            // The last step costs one evaluation and squares what error is left.
-            trial.retract_from(point, frame.problem, frame.layout, &step.delta);
-            trial_system.evaluate(frame, &guidance, &trial);
-            counters.evaluations += 1;
-            if trial_system.violation() <= finished.violation {
-                std::mem::swap(point, &mut trial);
-                std::mem::swap(system, &mut trial_system);
-                *multipliers = step.multipliers;
-                finished.violation = system.violation();
-            }
-            break;
-        }
-        let price = 1.5 * largest(&step.multipliers).max(largest(multipliers)) + 1e-12;
-        let merit = |system: &System| system.cost + price * total_violation(system);
-        let before = merit(system);
-        let mut accepted = false;
-        let mut delta = step.delta.clone();
-        for halving in 0..12 {
-            trial.retract_from(point, frame.problem, frame.layout, &delta);
-            trial_system.evaluate(frame, &guidance, &trial);
-            counters.evaluations += 1;
-            if merit(&trial_system) <= before * (1.0 + 1e-14) {
-                accepted = true;
+        for _ in 0..tolerances.steps {
+            if should_stop() {
                 break;
             }
+            self.counters.iterations += 1;
+            self.counters.factorisations += 1;
+            let Some(kkt) = Kkt::new(self.frame, &self.system, &self.multipliers) else {
+                break;
+            };
+            let step = kkt.step(self.frame, &self.system);
+            let decrease = self.system.gradient.dot(&step.delta).abs();
+            finished.violation = self.system.violation();
+            finished.decrease = decrease / self.system.cost.max(NO_COST);
+            let done = finished.violation < tolerances.violation
+                && finished.decrease < tolerances.decrease;
+            if std::env::var("TRACE").is_ok() { eprintln!("finish cost {:.8} viol {:.2e} dec {:.2e} |d| {:.2e} mult {:.1e}", self.system.cost, finished.violation, finished.decrease, step.delta.amax(), step.multipliers.iter().fold(0.0f64, |m,x| m.max(x.abs()))); }
+            let accepted = if done {
+                // The last step costs one evaluation and squares what error is left.
+                self.evaluate(&guidance, &step.delta, &mut trial);
+                trial.1.violation() <= finished.violation
+            } else {
+                self.search(&guidance, &kkt, &step, &mut trial)
+            };
+            if accepted {
+                std::mem::swap(&mut self.point, &mut trial.0);
+                std::mem::swap(&mut self.system, &mut trial.1);
+                self.multipliers = step.multipliers;
+            }
+            if done {
+                finished.converged = true;
+                finished.violation = self.system.violation();
+            }
+            if done || !accepted {
+                break;
+            }
+        }
+        finished
+    }
+
+    fn evaluate(
+        &mut self,
+        guidance: &Guidance,
+        delta: &DVector<f64>,
+        (point, system): &mut (Point, System),
+    ) {
+        point.retract_from(&self.point, self.frame.problem, self.frame.layout, delta);
+        system.evaluate(self.frame, guidance, point);
+        self.counters.evaluations += 1;
+    }
+
+    /// Finds along `step` what lowers the ℓ₁ merit: the whole, the whole corrected, a half, …
+    fn search(
+        &mut self,
+        guidance: &Guidance,
+        kkt: &Kkt,
+        step: &KktStep,
+        trial: &mut (Point, System),
+    ) -> bool {
+        let largest =
+            |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
+        let merit = |system: &System| system.cost + price * system.total_violation();
+        let enough = merit(&self.system) * (1.0 + 1e-14);
+        let mut delta = step.delta.clone();
+        for halving in 0..HALVINGS_MAX {
+            self.evaluate(guidance, &delta, trial);
+            if merit(&trial.1) <= enough {
+                return true;
+            }
             if halving == 0 {
-                let corrected = correct(frame, &kkt, system, &trial_system, &delta);
-                trial.retract_from(point, frame.problem, frame.layout, &corrected);
-                trial_system.evaluate(frame, &guidance, &trial);
-                counters.evaluations += 1;
-                if merit(&trial_system) <= before * (1.0 + 1e-14) {
-                    accepted = true;
-                    break;
+                let corrected = kkt.correct(self.frame, &self.system, &trial.1, &delta);
+                self.evaluate(guidance, &corrected, trial);
+                if merit(&trial.1) <= enough {
+                    return true;
                 }
             }
             delta *= 0.5;
         }
-        if !accepted {
-            break;
-        }
-        std::mem::swap(point, &mut trial);
-        std::mem::swap(system, &mut trial_system);
-        *multipliers = step.multipliers;
+        false
     }
-    finished
-}
-
-/// The step that also removes what the constraints depart from their linearisation.
-fn correct(
-    frame: &Frame,
-    kkt: &Kkt,
-    system: &System,
-    trial: &System,
-    delta: &DVector<f64>,
-) -> DVector<f64> {
-    let mut errors = merit::along(frame.layout, system, delta);
-    for ((errors, block), trial) in errors.iter_mut().zip(&system.blocks).zip(&trial.blocks) {
-        for (row, error) in errors.iter_mut().enumerate() {
-            *error = trial.values[row] - block.values[row] - *error;
-        }
-    }
-    let mut correction = DVector::zeros(delta.len());
-    kkt.price
-        .add_pull(frame.layout, system, &errors, &mut correction);
-    correction.neg_mut();
-    kkt.matrix.solve(&frame.layout.pattern, &mut correction);
-    delta + correction
-}
-
-fn largest(multipliers: &[Vec<f64>]) -> f64 {
-    multipliers
-        .iter()
-        .flatten()
-        .fold(0.0, |most, value| value.abs().max(most))
-}
-
-fn total_violation(system: &System) -> f64 {
-    let blocks = system.blocks.iter();
-    blocks
-        .flat_map(|block| (0..block.values.len()).map(|row| block.violation(row).abs()))
-        .sum()
 }

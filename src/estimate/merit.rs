@@ -3,12 +3,14 @@
 //! For rows `lower ≤ v ≤ upper` with weight `w` and multiplier `ν` it adds
 //! `½ w dist²(v + ν/w, [lower, upper])`: equalities, one-sided and two-sided rows follow one
 //! rule, and the next multiplier is `w` times the signed distance.
+//!
+//! Rows are numbered through all blocks; vectors over them are flat.
 
 use nalgebra::DVector;
 
-use super::constraint::{APPROACH_ROW, Block};
+use super::constraint::{APPROACH_ROW, COLLISION_ROWS};
 use super::layout::Layout;
-use super::system::{Frame, System};
+use super::system::System;
 use crate::math::envelope::Envelope;
 
 /// Weight and multipliers.
@@ -18,194 +20,176 @@ pub struct Price {
     pub weight: f64,
     /// Weight of approach rows; another one while they lead the way.
     pub approach_weight: f64,
-    /// Multipliers, block by block.
-    pub multipliers: Vec<Vec<f64>>,
+    /// Multipliers `ν`, row by row.
+    pub multipliers: Vec<f64>,
+}
+
+/// What the rows of a system contribute at a price.
+#[derive(Clone, Debug, Default)]
+pub struct Acting {
+    /// `w` of a row that acts, zero of one that does not.
+    pub weights: Vec<f64>,
+    /// Signed distance of `v + ν/w` from the bounds.
+    pub distances: Vec<f64>,
+    /// Signed distance of `v` from the bound that acts.
+    pub violations: Vec<f64>,
 }
 
 impl Price {
     /// A weight and no multipliers yet.
     pub fn new(system: &System, weight: f64) -> Self {
-        let multipliers = system
-            .blocks
-            .iter()
-            .map(|block| vec![0.0; block.values.len()])
-            .collect();
         Self {
             weight,
             approach_weight: weight,
-            multipliers,
+            multipliers: vec![0.0; system.row_count()],
         }
     }
 
-    fn row_weight(&self, block: &Block, row: usize) -> f64 {
-        // Only collisions have more than six rows, and only they have an approach row.
-        if row == APPROACH_ROW && block.values.len() > 6 {
-            self.approach_weight
-        } else {
-            self.weight
-        }
-    }
-
-    /// `w` and the signed distance of a row's shifted value; zero where it does not act.
-    fn act(&self, index: usize, block: &Block, row: usize) -> (f64, f64) {
-        let weight = self.row_weight(block, row);
-        let shifted = block.values[row] + self.multipliers[index][row] / weight;
-        let (lower, upper) = block.bounds[row];
-        (weight, shifted - shifted.clamp(lower, upper))
+    /// Weight, shifted distance and distance from the acting bound of every row.
+    fn rows<'s>(
+        &'s self,
+        system: &'s System,
+    ) -> impl Iterator<Item = (f64, f64, Option<f64>)> + 's {
+        let rows = system.blocks.iter().flat_map(|block| {
+            let is_collision = block.values.len() == COLLISION_ROWS;
+            let rows = block.values.iter().zip(&block.bounds).enumerate();
+            rows.map(move |(row, (v, bounds))| (is_collision && row == APPROACH_ROW, *v, *bounds))
+        });
+        rows.zip(&self.multipliers)
+            .map(|((is_approach, value, (lower, upper)), multiplier)| {
+                let weight = if is_approach {
+                    self.approach_weight
+                } else {
+                    self.weight
+                };
+                let shifted = value + multiplier / weight;
+                let distance = shifted - shifted.clamp(lower, upper);
+                let bound = if lower == upper || distance < 0.0 {
+                    Some(lower)
+                } else {
+                    (distance > 0.0).then_some(upper)
+                };
+                (weight, distance, bound.map(|bound| value - bound))
+            })
     }
 
     /// Value of the augmented Lagrangian.
     pub fn merit(&self, system: &System) -> f64 {
-        let mut merit = system.cost;
-        for (index, block) in system.blocks.iter().enumerate() {
-            for row in 0..block.values.len() {
-                let (weight, distance) = self.act(index, block, row);
-                merit += 0.5 * weight * distance * distance;
-            }
+        system.cost
+            + self
+                .rows(system)
+                .map(|(w, d, _)| 0.5 * w * d * d)
+                .sum::<f64>()
+    }
+
+    /// What the rows contribute, into `acting`.
+    pub fn act(&self, system: &System, acting: &mut Acting) {
+        acting.weights.clear();
+        acting.distances.clear();
+        acting.violations.clear();
+        for (weight, distance, violation) in self.rows(system) {
+            acting
+                .weights
+                .push(if violation.is_some() { weight } else { 0.0 });
+            acting.distances.push(distance);
+            acting.violations.push(violation.unwrap_or(0.0));
         }
-        merit
     }
 
     /// First-order update of the multipliers.
     pub fn update(&mut self, system: &System) {
-        for (index, block) in system.blocks.iter().enumerate() {
-            for row in 0..block.values.len() {
-                let (weight, distance) = self.act(index, block, row);
-                self.multipliers[index][row] = weight * distance;
+        self.multipliers = self
+            .rows(system)
+            .map(|(weight, distance, _)| weight * distance)
+            .collect();
+    }
+}
+
+/// Adds `Jᵀ diag(w) J` to a matrix.
+pub fn add_square(layout: &Layout, system: &System, weights: &[f64], matrix: &mut Envelope) {
+    let mut offset = 0;
+    for (index, block) in system.blocks.iter().enumerate() {
+        let rows = block.values.len();
+        let weights = &weights[offset..offset + rows];
+        offset += rows;
+        let columns = System::columns(layout, index);
+        let mut weighted = [0.0; COLLISION_ROWS];
+        for (i, at) in columns.iter().enumerate() {
+            for ((entry, weight), d) in weighted
+                .iter_mut()
+                .zip(weights)
+                .zip(&block.jacobian[i * rows..])
+            {
+                *entry = weight * d;
             }
-        }
-    }
-
-    /// Adds the rows that act to a matrix and a gradient.
-    pub fn add_to(
-        &self,
-        frame: &Frame,
-        system: &System,
-        matrix: &mut Envelope,
-        gradient: &mut DVector<f64>,
-    ) {
-        let mut weights = Vec::new();
-        for (index, block) in system.blocks.iter().enumerate() {
-            let rows = block.values.len();
-            weights.clear();
-            weights.extend((0..rows).map(|row| {
-                let (weight, distance) = self.act(index, block, row);
-                let equality = block.bounds[row].0 == block.bounds[row].1;
-                (
-                    if equality || distance != 0.0 {
-                        weight
-                    } else {
-                        0.0
-                    },
-                    weight * distance,
-                )
-            }));
-            add_block(frame.layout, index, block, &weights, matrix, gradient);
-        }
-    }
-
-    /// Adds `w Jᵀ e` for residuals `e` of the rows that act.
-    pub fn add_pull(
-        &self,
-        layout: &Layout,
-        system: &System,
-        errors: &[Vec<f64>],
-        gradient: &mut DVector<f64>,
-    ) {
-        for (index, block) in system.blocks.iter().enumerate() {
-            let rows = block.values.len();
-            for (column, at) in System::columns(layout, index).iter().enumerate() {
-                let derivative = &block.jacobian[column * rows..][..rows];
-                gradient[*at] += derivative
+            for (j, other) in columns[..=i].iter().enumerate() {
+                let partner = &block.jacobian[j * rows..][..rows];
+                let value: f64 = weighted[..rows]
                     .iter()
-                    .enumerate()
-                    .map(|(row, d)| self.acting_weight(index, block, row) * d * errors[index][row])
-                    .sum::<f64>();
+                    .zip(partner)
+                    .map(|(a, b)| a * b)
+                    .sum();
+                matrix.add(&layout.pattern, (*at).max(*other), (*at).min(*other), value);
             }
-        }
-    }
-
-    /// Distance of every row that acts from the bound it acts on; `None` for the others.
-    pub fn acting(&self, system: &System) -> Vec<Vec<Option<f64>>> {
-        let blocks = system.blocks.iter().enumerate();
-        blocks
-            .map(|(index, block)| {
-                let rows = 0..block.values.len();
-                rows.map(|row| {
-                    let (lower, upper) = block.bounds[row];
-                    let distance = self.act(index, block, row).1;
-                    if lower == upper || distance < 0.0 {
-                        Some(block.values[row] - lower)
-                    } else if distance > 0.0 {
-                        Some(block.values[row] - upper)
-                    } else {
-                        None
-                    }
-                })
-                .collect()
-            })
-            .collect()
-    }
-
-    /// Weight of a row that acts, zero of one that does not.
-    fn acting_weight(&self, index: usize, block: &Block, row: usize) -> f64 {
-        let (weight, distance) = self.act(index, block, row);
-        if block.bounds[row].0 == block.bounds[row].1 || distance != 0.0 {
-            weight
-        } else {
-            0.0
         }
     }
 }
 
-/// Adds `Jᵀ diag(w) J` and `Jᵀ p` for rows of (weight `w`, pull `p`).
-fn add_block(
+/// Adds `Jᵀ p` for a pull `p` on every row.
+pub fn add_pull(
     layout: &Layout,
-    index: usize,
-    block: &Block,
-    weights: &[(f64, f64)],
-    matrix: &mut Envelope,
+    system: &System,
+    pull: impl Fn(usize) -> f64,
     gradient: &mut DVector<f64>,
 ) {
-    let rows = weights.len();
-    let columns = System::columns(layout, index);
-    let mut weighted = [0.0; 16];
-    for (i, at) in columns.iter().enumerate() {
-        let derivative = &block.jacobian[i * rows..][..rows];
-        let mut pull = 0.0;
-        for row in 0..rows {
-            weighted[row] = weights[row].0 * derivative[row];
-            pull += weights[row].1 * derivative[row];
+    let mut offset = 0;
+    for (index, block) in system.blocks.iter().enumerate() {
+        let rows = block.values.len();
+        let mut pulls = [0.0; COLLISION_ROWS];
+        for (row, entry) in pulls[..rows].iter_mut().enumerate() {
+            *entry = pull(offset + row);
         }
-        gradient[*at] += pull;
-        for (j, other) in columns[..=i].iter().enumerate() {
-            let partner = &block.jacobian[j * rows..][..rows];
-            let value: f64 = weighted[..rows]
+        offset += rows;
+        for (column, at) in System::columns(layout, index).iter().enumerate() {
+            let derivative = &block.jacobian[column * rows..][..rows];
+            gradient[*at] += derivative
                 .iter()
-                .zip(partner)
-                .map(|(a, b)| a * b)
-                .sum();
-            matrix.add(&layout.pattern, (*at).max(*other), (*at).min(*other), value);
+                .zip(&pulls)
+                .map(|(d, p)| d * p)
+                .sum::<f64>();
         }
     }
 }
 
-/// `J d` for every block.
-pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>) -> Vec<Vec<f64>> {
-    let blocks = system.blocks.iter().enumerate();
-    blocks
-        .map(|(index, block)| {
-            let rows = block.values.len();
-            let mut change = vec![0.0; rows];
-            for (column, at) in System::columns(layout, index).iter().enumerate() {
-                for (entry, d) in change
-                    .iter_mut()
-                    .zip(&block.jacobian[column * rows..][..rows])
-                {
-                    *entry += d * delta[*at];
-                }
+/// `J δ`, row by row, into `change`.
+pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mut Vec<f64>) {
+    change.clear();
+    change.resize(system.row_count(), 0.0);
+    let mut offset = 0;
+    for (index, block) in system.blocks.iter().enumerate() {
+        let rows = block.values.len();
+        let change = &mut change[offset..offset + rows];
+        offset += rows;
+        for (column, at) in System::columns(layout, index).iter().enumerate() {
+            for (entry, d) in change.iter_mut().zip(&block.jacobian[column * rows..]) {
+                *entry += d * delta[*at];
             }
-            change
-        })
-        .collect()
+        }
+    }
+}
+
+/// How far the rows at `trial` are from where the linearisation at `system` puts them after
+/// `delta`, into `change`.
+pub fn curvature(
+    layout: &Layout,
+    system: &System,
+    trial: &System,
+    delta: &DVector<f64>,
+    change: &mut Vec<f64>,
+) {
+    along(layout, system, delta, change);
+    let rows = system.values().zip(trial.values());
+    for (entry, (before, after)) in change.iter_mut().zip(rows) {
+        *entry = after - before - *entry;
+    }
 }

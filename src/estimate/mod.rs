@@ -1,12 +1,26 @@
-//! Stage 4: the estimation.
+//! Stage 4: the estimation (paper §4, DESIGN's eq. 1, 3, 6 to 8): a constrained least-squares
+//! problem over states of arcs, event times, sample times and parameters.
+//!
+//! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
+//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`], summed into a
+//! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
+//! move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
+//! [`solve`] is the stage as the pipeline sees it.
 
 pub mod constraint;
+pub mod covariance;
 pub mod descend;
 pub mod finish;
 pub mod layout;
 pub mod merit;
+pub mod outcome;
 pub mod point;
 pub mod problem;
+pub mod recipe;
 pub mod samples;
+pub mod solve;
 pub mod system;
 pub mod tempo;
+
+pub use recipe::Recipe;
+pub use solve::estimate;

@@ -119,19 +119,21 @@ impl ArcSums {
     }
 }
 
-/// Terms of an arc whose sample times are known.
+/// Terms of an arc whose sample times are known; of the orientations every `stride`-th is read.
 pub fn known_times(
     problem: &Problem,
     arc: &Arc,
-    sums: &ArcSums,
+    (sums, stride): (&ArcSums, usize),
     (state, epoch_s): (&State, f64),
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     let spin = Spin::new(&problem.bodies[arc.body], &state.angular_velocity_rad_s);
-    let weight = 1.0 / (problem.orientation_unit_rad * problem.orientation_unit_rad);
-    for sample in &arc.samples {
+    let unit = problem.orientation_unit_rad;
+    let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
+    let weight = arc.samples.len() as f64 / (readings.len() as f64 * unit * unit);
+    for sample in readings {
         let s = times_s[sample.node] - epoch_s;
         terms
             .turn

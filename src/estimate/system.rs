@@ -60,6 +60,8 @@ pub struct Guidance {
     pub event_times_s: Vec<f64>,
     /// Standard deviation of that pull [s]; `None`: no pull.
     pub event_sd_s: Option<f64>,
+    /// About so many orientations of an arc are read, evenly spread, and stand for all of them.
+    pub orientations_per_arc: usize,
 }
 
 impl Guidance {
@@ -69,6 +71,7 @@ impl Guidance {
             approach_limits_m_s: vec![0.0; problem.collisions.len()],
             event_times_s: Vec::new(),
             event_sd_s: None,
+            orientations_per_arc: usize::MAX,
         }
     }
 }
@@ -113,7 +116,7 @@ impl System {
         self.cost = 0.0;
         self.gradient.fill(0.0);
         self.hessian.clear();
-        self.add_samples(frame, point);
+        self.add_samples(frame, guidance, point);
         self.add_priors(frame, guidance, point);
         let problem = frame.problem;
         let (collisions, goals) = self.blocks.split_at_mut(problem.collisions.len());
@@ -130,7 +133,7 @@ impl System {
         }
     }
 
-    fn add_samples(&mut self, frame: &Frame, point: &Point) {
+    fn add_samples(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
         let (problem, layout) = (frame.problem, frame.layout);
         let gravity = problem.gravity(&point.parameters);
         for (index, arc) in problem.arcs.iter().enumerate() {
@@ -144,7 +147,8 @@ impl System {
                 })
             } else {
                 let sums = &frame.sums[index];
-                samples::known_times(problem, arc, sums, flight, &gravity, times_s)
+                let stride = (arc.samples.len() / guidance.orientations_per_arc).max(1);
+                samples::known_times(problem, arc, (sums, stride), flight, &gravity, times_s)
             };
             self.add_arc(frame, layout.arcs[index], &terms);
         }
@@ -267,11 +271,30 @@ impl System {
         }
     }
 
+    /// Number of rows of all constraints.
+    pub fn row_count(&self) -> usize {
+        self.blocks.iter().map(|block| block.values.len()).sum()
+    }
+
+    /// Values of all rows, in units.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.blocks
+            .iter()
+            .flat_map(|block| block.values.iter().copied())
+    }
+
+    /// Sum of all violations, in units.
+    pub fn total_violation(&self) -> f64 {
+        self.violations().sum()
+    }
+
+    fn violations(&self) -> impl Iterator<Item = f64> + '_ {
+        let blocks = self.blocks.iter();
+        blocks.flat_map(|block| (0..block.values.len()).map(|row| block.violation(row).abs()))
+    }
+
     /// Largest violation of any constraint, in units.
     pub fn violation(&self) -> f64 {
-        let blocks = self.blocks.iter();
-        blocks
-            .flat_map(|block| (0..block.values.len()).map(|row| block.violation(row).abs()))
-            .fold(0.0, f64::max)
+        self.violations().fold(0.0, f64::max)
     }
 }

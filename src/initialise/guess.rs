@@ -3,18 +3,25 @@
 use nalgebra::Vector3;
 
 use super::ballistic;
-use super::turn::{self, Reading};
+use super::turn::{self, Reading, TurnFit};
 use crate::motion::{ArcGuess, EventKind, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::State;
+
+/// Guesses at most.
+const GUESSES_MAX: usize = 5;
+
+/// Root mean square angle [rad] above which a turn may fit in several ways: measured, below it
+/// no performance had two minima.
+const AMBIGUOUS_RMS_RAD: f64 = 0.35;
 
 /// Rate of physical against acted time where no segment tells: people act about so slowly.
 const RATE_OTHERWISE: f64 = 0.4;
 
-/// A guess and the iterations it took.
+/// Guesses and the iterations they took.
 #[derive(Clone, Debug)]
 pub struct Guessed {
-    /// The guess.
-    pub guess: Guess,
+    /// The best first; more than one only where the orientations fit in several ways.
+    pub guesses: Vec<Guess>,
     /// Iterations of all fits together.
     pub fit_iterations: usize,
 }
@@ -36,53 +43,90 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     let rates = rates(scene, segments, &samples, &middle, known);
     let time_line = TimeLine::new(scene, sketch, segments, &samples, &rates);
     let mut fit_iterations = 0;
-    let arcs = segments
-        .iter()
-        .zip(&rates)
-        .map(|(segment, rate)| {
-            let samples = samples(segment);
-            let middle_s = middle(segment);
-            let flight = ballistic::fit(samples, middle_s, &scene.gravity_m_s2, Some(*rate));
-            let sample_times_s: Vec<f64> = samples
-                .iter()
-                .map(|sample| time_line.at(sample.acted_s))
-                .collect();
-            let epoch_s = time_line.at(middle_s);
-            let readings: Vec<Reading> = samples
-                .iter()
-                .zip(&sample_times_s)
-                .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
-                .collect();
-            let turn = turn::fit(&scene.bodies[segment.body].body, &readings);
-            fit_iterations += turn.iterations;
-            let weights = &scene.weights;
-            let square = flight.square_m2 / (weights.position_m * weights.position_m)
-                + turn.square_rad2 / (weights.orientation_rad * weights.orientation_rad);
-            ArcGuess {
-                epoch_s,
-                state: State {
-                    position_m: flight.position_m,
-                    orientation: turn.orientation,
-                    velocity_m_s: flight.acted_velocity_m_s / *rate,
-                    angular_velocity_rad_s: turn.angular_velocity_rad_s,
-                },
-                sample_times_s,
-                mean_square: square / samples.len() as f64,
-            }
-        })
-        .collect();
+    let mut turns: Vec<Vec<TurnFit>> = Vec::new();
+    let mut arcs = Vec::new();
+    for (segment, rate) in segments.iter().zip(&rates) {
+        let samples = samples(segment);
+        let middle_s = middle(segment);
+        let flight = ballistic::fit(samples, middle_s, &scene.gravity_m_s2, Some(*rate));
+        let sample_times_s: Vec<f64> = samples
+            .iter()
+            .map(|sample| time_line.at(sample.acted_s))
+            .collect();
+        let epoch_s = time_line.at(middle_s);
+        let readings: Vec<Reading> = samples
+            .iter()
+            .zip(&sample_times_s)
+            .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
+            .collect();
+        let body = &scene.bodies[segment.body].body;
+        let turn = turn::fit(body, &readings);
+        fit_iterations += turn.iterations;
+        let count = samples.len() as f64;
+        turns.push(
+            if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
+                let (fits, iterations) = turn::alternatives(body, &readings, turn);
+                fit_iterations += iterations;
+                fits
+            } else {
+                vec![turn]
+            },
+        );
+        arcs.push(ArcGuess {
+            epoch_s,
+            state: State {
+                position_m: flight.position_m,
+                orientation: turn.orientation,
+                velocity_m_s: flight.acted_velocity_m_s / *rate,
+                angular_velocity_rad_s: turn.angular_velocity_rad_s,
+            },
+            sample_times_s,
+        });
+    }
     let event_times_s = sketch
         .marks_s
         .iter()
         .map(|mark_s| time_line.at(*mark_s))
         .collect();
     Guessed {
-        guess: Guess {
-            arcs,
-            event_times_s,
-        },
+        guesses: combine(
+            &Guess {
+                arcs,
+                event_times_s,
+            },
+            &turns,
+        ),
         fit_iterations,
     }
+}
+
+/// The guess with every choice of turns, those with the least squares first.
+fn combine(guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
+    let mut choices: Vec<(f64, Vec<TurnFit>)> = vec![(0.0, Vec::new())];
+    for fits in turns {
+        choices = choices
+            .iter()
+            .flat_map(|(square, chosen)| {
+                fits.iter().map(move |fit| {
+                    let chosen: Vec<TurnFit> = chosen.iter().copied().chain([*fit]).collect();
+                    (square + fit.square_rad2, chosen)
+                })
+            })
+            .collect();
+        choices.sort_by(|a, b| a.0.total_cmp(&b.0));
+        choices.truncate(GUESSES_MAX);
+    }
+    choices
+        .into_iter()
+        .map(|(_, chosen)| {
+            let mut guess = guess.clone();
+            for (arc, turn) in guess.arcs.iter_mut().zip(chosen) {
+                arc.state.orientation = turn.orientation;
+                arc.state.angular_velocity_rad_s = turn.angular_velocity_rad_s;
+            }
+            guess
+        })
+        .collect()
 }
 
 /// Rate of each segment; where a fit gives none, the median of the others.

@@ -35,18 +35,15 @@ pub struct TurnFit {
 pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
     let stride = readings.len().div_ceil(SCOUTS).max(1);
     let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
-    let count = scouts.len();
     let mut best = descend(body, &scouts, start(body, readings));
     let mut iterations = best.iterations;
-    if count >= 8 {
-        for window in [0..count / 2, count / 4..count - count / 4, count / 2..count] {
-            let window = &scouts[window];
-            let local = descend(body, window, start(body, window));
-            let whole = descend(body, &scouts, local);
-            iterations += local.iterations + whole.iterations;
-            if whole.square_rad2 < best.square_rad2 {
-                best = whole;
-            }
+    for window in windows(scouts.len()) {
+        let window = &scouts[window];
+        let local = descend(body, window, start(body, window));
+        let whole = descend(body, &scouts, local);
+        iterations += local.iterations + whole.iterations;
+        if whole.square_rad2 < best.square_rad2 {
+            best = whole;
         }
     }
     if stride > 1 {
@@ -54,6 +51,50 @@ pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
         iterations += best.iterations;
     }
     TurnFit { iterations, ..best }
+}
+
+/// Distinct local minima near `readings`, best first, and the iterations it took to find them:
+/// `best`, those of the starts of [`fit`], and those of starts that make up to a turn more or
+/// less about each axis.
+pub fn alternatives(body: &Body, readings: &[Reading], best: TurnFit) -> (Vec<TurnFit>, usize) {
+    let stride = readings.len().div_ceil(SCOUTS).max(1);
+    let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
+    let span_s = readings[readings.len() - 1].0 - readings[0].0;
+    let mut starts: Vec<TurnFit> = windows(scouts.len())
+        .into_iter()
+        .map(|window| descend(body, &scouts[window.clone()], start(body, &scouts[window])))
+        .collect();
+    for axis in 0..3 {
+        for turns in [-1.0, -0.5, 0.5, 1.0] {
+            let mut from = best;
+            from.angular_velocity_rad_s[axis] += turns * std::f64::consts::TAU / span_s;
+            starts.push(from);
+        }
+    }
+    let mut found = vec![best];
+    let mut iterations = 0;
+    for from in starts {
+        let scouted = descend(body, &scouts, from);
+        let end = descend(body, readings, scouted);
+        iterations += scouted.iterations + end.iterations;
+        let is_new = found.iter().all(|other| {
+            (other.angular_velocity_rad_s - end.angular_velocity_rad_s).norm() * span_s > 0.3
+                || other.orientation.angle_to(&end.orientation) > 0.2
+        });
+        if is_new {
+            found.push(end);
+        }
+    }
+    found.sort_by(|a, b| a.square_rad2.total_cmp(&b.square_rad2));
+    (found, iterations)
+}
+
+/// First half, middle, last half of `count` readings; none of too few.
+fn windows(count: usize) -> Vec<std::ops::Range<usize>> {
+    if count < 8 {
+        return Vec::new();
+    }
+    vec![0..count / 2, count / 4..count - count / 4, count / 2..count]
 }
 
 /// The mean rate of `readings`, from the orientation nearest the epoch.

@@ -20,6 +20,4 @@ pub struct ArcGuess {
     pub state: State,
     /// Physical times of the segment's samples, strictly increasing [s].
     pub sample_times_s: Vec<f64>,
-    /// What remains of the samples: mean square residual in the scene's units.
-    pub mean_square: f64,
 }

@@ -1,0 +1,267 @@
+//! What the solver found, in the scene's words.
+
+use super::constraint;
+use super::covariance::Covariance;
+use super::point::Point;
+use super::problem::Problem;
+use super::recipe::Solution;
+use super::system::{Frame, System};
+use crate::math::so3;
+use crate::motion::{
+    ArcEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime, Scene, Segment,
+    SegmentResidual, Sketch, Verdict,
+};
+use crate::physics::flow;
+
+/// Gaps up to these are rounding: the motion is physical.
+pub const PHYSICAL: Gap = Gap {
+    position_m: 1e-9,
+    orientation_rad: 1e-9,
+    velocity_m_s: 1e-8,
+    angular_velocity_rad_s: 1e-7,
+};
+
+/// The estimate of a scene from where the solver ended.
+pub fn estimate(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    frame: &Frame,
+    solution: &Solution,
+) -> Estimate {
+    let problem = frame.problem;
+    let point = &solution.point;
+    let covariance = Covariance::new(frame, &solution.system, &solution.multipliers);
+    let events = events(scene, sketch, frame, solution, covariance.as_ref());
+    let (verdict, reason) = judge(scene, solution, &events);
+    let parameters: Vec<ParameterEstimate> = problem
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(index, free)| ParameterEstimate {
+            name: free.name.clone(),
+            value: point.parameters[index],
+            sd: covariance
+                .as_ref()
+                .and_then(|c| c.sd(frame.layout.parameters[index])),
+            lower: free.lower,
+            upper: free.upper,
+        })
+        .collect();
+    let mut undetermined: Vec<String> = parameters
+        .iter()
+        .filter(|parameter| parameter.sd.is_none())
+        .map(|parameter| parameter.name.clone())
+        .collect();
+    undetermined.extend(
+        events
+            .iter()
+            .filter(|e| problem.event_is_free[e.event] && e.sd_s.is_none())
+            .map(|e| format!("time of {}", scene.events[e.event].name)),
+    );
+    Estimate {
+        verdict,
+        reason,
+        objective: 2.0 * solution.system.cost,
+        gravity_m_s2: problem.gravity(&point.parameters),
+        arcs: arcs(problem, frame, point, &events),
+        residuals: residuals(problem, frame, point),
+        sample_times: sample_times(sketch, segments, problem, point),
+        events,
+        parameters,
+        undetermined,
+        counters: solution.counters,
+    }
+}
+
+fn events(
+    scene: &Scene,
+    sketch: &Sketch,
+    frame: &Frame,
+    solution: &Solution,
+    covariance: Option<&Covariance>,
+) -> Vec<EventEstimate> {
+    let problem = frame.problem;
+    let point = &solution.point;
+    (0..scene.events.len())
+        .map(|event| EventEstimate {
+            event,
+            time_s: event_time_s(problem, point, event),
+            sd_s: frame.layout.events[event].and_then(|at| covariance?.sd(at)),
+            acted_s: sketch.marks_s[event],
+            gap: gap(problem, &solution.system, event),
+        })
+        .collect()
+}
+
+/// Physical time of an event; of one that is not an unknown, where its mark lies on the time
+/// line of the samples.
+fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f64 {
+    if problem.event_is_free[event] || !problem.times_are_unknown() {
+        return point.event_times_s[event];
+    }
+    let (nodes, times_s) = (&problem.nodes_acted_s, &point.node_times_s);
+    let acted_s = problem.events_acted_s[event];
+    let after = nodes.partition_point(|node| *node <= acted_s);
+    match (after.checked_sub(1), nodes.get(after)) {
+        (Some(before), Some(next)) => {
+            let share = (acted_s - nodes[before]) / (next - nodes[before]);
+            times_s[before] + share * (times_s[after] - times_s[before])
+        }
+        (Some(before), None) => times_s[before],
+        _ => times_s[0],
+    }
+}
+
+/// Largest of each kind that is left at an event.
+fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
+    let (collisions, goals) = system.blocks.split_at(problem.collisions.len());
+    let of_collisions = problem
+        .collisions
+        .iter()
+        .zip(collisions)
+        .filter(|(collision, _)| collision.event == event)
+        .map(|(_, block)| constraint::collision_gap(block));
+    let of_goals = problem
+        .goals
+        .iter()
+        .zip(goals)
+        .filter(|(goal, _)| goal.event == event)
+        .map(|(_, block)| constraint::goal_gap(block));
+    of_collisions
+        .chain(of_goals)
+        .fold(Gap::default(), |a, b| Gap {
+            position_m: a.position_m.max(b.position_m),
+            orientation_rad: a.orientation_rad.max(b.orientation_rad),
+            velocity_m_s: a.velocity_m_s.max(b.velocity_m_s),
+            angular_velocity_rad_s: a.angular_velocity_rad_s.max(b.angular_velocity_rad_s),
+        })
+}
+
+/// The verdict and why the solver stopped.
+fn judge(scene: &Scene, solution: &Solution, events: &[EventEstimate]) -> (Verdict, String) {
+    let finished = &solution.finished;
+    let reason = format!(
+        "largest violation {:.1e} units, next decrease {:.1e} of the objective",
+        finished.violation, finished.decrease
+    );
+    let reason = match (finished.converged, solution.stopped) {
+        (true, _) => format!("converged: {reason}"),
+        (false, true) => format!("stopped by the caller: {reason}"),
+        (false, false) => format!("no further progress: {reason}"),
+    };
+    let finite = solution.point.arcs.iter().all(|state| state.is_finite());
+    if !finite || !solution.system.cost.is_finite() {
+        return (Verdict::Failed, "the motion is not finite".into());
+    }
+    for pair in events.windows(2) {
+        if pair[1].time_s < pair[0].time_s {
+            let reason = format!(
+                "`{}` would come before `{}`: relax the physics or change the order of collisions",
+                scene.events[pair[1].event].name, scene.events[pair[0].event].name
+            );
+            return (Verdict::Failed, reason);
+        }
+    }
+    let is_physical = events.iter().all(|event| {
+        event.gap.position_m <= PHYSICAL.position_m
+            && event.gap.orientation_rad <= PHYSICAL.orientation_rad
+            && event.gap.velocity_m_s <= PHYSICAL.velocity_m_s
+            && event.gap.angular_velocity_rad_s <= PHYSICAL.angular_velocity_rad_s
+    });
+    (
+        if is_physical {
+            Verdict::Physical
+        } else {
+            Verdict::Failed
+        },
+        reason,
+    )
+}
+
+fn arcs(
+    problem: &Problem,
+    frame: &Frame,
+    point: &Point,
+    events: &[EventEstimate],
+) -> Vec<ArcEstimate> {
+    let times = |arc: usize| {
+        problem.arcs[arc]
+            .samples
+            .iter()
+            .map(|s| point.node_times_s[s.node])
+    };
+    let mut arcs: Vec<ArcEstimate> = problem
+        .arcs
+        .iter()
+        .enumerate()
+        .map(|(index, arc)| ArcEstimate {
+            body: arc.body,
+            epoch_s: frame.epochs_s[index],
+            state: point.arcs[index],
+            start_s: match arc.start {
+                Some(event) => events[event].time_s,
+                None => times(index).fold(f64::INFINITY, f64::min),
+            },
+            end_s: match arc.end {
+                Some(event) => events[event].time_s,
+                None => times(index).fold(f64::NEG_INFINITY, f64::max),
+            },
+        })
+        .collect();
+    arcs.sort_by(|a, b| a.body.cmp(&b.body).then(a.start_s.total_cmp(&b.start_s)));
+    arcs
+}
+
+fn residuals(problem: &Problem, frame: &Frame, point: &Point) -> Vec<SegmentResidual> {
+    let gravity = problem.gravity(&point.parameters);
+    let mut order: Vec<usize> = (0..problem.arcs.len()).collect();
+    order.sort_by_key(|arc| problem.arcs[*arc].body);
+    let rms = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
+    order
+        .into_iter()
+        .map(|index| {
+            let arc = &problem.arcs[index];
+            let (mut position, mut turn) = (0.0, 0.0);
+            for sample in &arc.samples {
+                let s = point.node_times_s[sample.node] - frame.epochs_s[index];
+                let state =
+                    flow::advance(&problem.bodies[arc.body], &gravity, &point.arcs[index], s);
+                position += (state.position_m - sample.position_m).norm_squared();
+                let error = so3::log(&(sample.orientation.inverse() * state.orientation));
+                turn += error.norm_squared();
+            }
+            SegmentResidual {
+                body: arc.body,
+                samples: arc.samples.len(),
+                position_rms_m: rms(position, arc.samples.len()),
+                orientation_rms_rad: rms(turn, arc.samples.len()),
+            }
+        })
+        .collect()
+}
+
+fn sample_times(
+    sketch: &Sketch,
+    segments: &[Segment],
+    problem: &Problem,
+    point: &Point,
+) -> Vec<SampleTime> {
+    let mut order: Vec<usize> = (0..segments.len()).collect();
+    order.sort_by_key(|segment| segments[*segment].body);
+    order
+        .into_iter()
+        .flat_map(|index| {
+            let segment = &segments[index];
+            let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+            samples
+                .iter()
+                .zip(&problem.arcs[index].samples)
+                .map(|(sample, arc)| SampleTime {
+                    body: segment.body,
+                    stamp: sample.stamp,
+                    time_s: point.node_times_s[arc.node],
+                })
+        })
+        .collect()
+}

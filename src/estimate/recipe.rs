@@ -1,0 +1,189 @@
+//! From a guess to the right optimum: all constraints come in together as a growing quadratic
+//! penalty over all unknowns, then multipliers at a moderate weight, then the finish.
+//!
+//! Hard constraints at once would be imposed on gaps of a hundred units, and that is where
+//! general solvers lose the performer's motion for a nearby one.
+
+use super::constraint;
+use super::descend::{Descent, Patience};
+use super::finish::{Finish, Finished, Tolerances};
+use super::layout::Layout;
+use super::merit::Price;
+use super::point::Point;
+use super::problem::Problem;
+use super::system::{Frame, Guidance, System};
+use crate::motion::{Counters, Guess, Observer, Phase};
+
+/// Settings of the recipe; the defaults are what the studies in `tools/` measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Weights of the sweep, per squared unit.
+    pub sweep_weights: Vec<f64>,
+    /// Steps at each.
+    pub sweep_patience: (usize, f64),
+    /// Standard deviation of the events' pull to their marks while the weight is at most one [s].
+    pub event_sd_s: f64,
+    /// First weight of the multiplier rounds.
+    pub multiplier_weight: f64,
+    /// Rounds at most, steps of each at most.
+    pub multiplier_rounds: (usize, usize),
+    /// Orientations of an arc that sweep and multiplier rounds read.
+    pub orientations_per_arc: usize,
+    /// Violation at which the finish takes over, in units.
+    pub finish_below: f64,
+    /// When the finish is done.
+    pub tolerances: Tolerances,
+}
+
+impl Default for Recipe {
+    fn default() -> Self {
+        Self {
+            sweep_weights: vec![0.1, 1.0, 10.0, 100.0],
+            sweep_patience: (10, 1e-3),
+            event_sd_s: 0.002,
+            multiplier_weight: 100.0,
+            multiplier_rounds: (12, 15),
+            orientations_per_arc: 16,
+            finish_below: 0.02,
+            tolerances: Tolerances::default(),
+        }
+    }
+}
+
+/// Where a solve ended.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// All unknowns.
+    pub point: Point,
+    /// Objective and constraints there.
+    pub system: System,
+    /// Multipliers of the constraints, row by row.
+    pub multipliers: Vec<f64>,
+    /// How the finish ended.
+    pub finished: Finished,
+    /// Whether it was ended from outside.
+    pub stopped: bool,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// Epochs of the guess, in the order of the arcs [s].
+pub fn epochs_s(guess: &Guess) -> Vec<f64> {
+    guess.arcs.iter().map(|arc| arc.epoch_s).collect()
+}
+
+/// Solves from a guess.
+pub fn solve(
+    problem: &Problem,
+    layout: &Layout,
+    guess: &Guess,
+    recipe: &Recipe,
+    observer: &mut dyn Observer,
+) -> Solution {
+    let start = Point::new(problem, guess);
+    let frame = Frame::new(problem, layout, epochs_s(guess), &start);
+    let mut guidance = leading(problem, guess, &frame, &start);
+    guidance.orientations_per_arc = recipe.orientations_per_arc;
+    let mut descent = Descent::new(&frame, &guidance, start);
+
+    observer.phase(Phase::Sweep);
+    for weight in &recipe.sweep_weights {
+        if !problem.times_are_unknown() {
+            let loosened = weight.log10().max(0.0);
+            guidance.event_sd_s = Some(recipe.event_sd_s * 10f64.powf(0.5 * loosened));
+        }
+        descent.refresh(&guidance);
+        let mut price = Price::new(&descent.system, *weight);
+        price.approach_weight = weight.max(100.0);
+        let (steps, gain) = recipe.sweep_patience;
+        descent.run(&guidance, &price, Patience { steps, gain });
+        if observer.should_stop() {
+            break;
+        }
+    }
+
+    observer.phase(Phase::Multipliers);
+    guidance = Guidance {
+        orientations_per_arc: recipe.orientations_per_arc,
+        ..Guidance::none(problem)
+    };
+    let price = tighten(&mut descent, &guidance, recipe, observer);
+    observer.phase(Phase::Finish);
+    descent.refresh(&Guidance::none(problem));
+    let Descent {
+        point,
+        system,
+        counters,
+        ..
+    } = descent;
+    let multipliers = price.multipliers;
+    let mut finish = Finish {
+        frame: &frame,
+        point,
+        system,
+        multipliers,
+        counters,
+    };
+    let mut stopped = false;
+    let finished = finish.run(&recipe.tolerances, &mut || {
+        stopped |= observer.should_stop();
+        stopped
+    });
+    let Finish {
+        point,
+        system,
+        multipliers,
+        counters,
+        ..
+    } = finish;
+    Solution {
+        point,
+        system,
+        multipliers,
+        finished,
+        stopped,
+        counters,
+    }
+}
+
+/// Multiplier rounds until the constraints hold well enough for the finish.
+fn tighten(
+    descent: &mut Descent,
+    guidance: &Guidance,
+    recipe: &Recipe,
+    observer: &mut dyn Observer,
+) -> Price {
+    descent.refresh(guidance);
+    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
+    let (rounds, steps) = recipe.multiplier_rounds;
+    let mut violation = f64::INFINITY;
+    for _ in 0..rounds {
+        descent.run(guidance, &price, Patience { steps, gain: 1e-3 });
+        price.update(&descent.system);
+        let now = descent.system.violation();
+        if now < recipe.finish_below || observer.should_stop() {
+            break;
+        }
+        // Where multipliers alone are slow, the weight helps.
+        if now > 0.25 * violation {
+            price.weight = (price.weight * 10.0).min(1e5);
+            price.approach_weight = price.weight;
+        }
+        violation = now;
+    }
+    price
+}
+
+/// What leads the sweep: contacts approach at least at three tenths of the speed that the arc
+/// fits say, or an impulse could die while the penalty is loose.
+fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Guidance {
+    let mut guidance = Guidance::none(problem);
+    guidance.event_times_s = guess.event_times_s.clone();
+    let mut block = constraint::Block::default();
+    for (index, collision) in problem.collisions.iter().enumerate() {
+        constraint::collision(problem, collision, start, &frame.epochs_s, 0.0, &mut block);
+        let speed_m_s = block.values[constraint::APPROACH_ROW] * super::problem::unit::VELOCITY_M_S;
+        guidance.approach_limits_m_s[index] = (0.3 * speed_m_s).min(-0.1);
+    }
+    guidance
+}
