@@ -1,0 +1,169 @@
+//! The covariance of an estimate by dense algebra that shares nothing with the library's.
+//!
+//! Tests include this file too, beside `mod case;`.
+#![allow(dead_code)]
+
+use enact::estimate::covariance::Covariance;
+use enact::estimate::finish::{Finish, Tolerances};
+use enact::estimate::point::Point;
+use enact::estimate::recipe;
+use enact::estimate::system::{Frame, Guidance, System};
+use enact::motion::{Estimate, Guess};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::case::{Case, Posed};
+
+/// Errors of all unknowns and what they should be.
+pub struct Uncertainty {
+    /// Estimate less truth, in the order of the layout.
+    pub error: DVector<f64>,
+    /// Orthonormal directions that the constraints leave free (unknowns scaled by `scale`).
+    pub free: DMatrix<f64>,
+    /// Length of every unknown, so that metres and radians compare.
+    pub scale: DVector<f64>,
+    /// Covariance of all unknowns by `Z (Zᵀ H Z)⁻¹ Zᵀ`.
+    pub exact: DMatrix<f64>,
+    /// The same as the library has it, its scale by the residuals taken off.
+    pub library: DMatrix<f64>,
+    /// The library's mean square residual per degree of freedom.
+    pub variance_factor: f64,
+}
+
+impl Uncertainty {
+    /// At the optimum that `estimate` is, reached again by the finish from there. `None` where
+    /// the finish or the library's covariance fails.
+    pub fn of(case: &Case, posed: &Posed, estimate: &Estimate, offset_s: f64) -> Option<Self> {
+        let mut guess: Guess = posed.guesses[0].clone();
+        for (arc, found) in guess.arcs.iter_mut().zip(&estimate.arcs) {
+            (arc.epoch_s, arc.state) = (found.epoch_s, found.state);
+        }
+        guess.event_times_s = estimate.events.iter().map(|event| event.time_s).collect();
+        let (problem, layout) = (&posed.problem, &posed.layout);
+        let point = Point::new(problem, &guess);
+        let frame = Frame::new(problem, layout, recipe::epochs_s(&guess), &point);
+        let mut system = System::new(&frame);
+        system.evaluate(&frame, &Guidance::none(problem), &point);
+        let mut finish = Finish {
+            multipliers: vec![0.0; system.row_count()],
+            frame: &frame,
+            point,
+            system,
+            counters: Default::default(),
+        };
+        if !finish.run(&Tolerances::default(), &mut || false).converged {
+            return None;
+        }
+        let (point, system) = (&finish.point, &finish.system);
+        let covariance = Covariance::new(&frame, system, &finish.multipliers)?;
+        let all: Vec<usize> = (0..layout.size()).collect();
+        let library = covariance.of(&all) / covariance.variance_factor;
+        let (hessian, jacobian) = (hessian(&frame, system), jacobian(&frame, system));
+        let scale = hessian
+            .diagonal()
+            .map(|h| if h > 0.0 { h.sqrt().recip() } else { 1e-3 });
+        let free = null_space(&(&jacobian * DMatrix::from_diagonal(&scale)));
+        let directions = DMatrix::from_diagonal(&scale) * &free;
+        let inner = (directions.transpose() * hessian * &directions).try_inverse()?;
+        Some(Self {
+            error: error(case, posed, point, &frame.epochs_s, offset_s),
+            exact: &directions * inner * directions.transpose(),
+            free,
+            scale,
+            library,
+            variance_factor: covariance.variance_factor,
+        })
+    }
+
+    /// Number of independent unknowns.
+    pub fn rank(&self) -> usize {
+        self.free.ncols()
+    }
+
+    /// Normalised error squared in the free directions, under one of the covariances: its
+    /// expectation is the rank.
+    pub fn normalised_square(&self, covariance: &DMatrix<f64>) -> f64 {
+        let unscale = DMatrix::from_diagonal(&self.scale.map(f64::recip));
+        let to_free = self.free.transpose() * unscale;
+        let error = &to_free * &self.error;
+        let covariance = &to_free * covariance * to_free.transpose();
+        let solved = covariance.cholesky().map(|c| c.solve(&error));
+        solved.map_or(f64::NAN, |solved| error.dot(&solved))
+    }
+}
+
+fn error(
+    case: &Case,
+    posed: &Posed,
+    point: &Point,
+    epochs_s: &[f64],
+    offset_s: f64,
+) -> DVector<f64> {
+    let layout = &posed.layout;
+    let mut error = DVector::zeros(layout.size());
+    for (arc, at) in layout.arcs.iter().enumerate() {
+        let truth = case.true_state(arc, epochs_s[arc], offset_s);
+        error
+            .rows_mut(*at, 12)
+            .copy_from(&point.arcs[arc].minus(&truth));
+    }
+    for (event, at) in layout.events.iter().enumerate() {
+        if let Some(at) = at {
+            let true_s = case.performance.truth.event_times_s[event] + offset_s;
+            error[*at] = point.event_times_s[event] - true_s;
+        }
+    }
+    error
+}
+
+fn hessian(frame: &Frame, system: &System) -> DMatrix<f64> {
+    let size = frame.layout.size();
+    DMatrix::from_fn(size, size, |row, column| {
+        let (row, column) = (row.max(column), row.min(column));
+        system.hessian.get(&frame.layout.pattern, row, column)
+    })
+}
+
+/// Of the rows whose bounds act: equalities, and inequalities that hold with equality.
+fn jacobian(frame: &Frame, system: &System) -> DMatrix<f64> {
+    let mut rows: Vec<DVector<f64>> = Vec::new();
+    for (index, block) in system.blocks.iter().enumerate() {
+        let count = block.values.len();
+        for row in 0..count {
+            let (lower, upper) = block.bounds[row];
+            let value = block.values[row];
+            if value > lower + 1e-9 && value < upper - 1e-9 {
+                continue;
+            }
+            let mut dense = DVector::zeros(frame.layout.size());
+            for (column, at) in System::columns(frame.layout, index).iter().enumerate() {
+                dense[*at] += block.jacobian[column * count + row];
+            }
+            rows.push(dense);
+        }
+    }
+    DMatrix::from_fn(rows.len(), frame.layout.size(), |row, column| {
+        rows[row][column]
+    })
+}
+
+/// Orthonormal basis of what a matrix maps to zero; its rows are independent.
+fn null_space(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    // Rows of one size, or a small row would look like a zero one.
+    let mut rows = matrix.clone();
+    for mut row in rows.row_iter_mut() {
+        let norm = row.norm();
+        if norm > 0.0 {
+            row /= norm;
+        }
+    }
+    let rank = rows.nrows();
+    let eigen = SymmetricEigen::new(rows.transpose() * rows);
+    let mut order: Vec<usize> = (0..matrix.ncols()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    let free = matrix.ncols() - rank;
+    let columns: Vec<_> = order[..free]
+        .iter()
+        .map(|index| eigen.eigenvectors.column(*index).into_owned())
+        .collect();
+    DMatrix::from_columns(&columns)
+}

@@ -1,0 +1,237 @@
+//! What one estimate costs when there are more samples, and when there are more segments.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use enact::motion::{Phase, Verdict};
+use serde::Serialize;
+
+use crate::case::Case;
+use crate::perform::{Acting, Style, bounces};
+use crate::results::Options;
+use crate::statistics::{exponent, median};
+use crate::stopwatch::Stopwatch;
+use crate::table::{Table, number};
+
+/// Runs of each size; the medians count.
+const RUNS: usize = 5;
+/// Phases told apart.
+const PHASES: [Phase; 7] = [
+    Phase::Clean,
+    Phase::Marks,
+    Phase::ArcFits,
+    Phase::Sweep,
+    Phase::Multipliers,
+    Phase::Finish,
+    Phase::Covariance,
+];
+/// Phases that iterate.
+const SOLVER: [Phase; 3] = [Phase::Sweep, Phase::Multipliers, Phase::Finish];
+
+/// One size.
+#[derive(Serialize)]
+struct Size {
+    what: &'static str,
+    samples: usize,
+    segments: usize,
+    verdict: &'static str,
+    reason: String,
+    iterations: usize,
+    /// Of sweep, multiplier rounds and finish, per iteration [s].
+    per_iteration_s: f64,
+    /// Of sweep, multiplier rounds and finish [s].
+    solver_s: f64,
+    total_s: f64,
+    phases_s: BTreeMap<&'static str, f64>,
+}
+
+/// Runs it.
+pub fn run(options: &Options) -> Result<()> {
+    let mut samples = Vec::new();
+    let mut unknown = Vec::new();
+    let truth = Style::Tip.truth();
+    for power in 0..=6 {
+        let count = 100.0 * 10f64.powf(0.5 * f64::from(power));
+        let known = Acting::timing_known();
+        let rate_hz = count / truth.duration_s;
+        // The stamps of a mark and of samples stay within a sample of each other.
+        let mark_error_s = 0.5 / rate_hz;
+        let acting = Acting {
+            rate_hz,
+            mark_error_s,
+            ..known
+        };
+        samples.extend(size(
+            "samples, timing known",
+            &Case::new(&truth, &acting, 1),
+        ));
+        if power <= 4 {
+            let slow = Acting::default();
+            let rate_hz = rate_hz / slow.slowdown;
+            let acting = Acting {
+                rate_hz,
+                stamp_jitter_s: 0.05 / rate_hz,
+                ..slow
+            };
+            unknown.extend(size(
+                "samples, timing unknown",
+                &Case::new(&truth, &acting, 1),
+            ));
+        }
+    }
+    let mut segments = Vec::new();
+    for count in [1, 3, 10, 30, 100, 300, 1000] {
+        let Ok(truth) = bounces(count, 1) else {
+            eprintln!("no motion with {count} bounces was found");
+            continue;
+        };
+        let acting = Acting {
+            distortion: 0.25,
+            ..Acting::timing_known()
+        };
+        segments.extend(size(
+            "segments, timing known",
+            &Case::new(&truth, &acting, 1),
+        ));
+    }
+    println!(
+        "{}",
+        table(
+            "Cost against samples (pencil, tip first, timing known)",
+            &samples,
+            |s| s.samples
+        )
+    );
+    println!(
+        "{}",
+        table(
+            "Cost against samples (pencil, tip first, timing unknown)",
+            &unknown,
+            |s| s.samples
+        )
+    );
+    println!(
+        "{}",
+        table(
+            "Cost against segments (cube, timing known, wander 0.25×)",
+            &segments,
+            |s| s.segments
+        )
+    );
+    println!("{}", shares(&[&samples, &unknown, &segments]));
+    options.write_json("scaling", &[samples, unknown, segments])
+}
+
+/// Medians of several runs; none where there is nothing to estimate from.
+fn size(what: &'static str, case: &Case) -> Option<Size> {
+    let mut watches = Vec::new();
+    let mut last = None;
+    for _ in 0..RUNS {
+        let mut stopwatch = Stopwatch::default();
+        match case.estimated(&mut stopwatch) {
+            Ok(outcome) => last = Some(outcome),
+            Err(error) => eprintln!("{what}: {error}"),
+        }
+        let long = stopwatch.total_s() > 20.0;
+        watches.push(stopwatch);
+        if long {
+            break;
+        }
+    }
+    let outcome = last?;
+    let of = |value: &dyn Fn(&Stopwatch) -> f64| {
+        median(&watches.iter().map(value).collect::<Vec<f64>>())
+    };
+    let solver_s = of(&|w| SOLVER.iter().map(|phase| w.spent_s(*phase)).sum());
+    let estimate = &outcome.estimate;
+    let iterations = estimate.counters.iterations;
+    Some(Size {
+        what,
+        samples: outcome.counts.used,
+        segments: estimate.arcs.len(),
+        verdict: estimate.verdict.word(),
+        reason: estimate.reason.clone(),
+        iterations,
+        per_iteration_s: solver_s / iterations.max(1) as f64,
+        solver_s,
+        total_s: of(&Stopwatch::total_s),
+        phases_s: PHASES
+            .iter()
+            .map(|phase| (phase.word(), of(&|w| w.spent_s(*phase))))
+            .collect(),
+    })
+}
+
+fn table(title: &str, sizes: &[Size], by: impl Fn(&Size) -> usize) -> Table {
+    let mut table = Table::new(
+        title,
+        &[
+            "samples",
+            "segments",
+            "verdict",
+            "iterations",
+            "per iteration ms",
+            "solver ms",
+            "total ms",
+            "total per sample µs",
+        ],
+    );
+    for size in sizes {
+        table.row([
+            size.samples.to_string(),
+            size.segments.to_string(),
+            size.verdict.to_owned(),
+            size.iterations.to_string(),
+            number(1e3 * size.per_iteration_s),
+            number(1e3 * size.solver_s),
+            number(1e3 * size.total_s),
+            number(1e6 * size.total_s / size.samples as f64),
+        ]);
+    }
+    let x: Vec<f64> = sizes.iter().map(|size| by(size) as f64).collect();
+    let fitted = |value: &dyn Fn(&Size) -> f64| {
+        let y: Vec<f64> = sizes.iter().map(value).collect();
+        // The upper half, where what does not grow no longer hides what does.
+        let half = x.len() / 2;
+        format!(
+            "{:.2} ({:.2})",
+            exponent(&x, &y),
+            exponent(&x[half..], &y[half..])
+        )
+    };
+    table.row([
+        "exponent (of the upper half)".to_owned(),
+        String::new(),
+        if sizes.iter().all(|s| s.verdict == Verdict::Physical.word()) {
+            "all physical"
+        } else {
+            "not all physical"
+        }
+        .to_owned(),
+        fitted(&|size| size.iterations as f64),
+        fitted(&|size| size.per_iteration_s),
+        fitted(&|size| size.solver_s),
+        fitted(&|size| size.total_s),
+        String::new(),
+    ]);
+    table
+}
+
+/// What the phases are of the largest size.
+fn shares(studies: &[&[Size]]) -> Table {
+    let mut header = vec!["", "samples", "segments"];
+    header.extend(PHASES.map(Phase::word));
+    let mut table = Table::new("Phases of the largest size [ms]", &header);
+    for size in studies.iter().filter_map(|sizes| sizes.last()) {
+        let head = [
+            size.what.to_owned(),
+            size.samples.to_string(),
+            size.segments.to_string(),
+        ];
+        let phases = PHASES
+            .iter()
+            .map(|phase| number(1e3 * size.phases_s[phase.word()]));
+        table.row(head.into_iter().chain(phases));
+    }
+    table
+}
