@@ -75,7 +75,9 @@ impl Point {
     }
 }
 
-/// `1 + x` to first order, positive everywhere.
+/// `e^{asinh x}`: `1 + x` to first order, positive and smooth, and undone by `−x`.
 fn positive_factor(x: f64) -> f64 {
-    if x >= 0.0 { 1.0 + x } else { 1.0 / (1.0 - x) }
+    let root = (1.0 + x * x).sqrt();
+    // The same without cancellation where x is negative.
+    if x >= 0.0 { root + x } else { 1.0 / (root - x) }
 }

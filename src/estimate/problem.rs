@@ -112,6 +112,8 @@ pub struct Problem {
     pub goals: Vec<ArcGoal>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
+    /// Those of them that have a bound.
+    pub bounded: Vec<usize>,
     /// Acted times of the samples, distinct and increasing [s]: the nodes of the time map.
     pub nodes_acted_s: Vec<f64>,
     /// Strength of the tempo prior; `None` where physical times are the acted ones.
@@ -159,6 +161,12 @@ impl Problem {
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
             parameters: scene.parameters.clone(),
+            bounded: (0..scene.parameters.len())
+                .filter(|index| {
+                    let free = &scene.parameters[*index];
+                    free.lower.is_finite() || free.upper.is_finite()
+                })
+                .collect(),
             nodes_acted_s,
             tempo_sd_per_sqrt_s: match scene.timing {
                 Timing::Known => None,
@@ -174,6 +182,13 @@ impl Problem {
     /// Whether sample times are unknowns.
     pub fn times_are_unknown(&self) -> bool {
         self.tempo_sd_per_sqrt_s.is_some()
+    }
+
+    /// Whether a constraint is an inequality that may well act at the optimum: a goal's or a
+    /// parameter's bound, as opposed to contacts that must not recede.
+    pub fn has_bounds(&self) -> bool {
+        let is_inequality = |goal: &ArcGoal| matches!(goal.target, ArcTarget::Coordinate { lower_m, upper_m, .. } if lower_m < upper_m);
+        !self.bounded.is_empty() || self.goals.iter().any(is_inequality)
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].

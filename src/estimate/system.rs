@@ -85,29 +85,19 @@ pub struct System {
     pub gradient: DVector<f64>,
     /// Its positive semidefinite Hessian.
     pub hessian: Envelope,
-    /// Constraints: collisions, then goals.
+    /// Constraints, in the order of the layout's blocks.
     pub blocks: Vec<Block>,
 }
 
 impl System {
     /// An empty system.
     pub fn new(frame: &Frame) -> Self {
-        let blocks = frame.problem.collisions.len() + frame.problem.goals.len();
+        let blocks = frame.layout.blocks.len();
         Self {
             cost: 0.0,
             gradient: DVector::zeros(frame.layout.size()),
             hessian: Envelope::zeros(&frame.layout.pattern),
             blocks: vec![Block::default(); blocks],
-        }
-    }
-
-    /// Columns of a block's derivative.
-    pub fn columns<'l>(layout: &'l Layout, block: usize) -> &'l [usize] {
-        let collisions = layout.collisions.len();
-        if block < collisions {
-            &layout.collisions[block]
-        } else {
-            &layout.goals[block - collisions]
         }
     }
 
@@ -119,7 +109,7 @@ impl System {
         self.add_samples(frame, guidance, point);
         self.add_priors(frame, guidance, point);
         let problem = frame.problem;
-        let (collisions, goals) = self.blocks.split_at_mut(problem.collisions.len());
+        let (collisions, others) = self.blocks.split_at_mut(problem.collisions.len());
         for ((collision, block), limit) in problem
             .collisions
             .iter()
@@ -128,8 +118,16 @@ impl System {
         {
             constraint::collision(problem, collision, point, &frame.epochs_s, *limit, block);
         }
+        let (goals, bounded) = others.split_at_mut(problem.goals.len());
         for (goal, block) in problem.goals.iter().zip(goals) {
             constraint::goal(problem, goal, point, &frame.epochs_s, block);
+        }
+        for (parameter, block) in problem.bounded.iter().zip(bounded) {
+            constraint::bound(
+                &problem.parameters[*parameter],
+                point.parameters[*parameter],
+                block,
+            );
         }
     }
 

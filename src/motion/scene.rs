@@ -182,6 +182,20 @@ pub struct FreeParameter {
     pub prior_sd: Option<f64>,
 }
 
+impl FreeParameter {
+    /// A change of it that matters: its prior's standard deviation or the width of its bounds,
+    /// whichever is less, or one.
+    pub fn length(&self) -> f64 {
+        let width = self.upper - self.lower;
+        let width = if width > 0.0 && width.is_finite() {
+            width
+        } else {
+            1.0
+        };
+        self.prior_sd.unwrap_or(width).min(width)
+    }
+}
+
 /// The quantities that may be free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
