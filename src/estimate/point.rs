@@ -40,9 +40,10 @@ impl Point {
 
     /// Moves `origin` by `delta`, into `self`.
     ///
-    /// Where times are unknown, the gap between neighbours (samples and events alike) changes
-    /// by a factor that agrees with `delta` to first order and is positive: order holds by
-    /// construction, and no bound is needed. Parameters stop at their bounds.
+    /// Where times are unknown, the gap between neighbouring samples changes by a factor that
+    /// agrees with `delta` to first order and is positive: order holds by construction, and no
+    /// bound is needed. Events are not part of that chain: a sample beside a collision may come
+    /// to lie on its arc's continuation. Parameters stop at their bounds.
     pub fn retract_from(
         &mut self,
         origin: &Point,
@@ -56,52 +57,20 @@ impl Point {
             ));
         }
         let change = |at: Option<usize>| at.map_or(0.0, |at| delta[at]);
+        for (event, time_s) in self.event_times_s.iter_mut().enumerate() {
+            *time_s = origin.event_times_s[event] + change(layout.events[event]);
+        }
         if problem.times_are_unknown() {
-            self.retract_times(origin, problem, layout, change);
-        } else {
-            for (event, time_s) in self.event_times_s.iter_mut().enumerate() {
-                *time_s = origin.event_times_s[event] + change(layout.events[event]);
+            for (node, pair) in origin.node_times_s.windows(2).enumerate() {
+                let gap_s = pair[1] - pair[0];
+                let change_s = change(layout.nodes[node + 1]) - change(layout.nodes[node]);
+                self.node_times_s[node + 1] =
+                    self.node_times_s[node] + gap_s * positive_factor(change_s / gap_s);
             }
         }
         for (index, free) in problem.parameters.iter().enumerate() {
             self.parameters[index] = (origin.parameters[index] + delta[layout.parameters[index]])
                 .clamp(free.lower, free.upper);
-        }
-    }
-
-    fn retract_times(
-        &mut self,
-        origin: &Point,
-        problem: &Problem,
-        layout: &Layout,
-        change: impl Fn(Option<usize>) -> f64,
-    ) {
-        let nodes = &problem.nodes_acted_s;
-        let Some(first) = origin.node_times_s.first() else {
-            return;
-        };
-        let (mut old_s, mut new_s, mut old_change) = (*first, *first, 0.0);
-        let mut step = |time_s: f64, change_s: f64| {
-            let gap = time_s - old_s;
-            new_s += gap * positive_factor((change_s - old_change) / gap);
-            (old_s, old_change) = (time_s, change_s);
-            new_s
-        };
-        let mut node = 1;
-        for event in 0..problem.event_is_free.len() {
-            let acted_s = problem.events_acted_s[event];
-            while node < nodes.len() && nodes[node] <= acted_s {
-                self.node_times_s[node] =
-                    step(origin.node_times_s[node], change(layout.nodes[node]));
-                node += 1;
-            }
-            if problem.event_is_free[event] {
-                self.event_times_s[event] =
-                    step(origin.event_times_s[event], change(layout.events[event]));
-            }
-        }
-        for node in node..nodes.len() {
-            self.node_times_s[node] = step(origin.node_times_s[node], change(layout.nodes[node]));
         }
     }
 }

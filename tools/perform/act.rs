@@ -7,125 +7,11 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::acting::Acting;
 use super::performance::Performance;
 use super::tempo::Tempo;
 use super::truth::Truth;
 use super::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
-
-/// The knobs. Standard deviations and rms are per axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Acting {
-    /// Acted time per physical time, on the whole.
-    pub slowdown: f64,
-    /// Standard deviation of the logarithm of the tempo, which varies smoothly.
-    pub tempo_variation: f64,
-    /// Smooth wander of the centre of mass: rms [m].
-    pub wander_position_m: f64,
-    /// Smooth wander of the orientation: rms [rad].
-    pub wander_orientation_rad: f64,
-    /// Factor on both wanders.
-    pub distortion: f64,
-    /// Seconds of the hand's wander per second of acted time: 1, or the slowdown that a motion
-    /// acted at full speed is to look as if it had.
-    pub wander_pace: f64,
-    /// White noise of the tracker's position [m].
-    pub noise_position_m: f64,
-    /// White noise of the tracker's orientation [rad].
-    pub noise_orientation_rad: f64,
-    /// The tracker rounds to this [m]; 0: not at all.
-    pub resolution_m: f64,
-    /// The tracker rounds the components of its quaternions to this, then normalises; 0: not.
-    pub resolution_quaternion: f64,
-    /// Samples per second of acted time.
-    pub rate_hz: f64,
-    /// Error of the stamps [s], at most 0.45 of the sampling interval.
-    pub stamp_jitter_s: f64,
-    /// Share of the samples that are lost, in bursts.
-    pub dropout_rate: f64,
-    /// Mean length of a burst of lost samples.
-    pub dropout_burst: f64,
-    /// Error of the performer's marks [s, acted]: a normal distribution cut off at twice this.
-    pub mark_error_s: f64,
-    /// Whether marks name their events.
-    pub marks_named: bool,
-    /// How long the performer holds still before the motion [s, acted].
-    pub hold_before_s: f64,
-    /// How long the performer holds still after it [s, acted].
-    pub hold_after_s: f64,
-    /// From measurement to arrival [s].
-    pub latency_s: f64,
-    /// When acting begins.
-    pub start: Stamp,
-}
-
-/// 2026-01-05 10:00:00 UTC [ns since 1970].
-pub const START: Stamp = Stamp(1_767_607_200_000_000_000);
-
-impl Default for Acting {
-    fn default() -> Self {
-        Self {
-            slowdown: 2.5,
-            tempo_variation: 0.3,
-            wander_position_m: 0.02,
-            wander_orientation_rad: 8_f64.to_radians(),
-            distortion: 1.0,
-            wander_pace: 1.0,
-            noise_position_m: 0.0005,
-            noise_orientation_rad: 0.3_f64.to_radians(),
-            resolution_m: 1e-7,
-            resolution_quaternion: 1e-9,
-            rate_hz: 120.0,
-            stamp_jitter_s: 0.0005,
-            dropout_rate: 0.01,
-            dropout_burst: 3.0,
-            mark_error_s: 0.03,
-            marks_named: false,
-            hold_before_s: 0.0,
-            hold_after_s: 0.0,
-            latency_s: 0.004,
-            start: START,
-        }
-    }
-}
-
-impl Acting {
-    /// Stamps are physical times, marks are within a sample, nothing is lost; the hand wanders
-    /// as in the slow performance, compressed.
-    pub fn timing_known() -> Self {
-        let slow = Self::default();
-        Self {
-            slowdown: 1.0,
-            tempo_variation: 0.0,
-            wander_pace: slow.slowdown,
-            stamp_jitter_s: 0.0,
-            dropout_rate: 0.0,
-            mark_error_s: 0.5 / slow.rate_hz,
-            ..slow
-        }
-    }
-
-    /// The truth itself, at full speed, through a perfect tracker.
-    pub fn exact() -> Self {
-        Self {
-            distortion: 0.0,
-            noise_position_m: 0.0,
-            noise_orientation_rad: 0.0,
-            resolution_m: 0.0,
-            resolution_quaternion: 0.0,
-            mark_error_s: 0.0,
-            ..Self::timing_known()
-        }
-    }
-
-    /// Whether stamps mean physical time.
-    pub fn is_timing_known(&self) -> bool {
-        self.slowdown == 1.0 && self.tempo_variation == 0.0
-    }
-
-    fn stamp(&self, acted_s: f64) -> Stamp {
-        Stamp(self.start.0 + ((acted_s + self.hold_before_s) * 1e9).round() as i64)
-    }
-}
 
 /// What a stream of random numbers is for: a knob changes nothing but what it is about.
 #[derive(Clone, Copy)]
@@ -271,11 +157,12 @@ impl Hand {
     fn draw(acting: &Acting, seed: u64, body: usize) -> Self {
         let mut position = stream(seed, Role::PositionWander, body);
         let mut orientation = stream(seed, Role::OrientationWander, body);
+        let per_axis = acting.distortion / 3_f64.sqrt();
         Self {
             position: std::array::from_fn(|_| Wander::draw(&HAND_POSITION, &mut position)),
             orientation: std::array::from_fn(|_| Wander::draw(&HAND_ORIENTATION, &mut orientation)),
-            position_m: acting.distortion * acting.wander_position_m,
-            orientation_rad: acting.distortion * acting.wander_orientation_rad,
+            position_m: per_axis * acting.wander_position_m,
+            orientation_rad: per_axis * acting.wander_orientation_rad,
             pace: acting.wander_pace,
         }
     }
@@ -302,8 +189,7 @@ struct Sight {
 
 impl Sight {
     fn new(acting: &Acting, rng: ChaCha8Rng) -> Self {
-        let find = 1.0 / acting.dropout_burst.max(1.0);
-        let rate = acting.dropout_rate.clamp(0.0, 0.99);
+        let (find, rate) = (1.0 / acting.dropout_burst, acting.dropout_rate);
         Self {
             rng,
             lose: (find * rate / (1.0 - rate)).min(1.0),

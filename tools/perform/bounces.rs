@@ -2,8 +2,7 @@
 //!
 //! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
 //! So each bounce's restitution is chosen, from a few values, such that the flight after it is a
-//! good one: depth-first search. The more bounces, the nearer the choices are to 1, so that the
-//! energy lasts.
+//! good one: depth-first search. Most choices are near 1, so that the energy lasts.
 
 use enact::math::Pose;
 use enact::motion::{
@@ -18,19 +17,21 @@ use rand_distr::{Distribution, StandardNormal};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
 
 /// Half the cube's side [m].
-const HALF_M: f64 = 0.1;
+const HALF_M: f64 = 0.15;
 /// Mass of the cube [kg].
 const MASS_KG: f64 = 1.0;
 /// A good flight: not shorter than this [s],
-const SHORTEST_S: f64 = 0.15;
+const SHORTEST_S: f64 = 0.1;
 /// nor longer [s],
-const LONGEST_S: f64 = 0.7;
+const LONGEST_S: f64 = 1.0;
 /// turning no faster than this [rad/s],
-const FASTEST_RAD_S: f64 = 15.0;
+const FASTEST_RAD_S: f64 = 25.0;
 /// ending with a corner that approaches at least this fast [m/s],
 const SLOWEST_APPROACH_M_S: f64 = 0.5;
 /// and the next corner at least this far off [m].
-const CLEAREST_M: f64 = 0.005;
+const CLEAREST_M: f64 = 0.002;
+/// The least restitution is 1 minus this.
+const WORST_LOSS: f64 = 0.15;
 /// Values of restitution to choose from at a bounce.
 const CHOICES: usize = 8;
 /// Arcs looked at per bounce before giving up.
@@ -52,7 +53,6 @@ struct Hop {
 pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
     let cube = Cube::new();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let worst_loss = (2.0 / count.max(1) as f64).min(0.25);
     let mut path: Vec<Hop> = Vec::new();
     let tries = TRIES_PER_BOUNCE * (count + 1);
     for _ in 0..tries {
@@ -60,16 +60,19 @@ pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
         let next = match path.last_mut() {
             None => Some(thrown(&mut rng)),
             Some(last) if last.choice < CHOICES => {
-                // Not evenly spaced, and from a random offset: no two bounces alike.
-                last.restitution =
-                    1.0 - worst_loss * (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                // Small losses first; random, so that no two bounces are alike.
+                let share = (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
+                last.restitution = 1.0 - WORST_LOSS * share.powi(4);
                 last.choice += 1;
                 Some(cube.bounced(last))
             }
             Some(_) => None,
         };
         let Some(state) = next else {
-            path.pop();
+            // The last choices before a dead end hardly differ: back by one hop mostly, by n hops
+            // or more with chance 1/n², so that no dead end holds the search for long.
+            let back = (1.0 - rng.random::<f64>()).powf(-0.5) as usize;
+            path.truncate(path.len().saturating_sub(back));
             continue;
         };
         if let Some(hop) = cube.hop(&state) {
@@ -92,6 +95,49 @@ fn thrown(rng: &mut impl Rng) -> State {
         velocity_m_s: Vector3::new(0.2 + 0.05 * normal(), 0.05 * normal(), 0.5 + 0.2 * normal()),
         angular_velocity_rad_s: Vector3::new(normal(), normal(), normal()) * 4.0,
     }
+}
+
+/// The scene file of such a motion.
+pub fn scene_toml(truth: &Truth) -> String {
+    let size_mm = 2e3 * HALF_M;
+    let scene = &truth.scene;
+    let cube = &scene.bodies[0];
+    let tracker_mm = cube.body_from_tracker.translation.vector * 1e3;
+    let moment_kg_m2 = cube.body.moments_kg_m2().x;
+    let mut text = format!(
+        "name = {:?}\n[timing]\nstamps = \"tempo\"\n[[body]]\nname = \"cube\"\n\
+         shape = {{ kind = \"cuboid\", size_mm = [{size_mm:?}, {size_mm:?}, {size_mm:?}] }}\n\
+         mass_kg = {MASS_KG:?}\nmoments_kg_m2 = [{moment_kg_m2:?}, {moment_kg_m2:?}, {moment_kg_m2:?}]\n\
+         tracker = {{ position_mm = [{:?}, {:?}, {:?}] }}\n[body.features_mm]\n",
+        scene.name, tracker_mm.x, tracker_mm.y, tracker_mm.z,
+    );
+    for feature in &cube.features {
+        let at_mm = feature.point_m * 1e3;
+        text += &format!(
+            "{} = [{:?}, {:?}, {:?}]\n",
+            feature.name, at_mm.x, at_mm.y, at_mm.z
+        );
+    }
+    text += "[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+    for event in &scene.events {
+        text += &format!(
+            "[[event]]\nname = {:?}\nkind = {:?}\n",
+            event.name,
+            event.kind.word()
+        );
+        if let EventKind::Collision {
+            feature,
+            restitution,
+            ..
+        } = event.kind
+        {
+            text += &format!(
+                "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n",
+                cube.features[feature].name,
+            );
+        }
+    }
+    text
 }
 
 struct Cube {
@@ -222,7 +268,7 @@ impl Cube {
 
     fn scene(&self, events: Vec<Event>) -> Scene {
         let feature = |(corner, point_m): (usize, &Vector3<f64>)| Feature {
-            name: format!("corner {corner}"),
+            name: format!("corner_{corner}"),
             point_m: *point_m,
         };
         let cube = SceneBody {

@@ -2,7 +2,7 @@
 //!
 //! A true physical motion ([`truth`], [`styles`], [`bounces`]) is performed as a person would
 //! ([`act`]): slowly, in a wavering [`tempo`], with a hand that wanders ([`wander`]), before a
-//! tracker that is noisy, jitters and loses sight. A seed and the knobs in [`Acting`] determine
+//! tracker that is noisy, jitters and loses sight. A seed and the knobs in [`acting`] determine
 //! every byte.
 //!
 //! Tests, benches and tools include this folder with
@@ -11,6 +11,7 @@
 #![allow(dead_code, unused_imports)]
 
 pub mod act;
+pub mod acting;
 pub mod bounces;
 pub mod performance;
 pub mod styles;
@@ -18,7 +19,8 @@ pub mod tempo;
 pub mod truth;
 pub mod wander;
 
-pub use act::{Acting, perform};
+pub use act::perform;
+pub use acting::Acting;
 pub use bounces::bounces;
 pub use performance::Performance;
 pub use styles::Style;

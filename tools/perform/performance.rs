@@ -3,7 +3,7 @@
 use enact::motion::{BodySketch, Sample, Sketch, Stamp, TakeEvent};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use super::act::Acting;
+use super::acting::Acting;
 use super::tempo::Tempo;
 use super::truth::Truth;
 

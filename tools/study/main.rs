@@ -47,6 +47,7 @@ fn main() {
             let mut conv = 0;
             let mut best = 0;
             let mut n = 0;
+            let mut terr: Vec<(f64, f64)> = vec![];
             let mut fit = vec![];
             let mut ratio_bad = vec![];
             for seed in 0..seeds {
@@ -62,6 +63,14 @@ fn main() {
                         ..Acting::default()
                     }
                 };
+                if let Some(sd) = args.get(3) {
+                    scene.timing = enact::motion::Timing::Unknown {
+                        tempo_sd_per_sqrt_s: sd.parse().unwrap(),
+                    };
+                }
+                let distortion =
+                    distortion * args.get(4).map_or(1.0, |s| s.parse::<f64>().unwrap());
+                let _ = distortion;
                 if known {
                     scene.timing = enact::motion::Timing::Known;
                 }
@@ -90,6 +99,31 @@ fn main() {
                 )
                 .1;
                 let t2 = Instant::now();
+                if !known {
+                    let segs: Vec<(f64, f64)> = problem
+                        .arcs
+                        .iter()
+                        .zip(&segments)
+                        .flat_map(|(arc, seg)| {
+                            let sol = &sol;
+                            let perf = &perf;
+                            arc.samples
+                                .iter()
+                                .zip(seg.samples.clone())
+                                .map(move |(s, i)| {
+                                    (sol.point.node_times_s[s.node], perf.sample_times_s[0][i])
+                                })
+                        })
+                        .collect();
+                    let m = segs.iter().map(|(a, b)| a - b).sum::<f64>() / segs.len() as f64;
+                    let rms0 = (segs.iter().map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+                        / segs.len() as f64)
+                        .sqrt();
+                    let rms = (segs.iter().map(|(a, b)| (a - b - m).powi(2)).sum::<f64>()
+                        / segs.len() as f64)
+                        .sqrt();
+                    terr.push((rms0, rms));
+                }
                 n += 1;
                 fit.push((t1 - t0).as_secs_f64());
                 times.push((t2 - t0).as_secs_f64());
@@ -123,6 +157,14 @@ fn main() {
                 } else {
                     ratio_bad.push((seed, sol.system.cost / low, sol.finished.converged));
                 }
+            }
+            if !terr.is_empty() {
+                let k = terr.len() as f64;
+                println!(
+                    "   time error raw {:.1} ms, offset removed {:.1} ms",
+                    (terr.iter().map(|t| t.0 * t.0).sum::<f64>() / k).sqrt() * 1e3,
+                    (terr.iter().map(|t| t.1 * t.1).sum::<f64>() / k).sqrt() * 1e3
+                );
             }
             times.sort_by(f64::total_cmp);
             fit.sort_by(f64::total_cmp);
