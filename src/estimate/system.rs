@@ -102,7 +102,7 @@ impl System {
     }
 
     /// Columns of a block's derivative.
-    pub fn columns<'l>(layout: &'l Layout, block: usize) -> &'l [usize] {
+    pub fn columns(layout: &Layout, block: usize) -> &[usize] {
         let collisions = layout.collisions.len();
         if block < collisions {
             &layout.collisions[block]

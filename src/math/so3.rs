@@ -133,7 +133,16 @@ mod tests {
             Vector3::new(-0.6, 0.1, 0.7).normalize(),
         ];
         let angles = [
-            0.0, 1e-12, 1e-8, 1e-4, 0.009_999, 0.010_001, 0.3, 1.5, 3.0, 3.14159,
+            0.0,
+            1e-12,
+            1e-8,
+            1e-4,
+            0.009_999,
+            0.010_001,
+            0.3,
+            1.5,
+            3.0,
+            std::f64::consts::PI - 3e-6,
         ];
         axes.iter()
             .flat_map(|a| angles.iter().map(move |t| a * *t))
