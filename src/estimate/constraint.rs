@@ -1,5 +1,5 @@
 //! Hard conditions at events: contact and continuity through an impact (paper eq. 3, 8,
-//! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`unit`].
+//! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`mod@unit`].
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

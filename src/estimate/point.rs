@@ -13,9 +13,9 @@ use crate::physics::state::StateTangent;
 pub struct Point {
     /// States of the arcs at their epochs.
     pub arcs: Vec<State>,
-    /// Physical times of the scene's events [s].
+    /// Physical times of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
-    /// Physical times of the nodes [s].
+    /// Physical times of the nodes \[s\].
     pub node_times_s: Vec<f64>,
     /// Free parameters.
     pub parameters: Vec<f64>,

@@ -11,9 +11,9 @@ use crate::physics::impact::Contact;
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
 pub mod unit {
-    /// Contact gap and position [m].
+    /// Contact gap and position \[m\].
     pub const POSITION_M: f64 = 0.01;
-    /// Orientation [rad].
+    /// Orientation \[rad\].
     pub const ORIENTATION_RAD: f64 = 0.1;
     /// Velocity [m/s].
     pub const VELOCITY_M_S: f64 = 0.1;
@@ -80,7 +80,7 @@ pub struct ArcGoal {
 pub enum ArcTarget {
     /// The body's pose.
     Pose(Pose),
-    /// One coordinate of the centre of mass within bounds [m].
+    /// One coordinate of the centre of mass within bounds \[m\].
     Coordinate {
         /// World axis.
         axis: usize,
@@ -104,7 +104,7 @@ pub struct Problem {
     pub arcs: Vec<Arc>,
     /// Whether the time of each of the scene's events is an unknown.
     pub event_is_free: Vec<bool>,
-    /// Acted times of the scene's events [s].
+    /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
     /// Bounces.
     pub collisions: Vec<Collision>,
@@ -114,13 +114,13 @@ pub struct Problem {
     pub parameters: Vec<FreeParameter>,
     /// Those of them that have a bound.
     pub bounded: Vec<usize>,
-    /// Acted times of the samples, distinct and increasing [s]: the nodes of the time map.
+    /// Acted times of the samples, distinct and increasing \[s\]: the nodes of the time map.
     pub nodes_acted_s: Vec<f64>,
     /// Strength of the tempo prior; `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
-    /// One unit of position residual [m].
+    /// One unit of position residual \[m\].
     pub position_unit_m: f64,
-    /// One unit of orientation residual [rad].
+    /// One unit of orientation residual \[rad\].
     pub orientation_unit_rad: f64,
 }
 

@@ -18,7 +18,7 @@ pub struct Frame<'a> {
     pub problem: &'a Problem,
     /// Where its unknowns sit.
     pub layout: &'a Layout,
-    /// Physical times at which the arcs' states are held [s].
+    /// Physical times at which the arcs' states are held \[s\].
     pub epochs_s: Vec<f64>,
     /// Sums of each arc's samples; empty where times are unknown.
     pub sums: Vec<ArcSums>,
@@ -56,9 +56,9 @@ impl<'a> Frame<'a> {
 pub struct Guidance {
     /// Greatest normal speed on arrival at each collision [m/s].
     pub approach_limits_m_s: Vec<f64>,
-    /// Times towards which the events are pulled [s].
+    /// Times towards which the events are pulled \[s\].
     pub event_times_s: Vec<f64>,
-    /// Standard deviation of that pull [s]; `None`: no pull.
+    /// Standard deviation of that pull \[s\]; `None`: no pull.
     pub event_sd_s: Option<f64>,
     /// About so many orientations of an arc are read, evenly spread, and stand for all of them.
     pub orientations_per_arc: usize,

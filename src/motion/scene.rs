@@ -69,7 +69,7 @@ pub struct SceneBody {
 pub struct Feature {
     /// Unique within the body.
     pub name: String,
-    /// Position in body axes [m].
+    /// Position in body axes \[m\].
     pub point_m: Vector3<f64>,
 }
 
@@ -80,7 +80,7 @@ pub struct Surface {
     pub name: String,
     /// A point on it [m, world].
     pub point_m: Vector3<f64>,
-    /// Unit normal, out of the surface [world].
+    /// Unit normal, out of the surface \[world\].
     pub normal: Vector3<f64>,
 }
 
@@ -209,7 +209,7 @@ pub enum Quantity {
         /// Index into `Scene::events`.
         event: usize,
     },
-    /// Tilt of the surface's normal at a collision [rad] about one of two tangents.
+    /// Tilt of the surface's normal at a collision \[rad\] about one of two tangents.
     Tilt {
         /// Index into `Scene::events`.
         event: usize,
@@ -221,8 +221,8 @@ pub enum Quantity {
 /// What one unit of residual is: the objective is the sum of squared residuals in these units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Position [m].
+    /// Position \[m\].
     pub position_m: f64,
-    /// Orientation [rad].
+    /// Orientation \[rad\].
     pub orientation_rad: f64,
 }

@@ -14,7 +14,7 @@ use crate::physics::{State, flow};
 /// estimation that ran away, and would fill the disk.
 const FRAME_LIMIT: f64 = 86_400.0 * 240.0;
 
-/// Frame rates that are written [Hz].
+/// Frame rates that are written \[Hz\].
 const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
 /// Physical time zero: the stamp of the first sample used.
@@ -27,7 +27,7 @@ pub(super) fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
         .unwrap_or(sketch.origin)
 }
 
-/// The stamp of a physical time [s].
+/// The stamp of a physical time \[s\].
 pub(super) fn stamp(zero: Stamp, time_s: f64) -> Stamp {
     // A float converts to the nearest integer in range.
     Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))

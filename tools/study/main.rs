@@ -39,7 +39,7 @@ fn truth_guess(perf: &Performance, guess: &Guess, epochs: bool) -> Guess {
 fn main() {
     let args: Vec<String> = std::env::args().collect();
     let seeds: u64 = args.get(1).map_or(20, |s| s.parse().unwrap());
-    let known = args.get(2).map_or(true, |s| s == "known");
+    let known = args.get(2).is_none_or(|s| s == "known");
     for style in Style::ALL {
         for distortion in [1.0, 2.0, 4.0, 8.0] {
             let mut times = vec![];
