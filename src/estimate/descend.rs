@@ -109,7 +109,15 @@ impl<'a> Descent<'a> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
-            if std::env::var("TRACE").is_ok() { eprintln!("  w {:.1e} step {step} merit {before:.4} gain {gained:.3e} pred {predicted:.3e} lam {:.1e} |d| {:.2e} viol {:.2e}", price.weight, self.damping, delta.amax(), self.system.violation()); }
+            if std::env::var("TRACE").is_ok() {
+                eprintln!(
+                    "  w {:.1e} step {step} merit {before:.4} gain {gained:.3e} pred {predicted:.3e} lam {:.1e} |d| {:.2e} viol {:.2e}",
+                    price.weight,
+                    self.damping,
+                    delta.amax(),
+                    self.system.violation()
+                );
+            }
             if predicted < patience.gain && gained < patience.gain {
                 return step;
             }

@@ -224,7 +224,16 @@ impl Finish<'_> {
             finished.decrease = decrease / self.system.cost.max(NO_COST);
             let done = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease;
-            if std::env::var("TRACE").is_ok() { eprintln!("finish cost {:.8} viol {:.2e} dec {:.2e} |d| {:.2e} mult {:.1e}", self.system.cost, finished.violation, finished.decrease, step.delta.amax(), step.multipliers.iter().fold(0.0f64, |m,x| m.max(x.abs()))); }
+            if std::env::var("TRACE").is_ok() {
+                eprintln!(
+                    "finish cost {:.8} viol {:.2e} dec {:.2e} |d| {:.2e} mult {:.1e}",
+                    self.system.cost,
+                    finished.violation,
+                    finished.decrease,
+                    step.delta.amax(),
+                    step.multipliers.iter().fold(0.0f64, |m, x| m.max(x.abs()))
+                );
+            }
             let accepted = if done {
                 // The last step costs one evaluation and squares what error is left.
                 self.evaluate(&guidance, &step.delta, &mut trial);

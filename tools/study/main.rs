@@ -81,7 +81,14 @@ fn main() {
                 let t1 = Instant::now();
                 let problem = Problem::new(&scene, &sketch, &segments);
                 let layout = Layout::new(&problem);
-                let sol = enact::estimate::solve::best(&problem, &layout, &guessed.guesses, &Recipe::default(), &mut ()).1;
+                let sol = enact::estimate::solve::best(
+                    &problem,
+                    &layout,
+                    &guessed.guesses,
+                    &Recipe::default(),
+                    &mut (),
+                )
+                .1;
                 let t2 = Instant::now();
                 n += 1;
                 fit.push((t1 - t0).as_secs_f64());
