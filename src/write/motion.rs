@@ -60,8 +60,11 @@ pub(super) fn estimate_samples(
         return Ok(Vec::new());
     };
     let (start_s, end_s) = (first.start_s, last.end_s);
-    let farthest_s = start_s.abs().max(end_s.abs());
-    if !((end_s - start_s).max(farthest_s) * frame_rate_hz <= FRAME_LIMIT) {
+    let frames = (end_s - start_s) * frame_rate_hz;
+    let farthest = start_s.abs().max(end_s.abs()) * frame_rate_hz;
+    // Not so of numbers that are not finite either.
+    let is_sane = frames <= FRAME_LIMIT && farthest <= FRAME_LIMIT;
+    if !is_sane {
         return Err(WriteError::Span {
             path: path.to_owned(),
             body: scene.bodies[body].name.clone(),
