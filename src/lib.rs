@@ -35,7 +35,7 @@
 //! | [`estimate`] | 4 the constrained estimation | `motion` and below |
 //! | [`verify`] | 4b an independent check of it | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
-//! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion` and below |
+//! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4b as one pure state machine | the stages |
 //! | [`service`] | its drivers, with clock, files and threads: replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |

@@ -454,8 +454,14 @@ fn one_json_object_per_recording_says_everything() {
         "--format",
         "ndjson",
     ]);
-    ran.finished();
+    // The motion is one that physics allows, so the estimate must say so.
+    assert_eq!(ran.code, Some(0), "{}", ran.stdout);
+    assert_eq!(ran.stderr, "");
     let [report] = ran.json().try_into().unwrap();
+    assert_eq!(report["verdict"], "physical");
+    let restitution = &report["parameters"]["bounce.restitution"]["value"];
+    assert!((restitution.as_f64().unwrap() - 0.5).abs() < 1e-6);
+    assert!((report["events"][1]["time_s"].as_f64().unwrap() - bounce_s()).abs() < 1e-6);
     assert_eq!(report["recording"], "take.mcap");
     assert_eq!(report["output"], "out/x.mcap");
     assert_eq!(report["samples"]["read"], 111);

@@ -74,9 +74,7 @@ fn events(report: &Report) -> String {
                 event.kind.to_owned(),
                 seconds(event.acted_s),
                 seconds(event.time_s),
-                event
-                    .time_sd_s
-                    .map_or_else(|| "fixed".into(), |sd_s| format!("± {:.1} ms", sd_s * 1e3)),
+                event.time_sd_s.map_or_else(|| "fixed".into(), deviation_ms),
             ]
         })
         .collect();
@@ -147,12 +145,13 @@ fn parameters(report: &Report) -> String {
                 other => (1.0, other),
             };
             let [lower, upper] = parameter.bounds.map(|bound| bound * factor);
+            let decimals = decimals(parameter.sd.map(|sd| sd * factor));
             vec![
                 name.clone(),
-                format!("{:.4}", parameter.value * factor),
+                format!("{:.decimals$}", parameter.value * factor),
                 parameter.sd.map_or_else(
                     || "undetermined".into(),
-                    |sd| format!("± {:.4}", sd * factor),
+                    |sd| format!("± {:.decimals$}", sd * factor),
                 ),
                 unit.to_owned(),
                 format!("[{}, {}]", bound(lower), bound(upper)),
@@ -211,7 +210,13 @@ fn summary(report: &Report, style: Style) -> String {
         report.iterations
     );
     if report.assignment_rounds > 0 {
-        let _ = write!(text, ", {} rounds of assignment", report.assignment_rounds);
+        let plural = if report.assignment_rounds == 1 {
+            ""
+        } else {
+            "s"
+        };
+        let rounds = report.assignment_rounds;
+        let _ = write!(text, ", {rounds} round{plural} of assignment");
     }
     if style.verbose {
         for (phase, seconds) in &report.phase_seconds.0 {
@@ -225,6 +230,24 @@ fn summary(report: &Report, style: Style) -> String {
     }
     let _ = writeln!(text, "\n  written   {}", report.output);
     text
+}
+
+/// Decimals that show two digits of a standard deviation, from none to eight.
+fn decimals(sd: Option<f64>) -> usize {
+    match sd {
+        // Rounded down, log₁₀ is where the first digit stands.
+        Some(sd) if sd > 0.0 && sd < 10.0 => (1.0 - sd.log10().floor()).min(8.0) as usize,
+        Some(sd) if sd >= 10.0 => 0,
+        _ => 4,
+    }
+}
+
+fn deviation_ms(sd_s: f64) -> String {
+    if sd_s < 5e-5 {
+        "± < 0.1 ms".into()
+    } else {
+        format!("± {:.1} ms", sd_s * 1e3)
+    }
 }
 
 fn seconds(seconds: f64) -> String {
@@ -266,5 +289,37 @@ fn bound(value: f64) -> String {
             .trim_end_matches('0')
             .trim_end_matches('.')
             .to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_digits_of_a_deviation_are_shown() {
+        for (sd, expected) in [
+            (Some(0.0213), 3),
+            (Some(0.1), 2),
+            (Some(2.5), 1),
+            (Some(37.0), 0),
+            (Some(1e-30), 8),
+            (Some(0.0), 4),
+            (Some(f64::NAN), 4),
+            (None, 4),
+        ] {
+            assert_eq!(decimals(sd), expected, "{sd:?}");
+        }
+    }
+
+    #[test]
+    fn gaps_have_units_for_people() {
+        assert_eq!(length(3e-9), "< 1 µm");
+        assert_eq!(length(4.2e-5), "42 µm");
+        assert_eq!(length(0.0394), "39.4 mm");
+        assert_eq!(angle(0.1), "5.730°");
+        assert_eq!(bound(f64::NEG_INFINITY), "-∞");
+        assert_eq!(bound(-12.0), "-12");
+        assert_eq!(bound(0.25), "0.25");
     }
 }

@@ -18,7 +18,7 @@ const SIZE: SizeLimits = SizeLimits {
     greatest_m: 100.0,
 };
 
-/// Lightest and heaviest body [kg].
+/// Lightest and heaviest body \[kg\].
 const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
 
 /// A checked body.

@@ -20,7 +20,7 @@ const KINDS: &[(&str, &[&str])] = &[
     ("hull", &["points_mm"]),
 ];
 
-/// Sizes that something tracked by hand, or a part of its world, may have [m].
+/// Sizes that something tracked by hand, or a part of its world, may have \[m\].
 pub(super) struct SizeLimits {
     pub(super) least_m: f64,
     pub(super) greatest_m: f64,

@@ -1,12 +1,12 @@
 //! Hard conditions at events: contact and continuity through an impact (paper eq. 3, 8,
-//! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`unit`].
+//! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`mod@unit`].
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::point::Point;
 use super::problem::{ArcGoal, ArcTarget, Collision, Problem, unit};
 use crate::math::so3;
-use crate::motion::Gap;
+use crate::motion::{FreeParameter, Gap};
 use crate::physics::impact;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
@@ -304,6 +304,15 @@ fn push_goal<const R: usize>(
         block.push_columns(&by_time);
     }
     push_gravity(problem, block, &by_gravity);
+}
+
+/// Fills `block` with a parameter's bounds; its unit is its prior, or the width of its bounds.
+pub fn bound(free: &FreeParameter, value: f64, block: &mut Block) {
+    let unit = free.length();
+    block.reset(1);
+    block.values[0] = value / unit;
+    block.bounds[0] = (free.lower / unit, free.upper / unit);
+    block.jacobian.push(1.0 / unit);
 }
 
 /// What a collision's rows leave, in SI units.

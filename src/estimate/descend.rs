@@ -223,12 +223,7 @@ fn scale(problem: &Problem, layout: &Layout) -> DVector<f64> {
         }
     }
     for (at, free) in layout.parameters.iter().zip(&problem.parameters) {
-        let width = free.upper - free.lower;
-        let length = free
-            .prior_sd
-            .unwrap_or(1.0)
-            .min(if width > 0.0 { width } else { 1.0 });
-        scale[*at] = weight(length);
+        scale[*at] = weight(free.length());
     }
     scale
 }

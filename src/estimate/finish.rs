@@ -9,6 +9,7 @@ use nalgebra::DVector;
 
 use super::merit::{self, Acting, Price};
 use super::point::Point;
+use super::qp;
 use super::system::{Frame, Guidance, System};
 use crate::math::envelope::Envelope;
 use crate::motion::Counters;
@@ -215,9 +216,7 @@ impl Finish<'_> {
             }
             self.counters.iterations += 1;
             self.counters.factorisations += 1;
-            let Some(kkt) = Kkt::new(self.frame, &self.system, &self.multipliers) else {
-                break;
-            };
+            let Some(kkt) = self.kkt() else { break };
             let step = kkt.step(self.frame, &self.system);
             let decrease = self.system.gradient.dot(&step.delta).abs();
             finished.violation = self.system.violation();
@@ -245,6 +244,17 @@ impl Finish<'_> {
             }
         }
         finished
+    }
+
+    /// The optimality conditions here. Which bounds act is the quadratic programme's word where
+    /// there are any; the step itself is exact all the same.
+    fn kkt(&self) -> Option<Kkt> {
+        if self.frame.problem.has_bounds()
+            && let Some(multipliers) = qp::multipliers(self.frame, &self.system)
+        {
+            return Kkt::new(self.frame, &self.system, &multipliers);
+        }
+        Kkt::new(self.frame, &self.system, &self.multipliers)
     }
 
     fn evaluate(

@@ -23,10 +23,9 @@ pub struct Layout {
     pub parameters: Vec<usize>,
     /// Which unknowns meet in a residual.
     pub pattern: Pattern,
-    /// Unknowns that meet in each collision, in the order of its derivative's columns.
-    pub collisions: Vec<Vec<usize>>,
-    /// Likewise for each goal.
-    pub goals: Vec<Vec<usize>>,
+    /// Unknowns that each block of constraints touches, in the order of its derivative's
+    /// columns: collisions, then goals, then bounded parameters.
+    pub blocks: Vec<Vec<usize>>,
 }
 
 impl Layout {
@@ -76,15 +75,16 @@ impl Layout {
             nodes,
             parameters,
             pattern: Pattern::new(0, []),
-            collisions: Vec::new(),
-            goals: Vec::new(),
+            blocks: Vec::new(),
         };
-        layout.collisions = (0..problem.collisions.len())
-            .map(|index| layout.collision_columns(problem, index))
-            .collect();
-        layout.goals = (0..problem.goals.len())
-            .map(|index| layout.goal_columns(problem, index))
-            .collect();
+        let collisions =
+            (0..problem.collisions.len()).map(|index| layout.collision_columns(problem, index));
+        let goals = (0..problem.goals.len()).map(|index| layout.goal_columns(problem, index));
+        let bounded = problem
+            .bounded
+            .iter()
+            .map(|parameter| vec![layout.parameters[*parameter]]);
+        layout.blocks = collisions.chain(goals).chain(bounded).collect();
         layout.pattern = Pattern::new(next, layout.couplings(problem));
         layout
     }
@@ -151,10 +151,7 @@ impl Layout {
                 }
             }
         }
-        self.collisions
-            .iter()
-            .chain(&self.goals)
-            .for_each(|columns| clique(columns));
+        self.blocks.iter().for_each(|columns| clique(columns));
         // The tempo prior compares neighbouring rates: three times in a row.
         for three in self.nodes.windows(3) {
             clique(&three.iter().flatten().copied().collect::<Vec<_>>());

@@ -112,7 +112,7 @@ pub fn add_square(layout: &Layout, system: &System, weights: &[f64], matrix: &mu
         let rows = block.values.len();
         let weights = &weights[offset..offset + rows];
         offset += rows;
-        let columns = System::columns(layout, index);
+        let columns = &layout.blocks[index];
         let mut weighted = [0.0; COLLISION_ROWS];
         for (i, at) in columns.iter().enumerate() {
             for ((entry, weight), d) in weighted
@@ -150,7 +150,7 @@ pub fn add_pull(
             *entry = pull(offset + row);
         }
         offset += rows;
-        for (column, at) in System::columns(layout, index).iter().enumerate() {
+        for (column, at) in layout.blocks[index].iter().enumerate() {
             let derivative = &block.jacobian[column * rows..][..rows];
             gradient[*at] += derivative
                 .iter()
@@ -170,7 +170,7 @@ pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mu
         let rows = block.values.len();
         let change = &mut change[offset..offset + rows];
         offset += rows;
-        for (column, at) in System::columns(layout, index).iter().enumerate() {
+        for (column, at) in layout.blocks[index].iter().enumerate() {
             for (entry, d) in change.iter_mut().zip(&block.jacobian[column * rows..]) {
                 *entry += d * delta[*at];
             }

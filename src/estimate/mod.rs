@@ -4,7 +4,7 @@
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
 //! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`], summed into a
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
-//! move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
+//! (with [`qp`] where there are bounds) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
 //! [`solve`] is the stage as the pipeline sees it.
 
 pub mod constraint;
@@ -16,11 +16,14 @@ pub mod merit;
 pub mod outcome;
 pub mod point;
 pub mod problem;
+pub mod qp;
 pub mod recipe;
 pub mod samples;
 pub mod solve;
 pub mod system;
 pub mod tempo;
+#[cfg(test)]
+mod tests;
 
 pub use recipe::Recipe;
 pub use solve::estimate;

@@ -115,7 +115,7 @@ fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f64 {
 
 /// Largest of each kind that is left at an event.
 fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
-    let (collisions, goals) = system.blocks.split_at(problem.collisions.len());
+    let (collisions, others) = system.blocks.split_at(problem.collisions.len());
     let of_collisions = problem
         .collisions
         .iter()
@@ -125,7 +125,7 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
     let of_goals = problem
         .goals
         .iter()
-        .zip(goals)
+        .zip(others)
         .filter(|(goal, _)| goal.event == event)
         .map(|(_, block)| constraint::goal_gap(block));
     of_collisions

@@ -13,9 +13,9 @@ use crate::physics::state::StateTangent;
 pub struct Point {
     /// States of the arcs at their epochs.
     pub arcs: Vec<State>,
-    /// Physical times of the scene's events [s].
+    /// Physical times of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
-    /// Physical times of the nodes [s].
+    /// Physical times of the nodes \[s\].
     pub node_times_s: Vec<f64>,
     /// Free parameters.
     pub parameters: Vec<f64>,
@@ -75,7 +75,9 @@ impl Point {
     }
 }
 
-/// `1 + x` to first order, positive everywhere.
+/// `e^{asinh x}`: `1 + x` to first order, positive and smooth, and undone by `−x`.
 fn positive_factor(x: f64) -> f64 {
-    if x >= 0.0 { 1.0 + x } else { 1.0 / (1.0 - x) }
+    let root = (1.0 + x * x).sqrt();
+    // The same without cancellation where x is negative.
+    if x >= 0.0 { root + x } else { 1.0 / (root - x) }
 }

@@ -11,9 +11,9 @@ use crate::physics::impact::Contact;
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
 pub mod unit {
-    /// Contact gap and position [m].
+    /// Contact gap and position \[m\].
     pub const POSITION_M: f64 = 0.01;
-    /// Orientation [rad].
+    /// Orientation \[rad\].
     pub const ORIENTATION_RAD: f64 = 0.1;
     /// Velocity [m/s].
     pub const VELOCITY_M_S: f64 = 0.1;
@@ -80,7 +80,7 @@ pub struct ArcGoal {
 pub enum ArcTarget {
     /// The body's pose.
     Pose(Pose),
-    /// One coordinate of the centre of mass within bounds [m].
+    /// One coordinate of the centre of mass within bounds \[m\].
     Coordinate {
         /// World axis.
         axis: usize,
@@ -104,7 +104,7 @@ pub struct Problem {
     pub arcs: Vec<Arc>,
     /// Whether the time of each of the scene's events is an unknown.
     pub event_is_free: Vec<bool>,
-    /// Acted times of the scene's events [s].
+    /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
     /// Bounces.
     pub collisions: Vec<Collision>,
@@ -112,13 +112,15 @@ pub struct Problem {
     pub goals: Vec<ArcGoal>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
-    /// Acted times of the samples, distinct and increasing [s]: the nodes of the time map.
+    /// Those of them that have a bound.
+    pub bounded: Vec<usize>,
+    /// Acted times of the samples, distinct and increasing \[s\]: the nodes of the time map.
     pub nodes_acted_s: Vec<f64>,
     /// Strength of the tempo prior; `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
-    /// One unit of position residual [m].
+    /// One unit of position residual \[m\].
     pub position_unit_m: f64,
-    /// One unit of orientation residual [rad].
+    /// One unit of orientation residual \[rad\].
     pub orientation_unit_rad: f64,
 }
 
@@ -159,6 +161,12 @@ impl Problem {
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
             parameters: scene.parameters.clone(),
+            bounded: (0..scene.parameters.len())
+                .filter(|index| {
+                    let free = &scene.parameters[*index];
+                    free.lower.is_finite() || free.upper.is_finite()
+                })
+                .collect(),
             nodes_acted_s,
             tempo_sd_per_sqrt_s: match scene.timing {
                 Timing::Known => None,
@@ -174,6 +182,13 @@ impl Problem {
     /// Whether sample times are unknowns.
     pub fn times_are_unknown(&self) -> bool {
         self.tempo_sd_per_sqrt_s.is_some()
+    }
+
+    /// Whether a constraint is an inequality that may well act at the optimum: a goal's or a
+    /// parameter's bound, as opposed to contacts that must not recede.
+    pub fn has_bounds(&self) -> bool {
+        let is_inequality = |goal: &ArcGoal| matches!(goal.target, ArcTarget::Coordinate { lower_m, upper_m, .. } if lower_m < upper_m);
+        !self.bounded.is_empty() || self.goals.iter().any(is_inequality)
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].

@@ -21,7 +21,7 @@ pub struct Recipe {
     pub sweep_weights: Vec<f64>,
     /// Steps at each.
     pub sweep_patience: (usize, f64),
-    /// Standard deviation of the events' pull to their marks while the weight is at most one [s].
+    /// Standard deviation of the events' pull to their marks while the weight is at most one \[s\].
     pub event_sd_s: f64,
     /// First weight of the multiplier rounds.
     pub multiplier_weight: f64,
@@ -67,7 +67,7 @@ pub struct Solution {
     pub counters: Counters,
 }
 
-/// Epochs of the guess, in the order of the arcs [s].
+/// Epochs of the guess, in the order of the arcs \[s\].
 pub fn epochs_s(guess: &Guess) -> Vec<f64> {
     guess.arcs.iter().map(|arc| arc.epoch_s).collect()
 }

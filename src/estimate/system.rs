@@ -18,7 +18,7 @@ pub struct Frame<'a> {
     pub problem: &'a Problem,
     /// Where its unknowns sit.
     pub layout: &'a Layout,
-    /// Physical times at which the arcs' states are held [s].
+    /// Physical times at which the arcs' states are held \[s\].
     pub epochs_s: Vec<f64>,
     /// Sums of each arc's samples; empty where times are unknown.
     pub sums: Vec<ArcSums>,
@@ -56,9 +56,9 @@ impl<'a> Frame<'a> {
 pub struct Guidance {
     /// Greatest normal speed on arrival at each collision [m/s].
     pub approach_limits_m_s: Vec<f64>,
-    /// Times towards which the events are pulled [s].
+    /// Times towards which the events are pulled \[s\].
     pub event_times_s: Vec<f64>,
-    /// Standard deviation of that pull [s]; `None`: no pull.
+    /// Standard deviation of that pull \[s\]; `None`: no pull.
     pub event_sd_s: Option<f64>,
     /// About so many orientations of an arc are read, evenly spread, and stand for all of them.
     pub orientations_per_arc: usize,
@@ -85,29 +85,19 @@ pub struct System {
     pub gradient: DVector<f64>,
     /// Its positive semidefinite Hessian.
     pub hessian: Envelope,
-    /// Constraints: collisions, then goals.
+    /// Constraints, in the order of the layout's blocks.
     pub blocks: Vec<Block>,
 }
 
 impl System {
     /// An empty system.
     pub fn new(frame: &Frame) -> Self {
-        let blocks = frame.problem.collisions.len() + frame.problem.goals.len();
+        let blocks = frame.layout.blocks.len();
         Self {
             cost: 0.0,
             gradient: DVector::zeros(frame.layout.size()),
             hessian: Envelope::zeros(&frame.layout.pattern),
             blocks: vec![Block::default(); blocks],
-        }
-    }
-
-    /// Columns of a block's derivative.
-    pub fn columns<'l>(layout: &'l Layout, block: usize) -> &'l [usize] {
-        let collisions = layout.collisions.len();
-        if block < collisions {
-            &layout.collisions[block]
-        } else {
-            &layout.goals[block - collisions]
         }
     }
 
@@ -119,7 +109,7 @@ impl System {
         self.add_samples(frame, guidance, point);
         self.add_priors(frame, guidance, point);
         let problem = frame.problem;
-        let (collisions, goals) = self.blocks.split_at_mut(problem.collisions.len());
+        let (collisions, others) = self.blocks.split_at_mut(problem.collisions.len());
         for ((collision, block), limit) in problem
             .collisions
             .iter()
@@ -128,8 +118,16 @@ impl System {
         {
             constraint::collision(problem, collision, point, &frame.epochs_s, *limit, block);
         }
+        let (goals, bounded) = others.split_at_mut(problem.goals.len());
         for (goal, block) in problem.goals.iter().zip(goals) {
             constraint::goal(problem, goal, point, &frame.epochs_s, block);
+        }
+        for (parameter, block) in problem.bounded.iter().zip(bounded) {
+            constraint::bound(
+                &problem.parameters[*parameter],
+                point.parameters[*parameter],
+                block,
+            );
         }
     }
 

@@ -64,7 +64,7 @@ mod tests {
                 term(&acted.map(|a| 5.0 + rate * a), &acted, 0.5)
                     .residual
                     .abs()
-                    < 1e-13
+                    < 1e-12
             );
         }
     }

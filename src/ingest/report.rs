@@ -30,7 +30,7 @@ pub struct TakeReport {
     pub topics: Vec<TopicReport>,
     /// The frames in which poses are given; more than one is likely a mistake.
     pub frame_ids: BTreeSet<String>,
-    /// Least log time less stamp of a pose [ns]: the difference of the two clocks, up to the
+    /// Least log time less stamp of a pose \[ns\]: the difference of the two clocks, up to the
     /// least delay.
     pub log_offset_ns: Option<i64>,
     /// Messages in the recording, on any topic.

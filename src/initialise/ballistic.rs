@@ -20,7 +20,7 @@ pub struct Ballistic {
     pub acted_velocity_m_s: Vector3<f64>,
     /// Rate `c` of physical time against acted time; `None` where the fit does not fall.
     pub rate: Option<f64>,
-    /// Sum of squared distances [m²].
+    /// Sum of squared distances \[m²\].
     pub square_m2: f64,
 }
 

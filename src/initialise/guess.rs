@@ -10,7 +10,7 @@ use crate::physics::State;
 /// Guesses at most.
 const GUESSES_MAX: usize = 5;
 
-/// Root mean square angle [rad] above which a turn may fit in several ways: measured, below it
+/// Root mean square angle \[rad\] above which a turn may fit in several ways: measured, below it
 /// no performance had two minima.
 const AMBIGUOUS_RMS_RAD: f64 = 0.35;
 

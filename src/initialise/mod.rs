@@ -1,6 +1,6 @@
 //! Stage 3: a first guess, arc by arc (paper §6.2.1): the centre of mass first, with an
 //! unknown duration where the tempo is unknown ([`ballistic`]), then orientation ([`turn`]),
-//! then all arcs on one time line ([`guess`]).
+//! then all arcs on one time line ([`guess()`]).
 
 pub mod ballistic;
 pub mod guess;

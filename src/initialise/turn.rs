@@ -24,7 +24,7 @@ pub struct TurnFit {
     pub orientation: UnitQuaternion<f64>,
     /// [rad/s, body].
     pub angular_velocity_rad_s: Vector3<f64>,
-    /// Sum of squared angles [rad²].
+    /// Sum of squared angles \[rad²\].
     pub square_rad2: f64,
     /// Iterations, of all starts together.
     pub iterations: usize,

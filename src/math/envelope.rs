@@ -101,6 +101,17 @@ impl Envelope {
         }
     }
 
+    /// The entries as rows, columns (`column ≤ row`) and values.
+    pub fn triplets<'s>(
+        &'s self,
+        pattern: &'s Pattern,
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 's {
+        (0..pattern.size()).flat_map(move |row| {
+            (pattern.first[row]..=row)
+                .map(move |column| (row, column, self.get(pattern, row, column)))
+        })
+    }
+
     /// Replaces the matrix by its Cholesky factor `L`, `A = L Lᵀ`.
     pub fn factorise(&mut self, pattern: &Pattern) -> Result<(), NotPositiveDefinite> {
         for row in 0..pattern.size() {

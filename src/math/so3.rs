@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 /// there: θ⁶/5040 at θ² = 1e-4 is 2e-16 relative.
 const SERIES_BELOW: f64 = 1e-4;
 
-/// `Exp(θ)`: rotation by `|θ|` about `θ` [rad].
+/// `Exp(θ)`: rotation by `|θ|` about `θ` \[rad\].
 pub fn exp(theta: &Vector3<f64>) -> UnitQuaternion<f64> {
     let square = theta.norm_squared();
     let (scale, w) = if square < SERIES_BELOW {
@@ -22,7 +22,7 @@ pub fn exp(theta: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::from_parts(w, theta * scale))
 }
 
-/// `Log(R)`: the rotation vector of angle at most π [rad].
+/// `Log(R)`: the rotation vector of angle at most π \[rad\].
 pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     let q = rotation.quaternion();
     // q and −q are one rotation; take the one of smaller angle.
@@ -133,7 +133,16 @@ mod tests {
             Vector3::new(-0.6, 0.1, 0.7).normalize(),
         ];
         let angles = [
-            0.0, 1e-12, 1e-8, 1e-4, 0.009_999, 0.010_001, 0.3, 1.5, 3.0, 3.14159,
+            0.0,
+            1e-12,
+            1e-8,
+            1e-4,
+            0.009_999,
+            0.010_001,
+            0.3,
+            1.5,
+            3.0,
+            std::f64::consts::PI - 3e-6,
         ];
         axes.iter()
             .flat_map(|a| angles.iter().map(move |t| a * *t))

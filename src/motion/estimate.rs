@@ -36,18 +36,18 @@ pub struct ArcEstimate {
     pub epoch_s: f64,
     /// State at the epoch.
     pub state: State,
-    /// Physical time at which the arc begins [s].
+    /// Physical time at which the arc begins \[s\].
     pub start_s: f64,
-    /// Physical time at which it ends [s].
+    /// Physical time at which it ends \[s\].
     pub end_s: f64,
 }
 
 /// What is left of the constraints at an event, largest of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gap {
-    /// Contact and position [m].
+    /// Contact and position \[m\].
     pub position_m: f64,
-    /// Orientation [rad].
+    /// Orientation \[rad\].
     pub orientation_rad: f64,
     /// Velocity [m/s].
     pub velocity_m_s: f64,
@@ -62,7 +62,7 @@ pub struct EventEstimate {
     pub event: usize,
     /// Physical time [s since the first sample].
     pub time_s: f64,
-    /// Its standard deviation [s]; `None` where it is fixed or undetermined.
+    /// Its standard deviation \[s\]; `None` where it is fixed or undetermined.
     pub sd_s: Option<f64>,
     /// Acted time, refined [s since `Sketch::origin`].
     pub acted_s: f64,
@@ -92,9 +92,9 @@ pub struct SegmentResidual {
     pub body: usize,
     /// Samples in the objective.
     pub samples: usize,
-    /// Root mean square distance of the centre of mass [m].
+    /// Root mean square distance of the centre of mass \[m\].
     pub position_rms_m: f64,
-    /// Root mean square angle [rad].
+    /// Root mean square angle \[rad\].
     pub orientation_rms_rad: f64,
 }
 

@@ -7,17 +7,17 @@ use crate::physics::State;
 pub struct Guess {
     /// One per segment.
     pub arcs: Vec<ArcGuess>,
-    /// Physical time of each of the scene's events [s].
+    /// Physical time of each of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
 }
 
 /// A first guess of the flight in one segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcGuess {
-    /// Physical time of `state`, about the middle of the arc [s].
+    /// Physical time of `state`, about the middle of the arc \[s\].
     pub epoch_s: f64,
     /// State at the epoch.
     pub state: State,
-    /// Physical times of the segment's samples, strictly increasing [s].
+    /// Physical times of the segment's samples, strictly increasing \[s\].
     pub sample_times_s: Vec<f64>,
 }

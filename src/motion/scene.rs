@@ -69,7 +69,7 @@ pub struct SceneBody {
 pub struct Feature {
     /// Unique within the body.
     pub name: String,
-    /// Position in body axes [m].
+    /// Position in body axes \[m\].
     pub point_m: Vector3<f64>,
 }
 
@@ -80,7 +80,7 @@ pub struct Surface {
     pub name: String,
     /// A point on it [m, world].
     pub point_m: Vector3<f64>,
-    /// Unit normal, out of the surface [world].
+    /// Unit normal, out of the surface \[world\].
     pub normal: Vector3<f64>,
 }
 
@@ -182,6 +182,20 @@ pub struct FreeParameter {
     pub prior_sd: Option<f64>,
 }
 
+impl FreeParameter {
+    /// A change of it that matters: its prior's standard deviation or the width of its bounds,
+    /// whichever is less, or one.
+    pub fn length(&self) -> f64 {
+        let width = self.upper - self.lower;
+        let width = if width > 0.0 && width.is_finite() {
+            width
+        } else {
+            1.0
+        };
+        self.prior_sd.unwrap_or(width).min(width)
+    }
+}
+
 /// The quantities that may be free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -195,7 +209,7 @@ pub enum Quantity {
         /// Index into `Scene::events`.
         event: usize,
     },
-    /// Tilt of the surface's normal at a collision [rad] about one of two tangents.
+    /// Tilt of the surface's normal at a collision \[rad\] about one of two tangents.
     Tilt {
         /// Index into `Scene::events`.
         event: usize,
@@ -207,8 +221,8 @@ pub enum Quantity {
 /// What one unit of residual is: the objective is the sum of squared residuals in these units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Position [m].
+    /// Position \[m\].
     pub position_m: f64,
-    /// Orientation [rad].
+    /// Orientation \[rad\].
     pub orientation_rad: f64,
 }

@@ -18,7 +18,7 @@ impl Stamp {
 pub struct PoseSample {
     /// When it was measured (sensor time where there is one).
     pub stamp: Stamp,
-    /// Position [m] as measured: possibly not finite.
+    /// Position \[m\] as measured: possibly not finite.
     pub position_m: nalgebra::Vector3<f64>,
     /// Quaternion `[x, y, z, w]` as measured: possibly not unit, not finite, of either sign.
     pub quaternion_xyzw: [f64; 4],

@@ -55,7 +55,7 @@ pub enum BodyError {
 }
 
 impl Body {
-    /// A body from its mass [kg] and principal moments [kg m²] about body axes 0, 1, 2.
+    /// A body from its mass \[kg\] and principal moments [kg m²] about body axes 0, 1, 2.
     ///
     /// Fails where no distribution of mass has these, or where all three moments differ.
     pub fn new(mass_kg: f64, moments_kg_m2: Vector3<f64>) -> Result<Self, BodyError> {
@@ -107,7 +107,7 @@ impl Body {
         })
     }
 
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub fn mass_kg(&self) -> f64 {
         self.mass_kg
     }

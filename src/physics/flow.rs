@@ -96,9 +96,9 @@ pub struct Turn {
     pub orientation: UnitQuaternion<f64>,
     /// `ω(s)` [rad/s, body].
     pub angular_velocity_rad_s: Vector3<f64>,
-    /// Change of `R(s)` [rad] per change of `R(0)` [rad].
+    /// Change of `R(s)` \[rad\] per change of `R(0)` \[rad\].
     pub orientation_by_orientation: Matrix3<f64>,
-    /// Change of `R(s)` [rad] per change of `ω(0)` [rad/s].
+    /// Change of `R(s)` \[rad\] per change of `ω(0)` [rad/s].
     pub orientation_by_angular_velocity: Matrix3<f64>,
 }
 

@@ -22,18 +22,18 @@ pub struct Contact {
     pub point_m: Vector3<f64>,
     /// A point of the surface [m, world].
     pub surface_point_m: Vector3<f64>,
-    /// Unit normal of the surface [world].
+    /// Unit normal of the surface \[world\].
     pub surface_normal: Vector3<f64>,
 }
 
 impl Contact {
-    /// Distance `φ` of the contact point from the surface [m]; negative inside.
+    /// Distance `φ` of the contact point from the surface \[m\]; negative inside.
     pub fn gap_m(&self, state: &State) -> f64 {
         self.surface_normal
             .dot(&(state.position_m + state.orientation * self.point_m - self.surface_point_m))
     }
 
-    /// `c = p × Rᵀn` for a normal `n`: the change of `φ` [m] per turn [rad, body], and the arm
+    /// `c = p × Rᵀn` for a normal `n`: the change of `φ` \[m\] per turn [rad, body], and the arm
     /// of an impulse along `n` [m, body].
     pub fn arm_m(&self, state: &State, normal: &Vector3<f64>) -> Vector3<f64> {
         self.point_m
@@ -73,7 +73,7 @@ pub fn bounce(
 pub struct BounceDerivative {
     /// By orientation, velocity and angular velocity before (nine columns in this order).
     pub by_state: SMatrix<f64, 6, 9>,
-    /// By the normal, as a free vector [world].
+    /// By the normal, as a free vector \[world\].
     pub by_normal: SMatrix<f64, 6, 3>,
     /// By the restitution.
     pub by_restitution: SMatrix<f64, 6, 1>,

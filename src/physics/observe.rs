@@ -29,7 +29,7 @@ pub struct TurnTerms {
 
 impl TurnTerms {
     /// Adds one measured orientation, `s` seconds from the epoch; returns `K` and the residual
-    /// [rad], both seen from the epoch's frame.
+    /// \[rad\], both seen from the epoch's frame.
     #[inline]
     pub fn add(
         &mut self,

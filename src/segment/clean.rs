@@ -21,7 +21,7 @@ const NORM_ROUNDING: f64 = 1e-6;
 /// An interval is a gap if it is longer than this many median ones.
 const GAP_RATIO: f64 = 2.5;
 
-/// Longest take [s].
+/// Longest take \[s\].
 const SPAN_LIMIT_S: f64 = 86_400.0;
 
 /// The sketch of a take: streams sorted by stamp, without what cannot be used, in body axes,
@@ -228,7 +228,7 @@ fn merge(counts: &mut SampleCounts, more: &SampleCounts) {
     }
 }
 
-/// Interval above which there is a gap in the stream [ns].
+/// Interval above which there is a gap in the stream \[ns\].
 fn gap_limit_ns(stream: &[PoseSample]) -> i64 {
     let mut intervals: Vec<i64> = stream
         .windows(2)

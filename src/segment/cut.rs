@@ -86,7 +86,7 @@ fn cut_body(
     Ok(())
 }
 
-/// Median interval between a body's samples [s]; zero for fewer than two.
+/// Median interval between a body's samples \[s\]; zero for fewer than two.
 pub(super) fn median_interval_s(sketch: &Sketch, body: usize) -> f64 {
     let samples = &sketch.bodies[body].samples;
     let mut intervals: Vec<f64> = samples

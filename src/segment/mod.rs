@@ -4,7 +4,7 @@
 //! [`clean`](clean::clean) sorts what the trackers said by stamp, leaves out what cannot be
 //! used and counts it by reason, moves poses from the tracker to the body, and matches the
 //! performer's marks to the scene's events. Its result does not depend on the order in which
-//! readings arrived. [`refine`] looks for the kink that each mark stands for, and [`cut`] makes
+//! readings arrived. [`refine()`] looks for the kink that each mark stands for, and [`cut()`] makes
 //! the segments.
 
 pub mod clean;

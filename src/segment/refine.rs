@@ -12,7 +12,7 @@ use crate::motion::{BodySketch, EventKind, Scene, Sketch, Timing};
 
 /// Samples on either side of a mark that are tried.
 const REACH_SAMPLES: usize = 8;
-/// Acted time on either side that is tried where the tempo is unknown [s].
+/// Acted time on either side that is tried where the tempo is unknown \[s\].
 const REACH_S: f64 = 0.12;
 /// Samples that must remain between two marks.
 const KEEP_SAMPLES: usize = 5;
@@ -139,7 +139,7 @@ impl PrefixSums {
         Self { sums, free_along }
     }
 
-    /// Sum of squared distances [m²] of samples `begin..end` from their best flight.
+    /// Sum of squared distances \[m²\] of samples `begin..end` from their best flight.
     fn cost(&self, begin: usize, end: usize) -> f64 {
         let (from, to) = (&self.sums[begin], &self.sums[end.max(begin)]);
         let mut powers = [0.0; 5];

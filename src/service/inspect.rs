@@ -196,7 +196,7 @@ fn pace(mut log_times: Vec<u64>) -> MessagePace {
             .iter()
             .filter(|interval| **interval as f64 > limit)
             .count(),
-        longest_gap_s: Some(*longest as f64 * 1e-9),
+        longest_gap_s: Some(*longest as f64 / 1e9),
     }
 }
 

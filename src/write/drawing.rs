@@ -22,7 +22,7 @@ const OBSTACLE: Color = color(0.45, 0.55, 0.65, 0.5);
 const SURFACE: Color = color(0.75, 0.75, 0.75, 0.5);
 const GOAL: Color = color(0.25, 0.80, 0.35, 0.3);
 
-/// How thick a surface is drawn [m]; it lies below the plane.
+/// How thick a surface is drawn \[m\]; it lies below the plane.
 const SURFACE_THICKNESS_M: f64 = 1e-3;
 
 const fn color(r: f64, g: f64, b: f64, a: f64) -> Color {

@@ -25,7 +25,7 @@ const SCENE_NAME: &str = "scene.toml";
 /// Attachment that holds the scene of the estimate where the recording has another one.
 const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
 
-/// Surfaces are drawn at least this wide [m].
+/// Surfaces are drawn at least this wide \[m\].
 const SURFACE_SIDE_M: f64 = 0.5;
 
 /// Everything an output file is made of.
@@ -47,7 +47,7 @@ pub struct EstimateFile<'a> {
     pub estimate: &'a Estimate,
     /// The frame in which the recording gives its poses.
     pub world_frame: &'a str,
-    /// Log time less stamp [ns]: messages are logged so much later than they are stamped.
+    /// Log time less stamp \[ns\]: messages are logged so much later than they are stamped.
     pub log_offset_ns: i64,
     /// Frames per second of the motion.
     pub frame_rate_hz: f64,
@@ -308,7 +308,7 @@ impl<'a> Composer<'a> {
     }
 }
 
-/// How wide surfaces are drawn for the motion to stay above them [m].
+/// How wide surfaces are drawn for the motion to stay above them \[m\].
 fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
     let mut side_m = SURFACE_SIDE_M;
     for surface in &scene.surfaces {

@@ -14,7 +14,7 @@ use crate::physics::{State, flow};
 /// estimation that ran away, and would fill the disk.
 const FRAME_LIMIT: f64 = 86_400.0 * 240.0;
 
-/// Frame rates that are written [Hz].
+/// Frame rates that are written \[Hz\].
 const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
 /// Physical time zero: the stamp of the first sample used.
@@ -27,7 +27,7 @@ pub(super) fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
         .unwrap_or(sketch.origin)
 }
 
-/// The stamp of a physical time [s].
+/// The stamp of a physical time \[s\].
 pub(super) fn stamp(zero: Stamp, time_s: f64) -> Stamp {
     // A float converts to the nearest integer in range.
     Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))
@@ -60,8 +60,11 @@ pub(super) fn estimate_samples(
         return Ok(Vec::new());
     };
     let (start_s, end_s) = (first.start_s, last.end_s);
-    let farthest_s = start_s.abs().max(end_s.abs());
-    if !((end_s - start_s).max(farthest_s) * frame_rate_hz <= FRAME_LIMIT) {
+    let frames = (end_s - start_s) * frame_rate_hz;
+    let farthest = start_s.abs().max(end_s.abs()) * frame_rate_hz;
+    // Not so of numbers that are not finite either.
+    let is_sane = frames <= FRAME_LIMIT && farthest <= FRAME_LIMIT;
+    if !is_sane {
         return Err(WriteError::Span {
             path: path.to_owned(),
             body: scene.bodies[body].name.clone(),

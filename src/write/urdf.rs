@@ -25,7 +25,14 @@ const SURFACE_RGBA: &str = "0.75 0.75 0.75 0.5";
 pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> String {
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     let world = escaped(world_frame);
-    let _ = writeln!(text, "<robot name=\"{}\">", escaped(&scene.name));
+    // Viewers make paths of this name: words only.
+    let name: String = scene
+        .name
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join("_");
+    let _ = writeln!(text, "<robot name=\"{name}\">");
     let _ = writeln!(text, "  <link name=\"{world}\">");
     for obstacle in &scene.obstacles {
         add_shape(
@@ -156,12 +163,12 @@ mod tests {
     fn links_are_the_frames_of_the_estimate() {
         let mut scene = scene();
         scene.name = "a <\"b\"> & c".to_owned();
-        let text = robot(&scene, "map", 2.0);
+        let text = robot(&scene, "map <\"1\"> &", 2.0);
         for line in [
-            "<robot name=\"a &lt;&quot;b&quot;&gt; &amp; c\">",
-            "<link name=\"map\">",
+            "<robot name=\"a_b_c\">",
+            "<link name=\"map &lt;&quot;1&quot;&gt; &amp;\">",
             "<link name=\"pencil_estimate\">",
-            "<parent link=\"map\"/>",
+            "<parent link=\"map &lt;&quot;1&quot;&gt; &amp;\"/>",
             "<cylinder radius=\"0.00375\" length=\"0.19\"/>",
         ] {
             assert!(text.contains(line), "{line} is not in\n{text}");

@@ -51,9 +51,9 @@ pub struct Channel {
 /// An attachment of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// When it was recorded [ns].
+    /// When it was recorded \[ns\].
     pub log_time: u64,
-    /// When it was made [ns].
+    /// When it was made \[ns\].
     pub create_time: u64,
     /// Its name; not necessarily unique.
     pub name: String,
@@ -174,7 +174,7 @@ impl Container {
         self.messages
     }
 
-    /// Least and greatest log time of a message [ns].
+    /// Least and greatest log time of a message \[ns\].
     pub fn log_times(&self) -> Option<(u64, u64)> {
         self.log_times
     }

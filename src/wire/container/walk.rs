@@ -16,9 +16,9 @@ pub struct Message<'a> {
     pub channel_id: u16,
     /// Sequence number, whatever its writer meant by it.
     pub sequence: u32,
-    /// When it was recorded [ns].
+    /// When it was recorded \[ns\].
     pub log_time: u64,
-    /// When it was published [ns].
+    /// When it was published \[ns\].
     pub publish_time: u64,
     /// Its content.
     pub data: &'a [u8],

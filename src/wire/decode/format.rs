@@ -16,7 +16,7 @@ pub struct FramedPose {
     pub child: String,
     /// When it was measured; `None` where the message does not say or says zero.
     pub stamp: Option<Stamp>,
-    /// Position [m], as sent.
+    /// Position \[m\], as sent.
     pub position_m: Vector3<f64>,
     /// Quaternion, as sent.
     pub quaternion_xyzw: [f64; 4],

@@ -43,7 +43,7 @@ position_mm = [0, 0, 100]
 orientation_wxyz = [1, 0, 0, 0]
 "#;
 
-/// First stamp of the take [ns].
+/// First stamp of the take \[ns\].
 pub(crate) const FIRST_NS: i64 = 1_700_000_000_000_000_000;
 
 pub(crate) fn scene() -> Scene {

@@ -409,3 +409,22 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
     assert!(matches!(error, WriteError::Io { .. }), "{error}");
     assert_eq!(fs::read_dir(directory.path()).expect("list").count(), 2);
 }
+
+#[test]
+fn a_real_capture_comes_out_unchanged() {
+    let input = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/real/mcap/cub_stabilize_2025_11_13.mcap");
+    let Ok(bytes) = fs::read(&input) else {
+        eprintln!("skipped: {} is not there", input.display());
+        return;
+    };
+    let directory = tempfile::tempdir().expect("directory");
+    let copy = directory.path().join("in.mcap");
+    fs::write(&copy, bytes).expect("copy");
+    let (before, after) = (read(&copy), read(&written(&copy, "out.mcap", SCENE_TOML)));
+    let mut theirs = messages(&before, |_| true);
+    theirs.sort_by_key(|message| message.2);
+    assert_eq!(theirs.len() as u64, before.message_count());
+    assert!(theirs == messages(&after, |ours| !ours));
+    assert_eq!(before.metadata(), after.metadata());
+}

@@ -1,0 +1,117 @@
+//! The quadratic programme of a step with bounds, by clarabel: which of them act?
+//!
+//! `min ½ δᵀHδ + gᵀδ` subject to `lower ≤ v + Jδ ≤ upper`, row by row. An interior-point method
+//! answers to about eight digits; the finish takes the set of acting rows from its multipliers
+//! and solves for the step exactly.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+use super::system::{Frame, System};
+
+/// Added to the diagonal, relative: clarabel takes an indefinite matrix without a word.
+const CONVEX: f64 = 1e-9;
+/// Multipliers below this share of the largest are an interior point's zero.
+const ZERO: f64 = 1e-6;
+
+/// Multipliers of all rows at the programme's optimum, zero for rows that do not act; `None`
+/// where clarabel does not solve it.
+pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
+    let layout = frame.layout;
+    let size = layout.size();
+    let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for (row, column, value) in system.hessian.triplets(&layout.pattern) {
+        // Clarabel reads the upper triangle only.
+        let diagonal = if row == column {
+            CONVEX * (1.0 + value.abs())
+        } else {
+            0.0
+        };
+        rows.push(column);
+        columns.push(row);
+        values.push(value + diagonal);
+    }
+    let p = CscMatrix::new_from_triplets(size, size, rows, columns, values);
+
+    let sides = sides(system);
+    let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, side) in sides.iter().enumerate() {
+        let block = &system.blocks[side.block];
+        let count = block.values.len();
+        for (column, at) in layout.blocks[side.block].iter().enumerate() {
+            rows.push(index);
+            columns.push(*at);
+            values.push(side.sign * block.jacobian[column * count + side.row]);
+        }
+    }
+    let a = CscMatrix::new_from_triplets(sides.len(), size, rows, columns, values);
+    let b: Vec<f64> = sides.iter().map(|side| side.room).collect();
+    let equalities = sides.iter().filter(|side| side.is_equality).count();
+    let cones = [
+        SupportedConeT::ZeroConeT(equalities),
+        SupportedConeT::NonnegativeConeT(sides.len() - equalities),
+    ];
+    let settings = DefaultSettings {
+        verbose: false,
+        ..DefaultSettings::default()
+    };
+    let gradient = system.gradient.as_slice();
+    let mut solver = DefaultSolver::new(&p, gradient, &a, &b, &cones, settings).ok()?;
+    solver.solve();
+    if !matches!(
+        solver.solution.status,
+        SolverStatus::Solved | SolverStatus::AlmostSolved
+    ) {
+        return None;
+    }
+    let z = &solver.solution.z;
+    let largest = z.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let mut multipliers = vec![0.0; system.row_count()];
+    for (side, value) in sides.iter().zip(z) {
+        if side.is_equality || *value > ZERO * largest {
+            multipliers[side.index] += side.sign * value;
+        }
+    }
+    Some(multipliers)
+}
+
+/// One side of a row: `sign · Jδ ≤ room`, or equal to it.
+struct Side {
+    /// Among all rows.
+    index: usize,
+    block: usize,
+    row: usize,
+    is_equality: bool,
+    sign: f64,
+    room: f64,
+}
+
+/// All finite sides, equalities first.
+fn sides(system: &System) -> Vec<Side> {
+    let mut sides = Vec::new();
+    let mut index = 0;
+    for (number, block) in system.blocks.iter().enumerate() {
+        for (row, (value, (lower, upper))) in block.values.iter().zip(&block.bounds).enumerate() {
+            let is_equality = lower == upper;
+            let mut push = |sign: f64, room: f64| {
+                sides.push(Side {
+                    index,
+                    block: number,
+                    row,
+                    is_equality,
+                    sign,
+                    room,
+                });
+            };
+            if upper.is_finite() {
+                push(1.0, upper - value);
+            }
+            if lower.is_finite() && !is_equality {
+                push(-1.0, value - lower);
+            }
+            index += 1;
+        }
+    }
+    sides.sort_by_key(|side| !side.is_equality);
+    sides
+}
