@@ -50,7 +50,9 @@ impl Uncertainty {
             system,
             counters: Default::default(),
         };
-        if !finish.run(&Tolerances::default(), &mut || false).converged {
+        let finished = finish.run(&Tolerances::default(), &mut || false);
+        if !finished.converged {
+            eprintln!("DEBUG {finished:?}");
             return None;
         }
         let (point, system) = (&finish.point, &finish.system);
@@ -135,7 +137,7 @@ fn jacobian(frame: &Frame, system: &System) -> DMatrix<f64> {
                 continue;
             }
             let mut dense = DVector::zeros(frame.layout.size());
-            for (column, at) in System::columns(frame.layout, index).iter().enumerate() {
+            for (column, at) in frame.layout.blocks[index].iter().enumerate() {
                 dense[*at] += block.jacobian[column * count + row];
             }
             rows.push(dense);

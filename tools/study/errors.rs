@@ -22,7 +22,7 @@ pub struct Errors {
     pub velocity: f64,
     /// Of angular velocities.
     pub angular_velocity: f64,
-    /// Of event times, relative to the duration.
+    /// Of the times of events that are estimated, relative to the duration.
     pub event_time: f64,
     /// Of sample times, relative to the duration.
     pub sample_time: f64,
@@ -51,7 +51,8 @@ impl Errors {
         let late = |estimated_s: f64, true_s: f64| {
             (estimated_s - offset_s - true_s).abs() / truth.duration_s
         };
-        let events = estimate.events.iter();
+        let is_free = &posed.problem.event_is_free;
+        let events = estimate.events.iter().filter(|event| is_free[event.event]);
         let events = events.map(|event| late(event.time_s, truth.event_times_s[event.event]));
         let samples = estimate.sample_times.iter();
         let samples = samples.map(|s| late(s.time_s, case.hidden_s(s.body, s.stamp)));
