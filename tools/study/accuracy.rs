@@ -10,7 +10,7 @@ use enact::motion::Verdict;
 use serde::Serialize;
 
 use crate::case::Case;
-use crate::errors::Errors;
+use crate::errors::{Errors, has_converged};
 use crate::perform::{Acting, Style, Truth, bounces};
 use crate::results::Options;
 use crate::statistics::{largest, median};
@@ -32,6 +32,8 @@ struct Row {
     /// Of the physical ones.
     errors: Vec<Errors>,
     failed_seeds: Vec<u64>,
+    /// Physical, but the solver got no further before it had converged: seed and its reason.
+    stalled: Vec<(u64, String)>,
 }
 
 /// Runs it.
@@ -92,6 +94,7 @@ fn row(
         physical: 0,
         errors: Vec::new(),
         failed_seeds: Vec::new(),
+        stalled: Vec::new(),
     };
     for (seed, truth) in runs {
         row.runs += 1;
@@ -100,6 +103,9 @@ fn row(
             Ok(outcome) if outcome.estimate.verdict == Verdict::Physical => {
                 row.physical += 1;
                 row.errors.push(Errors::of(&case, &outcome));
+                if !has_converged(&outcome.estimate) {
+                    row.stalled.push((seed, outcome.estimate.reason));
+                }
             }
             _ => row.failed_seeds.push(seed),
         }
@@ -115,6 +121,7 @@ fn table(rows: &[Row]) -> Table {
             "motion",
             "runs",
             "physical",
+            "converged",
             "position",
             "orientation rad",
             "velocity",
@@ -143,6 +150,7 @@ fn table(rows: &[Row]) -> Table {
             row.motion.clone(),
             row.runs.to_string(),
             percent(row.physical, row.runs),
+            percent(row.physical - row.stalled.len(), row.runs),
         ];
         let target = row.target.map_or("–".to_owned(), number);
         table.row(cells.into_iter().chain(errors).chain([target, met]));

@@ -7,12 +7,15 @@ use enact::motion::Verdict;
 use serde::Serialize;
 
 use crate::case::{Case, Posed};
-use crate::errors::{goal_gap, sample_time_errors_s, simulated_goal_gap};
+use crate::errors::{goal_gap, has_converged, sample_time_errors_s, simulated_goal_gap};
 use crate::perform::{Acting, Style};
 use crate::results::Options;
 use crate::starts::{is_best, lowest, starts};
 use crate::statistics::{largest, median, rms};
 use crate::table::{Table, number, percent};
+
+/// How long the hand rests after the landing in the recordings of this repository [s].
+const REST_S: f64 = 0.3;
 
 /// A style, acted in one way, at all seeds.
 #[derive(Serialize)]
@@ -20,6 +23,7 @@ struct Row {
     style: &'static str,
     timing_known: bool,
     distortion: f64,
+    rest_s: f64,
     seeds: Vec<Seed>,
 }
 
@@ -34,6 +38,7 @@ struct Seed {
     lowest: Option<f64>,
     lowest_start: Option<String>,
     is_best: bool,
+    has_converged: bool,
     starts_tried: usize,
     iterations: usize,
     time_s: f64,
@@ -58,9 +63,16 @@ pub fn run(options: &Options) -> Result<()> {
             ));
         }
     }
-    for style in Style::ALL {
-        for distortion in [1.0, 2.0, 4.0] {
-            rows.push(row(style, Acting::default(), distortion, options.seeds));
+    // A recorder that stops with the motion, and one that runs on while the hand rests.
+    for hold_after_s in [0.0, REST_S] {
+        for style in Style::ALL {
+            for distortion in [1.0, 2.0, 4.0] {
+                let acting = Acting {
+                    hold_after_s,
+                    ..Acting::default()
+                };
+                rows.push(row(style, acting, distortion, options.seeds));
+            }
         }
     }
     println!("{}", found(&rows));
@@ -78,6 +90,7 @@ fn row(style: Style, acting: Acting, distortion: f64, seeds: u64) -> Row {
         style: style.word(),
         timing_known: acting.is_timing_known(),
         distortion,
+        rest_s: acting.hold_after_s,
         seeds: (0..seeds).map(|seed| one(style, &acting, seed)).collect(),
     }
 }
@@ -95,6 +108,7 @@ fn one(style: Style, acting: &Acting, seed: u64) -> Seed {
         lowest: None,
         lowest_start: None,
         is_best: false,
+        has_converged: false,
         starts_tried: 0,
         iterations: 0,
         time_s,
@@ -115,6 +129,7 @@ fn one(style: Style, acting: &Acting, seed: u64) -> Seed {
     let estimate = &outcome.estimate;
     result.verdict = estimate.verdict.word();
     result.reason.clone_from(&estimate.reason);
+    result.has_converged = has_converged(estimate);
     result.objective = estimate.objective;
     result.starts_tried = estimate.counters.starts;
     result.iterations = estimate.counters.iterations;
@@ -155,10 +170,10 @@ impl Row {
     }
 
     fn head(&self) -> [String; 3] {
-        let timing = if self.timing_known {
-            "known"
-        } else {
-            "unknown"
+        let timing = match (self.timing_known, self.rest_s > 0.0) {
+            (true, _) => "known",
+            (false, false) => "unknown",
+            (false, true) => "unknown, rest",
         };
         [
             self.style.to_owned(),
@@ -177,6 +192,7 @@ fn found(rows: &[Row]) -> Table {
             "distortion",
             "n",
             "physical",
+            "converged",
             "best known optimum",
             "largest goal gap m, rad",
             "the same simulated",
@@ -194,6 +210,7 @@ fn found(rows: &[Row]) -> Table {
                 row.count(|seed| seed.verdict == "physical"),
                 row.seeds.len(),
             ),
+            percent(row.count(|seed| seed.has_converged), row.seeds.len()),
             percent(row.count(|seed| seed.is_best), row.seeds.len()),
             both(
                 row.largest(|s| s.goal_gap_m),
@@ -215,6 +232,7 @@ fn timing(rows: &[Row]) -> Table {
         "Recovered sample times, error against the hidden ones",
         &[
             "style",
+            "timing",
             "distortion",
             "rms ms",
             "rms ms, best offset taken off",
@@ -224,14 +242,11 @@ fn timing(rows: &[Row]) -> Table {
     for row in rows.iter().filter(|row| !row.timing_known) {
         let raw = row.of(|seed| 1e3 * seed.sample_time_rms_s);
         let centred = row.of(|seed| 1e3 * seed.sample_time_rms_without_offset_s);
-        let [style, _, distortion] = row.head();
-        table.row([
-            style,
-            distortion,
+        table.row(row.head().into_iter().chain([
             number(rms(&raw)),
             number(rms(&centred)),
             number(largest(&centred)),
-        ]);
+        ]));
     }
     table
 }

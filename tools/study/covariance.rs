@@ -7,12 +7,13 @@
 
 use anyhow::Result;
 use enact::math::Pose;
-use enact::motion::{Estimate, Timing};
+use enact::motion::{Estimate, Timing, Verdict};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::case::{Case, Posed};
 use crate::dense::Uncertainty;
+use crate::errors::has_converged;
 use crate::perform::{Acting, Style, Truth};
 use crate::results::Options;
 use crate::statistics::{mean, rms};
@@ -57,6 +58,8 @@ struct Row {
     style: &'static str,
     way: &'static str,
     runs: usize,
+    physical: usize,
+    converged: usize,
     without_covariance: usize,
     rank: usize,
     /// Of every run, by the dense covariance and by the library's.
@@ -139,6 +142,8 @@ fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: u
         style: style.word(),
         way,
         runs: 0,
+        physical: 0,
+        converged: 0,
         without_covariance: 0,
         rank: 0,
         squares_exact: Vec::new(),
@@ -156,13 +161,15 @@ fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: u
             continue;
         };
         row.runs += 1;
+        row.physical += usize::from(outcome.estimate.verdict == Verdict::Physical);
+        row.converged += usize::from(has_converged(&outcome.estimate));
         let posed = Posed::new(case.scene(), &outcome.sketch);
         let offset_s = case.offset_s(&posed, &outcome.sketch);
         row.add_events(&case, &outcome.estimate, offset_s);
         if !is_white {
             continue;
         }
-        match Uncertainty::of(&case, &posed, &outcome.estimate, offset_s) {
+        match Uncertainty::of(&case, &posed, offset_s) {
             Some(uncertainty) => row.add(&posed, &uncertainty),
             None => row.without_covariance += 1,
         }
@@ -226,6 +233,8 @@ fn squares(rows: &[Row]) -> Table {
             "style",
             "acted",
             "runs",
+            "physical",
+            "converged",
             "independent unknowns",
             "dense covariance",
             "the library's",
@@ -233,12 +242,15 @@ fn squares(rows: &[Row]) -> Table {
             "no covariance",
         ],
     );
-    for row in rows.iter().filter(|row| !row.squares_exact.is_empty()) {
+    let white = |row: &&Row| !row.squares_exact.is_empty() || row.without_covariance > 0;
+    for row in rows.iter().filter(white) {
         let share = |squares: &[f64]| format!("{:.3}", mean(squares) / row.rank as f64);
         table.row([
             row.style.to_owned(),
             row.way.to_owned(),
             row.runs.to_string(),
+            percent(row.physical, row.runs),
+            percent(row.converged, row.runs),
             row.rank.to_string(),
             share(&row.squares_exact),
             share(&row.squares_library),

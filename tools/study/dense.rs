@@ -4,11 +4,10 @@
 #![allow(dead_code)]
 
 use enact::estimate::covariance::Covariance;
-use enact::estimate::finish::{Finish, Tolerances};
 use enact::estimate::point::Point;
-use enact::estimate::recipe;
-use enact::estimate::system::{Frame, Guidance, System};
-use enact::motion::{Estimate, Guess};
+use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::solve;
+use enact::estimate::system::{Frame, System};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::case::{Case, Posed};
@@ -30,33 +29,15 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// At the optimum that `estimate` is, reached again by the finish from there. `None` where
-    /// the finish or the library's covariance fails.
-    pub fn of(case: &Case, posed: &Posed, estimate: &Estimate, offset_s: f64) -> Option<Self> {
-        let mut guess: Guess = posed.guesses[0].clone();
-        for (arc, found) in guess.arcs.iter_mut().zip(&estimate.arcs) {
-            (arc.epoch_s, arc.state) = (found.epoch_s, found.state);
-        }
-        guess.event_times_s = estimate.events.iter().map(|event| event.time_s).collect();
+    /// Where the program's solver ends. `None` where the library has no covariance.
+    pub fn of(case: &Case, posed: &Posed, offset_s: f64) -> Option<Self> {
         let (problem, layout) = (&posed.problem, &posed.layout);
-        let point = Point::new(problem, &guess);
-        let frame = Frame::new(problem, layout, recipe::epochs_s(&guess), &point);
-        let mut system = System::new(&frame);
-        system.evaluate(&frame, &Guidance::none(problem), &point);
-        let mut finish = Finish {
-            multipliers: vec![0.0; system.row_count()],
-            frame: &frame,
-            point,
-            system,
-            counters: Default::default(),
-        };
-        let finished = finish.run(&Tolerances::default(), &mut || false);
-        if !finished.converged {
-            eprintln!("DEBUG {finished:?}");
-            return None;
-        }
-        let (point, system) = (&finish.point, &finish.system);
-        let covariance = Covariance::new(&frame, system, &finish.multipliers)?;
+        let recipe = Recipe::default();
+        let (best, solution) = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
+        let guess = &posed.guesses[best];
+        let (point, system) = (&solution.point, &solution.system);
+        let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
+        let covariance = Covariance::new(&frame, system, &solution.multipliers)?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all) / covariance.variance_factor;
         let (hessian, jacobian) = (hessian(&frame, system), jacobian(&frame, system));

@@ -84,6 +84,12 @@ impl Errors {
     }
 }
 
+/// Whether the solver stopped because it was done, and not because it got no further: its verdict
+/// is about the gaps alone.
+pub fn has_converged(estimate: &Estimate) -> bool {
+    estimate.reason.starts_with("converged")
+}
+
 /// Sample times against the hidden ones: rms as they are, and with the best constant taken
 /// off [s].
 pub fn sample_time_errors_s(case: &Case, outcome: &Outcome) -> (f64, f64) {

@@ -66,7 +66,10 @@ pub fn run(options: &Options) -> Result<()> {
             &Case::new(&truth, &acting, 1),
         ));
         if power <= 4 {
-            let slow = Acting::default();
+            let slow = Acting {
+                hold_after_s: 0.0,
+                ..Acting::default()
+            };
             let rate_hz = rate_hz / slow.slowdown;
             let acting = Acting {
                 rate_hz,

@@ -1,0 +1,164 @@
+//! The recordings that come along: what they become, and how much work it takes.
+//!
+//! The work is counted, not timed. A change of the counters is no error by itself: it says that
+//! the solver goes another way. If that is meant, run
+//!
+//! ```text
+//! cargo test --test golden
+//! ```
+//!
+//! take the numbers from its message, and say in the commit why they changed. The event times
+//! must not change with them by more than a microsecond, unless the problem itself is another one.
+
+use std::path::Path;
+
+use enact::config::scene_from_toml;
+use enact::ingest::Recording;
+use enact::motion::{Counters, Scene, Verdict};
+use enact::pipeline::{Outcome, Pipeline};
+use serde::Deserialize;
+
+/// Event times are the same to this [s].
+const SAME_S: f64 = 1e-6;
+/// Beside three reported standard deviations: the hand's wander is no independent noise, which
+/// the standard deviations take it for [s].
+const MARGIN_S: f64 = 0.02;
+
+struct Golden {
+    file: &'static str,
+    counters: Counters,
+    event_times_s: [f64; 2],
+}
+
+fn golden() -> [Golden; 2] {
+    [
+        Golden {
+            file: "pencil_tip.mcap",
+            counters: Counters {
+                iterations: 35,
+                evaluations: 46,
+                factorisations: 35,
+                fit_iterations: 55,
+                assignment_rounds: 1,
+                starts: 1,
+            },
+            event_times_s: [0.3468440, 0.7972444],
+        },
+        Golden {
+            file: "pencil_eraser.mcap",
+            counters: Counters {
+                iterations: 30,
+                evaluations: 41,
+                factorisations: 30,
+                fit_iterations: 54,
+                assignment_rounds: 1,
+                starts: 1,
+            },
+            event_times_s: [0.3520924, 0.7858622],
+        },
+    ]
+}
+
+/// What the tests need of the attachment `truth.json`.
+#[derive(Deserialize)]
+struct TrueMotion {
+    events: Vec<TrueEvent>,
+    samples: Vec<TrueSamples>,
+}
+
+#[derive(Deserialize)]
+struct TrueEvent {
+    name: String,
+    time_s: f64,
+}
+
+#[derive(Deserialize)]
+struct TrueSamples {
+    stamps_ns: Vec<i64>,
+    times_s: Vec<f64>,
+}
+
+fn open(file: &str) -> Recording {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+    Recording::open(&folder.join(file)).unwrap()
+}
+
+fn scene(recording: &Recording) -> Scene {
+    let text = recording
+        .scene_toml()
+        .expect("the recording carries its scene");
+    scene_from_toml(std::str::from_utf8(text).unwrap()).unwrap()
+}
+
+fn estimated(recording: &Recording) -> Outcome {
+    let scene = scene(recording);
+    let take = recording.take(&scene).unwrap();
+    let mut pipeline = Pipeline::new(scene);
+    for event in take.events {
+        pipeline.push(event);
+    }
+    pipeline.finish(&mut ()).unwrap()
+}
+
+fn truth(recording: &Recording) -> TrueMotion {
+    let container = recording.container();
+    let mut attachments = container.attachments().iter();
+    let attachment = attachments.find(|attachment| attachment.name == "truth.json");
+    serde_json::from_slice(container.attachment_data(attachment.unwrap())).unwrap()
+}
+
+#[test]
+fn work_and_events_are_as_they_were() {
+    let mut found = Vec::new();
+    let mut is_same = true;
+    for golden in golden() {
+        let outcome = estimated(&open(golden.file));
+        let estimate = &outcome.estimate;
+        assert_eq!(
+            estimate.verdict,
+            Verdict::Physical,
+            "{}: {}",
+            golden.file,
+            estimate.reason
+        );
+        let times_s: Vec<f64> = estimate.events.iter().map(|event| event.time_s).collect();
+        is_same &= estimate.counters == golden.counters;
+        let pairs = times_s.iter().zip(&golden.event_times_s);
+        is_same &= pairs.fold(true, |same, (a, b)| same && (a - b).abs() < SAME_S);
+        found.push(format!(
+            "{}: {:#?}, event times {times_s:.8?}",
+            golden.file, estimate.counters
+        ));
+    }
+    assert!(is_same, "changed; now they are\n{}", found.join("\n"));
+}
+
+#[test]
+fn events_are_where_they_really_were() {
+    for golden in golden() {
+        let recording = open(golden.file);
+        let outcome = estimated(&recording);
+        let (scene, truth) = (scene(&recording), truth(&recording));
+        let estimate = &outcome.estimate;
+        // The zero of physical time is a convention: the first sample that is used has it.
+        let first = estimate.sample_times[0];
+        let samples = &truth.samples[0];
+        let index = samples.stamps_ns.binary_search(&first.stamp.0).unwrap();
+        let offset_s = first.time_s - samples.times_s[index];
+        for event in &estimate.events {
+            let name = &scene.events[event.event].name;
+            let known = truth
+                .events
+                .iter()
+                .find(|other| other.name == *name)
+                .unwrap();
+            let error_s = event.time_s - offset_s - known.time_s;
+            let sd_s = event.sd_s.expect("both events are estimated");
+            assert!(
+                error_s.abs() <= 3.0 * sd_s + MARGIN_S,
+                "{} {name}: off by {error_s} s, reported {sd_s} s",
+                golden.file
+            );
+        }
+    }
+}

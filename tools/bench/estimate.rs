@@ -1,0 +1,181 @@
+//! What the stages cost, one thread, from the take as it was recorded.
+//!
+//! ```text
+//! cargo bench --bench estimate
+//! cargo bench --bench estimate -- cold
+//! ```
+//!
+//! `cold` is the whole pipeline with nothing prepared; the other groups are its parts. The
+//! performances are those of `tools/perform` with seed 1.
+
+#[path = "../study/case.rs"]
+mod case;
+#[path = "../perform/mod.rs"]
+mod perform;
+
+use case::{Case, Posed, estimated};
+use enact::motion::Sketch;
+use perform::{Acting, Style, bounces};
+
+const SEED: u64 = 1;
+
+fn main() {
+    divan::main();
+}
+
+fn known(style: Style) -> Case {
+    Case::pencil(style, &Acting::timing_known(), SEED)
+}
+
+fn unknown(style: Style) -> Case {
+    Case::pencil(style, &Acting::default(), SEED)
+}
+
+/// A cube that bounces ten times.
+fn cube() -> Case {
+    let truth = bounces(10, SEED).expect("a motion with ten bounces");
+    let acting = Acting {
+        distortion: 0.25,
+        ..Acting::timing_known()
+    };
+    Case::new(&truth, &acting, SEED)
+}
+
+/// The sketch with refined marks, as the pipeline leaves it, and the problem it poses.
+fn posed(case: &Case) -> (Sketch, Posed) {
+    let outcome = case
+        .estimated(&mut ())
+        .expect("there is something to estimate from");
+    let posed = Posed::new(case.scene(), &outcome.sketch);
+    (outcome.sketch, posed)
+}
+
+mod cold {
+    use super::*;
+
+    fn run(bencher: divan::Bencher, case: &Case) {
+        let (scene, events) = (case.scene(), &case.performance.events);
+        bencher.bench_local(|| estimated(scene, events, &mut ()));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_eraser_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Eraser));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_eraser_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Eraser));
+    }
+
+    #[divan::bench]
+    fn cube_ten_bounces_known(bencher: divan::Bencher) {
+        run(bencher, &cube());
+    }
+}
+
+mod segment {
+    use super::*;
+
+    /// Marks only: the sketch is cleaned already.
+    fn run(bencher: divan::Bencher, case: &Case) {
+        let sketch = case.performance.sketch();
+        bencher
+            .with_inputs(|| sketch.clone())
+            .bench_local_values(|mut sketch| {
+                enact::segment::refine(case.scene(), &mut sketch);
+                sketch
+            });
+    }
+
+    #[divan::bench]
+    fn refine_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn refine_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn refine_ten_bounces(bencher: divan::Bencher) {
+        run(bencher, &cube());
+    }
+}
+
+mod initialise {
+    use super::*;
+
+    fn run(bencher: divan::Bencher, case: &Case) {
+        let (sketch, posed) = posed(case);
+        bencher.bench_local(|| enact::initialise::guess(case.scene(), &sketch, &posed.segments));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn cube_ten_bounces_known(bencher: divan::Bencher) {
+        run(bencher, &cube());
+    }
+}
+
+/// One iteration of the finish at the guess: objective and constraints with all derivatives,
+/// one factorisation, one step.
+mod iteration {
+    use enact::estimate::finish::Kkt;
+    use enact::estimate::point::Point;
+    use enact::estimate::recipe::epochs_s;
+    use enact::estimate::system::{Frame, Guidance, System};
+
+    use super::*;
+
+    fn run(bencher: divan::Bencher, case: &Case) {
+        let (_, posed) = posed(case);
+        let (problem, guess) = (&posed.problem, &posed.guesses[0]);
+        let point = Point::new(problem, guess);
+        let frame = Frame::new(problem, &posed.layout, epochs_s(guess), &point);
+        let guidance = Guidance::none(problem);
+        let mut system = System::new(&frame);
+        system.evaluate(&frame, &guidance, &point);
+        let multipliers = vec![0.0; system.row_count()];
+        bencher.bench_local(|| {
+            system.evaluate(&frame, &guidance, &point);
+            let kkt = Kkt::new(&frame, &system, &multipliers);
+            kkt.map(|kkt| kkt.step(&frame, &system))
+        });
+    }
+
+    #[divan::bench]
+    fn pencil_tip_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn cube_ten_bounces_known(bencher: divan::Bencher) {
+        run(bencher, &cube());
+    }
+}
