@@ -1,9 +1,14 @@
 //! Single records: their frames and their contents.
+//!
+//! Parsed by hand. The library's parser reserves what a string claims as its length before it
+//! looks whether so much is there, up to 4 GB for one flipped bit, and slices out of bounds
+//! where an attachment is too short for its checksum.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use mcap::McapError;
-use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader, op};
+use mcap::records::{Channel, MessageHeader, Metadata, SchemaHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// Opcode and length.
@@ -72,27 +77,47 @@ pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Con
             })
         }
         op::ATTACHMENT => attachment(bytes, range),
-        op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
-            match mcap::parse_record(opcode, body)? {
-                Record::Header(header) => Ok(Content::Header {
-                    profile: header.profile,
-                }),
-                Record::Schema { header, .. } if header.id == 0 => Err(McapError::InvalidSchemaId),
-                Record::Schema { header, data } => Ok(Content::Schema {
-                    header,
-                    data: data.into_owned(),
-                }),
-                Record::Channel(channel) => Ok(Content::Channel(channel)),
-                Record::Metadata(metadata) => Ok(Content::Metadata(metadata)),
-                _ => Ok(Content::Other),
-            }
+        op::HEADER => Ok(Content::Header {
+            profile: text(body, &mut 0)?,
+        }),
+        op::SCHEMA => schema(body),
+        op::CHANNEL => channel(body),
+        op::METADATA => {
+            let mut at = 0;
+            Ok(Content::Metadata(Metadata {
+                name: text(body, &mut at)?,
+                metadata: pairs(body, &mut at)?,
+            }))
         }
         _ => Ok(Content::Other),
     }
 }
 
-/// Parsed by hand: the library's parser slices out of bounds where the record is too short for
-/// its checksum.
+fn schema(body: &[u8]) -> Result<Content, McapError> {
+    let mut at = 0;
+    let header = SchemaHeader {
+        id: u16::from_le_bytes(take(body, &mut at)?),
+        name: text(body, &mut at)?,
+        encoding: text(body, &mut at)?,
+    };
+    if header.id == 0 {
+        return Err(McapError::InvalidSchemaId);
+    }
+    let data = prefixed(body, &mut at)?.to_vec();
+    Ok(Content::Schema { header, data })
+}
+
+fn channel(body: &[u8]) -> Result<Content, McapError> {
+    let mut at = 0;
+    Ok(Content::Channel(Channel {
+        id: u16::from_le_bytes(take(body, &mut at)?),
+        schema_id: u16::from_le_bytes(take(body, &mut at)?),
+        topic: text(body, &mut at)?,
+        message_encoding: text(body, &mut at)?,
+        metadata: pairs(body, &mut at)?,
+    }))
+}
+
 fn attachment(bytes: &[u8], range: Range<usize>) -> Result<Content, McapError> {
     let body = &bytes[range.clone()];
     let mut at = 0;
@@ -130,14 +155,33 @@ fn take<const N: usize>(body: &[u8], at: &mut usize) -> Result<[u8; N], McapErro
     Ok(bytes.try_into().expect("as many bytes as were asked for"))
 }
 
-fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+/// Bytes after their length in 32 bits.
+fn prefixed<'a>(body: &'a [u8], at: &mut usize) -> Result<&'a [u8], McapError> {
     let length = u32::from_le_bytes(take(body, at)?) as usize;
     let bytes = at
         .checked_add(length)
         .and_then(|end| body.get(*at..end))
         .ok_or(McapError::UnexpectedEof)?;
     *at += length;
-    String::from_utf8(bytes.to_vec()).map_err(|_| McapError::UnexpectedEof)
+    Ok(bytes)
+}
+
+fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+    let bytes = prefixed(body, at)?.to_vec();
+    String::from_utf8(bytes).map_err(|error| {
+        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, error);
+        McapError::Io(error)
+    })
+}
+
+fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapError> {
+    let inside = prefixed(body, at)?;
+    let mut pairs = BTreeMap::new();
+    let mut at = 0;
+    while at < inside.len() {
+        pairs.insert(text(inside, &mut at)?, text(inside, &mut at)?);
+    }
+    Ok(pairs)
 }
 
 /// Decompresses the chunk record `record` (frame included) into `records`, which holds whole
