@@ -1,8 +1,9 @@
 //! Single records: their frames and their contents.
 //!
-//! Parsed by hand. The library's parser reserves what a string claims as its length before it
-//! looks whether so much is there, up to 4 GB for one flipped bit, and slices out of bounds
-//! where an attachment is too short for its checksum.
+//! Parsed by hand, decompressed by the library. The library's parser reserves what a
+//! string claims as its length before it looks whether so much is there, up to 4 GB for one
+//! flipped bit; it slices out of bounds where an attachment is too short for its checksum; its
+//! linear reader counts below zero where a record reaches out of an uncompressed chunk.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -14,8 +15,8 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 /// Opcode and length.
 pub(super) const FRAME_BYTES: usize = 1 + 8;
 
-/// Largest record inside a chunk, and largest chunk, compressed or not. A file's own figure is
-/// not believed: a flipped bit would have us allocate hundreds of gigabytes.
+/// Largest chunk, decompressed, and largest record in it. A file's own figure is not believed:
+/// a flipped bit would have us allocate hundreds of gigabytes.
 const RECORD_LIMIT_BYTES: usize = 64 << 20;
 
 /// Channel, sequence number and two times before a message's data.
@@ -184,7 +185,7 @@ fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapEr
     Ok(pairs)
 }
 
-/// Decompresses the chunk record `record` (frame included) into `records`, which holds whole
+/// Unpacks the chunk record `record` (frame included) into `records`, which holds whole
 /// verified records afterwards, or nothing.
 pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     records.clear();
@@ -196,14 +197,37 @@ pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), M
 }
 
 fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
-    // Start and end time come before the size.
-    let size = record
-        .get(FRAME_BYTES + 16..FRAME_BYTES + 24)
-        .ok_or(McapError::UnexpectedEof)?;
-    let size = u64::from_le_bytes(size.try_into().expect("eight bytes"));
+    // Start and end time: nothing that is used.
+    let mut at = FRAME_BYTES + 16;
+    let size = u64::from_le_bytes(take(record, &mut at)?);
+    let saved = u32::from_le_bytes(take(record, &mut at)?);
+    let compression = prefixed(record, &mut at)?;
+    let packed_size = u64::from_le_bytes(take(record, &mut at)?);
     if size > RECORD_LIMIT_BYTES as u64 {
         return Err(McapError::ChunkTooLarge(size));
     }
+    if !compression.is_empty() {
+        return decompress(record, records);
+    }
+    let plain = usize::try_from(packed_size)
+        .ok()
+        .and_then(|length| record.get(at..at.checked_add(length)?))
+        .ok_or(McapError::UnexpectedEoc)?;
+    let calculated = crc32fast::hash(plain);
+    if saved != 0 && saved != calculated {
+        return Err(McapError::BadChunkCrc { saved, calculated });
+    }
+    let mut at = 0;
+    while at < plain.len() {
+        let (_, range) = frame(plain, at).ok_or(McapError::UnexpectedEoc)?;
+        at = range.end;
+    }
+    records.extend_from_slice(plain);
+    Ok(())
+}
+
+/// The checksum is looked at before the first record comes out.
+fn decompress(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_skip_start_magic(true)
