@@ -33,15 +33,14 @@
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
 //! | [`estimate`] | 4 the constrained estimation | `motion` and below |
-//! | [`verify`] | 4b an independent check of it | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
-//! | [`pipeline`] | stages 2 to 4b as one pure state machine | the stages |
+//! | [`pipeline`] | stages 2 to 4 as one pure state machine | the stages |
 //! | [`service`] | its drivers, with clock, files and threads: replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `service` |
 //!
-//! `math`, `physics`, `motion`, the stages 2 to 4b and `pipeline` are the core. What is absent
+//! `math`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
 //! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
 //! container of random order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
@@ -92,6 +91,5 @@ pub mod physics;
 pub mod pipeline;
 pub mod segment;
 pub mod service;
-pub mod verify;
 pub mod wire;
 pub mod write;

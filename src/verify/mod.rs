@@ -1,1 +1,0 @@
-//! Stage 4b: an independent check of the estimate.
