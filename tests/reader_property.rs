@@ -12,6 +12,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
+const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
 /// Everything that can be read: poses and marks with their log times, attachments.
 #[derive(Debug, Default, PartialEq)]
 struct Found {
@@ -242,7 +244,7 @@ fn random_bytes_never_panic() {
     runner(3000)
         .run(&prop::collection::vec(any::<u8>(), 0..600), |bytes| {
             let _ = found(&bytes);
-            let mut file = b"\x89MCAP0\r\n".to_vec();
+            let mut file = MAGIC.to_vec();
             file.extend_from_slice(&bytes);
             let _ = found(&file);
             Ok(())
@@ -256,16 +258,58 @@ fn random_records_never_panic() {
     let record = (0u8..=0x10, prop::collection::vec(any::<u8>(), 0..80));
     runner(5000)
         .run(&prop::collection::vec(record, 0..12), |records| {
-            let mut file = b"\x89MCAP0\r\n".to_vec();
+            let mut inside = Vec::new();
             for (opcode, body) in records {
-                file.push(opcode);
-                file.extend_from_slice(&(body.len() as u64).to_le_bytes());
-                file.extend_from_slice(&body);
+                inside.extend_from_slice(&framed(opcode, &body));
             }
-            let _ = found(&file);
+            let _ = found(&[&MAGIC[..], &inside].concat());
+            // The same in a chunk without checksum, whole and with its last record reaching out.
+            for cut in [0, inside.len().min(3)] {
+                let chunk = chunk(&inside[..inside.len() - cut]);
+                let _ = found(&[&MAGIC[..], &chunk, &inside].concat());
+            }
             Ok(())
         })
         .expect("no panic");
+}
+
+#[test]
+fn a_text_that_claims_gigabytes_is_a_damaged_record() {
+    let mut body = Vec::new();
+    body.extend_from_slice(&u32::MAX.to_le_bytes());
+    for opcode in [0x01, 0x0c] {
+        let file = [&MAGIC[..], &framed(opcode, &body)].concat();
+        let container = Container::new(file).expect("MCAP");
+        assert!(matches!(
+            container.damages().first(),
+            [Damage::Record { at: 8, .. }, Damage::Cut { .. }]
+        ));
+    }
+}
+
+#[test]
+fn a_record_that_reaches_out_of_its_chunk_costs_the_chunk() {
+    let record = framed(0x03, &[7; 40]);
+    let file = [&MAGIC[..], &chunk(&record[..30]), &record].concat();
+    let container = Container::new(file).expect("MCAP");
+    assert!(matches!(
+        container.damages().first()[0],
+        Damage::Chunk { at: 8, .. }
+    ));
+}
+
+fn framed(opcode: u8, body: &[u8]) -> Vec<u8> {
+    let mut record = vec![opcode];
+    record.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    record.extend_from_slice(body);
+    record
+}
+
+/// An uncompressed chunk without checksum.
+fn chunk(records: &[u8]) -> Vec<u8> {
+    let length = (records.len() as u64).to_le_bytes();
+    let body = [&[0; 16][..], &length, &[0; 4], &[0; 4], &length, records].concat();
+    framed(0x06, &body)
 }
 
 #[test]

@@ -18,6 +18,10 @@ use crate::motion::Counters;
 const WEIGHT: f64 = 1e5;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
+/// The linearised constraints hold well enough at this share of their violation (the next step
+/// leaves more by curvature), or at rounding.
+const EXACT: f64 = 1e-5;
+const ROUNDING: f64 = 1e-14;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
 /// Halvings of a step at most.
@@ -105,6 +109,9 @@ impl Kkt {
         let mut delta = DVector::zeros(layout.size());
         let mut residual = DVector::zeros(layout.size());
         let mut rows = vec![0.0; multipliers.len()];
+        let largest = violations
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.abs()));
         for _ in 0..REFINEMENTS {
             // Minus the gradient of the model's augmented Lagrangian at delta.
             residual.copy_from(&system.gradient);
@@ -133,7 +140,7 @@ impl Kkt {
                 *multiplier += weights[row] * error;
                 worst = worst.max(error.abs());
             }
-            if worst < 1e-13 && residual.amax() <= 1e-12 * delta.amax() {
+            if worst <= (EXACT * largest).max(ROUNDING) {
                 break;
             }
         }

@@ -11,6 +11,9 @@ use crate::physics::observe::TurnTerms;
 
 /// Samples that the starts are compared on; all are used by the last fit.
 const SCOUTS: usize = 14;
+/// Root mean square angle below which a fit from the mean rate is the only one: no other start
+/// found another in any performance.
+const CLEAR_RMS_RAD: f64 = 0.2;
 /// Iterations of one fit at most.
 const ITERATIONS_MAX: usize = 25;
 
@@ -37,7 +40,13 @@ pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
     let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
     let mut best = descend(body, &scouts, start(body, readings));
     let mut iterations = best.iterations;
-    for window in windows(scouts.len()) {
+    let clear = scouts.len() as f64 * CLEAR_RMS_RAD * CLEAR_RMS_RAD;
+    let others = if best.square_rad2 < clear {
+        Vec::new()
+    } else {
+        windows(scouts.len())
+    };
+    for window in others {
         let window = &scouts[window];
         let local = descend(body, window, start(body, window));
         let whole = descend(body, &scouts, local);

@@ -1,16 +1,22 @@
 //! Single records: their frames and their contents.
+//!
+//! Parsed by hand, decompressed by the library. The library's parser reserves what a
+//! string claims as its length before it looks whether so much is there, up to 4 GB for one
+//! flipped bit; it slices out of bounds where an attachment is too short for its checksum; its
+//! linear reader counts below zero where a record reaches out of an uncompressed chunk.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use mcap::McapError;
-use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader, op};
+use mcap::records::{Channel, MessageHeader, Metadata, SchemaHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// Opcode and length.
 pub(super) const FRAME_BYTES: usize = 1 + 8;
 
-/// Largest record inside a chunk, and largest chunk, compressed or not. A file's own figure is
-/// not believed: a flipped bit would have us allocate hundreds of gigabytes.
+/// Largest chunk, decompressed, and largest record in it. A file's own figure is not believed:
+/// a flipped bit would have us allocate hundreds of gigabytes.
 const RECORD_LIMIT_BYTES: usize = 64 << 20;
 
 /// Channel, sequence number and two times before a message's data.
@@ -72,27 +78,47 @@ pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Con
             })
         }
         op::ATTACHMENT => attachment(bytes, range),
-        op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
-            match mcap::parse_record(opcode, body)? {
-                Record::Header(header) => Ok(Content::Header {
-                    profile: header.profile,
-                }),
-                Record::Schema { header, .. } if header.id == 0 => Err(McapError::InvalidSchemaId),
-                Record::Schema { header, data } => Ok(Content::Schema {
-                    header,
-                    data: data.into_owned(),
-                }),
-                Record::Channel(channel) => Ok(Content::Channel(channel)),
-                Record::Metadata(metadata) => Ok(Content::Metadata(metadata)),
-                _ => Ok(Content::Other),
-            }
+        op::HEADER => Ok(Content::Header {
+            profile: text(body, &mut 0)?,
+        }),
+        op::SCHEMA => schema(body),
+        op::CHANNEL => channel(body),
+        op::METADATA => {
+            let mut at = 0;
+            Ok(Content::Metadata(Metadata {
+                name: text(body, &mut at)?,
+                metadata: pairs(body, &mut at)?,
+            }))
         }
         _ => Ok(Content::Other),
     }
 }
 
-/// Parsed by hand: the library's parser slices out of bounds where the record is too short for
-/// its checksum.
+fn schema(body: &[u8]) -> Result<Content, McapError> {
+    let mut at = 0;
+    let header = SchemaHeader {
+        id: u16::from_le_bytes(take(body, &mut at)?),
+        name: text(body, &mut at)?,
+        encoding: text(body, &mut at)?,
+    };
+    if header.id == 0 {
+        return Err(McapError::InvalidSchemaId);
+    }
+    let data = prefixed(body, &mut at)?.to_vec();
+    Ok(Content::Schema { header, data })
+}
+
+fn channel(body: &[u8]) -> Result<Content, McapError> {
+    let mut at = 0;
+    Ok(Content::Channel(Channel {
+        id: u16::from_le_bytes(take(body, &mut at)?),
+        schema_id: u16::from_le_bytes(take(body, &mut at)?),
+        topic: text(body, &mut at)?,
+        message_encoding: text(body, &mut at)?,
+        metadata: pairs(body, &mut at)?,
+    }))
+}
+
 fn attachment(bytes: &[u8], range: Range<usize>) -> Result<Content, McapError> {
     let body = &bytes[range.clone()];
     let mut at = 0;
@@ -130,17 +156,36 @@ fn take<const N: usize>(body: &[u8], at: &mut usize) -> Result<[u8; N], McapErro
     Ok(bytes.try_into().expect("as many bytes as were asked for"))
 }
 
-fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+/// Bytes after their length in 32 bits.
+fn prefixed<'a>(body: &'a [u8], at: &mut usize) -> Result<&'a [u8], McapError> {
     let length = u32::from_le_bytes(take(body, at)?) as usize;
     let bytes = at
         .checked_add(length)
         .and_then(|end| body.get(*at..end))
         .ok_or(McapError::UnexpectedEof)?;
     *at += length;
-    String::from_utf8(bytes.to_vec()).map_err(|_| McapError::UnexpectedEof)
+    Ok(bytes)
 }
 
-/// Decompresses the chunk record `record` (frame included) into `records`, which holds whole
+fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+    let bytes = prefixed(body, at)?.to_vec();
+    String::from_utf8(bytes).map_err(|error| {
+        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, error);
+        McapError::Io(error)
+    })
+}
+
+fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapError> {
+    let inside = prefixed(body, at)?;
+    let mut pairs = BTreeMap::new();
+    let mut at = 0;
+    while at < inside.len() {
+        pairs.insert(text(inside, &mut at)?, text(inside, &mut at)?);
+    }
+    Ok(pairs)
+}
+
+/// Unpacks the chunk record `record` (frame included) into `records`, which holds whole
 /// verified records afterwards, or nothing.
 pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     records.clear();
@@ -152,14 +197,37 @@ pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), M
 }
 
 fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
-    // Start and end time come before the size.
-    let size = record
-        .get(FRAME_BYTES + 16..FRAME_BYTES + 24)
-        .ok_or(McapError::UnexpectedEof)?;
-    let size = u64::from_le_bytes(size.try_into().expect("eight bytes"));
+    // Start and end time: nothing that is used.
+    let mut at = FRAME_BYTES + 16;
+    let size = u64::from_le_bytes(take(record, &mut at)?);
+    let saved = u32::from_le_bytes(take(record, &mut at)?);
+    let compression = prefixed(record, &mut at)?;
+    let packed_size = u64::from_le_bytes(take(record, &mut at)?);
     if size > RECORD_LIMIT_BYTES as u64 {
         return Err(McapError::ChunkTooLarge(size));
     }
+    if !compression.is_empty() {
+        return decompress(record, records);
+    }
+    let plain = usize::try_from(packed_size)
+        .ok()
+        .and_then(|length| record.get(at..at.checked_add(length)?))
+        .ok_or(McapError::UnexpectedEoc)?;
+    let calculated = crc32fast::hash(plain);
+    if saved != 0 && saved != calculated {
+        return Err(McapError::BadChunkCrc { saved, calculated });
+    }
+    let mut at = 0;
+    while at < plain.len() {
+        let (_, range) = frame(plain, at).ok_or(McapError::UnexpectedEoc)?;
+        at = range.end;
+    }
+    records.extend_from_slice(plain);
+    Ok(())
+}
+
+/// The checksum is looked at before the first record comes out.
+fn decompress(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_skip_start_magic(true)
