@@ -35,10 +35,10 @@ fn golden() -> [Golden; 2] {
         Golden {
             file: "pencil_tip.mcap",
             counters: Counters {
-                iterations: 35,
-                evaluations: 46,
-                factorisations: 35,
-                fit_iterations: 55,
+                iterations: 16,
+                evaluations: 21,
+                factorisations: 16,
+                fit_iterations: 31,
                 assignment_rounds: 1,
                 starts: 1,
             },
@@ -47,10 +47,10 @@ fn golden() -> [Golden; 2] {
         Golden {
             file: "pencil_eraser.mcap",
             counters: Counters {
-                iterations: 30,
-                evaluations: 41,
-                factorisations: 30,
-                fit_iterations: 54,
+                iterations: 14,
+                evaluations: 18,
+                factorisations: 14,
+                fit_iterations: 12,
                 assignment_rounds: 1,
                 starts: 1,
             },

@@ -83,24 +83,39 @@ pub fn starts(posed: &Posed, true_guess: &Guess, seed: u64) -> Vec<Start> {
             ));
         }
     }
-    let coarse = vec![1.0, 100.0];
-    let fine = (0..9)
-        .map(|k| 0.03 * 10f64.powf(0.5 * f64::from(k)))
-        .collect();
-    for (name, sweep_weights) in [("coarse", coarse), ("fine", fine)] {
-        let recipe = Recipe {
-            sweep_weights,
-            sweep_patience: (30, 1e-5),
-            orientations_per_arc: usize::MAX,
-            ..Recipe::default()
-        };
+    for (name, sweep_weights) in [
+        ("no sweep", Vec::new()),
+        ("coarse sweep", vec![1.0, 100.0]),
+        ("slow sweep", vec![0.1, 1.0, 10.0, 100.0]),
+        (
+            "fine sweep",
+            (0..9)
+                .map(|k| 0.03 * 10f64.powf(0.5 * f64::from(k)))
+                .collect(),
+        ),
+    ] {
         starts.push(start(
-            format!("own, {name} sweep"),
+            format!("own, {name}"),
             &posed.guesses[0],
-            recipe,
+            patient(sweep_weights),
         ));
     }
+    let slow = patient(vec![0.1, 1.0, 10.0, 100.0]);
+    starts.push(start("truth, slow sweep".into(), true_guess, slow));
     starts
+}
+
+/// A recipe that spares no steps.
+fn patient(sweep_weights: Vec<f64>) -> Recipe {
+    Recipe {
+        sweep_weights,
+        sweep_steps: 30,
+        gain: 1e-4,
+        multiplier_weight: 100.0,
+        finish_below: 0.02,
+        orientations_per_arc: usize::MAX,
+        ..Recipe::default()
+    }
 }
 
 /// A guess with everything a little off.
