@@ -36,6 +36,8 @@ pub struct Recipe {
     pub orientations_per_arc: usize,
     /// Violation at which the finish takes over, in units.
     pub finish_below: f64,
+    /// Times that a finish which does not converge is followed by a patient descent and another.
+    pub retries: usize,
     /// When the finish is done.
     pub tolerances: Tolerances,
 }
@@ -51,6 +53,7 @@ impl Default for Recipe {
             multiplier_rounds: (12, 15),
             orientations_per_arc: 16,
             finish_below: 0.1,
+            retries: 2,
             tolerances: Tolerances::default(),
         }
     }
@@ -112,22 +115,55 @@ pub fn solve(
     }
 
     observer.phase(Phase::Multipliers);
-    guidance = Guidance {
+    let coarse = Guidance {
         orientations_per_arc: recipe.orientations_per_arc,
         ..Guidance::none(problem)
     };
-    let price = tighten(&mut descent, &guidance, recipe, observer);
+    descent.refresh(&coarse);
+    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
+    tighten(&mut descent, &coarse, &mut price, recipe, observer);
+
+    let exact = Guidance::none(problem);
+    descent.refresh(&exact);
+    let mut solution = conclude(descent, price.multipliers, recipe, observer);
+    for _ in 0..recipe.retries {
+        if solution.finished.converged || solution.stopped {
+            break;
+        }
+        // Where full steps lead nowhere, damped ones with all samples come closer.
+        observer.phase(Phase::Multipliers);
+        let mut descent = Descent::new(&frame, &exact, solution.point);
+        descent.counters = solution.counters;
+        let mut price = Price::new(&descent.system, recipe.multiplier_weight);
+        price.multipliers = solution.multipliers;
+        let patient = Recipe {
+            gain: 1e-6 * recipe.gain,
+            finish_below: 1e-5,
+            ..recipe.clone()
+        };
+        tighten(&mut descent, &exact, &mut price, &patient, observer);
+        solution = conclude(descent, price.multipliers, recipe, observer);
+    }
+    solution
+}
+
+/// The finish, from where a descent ended.
+fn conclude(
+    descent: Descent,
+    multipliers: Vec<f64>,
+    recipe: &Recipe,
+    observer: &mut dyn Observer,
+) -> Solution {
     observer.phase(Phase::Finish);
-    descent.refresh(&Guidance::none(problem));
     let Descent {
+        frame,
         point,
         system,
         counters,
         ..
     } = descent;
-    let multipliers = price.multipliers;
     let mut finish = Finish {
-        frame: &frame,
+        frame,
         point,
         system,
         multipliers,
@@ -159,22 +195,18 @@ pub fn solve(
 fn tighten(
     descent: &mut Descent,
     guidance: &Guidance,
+    price: &mut Price,
     recipe: &Recipe,
     observer: &mut dyn Observer,
-) -> Price {
-    descent.refresh(guidance);
-    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
+) {
     let (rounds, steps) = recipe.multiplier_rounds;
+    let patience = Patience {
+        steps,
+        gain: recipe.gain,
+    };
     let mut violation = f64::INFINITY;
     for _ in 0..rounds {
-        descent.run(
-            guidance,
-            &price,
-            Patience {
-                steps,
-                gain: recipe.gain,
-            },
-        );
+        descent.run(guidance, price, patience);
         price.update(&descent.system);
         let now = descent.system.violation();
         if now < recipe.finish_below || observer.should_stop() {
@@ -187,7 +219,6 @@ fn tighten(
         }
         violation = now;
     }
-    price
 }
 
 /// What leads the sweep: contacts approach at least at three tenths of the speed that the arc
