@@ -46,18 +46,8 @@ fn mean(values: &[f64]) -> f64 {
 
 #[test]
 fn errors_are_as_large_as_the_covariance_says() {
-    assert_honest(4.0);
-}
-
-#[test]
-#[ignore = "the finish stalls where weights are as tight as this: its own weight is fixed"]
-fn errors_are_as_large_as_the_covariance_says_with_a_good_tracker() {
-    assert_honest(1.0);
-}
-
-fn assert_honest(size: f64) {
     for style in Style::ALL {
-        let acting = white_noise(size);
+        let acting = white_noise(1.0);
         let truth = truth(style, &acting);
         let (mut squares, mut factors) = (Vec::new(), Vec::new());
         let (mut covered, mut intervals, mut rank) = (0, 0, 0);

@@ -238,6 +238,7 @@ fn squares(rows: &[Row]) -> Table {
             "independent unknowns",
             "dense covariance",
             "the library's",
+            "the same, scaled by its variance factor",
             "its mean variance factor",
             "no covariance",
         ],
@@ -245,6 +246,8 @@ fn squares(rows: &[Row]) -> Table {
     let white = |row: &&Row| !row.squares_exact.is_empty() || row.without_covariance > 0;
     for row in rows.iter().filter(white) {
         let share = |squares: &[f64]| format!("{:.3}", mean(squares) / row.rank as f64);
+        let pairs = row.squares_library.iter().zip(&row.variance_factors);
+        let scaled: Vec<f64> = pairs.map(|(square, factor)| square / factor).collect();
         table.row([
             row.style.to_owned(),
             row.way.to_owned(),
@@ -254,6 +257,7 @@ fn squares(rows: &[Row]) -> Table {
             row.rank.to_string(),
             share(&row.squares_exact),
             share(&row.squares_library),
+            share(&scaled),
             number(mean(&row.variance_factors)),
             row.without_covariance.to_string(),
         ]);

@@ -183,6 +183,7 @@ fn table(flights: &[Flight]) -> Table {
             "gravity m/s²",
             "its vertical part",
             "median reported sd of that",
+            "robust sd of its error over reported sd",
             "tilt from −z deg",
             "mean gravity's tilt deg",
             "residual mm per axis",
@@ -215,6 +216,12 @@ fn table(flights: &[Flight]) -> Table {
             )
         };
         let sds: Vec<f64> = fits.iter().filter_map(|fit| fit.sd_m_s2).collect();
+        let verticals: Vec<f64> = fits.iter().map(|fit| fit.gravity_m_s2.z).collect();
+        let middle = median(&verticals);
+        let normalised = fits
+            .iter()
+            .filter_map(|fit| Some((fit.gravity_m_s2.z - middle) / fit.sd_m_s2?));
+        let normalised: Vec<f64> = normalised.collect();
         table.row([
             rate_hz.to_string(),
             at_rate.len().to_string(),
@@ -227,6 +234,7 @@ fn table(flights: &[Flight]) -> Table {
                 number(quantile(&sds, 0.05)),
                 number(quantile(&sds, 0.95))
             ),
+            number(robust_sd(&normalised)),
             of(&|fit| tilt_deg(&fit.gravity_m_s2), 2),
             format!("{:.2}", tilt_deg(&Vector3::from_fn(|i, _| axis(i)))),
             of(&|fit| fit.position_mm, 4),
