@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::motion::Verdict;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::case::{Case, Posed};
 use crate::errors::{goal_gap, has_converged, sample_time_errors_s, simulated_goal_gap};
@@ -24,6 +24,7 @@ struct Row {
     timing_known: bool,
     distortion: f64,
     rest_s: f64,
+    #[serde(rename = "not_physical_or_not_best", serialize_with = "failing")]
     seeds: Vec<Seed>,
 }
 
@@ -78,7 +79,45 @@ pub fn run(options: &Options) -> Result<()> {
     println!("{}", found(&rows));
     println!("{}", timing(&rows));
     println!("{}", failures(&rows));
-    options.write_json("answer", &rows)
+    options.write_json("answer", &rows)?;
+    let header = "style,timing_known,rest_s,distortion,seed,verdict,converged,best,objective,lowest,\
+                  starts,iterations,time_ms,sample_time_rms_ms,without_offset_ms";
+    options.write_csv("answer", header, &lines(&rows))
+}
+
+/// The full account of these only; all seeds are in the CSV.
+fn failing<S: Serializer>(seeds: &[Seed], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(seeds.iter().filter(|seed| !seed.is_best))
+}
+
+fn lines(rows: &[Row]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for row in rows {
+        let Row {
+            style,
+            timing_known,
+            rest_s,
+            distortion,
+            ..
+        } = row;
+        for seed in &row.seeds {
+            lines.push(format!(
+                "{style},{timing_known},{rest_s},{distortion},{},{},{},{},{:.6e},{:.6e},{},{},{:.3},{:.3},{:.3}",
+                seed.seed,
+                seed.verdict,
+                seed.has_converged,
+                seed.is_best,
+                seed.objective,
+                seed.lowest.unwrap_or(f64::NAN),
+                seed.starts_tried,
+                seed.iterations,
+                1e3 * seed.time_s,
+                1e3 * seed.sample_time_rms_s,
+                1e3 * seed.sample_time_rms_without_offset_s,
+            ));
+        }
+    }
+    lines
 }
 
 fn row(style: Style, acting: Acting, distortion: f64, seeds: u64) -> Row {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
+use serde_json::Value;
 
 /// What every study is told.
 #[derive(Args, Clone, Debug)]
@@ -19,11 +20,11 @@ pub struct Options {
 }
 
 impl Options {
-    /// Writes `<name>.json`.
+    /// Writes `<name>.json`, numbers to six digits.
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<()> {
-        let mut text = serde_json::to_string_pretty(value)?;
-        text.push('\n');
-        self.write(&format!("{name}.json"), &text)
+        let mut value = serde_json::to_value(value)?;
+        round(&mut value);
+        self.write(&format!("{name}.json"), &format!("{value}\n"))
     }
 
     /// Writes `<name>.csv`.
@@ -39,5 +40,19 @@ impl Options {
         fs::create_dir_all(&self.results)
             .and_then(|()| fs::write(&path, text))
             .with_context(|| format!("cannot write {}", path.display()))
+    }
+}
+
+/// Leaves six digits of every number that is no integer.
+fn round(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(round),
+        Value::Object(fields) => fields.iter_mut().for_each(|(_, value)| round(value)),
+        Value::Number(number) if number.is_f64() => {
+            let digits = number.as_f64().map(|number| format!("{number:.5e}"));
+            let rounded = digits.and_then(|digits| digits.parse::<f64>().ok());
+            *value = rounded.map_or(Value::Null, Value::from);
+        }
+        _ => {}
     }
 }
