@@ -14,7 +14,7 @@ use super::system::{Frame, Guidance, System};
 use crate::math::envelope::Envelope;
 use crate::motion::Counters;
 
-/// Weight of the rows in the factorised matrix, per squared unit.
+/// Weight of the rows in the factorised matrix, per squared unit and information.
 const WEIGHT: f64 = 1e5;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
@@ -26,8 +26,9 @@ const ROUNDING: f64 = 1e-14;
 const REFINEMENTS: usize = 8;
 /// Halvings of a step at most.
 const HALVINGS_MAX: usize = 12;
-/// An objective below this is none: the decrease is then measured against it.
-const NO_COST: f64 = 1e-12;
+/// An objective below this is none: the decrease is then measured against it. What is promised
+/// beyond is less than a nanometre, and of the size of rounding.
+const NO_COST: f64 = 1e-6;
 
 /// When the finish is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,9 +80,10 @@ pub struct Kkt {
 impl Kkt {
     /// Factorises; `None` where an unknown is undetermined beyond the damping.
     pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
+        let weight = WEIGHT * frame.problem.information();
         let price = Price {
-            weight: WEIGHT,
-            approach_weight: WEIGHT,
+            weight,
+            approach_weight: weight,
             multipliers: multipliers.to_vec(),
         };
         let mut acting = Acting::default();

@@ -31,7 +31,8 @@ pub fn estimate(
 ) -> Estimate {
     let problem = frame.problem;
     let point = &solution.point;
-    let covariance = Covariance::new(frame, &solution.system, &solution.multipliers);
+    let errors = errors(problem, frame, point);
+    let covariance = Covariance::new(frame, &solution.system, &solution.multipliers, &errors);
     let events = events(scene, sketch, frame, solution, covariance.as_ref());
     let (verdict, reason) = judge(scene, solution, &events);
     let parameters: Vec<ParameterEstimate> = problem
@@ -65,7 +66,7 @@ pub fn estimate(
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity(&point.parameters),
         arcs: arcs(problem, frame, point, &events),
-        residuals: residuals(problem, frame, point),
+        residuals: residuals(problem, &errors),
         sample_times: sample_times(sketch, segments, problem, point),
         events,
         parameters,
@@ -213,30 +214,43 @@ fn arcs(
     arcs
 }
 
-fn residuals(problem: &Problem, frame: &Frame, point: &Point) -> Vec<SegmentResidual> {
+/// Residuals of every sample, arc by arc, in the problem's units: position, then orientation.
+pub fn errors(problem: &Problem, frame: &Frame, point: &Point) -> Vec<Vec<[f64; 6]>> {
     let gravity = problem.gravity(&point.parameters);
+    let arcs = problem.arcs.iter().enumerate();
+    arcs.map(|(index, arc)| {
+        let body = &problem.bodies[arc.body];
+        let samples = arc.samples.iter();
+        samples
+            .map(|sample| {
+                let s = point.node_times_s[sample.node] - frame.epochs_s[index];
+                let state = flow::advance(body, &gravity, &point.arcs[index], s);
+                let shift = (state.position_m - sample.position_m) / problem.position_unit_m;
+                let turn = so3::log(&(sample.orientation.inverse() * state.orientation))
+                    / problem.orientation_unit_rad;
+                [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
+            })
+            .collect()
+    })
+    .collect()
+}
+
+fn residuals(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> Vec<SegmentResidual> {
     let mut order: Vec<usize> = (0..problem.arcs.len()).collect();
     order.sort_by_key(|arc| problem.arcs[*arc].body);
-    let rms = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
+    let rms = |errors: &[[f64; 6]], part: std::ops::Range<usize>| {
+        let squares = errors
+            .iter()
+            .map(|e| e[part.clone()].iter().map(|r| r * r).sum::<f64>());
+        (squares.sum::<f64>() / errors.len().max(1) as f64).sqrt()
+    };
     order
         .into_iter()
-        .map(|index| {
-            let arc = &problem.arcs[index];
-            let (mut position, mut turn) = (0.0, 0.0);
-            for sample in &arc.samples {
-                let s = point.node_times_s[sample.node] - frame.epochs_s[index];
-                let state =
-                    flow::advance(&problem.bodies[arc.body], &gravity, &point.arcs[index], s);
-                position += (state.position_m - sample.position_m).norm_squared();
-                let error = so3::log(&(sample.orientation.inverse() * state.orientation));
-                turn += error.norm_squared();
-            }
-            SegmentResidual {
-                body: arc.body,
-                samples: arc.samples.len(),
-                position_rms_m: rms(position, arc.samples.len()),
-                orientation_rms_rad: rms(turn, arc.samples.len()),
-            }
+        .map(|index| SegmentResidual {
+            body: problem.arcs[index].body,
+            samples: errors[index].len(),
+            position_rms_m: rms(&errors[index], 0..3) * problem.position_unit_m,
+            orientation_rms_rad: rms(&errors[index], 3..6) * problem.orientation_unit_rad,
         })
         .collect()
 }

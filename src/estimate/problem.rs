@@ -184,6 +184,18 @@ impl Problem {
         self.tempo_sd_per_sqrt_s.is_some()
     }
 
+    /// How much the samples of an arc know, against 48 samples that are weighed in the units of
+    /// [`mod@unit`]. Prices of constraints and damping are multiples of it, so that the way to the
+    /// optimum depends neither on the number of samples nor on the weights' scale.
+    pub fn information(&self) -> f64 {
+        const REFERENCE_SAMPLES: f64 = 48.0;
+        let per_arc = self.sample_count() as f64 / self.arcs.len() as f64;
+        let position = unit::POSITION_M / self.position_unit_m;
+        let orientation = unit::ORIENTATION_RAD / self.orientation_unit_rad;
+        let ratio = position.max(orientation);
+        per_arc / REFERENCE_SAMPLES * ratio * ratio
+    }
+
     /// Whether a constraint is an inequality that may well act at the optimum: a goal's or a
     /// parameter's bound, as opposed to contacts that must not recede.
     pub fn has_bounds(&self) -> bool {

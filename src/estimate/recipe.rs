@@ -59,6 +59,19 @@ impl Default for Recipe {
     }
 }
 
+impl Recipe {
+    /// The recipe for a problem with that much [`Problem::information`].
+    fn scaled(&self, information: f64) -> Self {
+        Self {
+            sweep_weights: self.sweep_weights.iter().map(|w| w * information).collect(),
+            gain: self.gain * information,
+            event_sd_s: self.event_sd_s / information.sqrt(),
+            multiplier_weight: self.multiplier_weight * information,
+            ..self.clone()
+        }
+    }
+}
+
 /// Where a solve ended.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -91,6 +104,8 @@ pub fn solve(
 ) -> Solution {
     let start = Point::new(problem, guess);
     let frame = Frame::new(problem, layout, epochs_s(guess), &start);
+    let information = problem.information();
+    let recipe = &recipe.scaled(information);
     let mut guidance = leading(problem, guess, &frame, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
     let mut descent = Descent::new(&frame, &guidance, start);
@@ -98,12 +113,12 @@ pub fn solve(
     observer.phase(Phase::Sweep);
     for weight in &recipe.sweep_weights {
         if !problem.times_are_unknown() {
-            let loosened = weight.log10().max(0.0);
+            let loosened = (weight / information).log10().max(0.0);
             guidance.event_sd_s = Some(recipe.event_sd_s * 10f64.powf(0.5 * loosened));
         }
         descent.refresh(&guidance);
         let mut price = Price::new(&descent.system, *weight);
-        price.approach_weight = weight.max(100.0);
+        price.approach_weight = weight.max(100.0 * information);
         let patience = Patience {
             steps: recipe.sweep_steps,
             gain: recipe.gain,
@@ -214,7 +229,7 @@ fn tighten(
         }
         // Where multipliers alone are slow, the weight helps.
         if now > 0.25 * violation {
-            price.weight = (price.weight * 10.0).min(1e5);
+            price.weight = (price.weight * 10.0).min(100.0 * recipe.multiplier_weight);
             price.approach_weight = price.weight;
         }
         violation = now;
