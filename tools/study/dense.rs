@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 use enact::estimate::covariance::Covariance;
+use enact::estimate::outcome;
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::solve;
@@ -37,7 +38,8 @@ impl Uncertainty {
         let guess = &posed.guesses[best];
         let (point, system) = (&solution.point, &solution.system);
         let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
-        let covariance = Covariance::new(&frame, system, &solution.multipliers)?;
+        let residuals = outcome::errors(problem, &frame, point);
+        let covariance = Covariance::new(&frame, system, &solution.multipliers, &residuals)?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all) / covariance.variance_factor;
         let (hessian, jacobian) = (hessian(&frame, system), jacobian(&frame, system));
