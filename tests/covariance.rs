@@ -91,7 +91,6 @@ fn standard_deviations_of_events_are_those_of_dense_algebra() {
 }
 
 #[test]
-#[ignore = "too large by a few per cent where weights are as tight as this: the constraints' weight is fixed"]
 fn standard_deviations_of_events_are_those_of_dense_algebra_with_a_good_tracker() {
     assert_as_dense(1.0);
 }
