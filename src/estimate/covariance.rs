@@ -34,22 +34,29 @@ pub fn correlation_samples(arcs: &[Vec<[f64; 6]>]) -> f64 {
     if square <= 0.0 {
         return 1.0;
     }
+    let correlation = |lag: usize| {
+        let pairs = arcs
+            .iter()
+            .flat_map(|arc| arc.iter().zip(arc.iter().skip(lag)));
+        let products = pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>());
+        products.sum::<f64>() / square
+    };
     let longest = arcs.iter().map(Vec::len).max().unwrap_or(0);
     let noise = 2.0 / (count as f64).sqrt();
-    let mut samples = 1.0;
-    for lag in 1..longest / 2 {
-        let product: f64 = arcs
-            .iter()
-            .flat_map(|arc| arc.iter().zip(arc.iter().skip(lag)))
-            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>())
-            .sum();
-        let correlation = product / square;
-        if correlation < noise {
-            break;
+    let (mut samples, mut last, mut before) = (1.0, 0, 1.0);
+    loop {
+        // Ever longer lags, linear between them: the cost stays near that of one pass.
+        let lag = last + (last / 4).max(1);
+        if 2 * lag > longest {
+            return samples;
         }
-        samples += 2.0 * correlation;
+        let now = correlation(lag);
+        if now < noise {
+            return samples;
+        }
+        samples += (lag - last) as f64 * (before + now) + (now - before);
+        (last, before) = (lag, now);
     }
-    samples
 }
 
 impl<'a> Covariance<'a> {
