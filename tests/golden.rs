@@ -35,9 +35,9 @@ fn golden() -> [Golden; 2] {
         Golden {
             file: "pencil_tip.mcap",
             counters: Counters {
-                iterations: 16,
-                evaluations: 21,
-                factorisations: 16,
+                iterations: 12,
+                evaluations: 17,
+                factorisations: 12,
                 fit_iterations: 31,
                 assignment_rounds: 1,
                 starts: 1,
@@ -47,9 +47,9 @@ fn golden() -> [Golden; 2] {
         Golden {
             file: "pencil_eraser.mcap",
             counters: Counters {
-                iterations: 14,
-                evaluations: 18,
-                factorisations: 14,
+                iterations: 13,
+                evaluations: 17,
+                factorisations: 13,
                 fit_iterations: 12,
                 assignment_rounds: 1,
                 starts: 1,
