@@ -20,9 +20,9 @@ use serde::Deserialize;
 
 /// Event times are the same to this [s].
 const SAME_S: f64 = 1e-6;
-/// Beside three reported standard deviations: the hand's wander is no independent noise, which
-/// the standard deviations take it for [s].
-const MARGIN_S: f64 = 0.02;
+/// Beside three reported standard deviations: where the wander is slower than an arc, residuals
+/// cannot show how long it lasts [s].
+const MARGIN_S: f64 = 0.005;
 
 struct Golden {
     file: &'static str,
