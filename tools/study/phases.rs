@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use enact::motion::Phase;
+use enact::pipeline::Outcome;
 use serde::Serialize;
 
 use crate::case::Case;
@@ -20,6 +21,10 @@ const PHASES: [Phase; 7] = [
     Phase::Finish,
     Phase::Covariance,
 ];
+
+/// Runs of each performance, of which the fastest counts: whatever else the machine does makes a
+/// run slower, never faster.
+const REPEATS: usize = 5;
 
 /// A way of acting: time by phase [s], seed by seed.
 #[derive(Serialize)]
@@ -55,8 +60,21 @@ fn row(style: Style, acting: &Acting, seeds: u64) -> Row {
     };
     for seed in 0..seeds {
         let case = Case::pencil(style, acting, seed);
-        let mut stopwatch = Stopwatch::default();
-        let Ok(outcome) = case.estimated(&mut stopwatch) else {
+        let mut fastest: Option<(Stopwatch, Outcome)> = None;
+        for _ in 0..REPEATS {
+            let mut stopwatch = Stopwatch::default();
+            let Ok(outcome) = case.estimated(&mut stopwatch) else {
+                break;
+            };
+            let total_s = stopwatch.total_s();
+            if fastest
+                .as_ref()
+                .is_none_or(|(least, _)| total_s < least.total_s())
+            {
+                fastest = Some((stopwatch, outcome));
+            }
+        }
+        let Some((stopwatch, outcome)) = fastest else {
             continue;
         };
         row.samples.push(outcome.counts.used);
