@@ -15,7 +15,7 @@ use crate::math::envelope::Envelope;
 use crate::motion::Counters;
 
 /// Weight of the rows in the factorised matrix, per squared unit and information.
-const WEIGHT: f64 = 1e5;
+const WEIGHT: f64 = 1e9;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
 /// The linearised constraints hold well enough at this share of their violation (the next step
