@@ -14,6 +14,8 @@ use crate::motion::{BodySketch, EventKind, Scene, Sketch, Timing};
 const REACH_SAMPLES: usize = 8;
 /// Acted time on either side that is tried where the tempo is unknown \[s\].
 const REACH_S: f64 = 0.12;
+/// The same where times are physical \[s\]: 8 samples at 120 Hz.
+const REACH_KNOWN_S: f64 = 8.0 / 120.0;
 /// Samples that must remain between two marks.
 const KEEP_SAMPLES: usize = 5;
 /// A mark moves for no less than this \[m²\], a tenth of a millimetre at one sample: below, sums
@@ -62,20 +64,28 @@ fn refine_one(
         _ => true,
     };
     let index_at = |acted_s: f64| samples.partition_point(|s| s.acted_s <= acted_s);
-    let previous = (0..event)
+    // What lies beside a neighbouring collision is left out, as it is in the cut.
+    let beside = |other: usize| {
+        usize::from(matches!(
+            scene.events[other].kind,
+            EventKind::Collision { .. }
+        ))
+    };
+    let begin = (0..event)
         .rev()
         .find(|e| concerns(*e))
-        .map(|e| sketch.marks_s[e]);
-    let next = (event + 1..scene.events.len())
+        .map_or(0, |e| index_at(sketch.marks_s[e]) + beside(e));
+    let end = (event + 1..scene.events.len())
         .find(|e| concerns(*e))
-        .map(|e| sketch.marks_s[e]);
-    let begin = previous.map_or(0, &index_at);
-    let end = next.map_or(samples.len(), &index_at);
+        .map_or(samples.len(), |e| {
+            index_at(sketch.marks_s[e]).saturating_sub(beside(e))
+        });
     let now = index_at(sketch.marks_s[event]);
-    let reach = match scene.timing {
-        Timing::Known => REACH_SAMPLES,
-        Timing::Unknown { .. } => REACH_SAMPLES.max((REACH_S / interval_s).round() as usize),
+    let reach_s = match scene.timing {
+        Timing::Known => REACH_KNOWN_S,
+        Timing::Unknown { .. } => REACH_S,
     };
+    let reach = REACH_SAMPLES.max((reach_s / interval_s).round() as usize);
     let least = now.saturating_sub(reach).max(begin + KEEP_SAMPLES);
     let most = (now + reach).min(end.saturating_sub(KEEP_SAMPLES));
     // The samples beside the collision are left out on either side, as they are in the cut.
