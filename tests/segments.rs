@@ -1,0 +1,87 @@
+//! Marks that are late or early find their collision, and cuts leave out what lies beside it.
+
+#[path = "../tools/perform/mod.rs"]
+mod perform;
+
+use enact::segment::{SegmentError, cut, refine};
+use perform::{Acting, Performance, Style, bounces, perform};
+
+/// The samples' interval [s].
+const INTERVAL_S: f64 = 1.0 / 120.0;
+
+fn exact(seed: u64) -> Performance {
+    perform(&bounces(3, seed).unwrap(), &Acting::exact(), seed)
+}
+
+#[test]
+fn marks_off_by_some_samples_come_back_to_their_collisions() {
+    for style in Style::ALL {
+        let performance = perform(&style.truth(), &Acting::timing_known(), 3);
+        let truth = &performance.truth;
+        for samples_off in [-6.0, -2.0, 0.0, 3.0, 6.0] {
+            let mut sketch = performance.sketch();
+            sketch.marks_s[0] = truth.event_times_s[0] + samples_off * INTERVAL_S;
+            refine(&truth.scene, &mut sketch);
+            let error_s = sketch.marks_s[0] - truth.event_times_s[0];
+            assert!(
+                error_s.abs() < 2.0 * INTERVAL_S,
+                "{style:?} {samples_off} {error_s}"
+            );
+        }
+    }
+}
+
+#[test]
+fn marks_of_exact_motions_stay_within_a_sample() {
+    for seed in 0..10 {
+        let performance = exact(seed);
+        let mut sketch = performance.sketch();
+        refine(&performance.truth.scene, &mut sketch);
+        for (mark_s, event_s) in sketch.marks_s.iter().zip(&performance.truth.event_times_s) {
+            assert!(
+                (mark_s - event_s).abs() < INTERVAL_S,
+                "{seed}: {mark_s} {event_s}"
+            );
+        }
+    }
+}
+
+#[test]
+fn segments_follow_each_other_and_keep_away_from_collisions() {
+    let performance = exact(1);
+    let sketch = performance.sketch();
+    let segments = cut(&performance.truth.scene, &sketch).unwrap();
+    assert_eq!(segments.len(), 4);
+    let samples = &sketch.bodies[0].samples;
+    for pair in segments.windows(2) {
+        assert_eq!(pair[0].end_event, pair[1].start_event);
+        assert!(pair[0].samples.end <= pair[1].samples.start);
+        let mark_s = sketch.marks_s[pair[0].end_event.unwrap()];
+        let before_s = samples[pair[0].samples.end - 1].acted_s;
+        let after_s = samples[pair[1].samples.start].acted_s;
+        assert!(before_s <= mark_s - 0.99 * INTERVAL_S);
+        assert!(after_s >= mark_s + 0.99 * INTERVAL_S);
+        assert!(pair[1].samples.start - pair[0].samples.end <= 2);
+    }
+}
+
+#[test]
+fn a_segment_without_samples_is_refused_by_name() {
+    let performance = exact(1);
+    let mut sketch = performance.sketch();
+    sketch.marks_s[1] = sketch.marks_s[0] + 2.5 * INTERVAL_S;
+    let error = cut(&performance.truth.scene, &sketch).unwrap_err();
+    let SegmentError::TooFewSamples {
+        samples, from, to, ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert!(*samples < 3 && from != to, "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains(&performance.truth.scene.events[0].name),
+        "{error}"
+    );
+}
