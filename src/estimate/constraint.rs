@@ -1,6 +1,8 @@
 //! Hard conditions at events: contact and continuity through an impact (paper eq. 3, 8,
 //! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`mod@unit`].
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::point::Point;
@@ -33,6 +35,12 @@ impl Block {
     pub fn violation(&self, row: usize) -> f64 {
         let (lower, upper) = self.bounds[row];
         self.values[row] - self.values[row].clamp(lower, upper)
+    }
+
+    /// Largest violation among `rows`.
+    fn largest(&self, rows: Range<usize>) -> f64 {
+        rows.map(|row| self.violation(row).abs())
+            .fold(0.0, f64::max)
     }
 
     fn reset(&mut self, rows: usize) {
@@ -317,28 +325,20 @@ pub fn bound(free: &FreeParameter, value: f64, block: &mut Block) {
 
 /// What a collision's rows leave, in SI units.
 pub fn collision_gap(block: &Block) -> Gap {
-    let largest = |rows: std::ops::Range<usize>| {
-        rows.map(|row| block.violation(row).abs())
-            .fold(0.0, f64::max)
-    };
     Gap {
-        position_m: largest(0..1).max(largest(2..5)) * unit::POSITION_M,
-        orientation_rad: largest(5..8) * unit::ORIENTATION_RAD,
-        velocity_m_s: largest(APPROACH_ROW..2).max(largest(8..11)) * unit::VELOCITY_M_S,
-        angular_velocity_rad_s: largest(11..14) * unit::ANGULAR_VELOCITY_RAD_S,
+        position_m: block.largest(0..1).max(block.largest(2..5)) * unit::POSITION_M,
+        orientation_rad: block.largest(5..8) * unit::ORIENTATION_RAD,
+        velocity_m_s: block.largest(APPROACH_ROW..2).max(block.largest(8..11)) * unit::VELOCITY_M_S,
+        angular_velocity_rad_s: block.largest(11..14) * unit::ANGULAR_VELOCITY_RAD_S,
     }
 }
 
 /// What a goal's rows leave, in SI units.
 pub fn goal_gap(block: &Block) -> Gap {
-    let largest = |rows: std::ops::Range<usize>| {
-        rows.map(|row| block.violation(row).abs())
-            .fold(0.0, f64::max)
-    };
     let rows = block.values.len();
     Gap {
-        position_m: largest(0..rows.min(3)) * unit::POSITION_M,
-        orientation_rad: largest(rows.min(3)..rows) * unit::ORIENTATION_RAD,
+        position_m: block.largest(0..rows.min(3)) * unit::POSITION_M,
+        orientation_rad: block.largest(rows.min(3)..rows) * unit::ORIENTATION_RAD,
         ..Gap::default()
     }
 }

@@ -44,7 +44,6 @@ pub struct Descent<'a> {
     matrix: Envelope,
     acting: Acting,
     gradient: DVector<f64>,
-    rows: Vec<f64>,
 }
 
 /// When a descent may stop.
@@ -69,7 +68,6 @@ impl<'a> Descent<'a> {
             matrix: Envelope::zeros(&frame.layout.pattern),
             acting: Acting::default(),
             gradient: DVector::zeros(size),
-            rows: Vec::new(),
             frame,
             point,
             system,
@@ -182,18 +180,11 @@ impl<'a> Descent<'a> {
 
     /// The step plus what removes the constraints' departure from their linearisation; `None`
     /// where that is no small correction.
-    fn correct(&mut self, delta: &DVector<f64>) -> Option<DVector<f64>> {
-        let layout = self.frame.layout;
-        merit::curvature(layout, &self.system, &self.trial.1, delta, &mut self.rows);
-        let mut correction = DVector::zeros(layout.size());
-        let (weights, rows) = (&self.acting.weights, &self.rows);
-        merit::add_pull(
-            layout,
-            &self.system,
-            |row| -weights[row] * rows[row],
-            &mut correction,
-        );
-        self.matrix.solve(&layout.pattern, &mut correction);
+    fn correct(&self, delta: &DVector<f64>) -> Option<DVector<f64>> {
+        let systems = (&self.system, &self.trial.1);
+        let weights = &self.acting.weights;
+        let correction =
+            merit::correction(self.frame.layout, systems, delta, weights, &self.matrix);
         let size = |d: &DVector<f64>| -> f64 {
             d.iter()
                 .zip(&self.scale)

@@ -162,18 +162,8 @@ impl Kkt {
         trial: &System,
         delta: &DVector<f64>,
     ) -> DVector<f64> {
-        let mut rows = Vec::new();
-        merit::curvature(frame.layout, system, trial, delta, &mut rows);
-        let mut correction = DVector::zeros(delta.len());
         let weights = &self.acting.weights;
-        merit::add_pull(
-            frame.layout,
-            system,
-            |row| -weights[row] * rows[row],
-            &mut correction,
-        );
-        self.matrix.solve(&frame.layout.pattern, &mut correction);
-        delta + correction
+        delta + merit::correction(frame.layout, (system, trial), delta, weights, &self.matrix)
     }
 
     /// Number of rows that act.

@@ -178,18 +178,24 @@ pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mu
     }
 }
 
-/// How far the rows at `trial` are from where the linearisation at `system` puts them after
-/// `delta`, into `change`.
-pub fn curvature(
+/// What to add to `delta`, given that it led to `trial`, so that the constraints' departure from
+/// their linearisation at `system` is removed: `factor` holds `H + Jᵀ diag(w) J`.
+pub fn correction(
     layout: &Layout,
-    system: &System,
-    trial: &System,
+    (system, trial): (&System, &System),
     delta: &DVector<f64>,
-    change: &mut Vec<f64>,
-) {
-    along(layout, system, delta, change);
+    weights: &[f64],
+    factor: &Envelope,
+) -> DVector<f64> {
+    let mut departure = Vec::new();
+    along(layout, system, delta, &mut departure);
     let rows = system.values().zip(trial.values());
-    for (entry, (before, after)) in change.iter_mut().zip(rows) {
+    for (entry, (before, after)) in departure.iter_mut().zip(rows) {
         *entry = after - before - *entry;
     }
+    let mut correction = DVector::zeros(delta.len());
+    let pull = |row: usize| -weights[row] * departure[row];
+    add_pull(layout, system, pull, &mut correction);
+    factor.solve(&layout.pattern, &mut correction);
+    correction
 }
