@@ -2,6 +2,7 @@
 //! bounce ([`impact`]); each formula beside its derivatives. All of parry is behind [`shape`].
 
 pub mod body;
+pub mod contact;
 pub mod flow;
 pub mod impact;
 pub mod observe;
