@@ -9,7 +9,8 @@ mod recording;
 use std::path::Path;
 
 use enact::math::Pose;
-use enact::motion::EventKind;
+
+use enact::physics::contact::Feature::Point;
 use enact::physics::{State, flow, impact};
 use nalgebra::Vector3;
 use perform::{Acting, Style, Truth, bounces, perform, simulate};
@@ -89,11 +90,12 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
         let body = &truth.scene.bodies[0].body;
         let mut collisions = 0;
         for (index, event) in truth.scene.events.iter().enumerate() {
-            let EventKind::Collision { restitution, .. } = event.kind else {
+            let Some(collision) = event.kind.collision() else {
                 continue;
             };
+            let restitution = collision.restitution;
             collisions += 1;
-            let contact = perform::truth::contact(&truth.scene, &event.kind).unwrap();
+            let contact = perform::truth::contact_of(&truth.scene, &event.kind).unwrap();
             let arc = &truth.arcs[index];
             assert_eq!((arc.end_s, truth.arcs[index + 1].start_s), {
                 let time_s = truth.event_times_s[index];
@@ -130,20 +132,15 @@ fn the_pencils_do_what_their_names_say() {
     for (style, feature, half_turns) in [(Style::Tip, "tip", 2.0), (Style::Eraser, "eraser", 1.0)] {
         let truth = style.truth();
         assert!((0.7..1.0).contains(&truth.duration_s));
-        let EventKind::Collision {
-            body,
-            feature: touching,
-            restitution,
-            ..
-        } = truth.scene.events[0].kind
-        else {
-            panic!("the first event is the bounce");
-        };
-        assert_eq!(truth.scene.bodies[body].features[touching].name, feature);
-        assert!((0.5..=0.8).contains(&restitution));
+        let bounce = truth.scene.events[0].kind.collision().unwrap();
+        let touching = bounce.contacts[0].feature.unwrap();
+        let features = &truth.scene.bodies[bounce.body].features;
+        assert_eq!(features[touching].name, feature);
+        assert!((0.5..=0.8).contains(&bounce.restitution));
         let bounce_s = truth.event_times_s[0];
         assert!(bounce_s > 0.2 && truth.duration_s - bounce_s > 0.2);
-        let contact = perform::truth::contact(&truth.scene, &truth.scene.events[0].kind).unwrap();
+        let contact =
+            perform::truth::contact_of(&truth.scene, &truth.scene.events[0].kind).unwrap();
         let before = advance(&truth, &truth.arcs[0].state, bounce_s);
         assert!(contact.normal_speed_m_s(&before) < -1.0);
 
@@ -217,7 +214,10 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
         for (time_s, pose) in poses(&truth) {
             let lowest_m = corners
                 .iter()
-                .map(|corner| (pose * nalgebra::Point3::from(corner.point_m)).z)
+                .map(|corner| match corner.geometry {
+                    Point { point_m, .. } => (pose * nalgebra::Point3::from(point_m)).z,
+                    _ => panic!("corners are points"),
+                })
                 .fold(f64::INFINITY, f64::min);
             assert!(
                 lowest_m > -1e-9,
@@ -232,7 +232,12 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
         assert_eq!(scene.bodies[0].body, truth.scene.bodies[0].body);
         for (read, made) in scene.bodies[0].features.iter().zip(corners) {
             assert_eq!(read.name, made.name);
-            assert!((read.point_m - made.point_m).norm() < 1e-15);
+            let (Point { point_m: a, .. }, Point { point_m: b, .. }) =
+                (read.geometry, made.geometry)
+            else {
+                panic!("corners are points");
+            };
+            assert!((a - b).norm() < 1e-15);
         }
     }
 }

@@ -10,7 +10,7 @@ use super::raw::{RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
 use crate::math::Pose;
 use crate::motion::{Feature, SceneBody};
-use crate::physics::{Body, BodyError, Shape, ShapeError};
+use crate::physics::{Body, BodyError, Shape, ShapeError, contact};
 
 /// A body is something a hand can act with.
 const SIZE: SizeLimits = SizeLimits {
@@ -55,7 +55,8 @@ fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
         .map(|(text, point)| {
             let name = name("feature", text)?;
             let point_m = vector_from_mm(&format!("feature {name:?}"), point)?;
-            Ok(Feature { name, point_m })
+            let geometry = contact::Feature::corner(point_m);
+            Ok(Feature { name, geometry })
         })
         .collect()
 }

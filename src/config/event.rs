@@ -7,8 +7,13 @@ use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::number::{finite, index_of, name, pose, unique};
-use super::raw::{RawEvent, RawGoal};
-use crate::motion::{Event, EventKind, Goal, GoalTarget, SceneBody, Surface};
+use super::raw::{Number, RawEvent, RawGoal, Text};
+use crate::motion::{
+    Collision, Event, EventKind, Goal, GoalTarget, Partner, SceneBody, Surface, Touching,
+};
+
+/// Coefficients of friction beyond this are a mistake.
+const FRICTION_MAX: f64 = 10.0;
 
 /// The events in order: a start only first, an end only last.
 pub(super) fn events(
@@ -41,7 +46,7 @@ pub(super) fn events(
             }
             "start" => plain(event, EventKind::Start)?,
             "end" => plain(event, EventKind::End)?,
-            "collision" => collision(spanned, bodies, surfaces)?,
+            "collision" => EventKind::Collision(collision(spanned, bodies, surfaces)?),
             other => {
                 return fault(
                     event.kind.span(),
@@ -60,8 +65,15 @@ fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
     for (key, span) in [
         ("body", event.body.as_ref().map(Spanned::span)),
         ("feature", event.feature.as_ref().map(Spanned::span)),
+        ("features", event.features.as_ref().map(Spanned::span)),
         ("surface", event.surface.as_ref().map(Spanned::span)),
+        ("other", event.other.as_ref().map(Spanned::span)),
+        (
+            "other_feature",
+            event.other_feature.as_ref().map(Spanned::span),
+        ),
         ("restitution", event.restitution.as_ref().map(Spanned::span)),
+        ("friction", event.friction.as_ref().map(Spanned::span)),
     ] {
         if let Some(span) = span {
             return fault(
@@ -77,46 +89,113 @@ fn collision(
     spanned: &Spanned<RawEvent>,
     bodies: &[SceneBody],
     surfaces: &[Surface],
-) -> Result<EventKind, Fault> {
+) -> Result<Collision, Fault> {
     let event = spanned.get_ref();
     let missing = |key: &str| Fault {
         span: spanned.span(),
-        message: format!(
-            "missing key `{key}`: a collision needs body, feature, surface and restitution"
-        ),
+        message: format!("missing key `{key}`: a collision needs body and restitution"),
     };
-    let body = index_of(
-        "body",
-        event.body.as_ref().ok_or_else(|| missing("body"))?,
-        bodies.iter().map(|b| b.name.as_str()),
-    )?;
-    let feature = index_of(
-        &format!("feature of {:?}", bodies[body].name),
-        event.feature.as_ref().ok_or_else(|| missing("feature"))?,
-        bodies[body].features.iter().map(|f| f.name.as_str()),
-    )?;
-    let surface = index_of(
-        "surface",
-        event.surface.as_ref().ok_or_else(|| missing("surface"))?,
-        surfaces.iter().map(|s| s.name.as_str()),
-    )?;
-    let number = event
+    let body_of = |text: &Text| index_of("body", text, bodies.iter().map(|b| b.name.as_str()));
+    let body = body_of(event.body.as_ref().ok_or_else(|| missing("body"))?)?;
+    let (partner, other) = match (&event.surface, &event.other) {
+        (Some(_), Some(other)) => {
+            return fault(
+                other.span(),
+                "a collision is with a surface or with another body, expected one of surface, other",
+            );
+        }
+        (Some(surface), None) => {
+            let names = surfaces.iter().map(|s| s.name.as_str());
+            (Partner::World, Some(index_of("surface", surface, names)?))
+        }
+        (None, Some(text)) => {
+            let other = body_of(text)?;
+            if other == body {
+                return fault(text.span(), "a body does not collide with itself");
+            }
+            let feature = event.other_feature.as_ref();
+            let feature = feature.map(|text| feature_of(&bodies[other], text));
+            (Partner::Body(other), feature.transpose()?)
+        }
+        (None, None) => (Partner::World, None),
+    };
+    if let (Partner::World, Some(text)) = (partner, &event.other_feature) {
+        return fault(text.span(), "other_feature needs other, the body it is of");
+    }
+    let friction = match &event.friction {
+        None => 0.0,
+        Some(number) => friction(number)?,
+    };
+    let contacts: Vec<Touching> = features(event, &bodies[body])?
+        .into_iter()
+        .map(|feature| Touching { feature, other })
+        .collect();
+    if contacts.len() > 1 && friction > 0.0 {
+        return fault(
+            spanned.span(),
+            "friction is for one contact, not for several at once",
+        );
+    }
+    let restitution = event
         .restitution
         .as_ref()
         .ok_or_else(|| missing("restitution"))?;
-    let restitution = finite("restitution", number)?;
-    if !(0.0..=1.0).contains(&restitution) {
-        return fault(
-            number.span(),
-            format!("restitution is {restitution}, expected 0 to 1"),
-        );
-    }
-    Ok(EventKind::Collision {
+    Ok(Collision {
         body,
-        feature,
-        surface,
-        restitution,
+        partner,
+        contacts,
+        restitution: share("restitution", restitution)?,
+        friction,
     })
+}
+
+/// The features of `body` that touch: one, several at once, or one that is left open.
+fn features(event: &RawEvent, body: &SceneBody) -> Result<Vec<Option<usize>>, Fault> {
+    match (&event.feature, &event.features) {
+        (None, None) => Ok(vec![None]),
+        (Some(text), None) => Ok(vec![Some(feature_of(body, text)?)]),
+        (Some(_), Some(several)) => fault(
+            several.span(),
+            "expected one of feature and features, not both",
+        ),
+        (None, Some(several)) => {
+            let texts = several.get_ref();
+            if !(1..=3).contains(&texts.len()) {
+                return fault(
+                    several.span(),
+                    format!("{} features touch at once, expected 1 to 3", texts.len()),
+                );
+            }
+            let features = texts.iter().map(|text| feature_of(body, text).map(Some));
+            features.collect()
+        }
+    }
+}
+
+fn feature_of(body: &SceneBody, text: &Text) -> Result<usize, Fault> {
+    let names = body.features.iter().map(|f| f.name.as_str());
+    index_of(&format!("feature of {:?}", body.name), text, names)
+}
+
+fn share(what: &str, number: &Number) -> Result<f64, Fault> {
+    let value = finite(what, number)?;
+    if (0.0..=1.0).contains(&value) {
+        Ok(value)
+    } else {
+        fault(number.span(), format!("{what} is {value}, expected 0 to 1"))
+    }
+}
+
+fn friction(number: &Number) -> Result<f64, Fault> {
+    let value = finite("friction", number)?;
+    if (0.0..=FRICTION_MAX).contains(&value) {
+        Ok(value)
+    } else {
+        fault(
+            number.span(),
+            format!("friction is {value}, expected 0 to {FRICTION_MAX}"),
+        )
+    }
 }
 
 /// The goals, each on an event and a body that exist, none twice.

@@ -8,7 +8,10 @@ use toml::Spanned;
 use super::error::{Fault, fault};
 use super::number::{finite, positive, unique};
 use super::raw::{Number, RawFree, Text};
-use crate::motion::{Event, EventKind, FreeParameter, Quantity};
+use crate::motion::{Collision, Cone, Event, FreeParameter, Quantity};
+
+/// Normals are not tilted further than this [°].
+const CONE_MAX_DEG: f64 = 60.0;
 
 /// A quantity's unit in the file.
 #[derive(Clone, Copy, PartialEq)]
@@ -32,24 +35,75 @@ const ANGLE: Unit = Unit {
     si: std::f64::consts::PI / 180.0,
 };
 
-/// The free quantities, none twice.
+/// The free quantities, none twice, and the cones that bound pairs of them.
 pub(super) fn parameters(
     raw: &[RawFree],
     gravity_m_s2: &Vector3<f64>,
     events: &[Event],
-) -> Result<Vec<FreeParameter>, Fault> {
+) -> Result<(Vec<FreeParameter>, Vec<Cone>), Fault> {
     let mut parameters: Vec<FreeParameter> = Vec::new();
+    let mut cones = Vec::new();
     for free in raw {
-        let parameter = parameter(free, gravity_m_s2, events)?;
-        unique(
-            "free quantity",
-            &free.quantity,
-            &parameter.name,
-            parameters.iter().map(|p| p.name.as_str()),
-        )?;
-        parameters.push(parameter);
+        let next = parameters.len();
+        let found = match &free.cone_deg {
+            Some(limit) => {
+                let limit = cone_rad(limit)?;
+                cones.push(Cone {
+                    parameters: [next, next + 1],
+                    limit,
+                });
+                tilts(free, limit, events)?.to_vec()
+            }
+            None => vec![parameter(free, gravity_m_s2, events)?],
+        };
+        for parameter in found {
+            unique(
+                "free quantity",
+                &free.quantity,
+                &parameter.name,
+                parameters.iter().map(|p| p.name.as_str()),
+            )?;
+            parameters.push(parameter);
+        }
     }
-    Ok(parameters)
+    Ok((parameters, cones))
+}
+
+/// Half the opening of a cone.
+fn cone_rad(number: &Number) -> Result<f64, Fault> {
+    let degrees = positive("cone_deg", number)?;
+    if degrees > CONE_MAX_DEG {
+        return fault(
+            number.span(),
+            format!("cone_deg is {degrees}, expected at most {CONE_MAX_DEG}"),
+        );
+    }
+    Ok(degrees.to_radians())
+}
+
+/// Both tilts of a collision's normal, upright at first, bounded by their cone only.
+fn tilts(free: &RawFree, limit_rad: f64, events: &[Event]) -> Result<[FreeParameter; 2], Fault> {
+    let name = free.quantity.get_ref();
+    let collision = name.strip_suffix(".tilt").and_then(|event_name| {
+        let is_it = |event: &Event| event.name == event_name && event.kind.collision().is_some();
+        events.iter().position(is_it)
+    });
+    let Some(event) = collision else {
+        return fault(
+            free.quantity.span(),
+            format!(
+                "cone_deg bounds the tilt of a collision's normal, expected `<event>.tilt` instead of {name:?}"
+            ),
+        );
+    };
+    Ok([0, 1].map(|tangent| FreeParameter {
+        name: format!("{name}.{tangent}"),
+        quantity: Quantity::Tilt { event, tangent },
+        initial: 0.0,
+        lower: -limit_rad,
+        upper: limit_rad,
+        prior_sd: None,
+    }))
 }
 
 fn parameter(
@@ -61,6 +115,7 @@ fn parameter(
     let (unit, widest) = match quantity {
         Quantity::Gravity { .. } => (ACCELERATION, f64::NEG_INFINITY..f64::INFINITY),
         Quantity::Restitution { .. } => (RATIO, 0.0..1.0),
+        Quantity::Friction { .. } => (RATIO, 0.0..f64::INFINITY),
         Quantity::Tilt { .. } => (ANGLE, f64::NEG_INFINITY..f64::INFINITY),
     };
     let name = free.quantity.get_ref();
@@ -196,35 +251,34 @@ fn quantity(
             return Ok((Quantity::Gravity { axis }, gravity_m_s2[axis]));
         }
     }
-    let restitution_of = |event: usize| match events[event].kind {
-        EventKind::Collision { restitution, .. } => Some(restitution),
-        _ => None,
-    };
     let known = |event_name: &str| {
-        events
-            .iter()
-            .position(|event| event.name == event_name)
-            .and_then(|event| Some((event, restitution_of(event)?)))
+        let index = events.iter().position(|event| event.name == event_name)?;
+        Some((index, events[index].kind.collision()?))
     };
-    for (suffix, tangent) in [
-        (".restitution", None),
-        (".tilt.0", Some(0)),
-        (".tilt.1", Some(1)),
-    ] {
-        let Some((event, restitution)) = name.strip_suffix(suffix).and_then(known) else {
-            continue;
-        };
-        return Ok(match tangent {
-            None => (Quantity::Restitution { event }, restitution),
-            Some(tangent) => (Quantity::Tilt { event, tangent }, 0.0),
-        });
+    type Found = fn(usize, &Collision) -> (Quantity, f64);
+    let of_collision: [(&str, Found); 4] = [
+        (".restitution", |event, collision| {
+            (Quantity::Restitution { event }, collision.restitution)
+        }),
+        (".friction", |event, collision| {
+            (Quantity::Friction { event }, collision.friction)
+        }),
+        (".tilt.0", |event, _| {
+            (Quantity::Tilt { event, tangent: 0 }, 0.0)
+        }),
+        (".tilt.1", |event, _| {
+            (Quantity::Tilt { event, tangent: 1 }, 0.0)
+        }),
+    ];
+    for (suffix, found) in of_collision {
+        if let Some((event, collision)) = name.strip_suffix(suffix).and_then(known) {
+            return Ok(found(event, collision));
+        }
     }
     let mut expected = String::from("gravity.x, gravity.y, gravity.z");
-    for (index, event) in events.iter().enumerate() {
-        if restitution_of(index).is_some() {
-            let of = &event.name;
-            expected += &format!(", {of}.restitution, {of}.tilt.0, {of}.tilt.1");
-        }
+    for event in events.iter().filter(|e| e.kind.collision().is_some()) {
+        let of = &event.name;
+        expected += &format!(", {of}.restitution, {of}.friction, {of}.tilt.0, {of}.tilt.1");
     }
     fault(
         text.span(),

@@ -17,6 +17,7 @@ pub(super) struct RawScene {
     pub(super) gravity_m_s2: Option<Triple>,
     pub(super) marks_topic: Option<Text>,
     pub(super) timing: RawTiming,
+    pub(super) velocity_gaps: Option<Text>,
     pub(super) weights: Option<RawWeights>,
     #[serde(default)]
     pub(super) body: Vec<Spanned<RawBody>>,
@@ -109,8 +110,12 @@ pub(super) struct RawEvent {
     pub(super) kind: Text,
     pub(super) body: Option<Text>,
     pub(super) feature: Option<Text>,
+    pub(super) features: Option<Spanned<Vec<Text>>>,
     pub(super) surface: Option<Text>,
+    pub(super) other: Option<Text>,
+    pub(super) other_feature: Option<Text>,
     pub(super) restitution: Option<Number>,
+    pub(super) friction: Option<Number>,
 }
 
 #[derive(Deserialize)]
@@ -139,4 +144,5 @@ pub(super) struct RawFree {
     pub(super) prior_sd: Option<Number>,
     pub(super) prior_sd_m_s2: Option<Number>,
     pub(super) prior_sd_deg: Option<Number>,
+    pub(super) cone_deg: Option<Number>,
 }

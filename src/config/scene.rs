@@ -7,9 +7,10 @@ use super::error::{Fault, SceneError, fault};
 use super::event::{events, goals};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
-use super::raw::{RawObstacle, RawScene, RawSurface, RawTiming, RawWeights};
+use super::raw::{RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::solid::{SizeLimits, shape};
-use crate::motion::{Obstacle, Scene, SceneBody, Surface, Timing, Weights};
+use crate::motion::{Obstacle, Scene, SceneBody, Surface, Timing, VelocityGaps, Weights};
+use crate::physics::contact;
 
 const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
 const MARKS_TOPIC: &str = "/marks";
@@ -49,6 +50,7 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let bodies = bodies(raw, &marks_topic)?;
     let surfaces = surfaces(&raw.surface)?;
     let events = events(&raw.event, &bodies, &surfaces)?;
+    let (parameters, cones) = parameters(&raw.free, &gravity_m_s2, &events)?;
     Ok(Scene {
         name,
         gravity_m_s2,
@@ -56,7 +58,9 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         marks_topic,
         obstacles: obstacles(&raw.obstacle)?,
         goals: goals(&raw.goal, &bodies, &events)?,
-        parameters: parameters(&raw.free, &gravity_m_s2, &events)?,
+        parameters,
+        cones,
+        velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights: weights(raw.weights.as_ref())?,
         bodies,
         surfaces,
@@ -84,9 +88,10 @@ fn gravity_m_s2(raw: &RawScene) -> Result<Vector3<f64>, Fault> {
 fn timing(raw: &RawTiming) -> Result<Timing, Fault> {
     match (raw.stamps.get_ref().as_str(), &raw.tempo_sd_per_sqrt_s) {
         ("physical", None) => Ok(Timing::Known),
-        ("physical", Some(tempo)) => fault(
+        ("edited", None) => Ok(Timing::Edited),
+        (stamps @ ("physical" | "edited"), Some(tempo)) => fault(
             tempo.span(),
-            "tempo_sd_per_sqrt_s does not apply to physical stamps",
+            format!("tempo_sd_per_sqrt_s does not apply to {stamps} stamps"),
         ),
         ("tempo", tempo) => Ok(Timing::Unknown {
             tempo_sd_per_sqrt_s: match tempo {
@@ -96,7 +101,24 @@ fn timing(raw: &RawTiming) -> Result<Timing, Fault> {
         }),
         (other, _) => fault(
             raw.stamps.span(),
-            format!("stamps are {other:?}, expected \"tempo\" or \"physical\""),
+            format!("stamps are {other:?}, expected \"tempo\", \"physical\" or \"edited\""),
+        ),
+    }
+}
+
+fn velocity_gaps(raw: Option<&Text>) -> Result<VelocityGaps, Fault> {
+    let Some(text) = raw else {
+        return Ok(VelocityGaps::WhenNeeded);
+    };
+    match text.get_ref().as_str() {
+        "when needed" => Ok(VelocityGaps::WhenNeeded),
+        "always" => Ok(VelocityGaps::Always),
+        "never" => Ok(VelocityGaps::Never),
+        other => fault(
+            text.span(),
+            format!(
+                "velocity_gaps is {other:?}, expected \"when needed\", \"always\" or \"never\""
+            ),
         ),
     }
 }
@@ -149,8 +171,11 @@ fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
         unique("surface", &surface.name, &name, taken)?;
         surfaces.push(Surface {
             name,
-            point_m: vector_from_mm("point_mm", &surface.point_mm)?,
-            normal: direction("normal", &surface.normal)?,
+            geometry: contact::Feature::face(
+                vector_from_mm("point_mm", &surface.point_mm)?,
+                direction("normal", &surface.normal)?,
+            ),
+            obstacle: None,
         });
     }
     Ok(surfaces)

@@ -2,9 +2,9 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::{SceneError, scene_from_toml};
-use crate::motion::{EventKind, GoalTarget, Quantity, Timing};
-use crate::physics::Shape;
+use crate::motion::{Collision, EventKind, GoalTarget, Quantity, Timing};
 use crate::physics::body::Symmetry;
+use crate::physics::{Shape, contact};
 
 mod refusals;
 
@@ -120,21 +120,17 @@ fn the_example_becomes_a_scene_in_si_units() {
     assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-7);
     let names: Vec<&str> = body.features.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names, ["eraser", "tip"]);
-    assert_eq!(body.features[1].point_m, Vector3::new(0.0, 0.0, -0.095));
-    assert_eq!(scene.surfaces[0].point_m, Vector3::new(0.0, 0.0, 0.01));
-    assert_eq!(scene.surfaces[0].normal, Vector3::z());
+    let tip = contact::Feature::corner(Vector3::new(0.0, 0.0, -0.095));
+    assert_eq!(body.features[1].geometry, tip);
+    let table = contact::Feature::face(Vector3::new(0.0, 0.0, 0.01), Vector3::z());
+    assert_eq!(scene.surfaces[0].geometry, table);
     assert_eq!(
         scene.obstacles[0].world_from_shape.translation.vector,
         Vector3::new(0.3, 0.0, 0.002)
     );
     assert_eq!(
         scene.events[1].kind,
-        EventKind::Collision {
-            body: 0,
-            feature: 1,
-            surface: 0,
-            restitution: 0.6
-        }
+        EventKind::Collision(Collision::bounce(0, 1, 0, 0.6))
     );
     assert_eq!(scene.events[0].kind, EventKind::Start);
     assert_eq!(scene.events[2].kind, EventKind::End);
@@ -281,7 +277,7 @@ proptest! {
         let text = PENCIL.replacen(target, &format!("{value:e}{kept}"), 1);
         if let Ok(scene) = scene_from_toml(&text) {
             prop_assert!(scene.bodies[0].body.mass_kg() > 0.0);
-            prop_assert!((scene.surfaces[0].normal.norm() - 1.0).abs() < 1e-12);
+            prop_assert!((scene.surfaces[0].plane().unwrap().1.norm() - 1.0).abs() < 1e-12);
         }
     }
 }

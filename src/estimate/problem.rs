@@ -4,10 +4,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::Pose;
 use crate::motion::{
-    EventKind, FreeParameter, GoalTarget, Quantity, Scene, Segment, Sketch, Timing,
+    FreeParameter, GoalTarget, Quantity, Scene, Segment, Sketch, Timing, Touching,
 };
-use crate::physics::Body;
 use crate::physics::impact::Contact;
+use crate::physics::{Body, contact};
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
 pub mod unit {
@@ -149,7 +149,7 @@ impl Problem {
             .events
             .iter()
             .enumerate()
-            .map(|(event, e)| matches!(e.kind, EventKind::Collision { .. }) || is_goal(event))
+            .map(|(event, e)| e.kind.collision().is_some() || is_goal(event))
             .collect();
         Self {
             bodies: scene.bodies.iter().map(|body| body.body).collect(),
@@ -169,7 +169,7 @@ impl Problem {
                 .collect(),
             nodes_acted_s,
             tempo_sd_per_sqrt_s: match scene.timing {
-                Timing::Known => None,
+                Timing::Known | Timing::Edited => None,
                 Timing::Unknown {
                     tempo_sd_per_sqrt_s,
                 } => Some(tempo_sd_per_sqrt_s),
@@ -244,16 +244,31 @@ fn collisions(
 ) -> Vec<Collision> {
     let mut collisions = Vec::new();
     for (event, scene_event) in scene.events.iter().enumerate() {
-        let EventKind::Collision {
-            body,
-            feature,
-            surface,
-            restitution,
-        } = scene_event.kind
-        else {
+        let Some(collision) = scene_event.kind.collision() else {
             continue;
         };
-        let surface = &scene.surfaces[surface];
+        let body = collision.body;
+        let [
+            Touching {
+                feature: Some(feature),
+                other: Some(surface),
+            },
+        ] = collision.contacts[..]
+        else {
+            panic!("one contact that is known");
+        };
+        let feature = scene.bodies[body].features[feature].geometry;
+        let surface = scene.surfaces[surface].geometry;
+        let (
+            contact::Feature::Point { point_m, .. },
+            contact::Feature::Face {
+                point_m: surface_point_m,
+                normal,
+            },
+        ) = (feature, surface)
+        else {
+            panic!("a point on a face");
+        };
         let arc_with = |end: bool| {
             arcs.iter().position(|arc| {
                 arc.body == body && (if end { arc.end } else { arc.start }) == Some(event)
@@ -262,21 +277,18 @@ fn collisions(
         let (Some(before), Some(after)) = (arc_with(true), arc_with(false)) else {
             continue;
         };
-        let first = surface
-            .normal
-            .cross(&least_axis(&surface.normal))
-            .normalize();
-        let tangents = [first, surface.normal.cross(&first)];
+        let first = normal.cross(&least_axis(&normal)).normalize();
+        let tangents = [first, normal.cross(&first)];
         collisions.push(Collision {
             event,
             before,
             after,
             contact: Contact {
-                point_m: scene.bodies[body].features[feature].point_m,
-                surface_point_m: surface.point_m,
-                surface_normal: surface.normal,
+                point_m,
+                surface_point_m,
+                surface_normal: normal,
             },
-            restitution,
+            restitution: collision.restitution,
             restitution_parameter: parameter(Quantity::Restitution { event }),
             tilts: (0..2)
                 .filter_map(|tangent| {

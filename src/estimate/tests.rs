@@ -11,10 +11,11 @@ use super::recipe::{self, Recipe};
 use super::system::{Frame, Guidance, System};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
-    ArcGuess, BodySketch, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Guess,
-    Quantity, Sample, Scene, SceneBody, Segment, Sketch, Stamp, Surface, Timing, Weights,
+    ArcGuess, BodySketch, Collision, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
+    Guess, Quantity, Sample, Scene, SceneBody, Segment, Sketch, Stamp, Surface, Timing,
+    VelocityGaps, Weights,
 };
-use crate::physics::{Body, Shape, State, flow};
+use crate::physics::{Body, Shape, State, contact, flow};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
@@ -35,12 +36,7 @@ fn scene(timing: Timing) -> Scene {
         name: name.into(),
         kind,
     };
-    let bounce = EventKind::Collision {
-        body: 0,
-        feature: 0,
-        surface: 0,
-        restitution: 0.6,
-    };
+    let bounce = EventKind::Collision(Collision::bounce(0, 0, 0, 0.6));
     Scene {
         name: "rod".into(),
         gravity_m_s2: GRAVITY,
@@ -54,13 +50,16 @@ fn scene(timing: Timing) -> Scene {
             body_from_tracker: Pose::identity(),
             features: vec![Feature {
                 name: "tip".into(),
-                point_m: Vector3::new(0.0, 0.01, -0.1),
+                geometry: contact::Feature::corner(Vector3::new(0.0, 0.01, -0.1)),
             }],
         }],
         surfaces: vec![Surface {
             name: "table".into(),
-            point_m: Vector3::zeros(),
-            normal: Vector3::new(0.05, 0.1, 1.0).normalize(),
+            geometry: contact::Feature::face(
+                Vector3::zeros(),
+                Vector3::new(0.05, 0.1, 1.0).normalize(),
+            ),
+            obstacle: None,
         }],
         obstacles: Vec::new(),
         events: vec![event("bounce", bounce), event("landing", EventKind::End)],
@@ -84,6 +83,8 @@ fn scene(timing: Timing) -> Scene {
                 },
             },
         ],
+        cones: Vec::new(),
+        velocity_gaps: VelocityGaps::WhenNeeded,
         parameters: vec![
             parameter("g", Quantity::Gravity { axis: 2 }, -9.7, (-11.0, -8.0)),
             parameter("e", Quantity::Restitution { event: 0 }, 0.55, (0.3, 0.9)),

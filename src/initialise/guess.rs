@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::ballistic;
 use super::turn::{self, Reading, TurnFit};
-use crate::motion::{ArcGuess, EventKind, Guess, Sample, Scene, Segment, Sketch, Timing};
+use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::State;
 
 /// Guesses at most.
@@ -30,7 +30,7 @@ pub struct Guessed {
 /// each stretch between marks runs at the rate of the fits it belongs to.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     let known = match scene.timing {
-        Timing::Known => Some(1.0),
+        Timing::Known | Timing::Edited => Some(1.0),
         Timing::Unknown { .. } => None,
     };
     let samples = |segment: &Segment| -> &[Sample] {
@@ -180,7 +180,7 @@ impl TimeLine {
             .fold(f64::INFINITY, f64::min);
         let mut acted_s = vec![first_s];
         acted_s.extend((0..scene.events.len()).filter_map(|event| {
-            let is_collision = matches!(scene.events[event].kind, EventKind::Collision { .. });
+            let is_collision = scene.events[event].kind.collision().is_some();
             is_collision.then_some(sketch.marks_s[event])
         }));
         let rate_in = |from_s: f64, to_s: f64| {

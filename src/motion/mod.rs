@@ -16,8 +16,8 @@ pub use estimate::{
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use scene::{
-    Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Quantity, Scene,
-    SceneBody, Surface, Timing, Weights,
+    Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Partner,
+    Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps, Weights,
 };
 pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};

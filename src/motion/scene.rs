@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 
 use crate::math::Pose;
-use crate::physics::{Body, Shape};
+use crate::physics::{Body, Shape, contact};
 
 /// Everything that is known about a performance before it is seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,10 @@ pub struct Scene {
     pub goals: Vec<Goal>,
     /// What the estimation may change besides the motion.
     pub parameters: Vec<FreeParameter>,
+    /// Pairs of parameters whose norm is bounded: tilts of a normal within a cone.
+    pub cones: Vec<Cone>,
+    /// Whether velocities may change at collisions as no impact would change them.
+    pub velocity_gaps: VelocityGaps,
     /// What one unit of residual is.
     pub weights: Weights,
 }
@@ -39,6 +43,9 @@ pub struct Scene {
 pub enum Timing {
     /// Stamps are physical times.
     Known,
+    /// An edited sketch: every segment has a stream and physical times of its own; where one
+    /// ends another need not begin.
+    Edited,
     /// The performer's tempo is unknown and smooth: the logarithm of its rate wanders as
     /// Brownian motion of this strength [1/√s of acted time].
     Unknown {
@@ -60,28 +67,38 @@ pub struct SceneBody {
     pub shape: Shape,
     /// Pose of the tracker's frame in body axes.
     pub body_from_tracker: Pose,
-    /// Points that may touch something.
+    /// What of it may touch something.
     pub features: Vec<Feature>,
 }
 
-/// A named point of a body that may touch a surface.
+/// A named part of a body's surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
     /// Unique within the body.
     pub name: String,
-    /// Position in body axes \[m\].
-    pub point_m: Vector3<f64>,
+    /// What it is, in body axes.
+    pub geometry: contact::Feature,
 }
 
-/// A plane of the static world; bodies are on the side its normal points to.
+/// A named part of the static world's surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Unique name.
     pub name: String,
-    /// A point on it [m, world].
-    pub point_m: Vector3<f64>,
-    /// Unit normal, out of the surface \[world\].
-    pub normal: Vector3<f64>,
+    /// What it is, in world axes.
+    pub geometry: contact::Feature,
+    /// The obstacle it belongs to (index into `Scene::obstacles`); planes stand for themselves.
+    pub obstacle: Option<usize>,
+}
+
+impl Surface {
+    /// A point and the unit normal of a plane that stands for itself.
+    pub fn plane(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        match (self.geometry, self.obstacle) {
+            (contact::Feature::Face { point_m, normal }, None) => Some((point_m, normal)),
+            _ => None,
+        }
+    }
 }
 
 /// A solid part of the static world.
@@ -109,17 +126,8 @@ pub struct Event {
 pub enum EventKind {
     /// The performance begins; samples before it are not used. Only as the first event.
     Start,
-    /// A body's feature hits a surface.
-    Collision {
-        /// Index into `Scene::bodies`.
-        body: usize,
-        /// Index into that body's features.
-        feature: usize,
-        /// Index into `Scene::surfaces`.
-        surface: usize,
-        /// Coefficient of restitution, 0 to 1.
-        restitution: f64,
-    },
+    /// A body hits something.
+    Collision(Collision),
     /// The performance ends; samples after it are not used. Only as the last event. Its time
     /// is estimated when a goal holds there, otherwise it stays at the mark.
     End,
@@ -130,10 +138,87 @@ impl EventKind {
     pub fn word(&self) -> &'static str {
         match self {
             EventKind::Start => "start",
-            EventKind::Collision { .. } => "collision",
+            EventKind::Collision(_) => "collision",
             EventKind::End => "end",
         }
     }
+
+    /// The collision, if it is one.
+    pub fn collision(&self) -> Option<&Collision> {
+        match self {
+            EventKind::Collision(collision) => Some(collision),
+            EventKind::Start | EventKind::End => None,
+        }
+    }
+
+    /// Whether it begins or ends a segment of that body.
+    pub fn concerns(&self, body: usize) -> bool {
+        self.collision()
+            .is_none_or(|collision| collision.concerns(body))
+    }
+}
+
+/// A body hits the static world or another body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collision {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// What it hits.
+    pub partner: Partner,
+    /// Where they touch, one to three places at once.
+    pub contacts: Vec<Touching>,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// Coefficient of Coulomb friction.
+    pub friction: f64,
+}
+
+impl Collision {
+    /// A bounce of one feature off one surface, without friction.
+    pub fn bounce(body: usize, feature: usize, surface: usize, restitution: f64) -> Self {
+        Self {
+            body,
+            partner: Partner::World,
+            contacts: vec![Touching {
+                feature: Some(feature),
+                other: Some(surface),
+            }],
+            restitution,
+            friction: 0.0,
+        }
+    }
+
+    /// Whether the body takes part in it.
+    pub fn concerns(&self, body: usize) -> bool {
+        self.body == body || self.partner == Partner::Body(body)
+    }
+
+    /// The bodies that take part in it.
+    pub fn bodies(&self) -> impl Iterator<Item = usize> + use<> {
+        let other = match self.partner {
+            Partner::World => None,
+            Partner::Body(other) => Some(other),
+        };
+        [self.body].into_iter().chain(other)
+    }
+}
+
+/// What a body hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partner {
+    /// The static world.
+    World,
+    /// Another body (index into `Scene::bodies`).
+    Body(usize),
+}
+
+/// Which feature touches which; what a scene leaves open is inferred from the performance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touching {
+    /// Index into the body's features.
+    pub feature: Option<usize>,
+    /// Index into `Scene::surfaces`, or into the other body's features.
+    pub other: Option<usize>,
 }
 
 /// A hard condition on a body at an event (just before it, if it is a collision).
@@ -209,6 +294,11 @@ pub enum Quantity {
         /// Index into `Scene::events`.
         event: usize,
     },
+    /// Friction at a collision [–].
+    Friction {
+        /// Index into `Scene::events`.
+        event: usize,
+    },
     /// Tilt of the surface's normal at a collision \[rad\] about one of two tangents.
     Tilt {
         /// Index into `Scene::events`.
@@ -216,6 +306,27 @@ pub enum Quantity {
         /// Tangent, 0 or 1.
         tangent: usize,
     },
+}
+
+/// Two parameters within a circle about zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Indices into `Scene::parameters`.
+    pub parameters: [usize; 2],
+    /// Radius of the circle, in the parameters' unit.
+    pub limit: f64,
+}
+
+/// Whether velocities may be left discontinuous: physics bent where goals cannot be met otherwise
+/// (paper §6.2). Poses stay continuous and goals are met all the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VelocityGaps {
+    /// Only where there is no motion without.
+    WhenNeeded,
+    /// From the start: the scene is known to be overconstrained.
+    Always,
+    /// In no case: then there is no motion.
+    Never,
 }
 
 /// What one unit of residual is: the objective is the sum of squared residuals in these units.

@@ -41,3 +41,18 @@ pub enum Feature {
         normal: Vector3<f64>,
     },
 }
+
+impl Feature {
+    /// A sharp corner at a point \[m\].
+    pub fn corner(point_m: Vector3<f64>) -> Self {
+        Feature::Point {
+            point_m,
+            radius_m: 0.0,
+        }
+    }
+
+    /// The face through a point \[m\] with that unit normal.
+    pub fn face(point_m: Vector3<f64>, normal: Vector3<f64>) -> Self {
+        Feature::Face { point_m, normal }
+    }
+}

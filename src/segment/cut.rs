@@ -32,14 +32,10 @@ fn cut_body(
     let window_s = NEAR_COLLISION_INTERVALS * median_interval_s(sketch, body);
     let mut start_event = None;
     let mut first = 0;
-    let concerns = |event: &EventKind| match event {
-        EventKind::Start | EventKind::End => true,
-        EventKind::Collision { body: other, .. } => *other == body,
-    };
-    let cuts = (0..scene.events.len()).filter(|event| concerns(&scene.events[*event].kind));
+    let cuts = (0..scene.events.len()).filter(|event| scene.events[*event].kind.concerns(body));
     for end_event in cuts.map(Some).chain([None]) {
         let is_collision = |event: Option<usize>| {
-            event.is_some_and(|e| matches!(scene.events[e].kind, EventKind::Collision { .. }))
+            event.is_some_and(|e| scene.events[e].kind.collision().is_some())
         };
         let (until_s, next_s) = match end_event {
             Some(event) if is_collision(end_event) => (

@@ -1,7 +1,7 @@
 //! Which mark stands for which event.
 
 use super::error::SegmentError;
-use crate::motion::{EventKind, Mark, Scene, Stamp};
+use crate::motion::{Collision, EventKind, Mark, Scene, Stamp};
 
 /// First and last stamp of some samples.
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +92,8 @@ pub(super) fn check_extents(
         return Ok(());
     };
     for (event, stamp) in scene.events.iter().zip(stamps) {
-        let (extent, slack_ns) = match event.kind {
-            EventKind::Collision { body, .. } => (bodies[body], 0),
+        let (extent, slack_ns) = match &event.kind {
+            EventKind::Collision(collision) => (shared(bodies, collision), 0),
             EventKind::Start | EventKind::End => (whole, slack_ns),
         };
         let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)
@@ -108,6 +108,16 @@ pub(super) fn check_extents(
         }
     }
     Ok(())
+}
+
+/// Where all bodies of a collision have samples.
+fn shared(bodies: &[Extent], collision: &Collision) -> Extent {
+    let mut extent = bodies[collision.body];
+    for other in collision.bodies().map(|body| bodies[body]) {
+        extent.first = extent.first.max(other.first);
+        extent.last = extent.last.min(other.last);
+    }
+    extent
 }
 
 /// From the first of the firsts to the last of the lasts.

@@ -5,10 +5,12 @@
 //! polynomials of degree 0, 1 (and 2 along gravity, where the tempo is unknown), so that sums
 //! over prefixes of the stream give the cost of any segment without looking at its samples.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::Vector3;
 
 use super::cut::median_interval_s;
-use crate::motion::{BodySketch, EventKind, Scene, Sketch, Timing};
+use crate::motion::{BodySketch, Scene, Sketch, Timing};
 
 /// Samples on either side of a mark that are tried.
 const REACH_SAMPLES: usize = 8;
@@ -24,80 +26,111 @@ const GAIN_MIN_M2: f64 = 1e-8;
 /// Rounds over all marks at most.
 const ROUNDS_MAX: usize = 3;
 
-/// Moves the marks of collisions in `sketch`; returns the number of rounds it took.
+/// Moves the marks of collisions in `sketch`; returns the number of rounds it took. The marks of
+/// an edited sketch stand where its segments meet, and stay.
 pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
-    let collisions: Vec<(usize, usize)> = (0..scene.events.len())
-        .filter_map(|event| match scene.events[event].kind {
-            EventKind::Collision { body, .. } => Some((event, body)),
-            _ => None,
-        })
+    if scene.timing == Timing::Edited {
+        return 0;
+    }
+    let events: Vec<usize> = (0..scene.events.len())
+        .filter(|event| scene.events[*event].kind.collision().is_some())
         .collect();
-    let bodies: Vec<(PrefixSums, f64)> = (0..sketch.bodies.len())
-        .map(|body| {
-            let interval_s = median_interval_s(sketch, body).max(1e-9);
-            (PrefixSums::new(scene, &sketch.bodies[body]), interval_s)
-        })
+    let sums: Vec<PrefixSums> = sketch
+        .bodies
+        .iter()
+        .map(|body| PrefixSums::new(scene, body))
         .collect();
     for round in 1..=ROUNDS_MAX {
         let mut moved = false;
-        for (event, body) in &collisions {
-            moved |= refine_one(scene, sketch, &bodies[*body], *event, *body);
+        for event in &events {
+            moved |= refine_one(scene, sketch, &sums, *event);
         }
-        if !moved || collisions.len() == 1 {
+        if !moved || events.len() == 1 {
             return round;
         }
     }
     ROUNDS_MAX
 }
 
-/// Moves one mark to the best place between its body's neighbouring events.
-fn refine_one(
-    scene: &Scene,
-    sketch: &mut Sketch,
-    (sums, interval_s): &(PrefixSums, f64),
-    event: usize,
+/// What lies between the events of a body that come before and after one that it takes part in.
+struct Stretch {
     body: usize,
-) -> bool {
-    let samples = &sketch.bodies[body].samples;
-    let concerns = |other: usize| match scene.events[other].kind {
-        EventKind::Collision { body: b, .. } => b == body,
-        _ => true,
+    begin: usize,
+    end: usize,
+}
+
+impl Stretch {
+    fn new(scene: &Scene, sketch: &Sketch, body: usize, event: usize) -> Self {
+        let samples = &sketch.bodies[body].samples;
+        let concerns = |other: &usize| scene.events[*other].kind.concerns(body);
+        let index_at =
+            |event: usize| samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
+        // What lies beside a neighbouring collision is left out, as it is in the cut.
+        let beside = |other: usize| usize::from(scene.events[other].kind.collision().is_some());
+        let mut before = (0..event).rev();
+        let mut after = event + 1..scene.events.len();
+        Self {
+            body,
+            begin: before.find(concerns).map_or(0, |e| index_at(e) + beside(e)),
+            end: after
+                .find(concerns)
+                .map_or(samples.len(), |e| index_at(e).saturating_sub(beside(e))),
+        }
+    }
+
+    /// Cuts that leave enough samples on either side.
+    fn cuts(&self) -> RangeInclusive<usize> {
+        self.begin + KEEP_SAMPLES..=self.end.saturating_sub(KEEP_SAMPLES)
+    }
+
+    /// What a cut leaves \[m²\]: the samples beside it are left out, as they are in the cut.
+    fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
+        sums.cost(self.begin, cut - 1) + sums.cost(cut + 1, self.end)
+    }
+}
+
+/// Moves one mark to the best place between the neighbouring events of its bodies.
+fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: usize) -> bool {
+    let Some(collision) = scene.events[event].kind.collision() else {
+        return false;
     };
-    let index_at = |acted_s: f64| samples.partition_point(|s| s.acted_s <= acted_s);
-    // What lies beside a neighbouring collision is left out, as it is in the cut.
-    let beside = |other: usize| {
-        usize::from(matches!(
-            scene.events[other].kind,
-            EventKind::Collision { .. }
-        ))
-    };
-    let begin = (0..event)
-        .rev()
-        .find(|e| concerns(*e))
-        .map_or(0, |e| index_at(sketch.marks_s[e]) + beside(e));
-    let end = (event + 1..scene.events.len())
-        .find(|e| concerns(*e))
-        .map_or(samples.len(), |e| {
-            index_at(sketch.marks_s[e]).saturating_sub(beside(e))
-        });
-    let now = index_at(sketch.marks_s[event]);
+    let stretches: Vec<Stretch> = collision
+        .bodies()
+        .map(|body| Stretch::new(scene, sketch, body, event))
+        .collect();
+    let samples = &sketch.bodies[collision.body].samples;
+    let interval_s = median_interval_s(sketch, collision.body).max(1e-9);
+    let now = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
     let reach_s = match scene.timing {
-        Timing::Known => REACH_KNOWN_S,
+        Timing::Known | Timing::Edited => REACH_KNOWN_S,
         Timing::Unknown { .. } => REACH_S,
     };
     let reach = REACH_SAMPLES.max((reach_s / interval_s).round() as usize);
-    let least = now.saturating_sub(reach).max(begin + KEEP_SAMPLES);
-    let most = (now + reach).min(end.saturating_sub(KEEP_SAMPLES));
-    // The samples beside the collision are left out on either side, as they are in the cut.
-    let cost = |cut: usize| sums.cost(begin, cut - 1) + sums.cost(cut + 1, end);
+    let cuts = stretches[0].cuts();
+    let least = now.saturating_sub(reach).max(*cuts.start());
+    let most = (now + reach).min(*cuts.end());
+    // Between the last sample before and the first after.
+    let time_s = |cut: usize| 0.5 * (samples[cut - 1].acted_s + samples[cut].acted_s);
+    let cost = |cut: usize| -> f64 {
+        let mut cost = stretches[0].cost(&sums[collision.body], cut);
+        for stretch in &stretches[1..] {
+            let others = &sketch.bodies[stretch.body].samples;
+            let cut = others.partition_point(|s| s.acted_s <= time_s(cut));
+            if !stretch.cuts().contains(&cut) {
+                return f64::INFINITY;
+            }
+            cost += stretch.cost(&sums[stretch.body], cut);
+        }
+        cost
+    };
     let Some(best) = (least..=most).min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else {
         return false;
     };
-    if best == now || !(cost(best) < cost(now.clamp(least, most)) - GAIN_MIN_M2) {
+    let is_better = cost(best) < cost(now.clamp(least, most)) - GAIN_MIN_M2;
+    if best == now || !is_better {
         return false;
     }
-    // Between the last sample before and the first after.
-    sketch.marks_s[event] = 0.5 * (samples[best - 1].acted_s + samples[best].acted_s);
+    sketch.marks_s[event] = time_s(best);
     true
 }
 
@@ -120,7 +153,7 @@ impl PrefixSums {
     fn new(scene: &Scene, body: &BodySketch) -> Self {
         let gravity = scene.gravity_m_s2;
         let free_along = match scene.timing {
-            Timing::Known => None,
+            Timing::Known | Timing::Edited => None,
             Timing::Unknown { .. } => gravity.try_normalize(1e-9),
         };
         let samples = &body.samples;

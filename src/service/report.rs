@@ -4,7 +4,7 @@
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::motion::{Estimate, EventKind, Phase, Quantity, SampleCounts, Scene, Sketch};
+use crate::motion::{Estimate, Phase, Quantity, SampleCounts, Scene, Sketch};
 use crate::pipeline::Outcome;
 
 /// A finished recording. SI units unless a name says otherwise; numbers that do not exist, such
@@ -234,9 +234,12 @@ fn event_lines(scene: &Scene, estimate: &Estimate) -> Vec<EventLine> {
                 time_s: event.time_s,
                 time_sd_s: event.sd_s,
                 acted_s: event.acted_s,
-                bodies: match of_scene.kind {
-                    EventKind::Collision { body, .. } => vec![scene.bodies[body].name.clone()],
-                    EventKind::Start | EventKind::End => all(),
+                bodies: match of_scene.kind.collision() {
+                    Some(collision) => collision
+                        .bodies()
+                        .map(|body| scene.bodies[body].name.clone())
+                        .collect(),
+                    None => all(),
                 },
                 gap_m: event.gap.position_m,
                 gap_rad: event.gap.orientation_rad,
@@ -253,7 +256,7 @@ fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<ParameterLine>
         match free.map(|free| free.quantity) {
             Some(Quantity::Gravity { .. }) => "m/s²",
             Some(Quantity::Tilt { .. }) => "rad",
-            Some(Quantity::Restitution { .. }) | None => "",
+            Some(Quantity::Restitution { .. } | Quantity::Friction { .. }) | None => "",
         }
     };
     Ordered(

@@ -12,7 +12,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use super::error::WriteError;
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{GoalTarget, Scene, Stamp, Surface};
+use crate::motion::{GoalTarget, Scene, Stamp};
 use crate::physics::Shape;
 use crate::physics::shape::hull_triangles;
 use crate::wire::encode;
@@ -56,11 +56,14 @@ pub(super) fn scene_update(
         entities.push(entity);
     }
     for surface in &scene.surfaces {
+        let Some(plane) = surface.plane() else {
+            continue;
+        };
         let mut entity = entity(at, world_frame, format!("surface/{}", surface.name));
         let slab = Vector3::new(surface_side_m, surface_side_m, SURFACE_THICKNESS_M);
         entity
             .cubes
-            .push(cube(&world_from_slab(surface), &slab, SURFACE));
+            .push(cube(&world_from_slab(plane), &slab, SURFACE));
         entities.push(entity);
     }
     for (index, goal) in scene.goals.iter().enumerate() {
@@ -91,13 +94,12 @@ pub(super) fn scene_update(
     }))
 }
 
-/// Pose of a slab whose upper side is the surface.
-pub(super) fn world_from_slab(surface: &Surface) -> Pose {
-    let rotation =
-        UnitQuaternion::rotation_between(&Vector3::z(), &surface.normal).unwrap_or_else(|| {
-            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-        });
-    let centre_m = surface.point_m - 0.5 * SURFACE_THICKNESS_M * surface.normal;
+/// Pose of a slab whose upper side is the plane of that point and normal.
+pub(super) fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
+    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &normal).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    });
+    let centre_m = point_m - 0.5 * SURFACE_THICKNESS_M * normal;
     Pose::from_parts(centre_m.into(), rotation)
 }
 

@@ -9,7 +9,7 @@ use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::motion;
 use super::report::{EstimateReport, REPORT_SCHEMA, TIME_MAP_SCHEMA, TimeMap, json};
 use super::{drawing, topics, urdf};
-use crate::motion::{Estimate, PoseSample, SampleCounts, Scene, Sketch, Stamp};
+use crate::motion::{Estimate, PoseSample, SampleCounts, Scene, Sketch, Stamp, Surface};
 use crate::wire::encode::{self, MARK_EVENT_KEY, SchemaRecord};
 use crate::wire::{Container, Encoded, Transform};
 
@@ -311,10 +311,10 @@ impl<'a> Composer<'a> {
 /// How wide surfaces are drawn for the motion to stay above them \[m\].
 fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
     let mut side_m = SURFACE_SIDE_M;
-    for surface in &scene.surfaces {
+    for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
         for sample in estimates.iter().flatten() {
-            let offset_m = sample.position_m - surface.point_m;
-            let along_m = offset_m - surface.normal * offset_m.dot(&surface.normal);
+            let offset_m = sample.position_m - point_m;
+            let along_m = offset_m - normal * offset_m.dot(&normal);
             side_m = side_m.max(2.2 * along_m.norm());
         }
     }

@@ -11,7 +11,7 @@ use nalgebra::{Translation3, Vector3};
 use super::drawing::world_from_slab;
 use super::topics;
 use crate::math::Pose;
-use crate::motion::Scene;
+use crate::motion::{Scene, Surface};
 use crate::physics::Shape;
 
 /// How many cylinders make a cone.
@@ -42,10 +42,10 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
             OBSTACLE_RGBA,
         );
     }
-    for surface in &scene.surfaces {
+    for plane in scene.surfaces.iter().filter_map(Surface::plane) {
         let half_extents_m = Vector3::new(0.5 * surface_side_m, 0.5 * surface_side_m, 5e-4);
         let slab = Shape::Cuboid { half_extents_m };
-        add_shape(&mut text, &slab, &world_from_slab(surface), SURFACE_RGBA);
+        add_shape(&mut text, &slab, &world_from_slab(plane), SURFACE_RGBA);
     }
     text.push_str("  </link>\n");
     for body in &scene.bodies {

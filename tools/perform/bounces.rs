@@ -6,9 +6,10 @@
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Event, EventKind, Feature, Scene, SceneBody, Surface, Timing, Weights,
+    ArcEstimate, Collision, Event, EventKind, Feature, Scene, SceneBody, Surface, Timing,
+    VelocityGaps, Weights,
 };
-use enact::physics::{Body, Shape, State, impact};
+use enact::physics::{Body, Shape, State, contact, impact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -112,7 +113,10 @@ pub fn scene_toml(truth: &Truth) -> String {
         scene.name, tracker_mm.x, tracker_mm.y, tracker_mm.z,
     );
     for feature in &cube.features {
-        let at_mm = feature.point_m * 1e3;
+        let contact::Feature::Point { point_m, .. } = feature.geometry else {
+            continue;
+        };
+        let at_mm = point_m * 1e3;
         text += &format!(
             "{} = [{:?}, {:?}, {:?}]\n",
             feature.name, at_mm.x, at_mm.y, at_mm.z
@@ -125,12 +129,10 @@ pub fn scene_toml(truth: &Truth) -> String {
             event.name,
             event.kind.word()
         );
-        if let EventKind::Collision {
-            feature,
-            restitution,
-            ..
-        } = event.kind
+        if let Some(collision) = event.kind.collision()
+            && let Some(feature) = collision.contacts[0].feature
         {
+            let restitution = collision.restitution;
             text += &format!(
                 "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n",
                 cube.features[feature].name,
@@ -239,12 +241,8 @@ impl Cube {
             let (name, kind) = if is_last {
                 ("end".to_owned(), EventKind::End)
             } else {
-                let kind = EventKind::Collision {
-                    body: 0,
-                    feature: hop.corner,
-                    surface: 0,
-                    restitution: hop.restitution,
-                };
+                let kind =
+                    EventKind::Collision(Collision::bounce(0, hop.corner, 0, hop.restitution));
                 (format!("bounce {}", index + 1), kind)
             };
             events.push(Event { name, kind });
@@ -269,7 +267,7 @@ impl Cube {
     fn scene(&self, events: Vec<Event>) -> Scene {
         let feature = |(corner, point_m): (usize, &Vector3<f64>)| Feature {
             name: format!("corner_{corner}"),
-            point_m: *point_m,
+            geometry: contact::Feature::corner(*point_m),
         };
         let cube = SceneBody {
             name: "cube".to_owned(),
@@ -283,8 +281,8 @@ impl Cube {
         };
         let table = Surface {
             name: "table".to_owned(),
-            point_m: Vector3::zeros(),
-            normal: Vector3::z(),
+            geometry: contact::Feature::face(Vector3::zeros(), Vector3::z()),
+            obstacle: None,
         };
         Scene {
             name: "cube, bouncing".to_owned(),
@@ -299,6 +297,8 @@ impl Cube {
             events,
             goals: Vec::new(),
             parameters: Vec::new(),
+            cones: Vec::new(),
+            velocity_gaps: VelocityGaps::WhenNeeded,
             weights: Weights {
                 position_m: 0.01,
                 orientation_rad: 0.1,

@@ -3,11 +3,11 @@
 //! Each is built backward from its goal: from the goal's pose and a chosen landing velocity back
 //! to the bounce, through the inverted impact, back to the start. Then it is simulated forward.
 
-use enact::motion::{EventKind, GoalTarget, Scene};
+use enact::motion::{GoalTarget, Scene};
 use enact::physics::{State, impact};
 use nalgebra::Vector3;
 
-use super::truth::{Flight, Truth, TruthError, contact, simulate};
+use super::truth::{Flight, Truth, TruthError, contact_of, simulate};
 
 /// How far back a bounce is looked for [s].
 const LONGEST_ARC_S: f64 = 2.0;
@@ -96,11 +96,9 @@ impl Style {
         let (contact, restitution) = scene
             .events
             .iter()
-            .find_map(|event| match event.kind {
-                EventKind::Collision { restitution, .. } => {
-                    Some((contact(scene, &event.kind)?, restitution))
-                }
-                _ => None,
+            .find_map(|event| {
+                let restitution = event.kind.collision()?.restitution;
+                Some((contact_of(scene, &event.kind)?, restitution))
             })
             .ok_or(lacks("a collision"))?;
 

@@ -2,7 +2,7 @@
 
 use enact::math::Pose;
 use enact::motion::{ArcEstimate, EventKind, GoalTarget, Scene};
-use enact::physics::{Body, State, flow, impact};
+use enact::physics::{Body, State, contact, flow, impact};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -125,9 +125,9 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
         let time_s = match kind {
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
-            EventKind::Collision { restitution, .. } => {
+            EventKind::Collision(collision) => {
                 let contact =
-                    contact(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
+                    contact_of(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
                 let flown_s = flight
                     .until_contact_s(&state, &contact, duration_s - start_s)
                     .ok_or(TruthError::NoContact {
@@ -146,7 +146,13 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
                 // From the time as it is recorded, so that the record is what was simulated.
                 let before = flight.advance(&state, end_s - start_s);
                 let normal = contact.surface_normal;
-                state = impact::bounce(&moving.body, &contact, &normal, *restitution, &before);
+                state = impact::bounce(
+                    &moving.body,
+                    &contact,
+                    &normal,
+                    collision.restitution,
+                    &before,
+                );
                 start_s = end_s;
                 end_s
             }
@@ -164,22 +170,27 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
 }
 
 /// The contact of a collision; none for other events.
-pub fn contact(scene: &Scene, kind: &EventKind) -> Option<impact::Contact> {
-    let EventKind::Collision {
-        body,
-        feature,
-        surface,
-        ..
-    } = *kind
-    else {
+pub fn contact_of(scene: &Scene, kind: &EventKind) -> Option<impact::Contact> {
+    let collision = kind.collision()?;
+    let [touching] = collision.contacts[..] else {
         return None;
     };
-    let surface = &scene.surfaces[surface];
-    Some(impact::Contact {
-        point_m: scene.bodies[body].features[feature].point_m,
-        surface_point_m: surface.point_m,
-        surface_normal: surface.normal,
-    })
+    let feature = scene.bodies[collision.body].features[touching.feature?].geometry;
+    let surface = scene.surfaces[touching.other?].geometry;
+    match (feature, surface) {
+        (
+            contact::Feature::Point { point_m, .. },
+            contact::Feature::Face {
+                point_m: surface_point_m,
+                normal,
+            },
+        ) => Some(impact::Contact {
+            point_m,
+            surface_point_m,
+            surface_normal: normal,
+        }),
+        _ => None,
+    }
 }
 
 /// Free flight of one body.

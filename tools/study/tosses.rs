@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use enact::config::scene_from_toml;
 use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Verdict};
+use enact::physics::contact;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::case::estimated;
@@ -114,11 +115,17 @@ fn poses(file: &PathBuf) -> Result<Vec<(Vector3<f64>, UnitQuaternion<f64>)>> {
 }
 
 fn until_near_table(scene: &Scene, poses: &[(Vector3<f64>, UnitQuaternion<f64>)]) -> usize {
-    let corners = &scene.bodies[0].features;
+    let features = scene.bodies[0].features.iter();
+    let corners: Vec<Vector3<f64>> = features
+        .filter_map(|feature| match feature.geometry {
+            contact::Feature::Point { point_m, .. } => Some(point_m),
+            _ => None,
+        })
+        .collect();
     let is_clear = |(x, q): &&(Vector3<f64>, UnitQuaternion<f64>)| {
         corners
             .iter()
-            .all(|corner| (x + q * corner.point_m).z > NEAR_TABLE_M)
+            .all(|corner| (x + q * *corner).z > NEAR_TABLE_M)
     };
     poses.iter().take_while(is_clear).count()
 }

@@ -281,7 +281,7 @@ fn the_world_must_be_one() {
             "stamps = \"real\"",
             5,
             "\"real",
-            "\"tempo\" or \"physical\"",
+            "\"tempo\", \"physical\" or \"edited\"",
         ),
         (
             "stamps = \"tempo\"",
@@ -444,7 +444,7 @@ fn free_quantities_are_consistent() {
             "\"gravity.w\"",
             51,
             "\"gravity.w\"",
-            "expected one of gravity.x, gravity.y, gravity.z, bounce.restitution, bounce.tilt.0",
+            "expected one of gravity.x, gravity.y, gravity.z, bounce.restitution, bounce.friction, bounce.tilt.0",
         ),
         (
             "\"gravity.z\"",

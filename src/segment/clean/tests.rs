@@ -2,8 +2,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::motion::{Event, Feature, Surface, Timing, Weights};
-use crate::physics::Shape;
+use crate::motion::{Collision, Event, Feature, Surface, Timing, VelocityGaps, Weights};
+use crate::physics::{Shape, contact};
 
 const START: i64 = 1_700_000_000_000_000_000;
 const STEP: i64 = 10_000_000;
@@ -20,7 +20,7 @@ fn scene() -> Scene {
             body_from_tracker,
             features: vec![Feature {
                 name: "south".into(),
-                point_m: Vector3::new(0.0, 0.0, -0.02),
+                geometry: contact::Feature::corner(Vector3::new(0.0, 0.0, -0.02)),
             }],
         }
     };
@@ -40,25 +40,22 @@ fn scene() -> Scene {
         bodies: vec![ball("red", mount), ball("blue", Pose::identity())],
         surfaces: vec![Surface {
             name: "table".into(),
-            point_m: Vector3::zeros(),
-            normal: Vector3::z(),
+            geometry: contact::Feature::face(Vector3::zeros(), Vector3::z()),
+            obstacle: None,
         }],
         obstacles: vec![],
         events: vec![
             event("release", EventKind::Start),
             event(
                 "bounce",
-                EventKind::Collision {
-                    body: 0,
-                    feature: 0,
-                    surface: 0,
-                    restitution: 0.5,
-                },
+                EventKind::Collision(Collision::bounce(0, 0, 0, 0.5)),
             ),
             event("landing", EventKind::End),
         ],
         goals: vec![],
         parameters: vec![],
+        cones: Vec::new(),
+        velocity_gaps: VelocityGaps::WhenNeeded,
         weights: Weights {
             position_m: 0.01,
             orientation_rad: 0.1,
