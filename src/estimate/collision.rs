@@ -47,7 +47,11 @@ impl Places {
             + usize::from(collision.friction_parameter.is_some())
             + collision.tilts.len();
         Self {
-            contacts: if collision.touches_by_goal { 0 } else { approaches },
+            contacts: if collision.touches_by_goal {
+                0
+            } else {
+                approaches
+            },
             approaches,
             rows_per_body: if problem.velocity_gap_weight.is_some() {
                 HALF
@@ -131,7 +135,12 @@ pub fn fill(
             rows.add_contacts(&derivative, body, arrival);
         }
     }
-    for (body, (side, arrival)) in collision.sides.iter().zip(before.iter().flatten()).enumerate() {
+    for (body, (side, arrival)) in collision
+        .sides
+        .iter()
+        .zip(before.iter().flatten())
+        .enumerate()
+    {
         let after = arrive(side.body, side.after);
         let bounced = State {
             velocity_m_s: impact.after[body].velocity_m_s,
@@ -206,7 +215,9 @@ impl Rows<'_> {
             let Some(arrival) = arrival else { continue };
             let mut by_arrival = SMatrix::<f64, STATE, STATE>::zeros();
             if other == body {
-                by_arrival.fixed_view_mut::<3, 3>(0, part::POSITION).fill_diagonal(-1.0);
+                by_arrival
+                    .fixed_view_mut::<3, 3>(0, part::POSITION)
+                    .fill_diagonal(-1.0);
                 by_arrival
                     .fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
                     .copy_from(&-by_turn.transpose());
@@ -280,9 +291,8 @@ impl Rows<'_> {
             column += 1;
         }
         for (tangent, _) in &collision.tilts {
-            let by_tilt = [0, 1].map(|body: usize| {
-                derivative.after_by_tilt[body].column(*tangent).into_owned()
-            });
+            let by_tilt = [0, 1]
+                .map(|body: usize| derivative.after_by_tilt[body].column(*tangent).into_owned());
             self.add_parameter(column, &by_tilt);
             column += 1;
         }

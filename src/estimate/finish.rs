@@ -16,6 +16,8 @@ use crate::motion::Counters;
 
 /// Weight of the rows in the factorised matrix, per squared unit and information.
 const WEIGHT: f64 = 1e9;
+/// Weight by which it is judged whether a bound acts, per squared unit and information.
+const ACTING_WEIGHT: f64 = 1e3;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
 /// The linearised constraints hold well enough at this share of their violation (the next step
@@ -75,21 +77,37 @@ pub struct Kkt {
     matrix: Envelope,
     acting: Acting,
     multipliers: Vec<f64>,
+    /// What curved rows add to the diagonal of the model's Hessian.
+    curvature: Vec<(usize, f64)>,
 }
 
 impl Kkt {
     /// Factorises; `None` where an unknown is undetermined beyond the damping.
     pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let weight = WEIGHT * frame.problem.information();
+        let information = frame.problem.information();
         let price = Price {
-            weight,
-            approach_weight: weight,
+            weight: ACTING_WEIGHT * information,
+            approach_weight: ACTING_WEIGHT * information,
             multipliers: multipliers.to_vec(),
         };
         let mut acting = Acting::default();
         price.act(system, &mut acting);
+        for weight in acting.weights.iter_mut().filter(|weight| **weight > 0.0) {
+            *weight = WEIGHT * information;
+        }
         let pattern = &frame.layout.pattern;
         let mut matrix = system.hessian.clone();
+        let pull = |row: usize| {
+            if acting.weights[row] > 0.0 {
+                multipliers[row]
+            } else {
+                0.0
+            }
+        };
+        let curvature = merit::curvature(frame.layout, system, pull);
+        for (at, value) in &curvature {
+            matrix.add(pattern, *at, *at, *value);
+        }
         for row in 0..pattern.size() {
             let diagonal = matrix.get(pattern, row, row);
             matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
@@ -100,6 +118,7 @@ impl Kkt {
             matrix,
             acting,
             multipliers: price.multipliers,
+            curvature,
         })
     }
 
@@ -120,6 +139,9 @@ impl Kkt {
             system
                 .hessian
                 .multiply_add(&layout.pattern, &delta, &mut residual);
+            for (at, value) in &self.curvature {
+                residual[*at] += value * delta[*at];
+            }
             let pull = |row: usize| {
                 if weights[row] > 0.0 {
                     multipliers[row] + weights[row] * (violations[row] + rows[row])

@@ -1,5 +1,6 @@
 //! What the solver found, in the scene's words.
 
+use super::collision;
 use super::constraint;
 use super::covariance::Covariance;
 use super::point::Point;
@@ -121,8 +122,9 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .collisions
         .iter()
         .zip(collisions)
-        .filter(|(collision, _)| collision.event == event)
-        .map(|(_, block)| constraint::collision_gap(block));
+        .zip(&system.velocity_gaps)
+        .filter(|((of, _), _)| of.event == event)
+        .map(|((of, block), gaps)| collision::gap(problem, of, (block, gaps)));
     let of_goals = problem
         .goals
         .iter()
@@ -131,12 +133,7 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .map(|(_, block)| constraint::goal_gap(block));
     of_collisions
         .chain(of_goals)
-        .fold(Gap::default(), |a, b| Gap {
-            position_m: a.position_m.max(b.position_m),
-            orientation_rad: a.orientation_rad.max(b.orientation_rad),
-            velocity_m_s: a.velocity_m_s.max(b.velocity_m_s),
-            angular_velocity_rad_s: a.angular_velocity_rad_s.max(b.angular_velocity_rad_s),
-        })
+        .fold(Gap::default(), |a, b| a.max(&b))
 }
 
 /// The verdict and why the solver stopped.
