@@ -24,6 +24,8 @@ pub(super) const DAMPING: f64 = 1e-9;
 /// leaves more by curvature), or at rounding.
 const EXACT: f64 = 1e-5;
 const ROUNDING: f64 = 1e-14;
+/// Steps after which the set of acting bounds should have settled.
+const PATIENCE: usize = 12;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
 /// Halvings of a step at most.
@@ -231,13 +233,19 @@ impl Finish<'_> {
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };
-        for _ in 0..tolerances.steps {
+        // Which bounds act is read off the multipliers, step by step; where that leads nowhere it
+        // is the quadratic programme's word.
+        let mut by_programme = false;
+        for taken in 0..tolerances.steps {
             if should_stop() {
                 break;
             }
+            by_programme |= taken >= PATIENCE && self.frame.problem.has_bounds();
             self.counters.iterations += 1;
             self.counters.factorisations += 1;
-            let Some(kkt) = self.kkt() else { break };
+            let Some(kkt) = self.kkt(by_programme) else {
+                break;
+            };
             let step = kkt.step(self.frame, &self.system);
             let decrease = self.system.gradient.dot(&step.delta).abs();
             finished.violation = self.system.violation();
@@ -260,19 +268,22 @@ impl Finish<'_> {
                 finished.converged = true;
                 finished.violation = self.system.violation();
             }
-            if done || !accepted {
+            if done {
                 break;
+            }
+            if !accepted {
+                if by_programme || !self.frame.problem.has_bounds() {
+                    break;
+                }
+                by_programme = true;
             }
         }
         finished
     }
 
-    /// The optimality conditions here. Which bounds act is the quadratic programme's word where
-    /// there are any; the step itself is exact all the same.
-    fn kkt(&self) -> Option<Kkt> {
-        if self.frame.problem.has_bounds()
-            && let Some(multipliers) = qp::multipliers(self.frame, &self.system)
-        {
+    /// The optimality conditions here; the step itself is exact whoever says which bounds act.
+    fn kkt(&self, by_programme: bool) -> Option<Kkt> {
+        if by_programme && let Some(multipliers) = qp::multipliers(self.frame, &self.system) {
             return Kkt::new(self.frame, &self.system, &multipliers);
         }
         Kkt::new(self.frame, &self.system, &self.multipliers)

@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::layout::STATE;
 use crate::math::Pose;
 use crate::motion::{
     self, Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
@@ -239,6 +240,29 @@ impl Problem {
     pub fn has_bounds(&self) -> bool {
         let is_inequality = |goal: &ArcGoal| matches!(goal.target, ArcTarget::Coordinate { lower_m, upper_m, .. } if lower_m < upper_m);
         !self.bounded.is_empty() || !self.cones.is_empty() || self.goals.iter().any(is_inequality)
+    }
+
+    /// Whether there are more equalities than unknowns besides sample times: then no motion meets
+    /// all of them, but by accident.
+    pub fn is_overconstrained(&self) -> bool {
+        let collisions = self.collisions.iter().map(|collision| {
+            let contacts = collision.meeting.contacts().len();
+            STATE * collision.sides.len()
+                + if collision.touches_by_goal {
+                    0
+                } else {
+                    contacts
+                }
+        });
+        let goals = self.goals.iter().map(|goal| match &goal.target {
+            ArcTarget::Pose(_) => 6,
+            ArcTarget::Coordinate {
+                lower_m, upper_m, ..
+            } => usize::from(lower_m == upper_m),
+        });
+        let free_events = self.event_is_free.iter().filter(|is_free| **is_free);
+        let unknowns = STATE * self.arcs.len() + free_events.count() + self.parameters.len();
+        collisions.chain(goals).sum::<usize>() > unknowns
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].

@@ -140,6 +140,18 @@ pub struct Counters {
     pub starts: usize,
 }
 
+impl Counters {
+    /// Adds the work of another solve.
+    pub fn add(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
+        self.factorisations += other.factorisations;
+        self.fit_iterations += other.fit_iterations;
+        self.assignment_rounds += other.assignment_rounds;
+        self.starts += other.starts;
+    }
+}
+
 /// The result of an estimation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
