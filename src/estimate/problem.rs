@@ -5,10 +5,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::layout::STATE;
 use crate::math::Pose;
 use crate::motion::{
-    self, Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
 use crate::physics::Body;
-use crate::physics::contact::Contact;
 use crate::physics::impact::{Law, Meeting};
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
@@ -162,6 +161,9 @@ pub struct Problem {
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
+    ///
+    /// # Panics
+    /// Where the scene leaves a contact open or pairs what never touches: stages before see to it.
     pub fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Self {
         let mut nodes_acted_s: Vec<f64> = segments
             .iter()
@@ -324,7 +326,6 @@ fn collisions(
                 after: arc_with(false)?,
             })
         };
-        let friction_parameter = parameter(Quantity::Friction { event });
         let is_held = |goal: &Goal| {
             goal.event == event
                 && goal.body == collision.body
@@ -333,14 +334,17 @@ fn collisions(
         Some(Collision {
             event,
             sides: collision.bodies().map(side).collect::<Option<_>>()?,
-            meeting: meeting(scene, collision, friction_parameter.is_some()),
+            meeting: scene
+                .meeting(event)
+                .expect("a collision that the scene's makers checked")
+                .expect("contacts that stages before found"),
             touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
             law: Law {
                 friction: collision.friction,
                 ..Law::frictionless(collision.restitution)
             },
             restitution_parameter: parameter(Quantity::Restitution { event }),
-            friction_parameter,
+            friction_parameter: parameter(Quantity::Friction { event }),
             tilts: (0..2)
                 .filter_map(|tangent| {
                     Some((tangent, parameter(Quantity::Tilt { event, tangent })?))
@@ -349,35 +353,6 @@ fn collisions(
         })
     })
     .collect()
-}
-
-/// Where the bodies of a collision touch.
-///
-/// # Panics
-/// Where the scene leaves a feature open, or pairs features that never touch: stages before see
-/// to it.
-fn meeting(scene: &Scene, collision: &motion::Collision, friction_is_free: bool) -> Meeting {
-    let contacts: Vec<Contact> = collision
-        .contacts
-        .iter()
-        .map(|touching| {
-            let (Some(feature), Some(other)) = (touching.feature, touching.other) else {
-                panic!("a contact that was left open");
-            };
-            let feature = scene.bodies[collision.body].features[feature].geometry;
-            let other = match collision.partner {
-                Partner::World => scene.surfaces[other].geometry,
-                Partner::Body(body) => scene.bodies[body].features[other].geometry,
-            };
-            Contact::new(feature, other).expect("features that may touch")
-        })
-        .collect();
-    let meeting = if collision.friction > 0.0 || friction_is_free {
-        Meeting::with_friction(&contacts)
-    } else {
-        Meeting::frictionless(&contacts)
-    };
-    meeting.expect("contacts that an impact knows")
 }
 
 fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
