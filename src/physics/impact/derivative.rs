@@ -24,7 +24,9 @@ pub struct ImpactDerivative {
     pub after_by_restitution: [SVector<f64, 6>; 2],
     /// Velocities after by the coefficient of friction.
     pub after_by_friction: [SVector<f64, 6>; 2],
-    /// Velocities after by the two tilts.
+    /// Velocities after by the two tilts; zero where [`Meeting::check_tilt`] refuses them.
+    ///
+    /// [`Meeting::check_tilt`]: super::Meeting::check_tilt
     pub after_by_tilt: [SMatrix<f64, 6, 2>; 2],
 }
 
@@ -62,12 +64,16 @@ impl Assembly {
         }
         let by_restitution = self.kicks(&self.by_restitution());
         let by_friction = self.kicks(&self.by_friction());
-        let by_tilt = [0, 1].map(|tilt| self.after_change(&self.tilt_variation(tilt)));
         for body in 0..self.bodies {
             derivative.after_by_restitution[body] = stacked(&by_restitution[body]);
             derivative.after_by_friction[body] = stacked(&by_friction[body]);
+        }
+        if self.encounters().iter().all(|e| e.is_on_face) {
             for tilt in 0..2 {
-                derivative.after_by_tilt[body].set_column(tilt, &stacked(&by_tilt[tilt][body]));
+                let after = self.after_change(&self.tilt_variation(tilt));
+                for body in 0..self.bodies {
+                    derivative.after_by_tilt[body].set_column(tilt, &stacked(&after[body]));
+                }
             }
         }
         (self.impact(), derivative)

@@ -29,7 +29,9 @@ pub(super) const MOST_CONTACTS: usize = 3;
 /// approaching contacts, `0 ≤ e ≤ 1` and `μ ≥ 0`: Newton's rule `u⁺ = −e u` exactly, with
 /// friction as without, since `n·W (P_II − P_I) = 0`; energy lost is
 /// `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`; the impulse is in the
-/// cone and pushes; sticking leaves no tangential velocity; `μ = 0` is the frictionless bounce.
+/// cone and pushes; `μ = 0` is the frictionless bounce. A contact that sticks keeps
+/// `v⁺ = e W P_I`: nothing at `e = 0`, and along the normal only where `W n` is (a ball, a body
+/// that lands above its centre of mass); elsewhere the rebound itself swings it sideways.
 /// Where sticking turns to sliding the velocities are continuous.
 ///
 /// At several contacts, without friction: every normal speed is reversed and scaled at once,
