@@ -62,8 +62,23 @@ fn check(meeting: &Meeting, movers: &[Mover], law: &Law, name: &str) -> bool {
             .expect("regular")
     };
     let base = at(&[0.0; 28]);
-    let (impact, derivative) = meeting
-        .derivative(&side(&movers[0]), movers.get(1).map(side).as_ref(), law)
+    let mut derivative = ImpactDerivative::zeros();
+    // What was there before must not show through.
+    for body in 0..movers.len() {
+        for i in 0..movers.len() {
+            derivative.after[i][body].fill(7.0);
+        }
+        for contact in 0..meeting.contacts().len() {
+            derivative.gap[contact][body].fill(7.0);
+            derivative.speed[contact][body].fill(7.0);
+        }
+        derivative.after_by_restitution[body].fill(7.0);
+        derivative.after_by_friction[body].fill(7.0);
+        derivative.after_by_tilt[body].fill(7.0);
+    }
+    let b = movers.get(1).map(side);
+    let impact = meeting
+        .derivative(&side(&movers[0]), b.as_ref(), law, &mut derivative)
         .expect("regular");
     for (here, there) in values(&impact).iter().zip(values(&base)) {
         assert!((here - there).abs() < 1e-12, "{name}");
