@@ -111,7 +111,7 @@ fn windows(count: usize) -> Vec<std::ops::Range<usize>> {
 /// A symmetric top keeps the rate of its axis in the world and the rate about it in the body.
 fn start(body: &Body, readings: &[Reading]) -> TurnFit {
     let axis = match body.symmetry() {
-        Symmetry::Spherical => Vector3::zeros(),
+        Symmetry::Spherical | Symmetry::Asymmetric => Vector3::zeros(),
         Symmetry::Axial { axis } => Vector3::ith(axis, 1.0),
     };
     // Neighbours far enough apart that noise is small beside the turn between them.
@@ -142,10 +142,10 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
 }
 
 fn evaluate(body: &Body, readings: &[Reading], fit: &TurnFit) -> TurnTerms {
-    let spin = Spin::new(body, &fit.angular_velocity_rad_s);
+    let mut spin = Spin::new(body, &fit.angular_velocity_rad_s);
     let mut terms = TurnTerms::default();
     for (s, measured) in readings {
-        terms.add(&spin, &fit.orientation, measured, *s, 1.0);
+        terms.add(&mut spin, &fit.orientation, measured, *s, 1.0);
     }
     terms
 }
@@ -229,7 +229,7 @@ mod tests {
             let body = Body::new(1.0, moments).unwrap();
             let orientation = UnitQuaternion::from_euler_angles(0.3, 1.0, -2.0);
             let omega = Vector3::new(9.0, -6.0, 14.0);
-            let spin = Spin::new(&body, &omega);
+            let mut spin = Spin::new(&body, &omega);
             let readings: Vec<Reading> = (0..60)
                 .map(|i| f64::from(i) / 120.0 - 0.25)
                 .map(|s| (s, orientation * spin.turn_and_derivative(s).0))
