@@ -6,8 +6,8 @@
 //! arc is asked for at many times (`tools/flows`). Steps know no such cases, serve all times
 //! within them, and their derivatives are those of the flow itself.
 //!
-//! Time is counted in radians at the first angular speed, `σ = |ω(0)| s`: turns that differ in
-//! speed alone are the same steps.
+//! Time is counted in units of the first angular speed, down to a power of two so that nothing
+//! is rounded: slow turns and fast ones are the same steps.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -15,7 +15,8 @@ use super::series::{self, Series, Variables};
 use crate::math::so3;
 use crate::physics::body::Body;
 
-/// Turns beyond this angle \[rad\] are not computed: their steps would be too many to keep.
+/// Turns beyond this angle \[rad\], or half of it, are not computed: their steps would be too
+/// many to keep.
 pub const ANGLE_MAX_RAD: f64 = 2e4;
 
 /// `c_i = (I_j − I_k)/I_i` of Euler's equations `ω̇_i = c_i ω_j ω_k`.
@@ -24,12 +25,12 @@ pub fn couplings(body: &Body) -> [f64; 3] {
     [0, 1, 2].map(|i| (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i])
 }
 
-/// Where steps meet, seen from the epoch's frame and in its speed.
+/// Where steps meet, seen from the epoch's frame and in units of the speed.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// `R(0)⁻¹R`.
     pub rotation: UnitQuaternion<f64>,
-    /// `ω`, over the speed at the epoch.
+    /// `ω`, body.
     pub omega: Vector3<f64>,
     /// Left perturbation of the rotation by `ω(0)`.
     pub turn_by_spin: Matrix3<f64>,
@@ -50,7 +51,7 @@ struct Motion {
 impl Motion {
     fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
         let couplings = couplings(body);
-        let speed_rad_s = match omega_rad_s.norm() {
+        let speed_rad_s = match power_of_two_below(omega_rad_s.norm()) {
             0.0 => 1.0,
             speed_rad_s => speed_rad_s,
         };
@@ -70,7 +71,7 @@ impl Motion {
         }
     }
 
-    /// Radians for a duration; none where they are too many.
+    /// A duration in units of the speed; none where it is too long.
     fn angle(&self, duration_s: f64) -> Option<f64> {
         let angle = self.speed_rad_s * duration_s;
         (angle.abs() <= ANGLE_MAX_RAD).then_some(angle)
@@ -178,6 +179,11 @@ impl Step {
             variables,
         }
     }
+}
+
+/// The power of two at or below a number that is not negative; zero for the subnormal.
+fn power_of_two_below(number: f64) -> f64 {
+    f64::from_bits(number.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// `R(0)⁻¹R(s)` and `ω(s)` [rad/s, body] alone.

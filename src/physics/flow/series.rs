@@ -15,6 +15,9 @@ pub const ORDER: usize = 20;
 /// Truncation allowed in a step, relative.
 const TRUNCATION: f64 = 1.0 / (1u64 << 54) as f64;
 
+/// Lengths of steps are multiples of this.
+const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;
+
 /// Coefficients of `N` functions, by power of time.
 pub type Series<const N: usize> = [[f64; N]; ORDER + 1];
 
@@ -203,6 +206,8 @@ pub fn derivatives(couplings: &[f64; 3], omega: &Series<3>) -> [Series<6>; 3] {
 }
 
 /// How far from its start, to both sides, the last terms of the series leave no trace.
+///
+/// Rounded down to a multiple of [`QUANTUM`], so that sums of steps are exact.
 pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64 {
     let start = &series[0];
     let largest = start.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -220,8 +225,12 @@ pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64
             .chain(relative)
             .fold(0.0, f64::max)
     };
-    [ORDER - 1, ORDER]
+    let reach = [ORDER - 1, ORDER]
         .into_iter()
         .map(|n| (TRUNCATION / size(n)).powf(1.0 / n as f64))
-        .fold(f64::INFINITY, f64::min)
+        .fold(f64::INFINITY, f64::min);
+    if reach < QUANTUM {
+        return reach;
+    }
+    (reach / QUANTUM).floor() * QUANTUM
 }
