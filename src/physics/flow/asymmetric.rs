@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::series::{self, Series, Variables};
+use super::series::{self, Rows, Series, Variables};
 use crate::math::so3;
 use crate::physics::body::Body;
 
@@ -25,18 +25,28 @@ pub fn couplings(body: &Body) -> [f64; 3] {
     [0, 1, 2].map(|i| (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i])
 }
 
+/// A turn with its derivatives, in the units of the state.
+#[derive(Clone, Debug)]
+pub struct Turned {
+    /// `R(0)⁻¹R(s)`.
+    pub rotation: UnitQuaternion<f64>,
+    /// `ω(s)` [rad/s, body].
+    pub omega_rad_s: Vector3<f64>,
+    /// Left perturbation of the rotation \[rad\] by `ω(0)` [rad/s].
+    pub turn_by_spin: Matrix3<f64>,
+    /// `∂ω(s)/∂ω(0)`.
+    pub spin_by_spin: Matrix3<f64>,
+}
+
 /// Where steps meet, seen from the epoch's frame and in units of the speed.
 #[derive(Clone, Debug)]
-pub struct Node {
-    /// `R(0)⁻¹R`.
-    pub rotation: UnitQuaternion<f64>,
-    /// `ω`, body.
-    pub omega: Vector3<f64>,
-    /// Left perturbation of the rotation by `ω(0)`.
-    pub turn_by_spin: Matrix3<f64>,
-    /// `∂ω/∂ω(0)`.
-    pub spin_by_spin: Matrix3<f64>,
+struct Node {
+    rotation: UnitQuaternion<f64>,
     variables: [f64; 3],
+    /// Left perturbation of the rotation by `ω(0)`.
+    turn_by_spin: Matrix3<f64>,
+    /// Change of the variables by `ω(0)`.
+    variables_by_spin: Matrix3<f64>,
 }
 
 /// What all steps of one turn share.
@@ -55,17 +65,16 @@ impl Motion {
             0.0 => 1.0,
             speed_rad_s => speed_rad_s,
         };
-        let omega = omega_rad_s / speed_rad_s;
-        let variables = Variables::of(&couplings, &omega.into());
+        let omega = (omega_rad_s / speed_rad_s).into();
+        let variables = Variables::of(&couplings, &omega);
         Self {
             couplings,
             speed_rad_s,
             start: Node {
                 rotation: UnitQuaternion::identity(),
-                omega,
+                variables: variables.from_omega(&omega),
                 turn_by_spin: Matrix3::zeros(),
-                spin_by_spin: Matrix3::identity(),
-                variables: variables.from_omega(&omega.into()),
+                variables_by_spin: variables.variables_by_omega(),
             },
             variables,
         }
@@ -77,27 +86,17 @@ impl Motion {
         (angle.abs() <= ANGLE_MAX_RAD).then_some(angle)
     }
 
-    /// The end of the turn, step by step from the epoch; `None` beyond [`ANGLE_MAX_RAD`].
-    fn end(&self, duration_s: f64, with_derivatives: bool) -> Option<Node> {
-        let mut left = self.angle(duration_s)?;
-        let mut node = self.start.clone();
-        loop {
-            let values = Values::new(self, &node);
-            let step = left.clamp(-values.reach, values.reach);
-            node = if with_derivatives {
-                Step::new(self, node, values).node(self, step)
-            } else {
-                values.node(self, &node, step)
-            };
-            left -= step;
-            if left == 0.0 {
-                return Some(node);
-            }
-        }
+    fn omega_rad_s(&self, node: &Node) -> Vector3<f64> {
+        Vector3::from(self.variables.omega(&node.variables)) * self.speed_rad_s
     }
 }
 
-/// Series of `ω` and of the turn from a node.
+/// The power of two at or below a number that is not negative; zero for the subnormal.
+fn power_of_two_below(number: f64) -> f64 {
+    f64::from_bits(number.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// Series of the variables, of `ω` and of the turn from a node.
 struct Values {
     variables: Series<3>,
     omega: Series<3>,
@@ -118,13 +117,11 @@ impl Values {
     }
 
     /// The node at `angle` from the start, its derivatives as they were.
-    fn node(&self, motion: &Motion, start: &Node, angle: f64) -> Node {
-        let variables = series::value(&self.variables, angle);
+    fn node(&self, start: &Node, angle: f64) -> Node {
         let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
         Node {
             rotation: UnitQuaternion::new_normalize(turned),
-            omega: motion.variables.omega(&variables).into(),
-            variables,
+            variables: series::value(&self.variables, angle),
             ..start.clone()
         }
     }
@@ -141,49 +138,48 @@ struct Step {
     reach: f64,
     variables: Series<3>,
     turn: Series<4>,
-    /// Rows of `η` and `W`.
-    derivatives: [Series<6>; 3],
+    /// Change of the variables, and `η`, by the variables at the start.
+    variables_by_start: Rows,
+    eta: Rows,
 }
 
 impl Step {
-    fn new(motion: &Motion, start: Node, values: Values) -> Self {
+    fn new(motion: &Motion, start: Node) -> Self {
+        let values = Values::new(motion, &start);
+        let (variables_by_start, w) = motion
+            .variables
+            .derivatives(&motion.couplings, &values.variables);
+        let eta = series::turn_derivatives(&values.omega, &w);
         Self {
             start,
-            reach: values.reach,
+            reach: values.reach.min(series::derivatives_reach(&eta)),
             variables: values.variables,
             turn: values.turn,
-            derivatives: series::derivatives(&motion.couplings, &values.omega),
+            variables_by_start,
+            eta,
         }
     }
 
     /// Rotation and its left perturbation by `ω(0)`, at `angle` from the start.
     #[inline]
-    fn turn(&self, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>, [[f64; 6]; 3]) {
+    fn turn(&self, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
         let turned = quaternion(series::value(&self.turn, angle));
         let rotation = UnitQuaternion::new_unchecked(self.start.rotation.into_inner() * turned);
-        let rows = [0, 1, 2].map(|axis| series::value(&self.derivatives[axis], angle));
-        let eta = Matrix3::from_fn(|i, j| rows[i][j]);
-        let by_spin =
-            self.start.turn_by_spin + so3::matrix(&rotation) * (eta * self.start.spin_by_spin);
-        (rotation, by_spin, rows)
+        let eta = series::matrix(&self.eta, angle) * self.start.variables_by_spin;
+        let by_spin = self.start.turn_by_spin + so3::matrix(&rotation) * eta;
+        (rotation, by_spin)
     }
 
-    fn node(&self, motion: &Motion, angle: f64) -> Node {
-        let variables = series::value(&self.variables, angle);
-        let (rotation, turn_by_spin, rows) = self.turn(angle);
+    fn node(&self, angle: f64) -> Node {
+        let (rotation, turn_by_spin) = self.turn(angle);
+        let change = series::matrix(&self.variables_by_start, angle);
         Node {
             rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
-            omega: motion.variables.omega(&variables).into(),
+            variables: series::value(&self.variables, angle),
             turn_by_spin,
-            spin_by_spin: Matrix3::from_fn(|i, j| rows[i][3 + j]) * self.start.spin_by_spin,
-            variables,
+            variables_by_spin: change * self.start.variables_by_spin,
         }
     }
-}
-
-/// The power of two at or below a number that is not negative; zero for the subnormal.
-fn power_of_two_below(number: f64) -> f64 {
-    f64::from_bits(number.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// `R(0)⁻¹R(s)` and `ω(s)` [rad/s, body] alone.
@@ -193,28 +189,51 @@ pub fn advance(
     duration_s: f64,
 ) -> (UnitQuaternion<f64>, Vector3<f64>) {
     let motion = Motion::new(body, omega_rad_s);
-    let node = motion.end(duration_s, false).unwrap_or_else(unknown);
-    (node.rotation, node.omega * motion.speed_rad_s)
+    let Some(angle) = motion.angle(duration_s) else {
+        let unknown = unknown();
+        return (unknown.rotation, unknown.omega_rad_s);
+    };
+    let mut node = motion.start.clone();
+    let mut left = angle;
+    while left != 0.0 {
+        let values = Values::new(&motion, &node);
+        let step = left.clamp(-values.reach, values.reach);
+        node = values.node(&node, step);
+        left -= step;
+    }
+    (node.rotation, motion.omega_rad_s(&node))
 }
 
-/// The end of a turn in the units of the state: \[rad\] and [rad/s].
-pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Node {
+/// The turn with its derivatives.
+pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned {
     let motion = Motion::new(body, omega_rad_s);
-    let mut node = motion.end(duration_s, true).unwrap_or_else(unknown);
-    node.omega *= motion.speed_rad_s;
-    node.turn_by_spin /= motion.speed_rad_s;
-    node
+    let Some(angle) = motion.angle(duration_s) else {
+        return unknown();
+    };
+    let mut node = motion.start.clone();
+    let mut left = angle;
+    while left != 0.0 {
+        let series = Step::new(&motion, node);
+        let step = left.clamp(-series.reach, series.reach);
+        node = series.node(step);
+        left -= step;
+    }
+    Turned {
+        rotation: node.rotation,
+        omega_rad_s: motion.omega_rad_s(&node),
+        turn_by_spin: node.turn_by_spin / motion.speed_rad_s,
+        spin_by_spin: motion.variables.omega_by_variables() * node.variables_by_spin,
+    }
 }
 
 /// Not a number, throughout.
-fn unknown() -> Node {
+fn unknown() -> Turned {
     let unknown = Vector3::repeat(f64::NAN);
-    Node {
+    Turned {
         rotation: UnitQuaternion::new_unchecked(Quaternion::from_parts(f64::NAN, unknown)),
-        omega: unknown,
+        omega_rad_s: unknown,
         turn_by_spin: Matrix3::repeat(f64::NAN),
         spin_by_spin: Matrix3::repeat(f64::NAN),
-        variables: unknown.into(),
     }
 }
 
@@ -258,7 +277,7 @@ impl Steps {
         }
         let at = side.starts.partition_point(|start| *start < distance) - 1;
         let step = &side.steps[at];
-        let (rotation, by_spin, _) = step.turn((distance - side.starts[at]).copysign(angle));
+        let (rotation, by_spin) = step.turn((distance - side.starts[at]).copysign(angle));
         (rotation, by_spin / angle)
     }
 }
@@ -274,11 +293,10 @@ impl Side {
 
     fn extend(&mut self, motion: &Motion, direction: f64) {
         let node = match self.steps.last() {
-            Some(step) => step.node(motion, step.reach * direction),
+            Some(step) => step.node(step.reach * direction),
             None => motion.start.clone(),
         };
         self.starts.push(self.end());
-        let values = Values::new(motion, &node);
-        self.steps.push(Step::new(motion, node, values));
+        self.steps.push(Step::new(motion, node));
     }
 }

@@ -9,17 +9,36 @@
 //! Ẇ_i = c_i (ω_j W_k + ω_k W_j),   η̇_i = W_i + ω_k η_j − ω_j η_k
 //! ```
 
+use nalgebra::{Matrix3, Vector3};
+
 /// Terms of a series after the first: of 12 to 30 the fastest at full accuracy.
 pub const ORDER: usize = 20;
 
 /// Truncation allowed in a step, relative.
 const TRUNCATION: f64 = 1.0 / (1u64 << 54) as f64;
 
-/// Lengths of steps are multiples of this.
+/// Lengths of steps are multiples of this, so that their sums are exact.
 const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Coefficients of `N` functions, by power of time.
 pub type Series<const N: usize> = [[f64; N]; ORDER + 1];
+
+/// Coefficients of a matrix, row by row.
+pub type Rows = [[[f64; 3]; 3]; ORDER + 1];
+
+/// Value of a series of matrices.
+#[inline]
+pub fn matrix(series: &Rows, time: f64) -> Matrix3<f64> {
+    let mut sum = series[ORDER];
+    for coefficients in series[..ORDER].iter().rev() {
+        for i in 0..3 {
+            for j in 0..3 {
+                sum[i][j] = sum[i][j] * time + coefficients[i][j];
+            }
+        }
+    }
+    Matrix3::from_fn(|i, j| sum[i][j])
+}
 
 /// Value of a series.
 #[inline]
@@ -119,6 +138,75 @@ impl Variables {
         }
     }
 
+    /// Change of `ω` per change of the variables.
+    pub fn omega_by_variables(&self) -> Matrix3<f64> {
+        let units = [0, 1, 2].map(|axis| {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            Vector3::from(self.omega(&unit))
+        });
+        Matrix3::from_columns(&units)
+    }
+
+    /// Change of the variables per change of `ω`.
+    pub fn variables_by_omega(&self) -> Matrix3<f64> {
+        let units = [0, 1, 2].map(|axis| {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            Vector3::from(self.from_omega(&unit))
+        });
+        Matrix3::from_columns(&units)
+    }
+
+    /// Series of the change `Z` of the variables by those at the start, and of `W`, that of `ω`;
+    /// row by row.
+    pub fn derivatives(&self, couplings: &[f64; 3], series: &Series<3>) -> (Rows, Rows) {
+        let mut rows = [[[0.0; 3]; 3]; ORDER + 1];
+        for axis in 0..3 {
+            rows[0][axis][axis] = 1.0;
+        }
+        for n in 0..ORDER {
+            let mut sum = [[0.0; 3]; 3];
+            for (a, b) in series.iter().zip(rows[..=n].iter().rev()) {
+                for column in 0..3 {
+                    let b = [b[0][column], b[1][column], b[2][column]];
+                    let change = match self {
+                        Self::Components => [
+                            a[1] * b[2] + a[2] * b[1],
+                            a[2] * b[0] + a[0] * b[2],
+                            a[0] * b[1] + a[1] * b[0],
+                        ],
+                        Self::Factors { .. } => [
+                            -(a[1] * b[0] + a[0] * b[1]),
+                            0.5 * (a[0] * b[0] - a[2] * b[2]),
+                            a[1] * b[2] + a[2] * b[1],
+                        ],
+                    };
+                    for i in 0..3 {
+                        sum[i][column] += change[i];
+                    }
+                }
+            }
+            let scale = match self {
+                Self::Components => *couplings,
+                Self::Factors { rate, .. } => [*rate; 3],
+            };
+            for i in 0..3 {
+                for column in 0..3 {
+                    rows[n + 1][i][column] = sum[i][column] * (scale[i] / (n + 1) as f64);
+                }
+            }
+        }
+        let w = match self {
+            Self::Components => rows,
+            Self::Factors { .. } => rows.map(|rows| {
+                let columns = [0, 1, 2].map(|column| self.omega(&rows.map(|row| row[column])));
+                [0, 1, 2].map(|i| columns.map(|column| column[i]))
+            }),
+        };
+        (rows, w)
+    }
+
     /// Series of the variables and of `ω`.
     pub fn series(&self, couplings: &[f64; 3], start: &[f64; 3]) -> (Series<3>, Series<3>) {
         let mut series = [[0.0; 3]; ORDER + 1];
@@ -176,38 +264,29 @@ pub fn turn(omega: &Series<3>) -> Series<4> {
     series
 }
 
-/// Series of `η` and `W`, row by row of each axis.
-pub fn derivatives(couplings: &[f64; 3], omega: &Series<3>) -> [Series<6>; 3] {
-    let mut series = [[[0.0; 6]; ORDER + 1]; 3];
-    for axis in 0..3 {
-        series[axis][0][3 + axis] = 1.0;
-    }
+/// Series of `η`, from those of `ω` and `W`, row by row.
+pub fn turn_derivatives(omega: &Series<3>, w: &Rows) -> Rows {
+    let mut series = [[[0.0; 3]; 3]; ORDER + 1];
     for n in 0..ORDER {
-        let reciprocal = 1.0 / (n + 1) as f64;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let (mut from_k, mut from_j) = ([0.0; 6], [0.0; 6]);
-            for l in 0..=n {
-                let (a, b) = (omega[l][j], omega[l][k]);
-                for lane in 0..6 {
-                    from_k[lane] += a * series[k][n - l][lane];
-                    from_j[lane] += b * series[j][n - l][lane];
+        let mut sum = w[n];
+        for (omega, eta) in omega.iter().zip(series[..=n].iter().rev()) {
+            for i in 0..3 {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                for column in 0..3 {
+                    sum[i][column] += omega[k] * eta[j][column] - omega[j] * eta[k][column];
                 }
             }
-            for lane in 0..3 {
-                let eta = series[i][n][3 + lane] + from_j[lane] - from_k[lane];
-                let w = couplings[i] * (from_j[3 + lane] + from_k[3 + lane]);
-                series[i][n + 1][lane] = eta * reciprocal;
-                series[i][n + 1][3 + lane] = w * reciprocal;
-            }
         }
+        series[n + 1] = scaled(&sum, 1.0 / (n + 1) as f64);
     }
     series
 }
 
+fn scaled(rows: &[[f64; 3]; 3], scale: f64) -> [[f64; 3]; 3] {
+    rows.map(|row| row.map(|entry| entry * scale))
+}
+
 /// How far from its start, to both sides, the last terms of the series leave no trace.
-///
-/// Rounded down to a multiple of [`QUANTUM`], so that sums of steps are exact.
 pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64 {
     let start = &series[0];
     let largest = start.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -229,6 +308,20 @@ pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64
         .into_iter()
         .map(|n| (TRUNCATION / size(n)).powf(1.0 / n as f64))
         .fold(f64::INFINITY, f64::min);
+    quantised(reach)
+}
+
+/// The same for `η`, which is about as large as the time.
+pub fn derivatives_reach(eta: &Rows) -> f64 {
+    let size = |n: usize| eta[n].iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let reach = [ORDER - 1, ORDER]
+        .into_iter()
+        .map(|n| (TRUNCATION / size(n)).powf(1.0 / (n - 1) as f64))
+        .fold(f64::INFINITY, f64::min);
+    quantised(reach)
+}
+
+fn quantised(reach: f64) -> f64 {
     if reach < QUANTUM {
         return reach;
     }

@@ -36,7 +36,7 @@ pub fn turn(
     let back = so3::matrix(&end.rotation).transpose();
     Turn {
         orientation: orientation * end.rotation,
-        angular_velocity_rad_s: end.omega,
+        angular_velocity_rad_s: end.omega_rad_s,
         orientation_by_orientation: back,
         orientation_by_angular_velocity: back * end.turn_by_spin,
         angular_velocity_by_angular_velocity: end.spin_by_spin,
