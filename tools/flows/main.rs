@@ -101,14 +101,14 @@ fn runge_kutta(moments: [f64; 3], omega: [f64; 3], duration_s: f64, step_s: f64)
     }
 }
 
-/// The reference, its derivatives by central differences that keep twenty digits.
+/// The reference, its derivatives by central differences with a step of 1e-12.
 fn truth(moments: [f64; 3], omega: [f64; 3], duration_s: f64) -> Turned {
     let run = |omega: [Pair; 3]| reference::turn(moments, &reference::epoch(omega), duration_s);
     let centre = run(omega.map(Pair::from)).map(|pair| pair.0);
     let quaternion = |q: &[f64]| nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]);
     let rotation = UnitQuaternion::new_normalize(quaternion(&centre));
     let (mut turn_by_spin, mut spin_by_spin) = (Matrix3::zeros(), Matrix3::zeros());
-    let step = 1e-10;
+    let step = 1e-12;
     for column in 0..3 {
         let moved = |sign: f64| {
             let mut moved = omega.map(Pair::from);

@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::series::{self, Rows, Series, Variables};
+use super::series::{self, Columns, Series, Variables};
 use crate::math::so3;
 use crate::physics::body::Body;
 
@@ -132,52 +132,76 @@ fn quaternion([x, y, z, w]: [f64; 4]) -> Quaternion<f64> {
 }
 
 /// One step: the turn near a node, to both sides.
+///
+/// A turn twice as fast is the same turn in half the time. So a change along the variables `z`
+/// themselves changes them by `z + t ż`, and the turn by `η = t ω`; only for two of them are
+/// there series.
 #[derive(Clone, Debug)]
 struct Step {
     start: Node,
     reach: f64,
     variables: Series<3>,
     turn: Series<4>,
-    /// Change of the variables, and `η`, by the variables at the start.
-    variables_by_start: Rows,
-    eta: Rows,
+    /// Change of the variables, and `η`, by two of the variables at the start.
+    variables_by_start: Columns,
+    eta: Columns,
+    /// A change of `ω(0)` in parts: along the variables, then by the two.
+    parts: Matrix3<f64>,
 }
 
 impl Step {
     fn new(motion: &Motion, start: Node) -> Self {
         let values = Values::new(motion, &start);
-        let (variables_by_start, w) = motion
-            .variables
-            .derivatives(&motion.couplings, &values.variables);
+        let z = &start.variables;
+        let largest = Vector3::from(*z).iamax();
+        let by = [(largest + 1) % 3, (largest + 2) % 3];
+        let (variables_by_start, w) =
+            motion
+                .variables
+                .derivatives(&motion.couplings, &values.variables, by);
         let eta = series::turn_derivatives(&values.omega, &w);
+        let changes = &start.variables_by_spin;
+        // Without spin the change along z is that of the unit, and t ω is none but t times it.
+        let along = changes.row(largest) / if z[largest] == 0.0 { 1.0 } else { z[largest] };
+        let parts = Matrix3::from_rows(&[
+            along,
+            changes.row(by[0]) - along * z[by[0]],
+            changes.row(by[1]) - along * z[by[1]],
+        ]);
         Self {
-            start,
             reach: values.reach.min(series::derivatives_reach(&eta)),
             variables: values.variables,
             turn: values.turn,
             variables_by_start,
             eta,
+            parts,
+            start,
         }
     }
 
-    /// Rotation and its left perturbation by `ω(0)`, at `angle` from the start.
+    /// Rotation and its left perturbation by `ω(0)`, and the variables, at `angle` from the start.
     #[inline]
-    fn turn(&self, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+    fn turn(&self, motion: &Motion, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>, [f64; 3]) {
         let turned = quaternion(series::value(&self.turn, angle));
         let rotation = UnitQuaternion::new_unchecked(self.start.rotation.into_inner() * turned);
-        let eta = series::matrix(&self.eta, angle) * self.start.variables_by_spin;
+        let variables = series::value(&self.variables, angle);
+        let along = Vector3::from(motion.variables.omega(&variables)) * angle;
+        let [first, second] = series::columns(&self.eta, angle);
+        let eta = Matrix3::from_columns(&[along, first, second]) * self.parts;
         let by_spin = self.start.turn_by_spin + so3::matrix(&rotation) * eta;
-        (rotation, by_spin)
+        (rotation, by_spin, variables)
     }
 
-    fn node(&self, angle: f64) -> Node {
-        let (rotation, turn_by_spin) = self.turn(angle);
-        let change = series::matrix(&self.variables_by_start, angle);
+    fn node(&self, motion: &Motion, angle: f64) -> Node {
+        let (rotation, turn_by_spin, variables) = self.turn(motion, angle);
+        let rate = motion.variables.rate(&motion.couplings, &variables);
+        let along = Vector3::from(variables) + Vector3::from(rate) * angle;
+        let [first, second] = series::columns(&self.variables_by_start, angle);
         Node {
             rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
-            variables: series::value(&self.variables, angle),
+            variables,
             turn_by_spin,
-            variables_by_spin: change * self.start.variables_by_spin,
+            variables_by_spin: Matrix3::from_columns(&[along, first, second]) * self.parts,
         }
     }
 }
@@ -215,7 +239,7 @@ pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned 
     while left != 0.0 {
         let series = Step::new(&motion, node);
         let step = left.clamp(-series.reach, series.reach);
-        node = series.node(step);
+        node = series.node(&motion, step);
         left -= step;
     }
     Turned {
@@ -277,7 +301,8 @@ impl Steps {
         }
         let at = side.starts.partition_point(|start| *start < distance) - 1;
         let step = &side.steps[at];
-        let (rotation, by_spin) = step.turn((distance - side.starts[at]).copysign(angle));
+        let (rotation, by_spin, _) =
+            step.turn(&self.motion, (distance - side.starts[at]).copysign(angle));
         (rotation, by_spin / angle)
     }
 }
@@ -293,7 +318,7 @@ impl Side {
 
     fn extend(&mut self, motion: &Motion, direction: f64) {
         let node = match self.steps.last() {
-            Some(step) => step.node(step.reach * direction),
+            Some(step) => step.node(motion, step.reach * direction),
             None => motion.start.clone(),
         };
         self.starts.push(self.end());

@@ -9,6 +9,8 @@
 //! Ẇ_i = c_i (ω_j W_k + ω_k W_j),   η̇_i = W_i + ω_k η_j − ω_j η_k
 //! ```
 
+use std::ops::{Add, Mul, Sub};
+
 use nalgebra::{Matrix3, Vector3};
 
 /// Terms of a series after the first: of 12 to 30 the fastest at full accuracy.
@@ -23,21 +25,69 @@ const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;
 /// Coefficients of `N` functions, by power of time.
 pub type Series<const N: usize> = [[f64; N]; ORDER + 1];
 
-/// Coefficients of a matrix, row by row.
-pub type Rows = [[[f64; 3]; 3]; ORDER + 1];
+/// Coefficients of two columns of a matrix, row by row.
+pub type Columns = [[[f64; 2]; 3]; ORDER + 1];
 
-/// Value of a series of matrices.
+/// Value of a series of columns.
 #[inline]
-pub fn matrix(series: &Rows, time: f64) -> Matrix3<f64> {
+pub fn columns(series: &Columns, time: f64) -> [Vector3<f64>; 2] {
     let mut sum = series[ORDER];
     for coefficients in series[..ORDER].iter().rev() {
         for i in 0..3 {
-            for j in 0..3 {
+            for j in 0..2 {
                 sum[i][j] = sum[i][j] * time + coefficients[i][j];
             }
         }
     }
-    Matrix3::from_fn(|i, j| sum[i][j])
+    [0, 1].map(|j| Vector3::new(sum[0][j], sum[1][j], sum[2][j]))
+}
+
+/// `(add + Σ_l product(a_l, b_{n−l})) scale/(n + 1)`, row by row: the next coefficient.
+#[inline(always)]
+fn next(
+    a: &Series<3>,
+    b: &Columns,
+    n: usize,
+    (add, scale): ([[f64; 2]; 3], [f64; 3]),
+    product: impl Fn([Lanes; 3], [Lanes; 3]) -> [Lanes; 3],
+) -> [[f64; 2]; 3] {
+    let mut sum = add.map(Lanes);
+    for (a, b) in a.iter().zip(b[..=n].iter().rev()) {
+        let change = product(a.map(|a| Lanes([a, a])), b.map(Lanes));
+        for row in 0..3 {
+            sum[row] = sum[row] + change[row];
+        }
+    }
+    let reciprocal = 1.0 / (n + 1) as f64;
+    [0, 1, 2].map(|row| sum[row].0.map(|entry| entry * (scale[row] * reciprocal)))
+}
+
+/// Two numbers that are treated alike.
+#[derive(Clone, Copy)]
+struct Lanes([f64; 2]);
+
+impl Add for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+}
+
+impl Sub for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
+}
+
+impl Mul for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self([self.0[0] * other.0[0], self.0[1] * other.0[1]])
+    }
 }
 
 /// Value of a series.
@@ -158,53 +208,65 @@ impl Variables {
         Matrix3::from_columns(&units)
     }
 
-    /// Series of the change `Z` of the variables by those at the start, and of `W`, that of `ω`;
-    /// row by row.
-    pub fn derivatives(&self, couplings: &[f64; 3], series: &Series<3>) -> (Rows, Rows) {
-        let mut rows = [[[0.0; 3]; 3]; ORDER + 1];
-        for axis in 0..3 {
-            rows[0][axis][axis] = 1.0;
+    /// Series of the change `Z` of the variables by two of them at the start, and of `W`, that
+    /// of `ω`.
+    pub fn derivatives(
+        &self,
+        couplings: &[f64; 3],
+        series: &Series<3>,
+        by: [usize; 2],
+    ) -> (Columns, Columns) {
+        let mut z = [[[0.0; 2]; 3]; ORDER + 1];
+        for (column, axis) in by.into_iter().enumerate() {
+            z[0][axis][column] = 1.0;
         }
-        for n in 0..ORDER {
-            let mut sum = [[0.0; 3]; 3];
-            for (a, b) in series.iter().zip(rows[..=n].iter().rev()) {
-                for column in 0..3 {
-                    let b = [b[0][column], b[1][column], b[2][column]];
-                    let change = match self {
-                        Self::Components => [
+        let zero = [[0.0; 2]; 3];
+        match *self {
+            Self::Components => {
+                for n in 0..ORDER {
+                    z[n + 1] = next(series, &z, n, (zero, *couplings), |a, b| {
+                        [
                             a[1] * b[2] + a[2] * b[1],
                             a[2] * b[0] + a[0] * b[2],
                             a[0] * b[1] + a[1] * b[0],
-                        ],
-                        Self::Factors { .. } => [
-                            -(a[1] * b[0] + a[0] * b[1]),
-                            0.5 * (a[0] * b[0] - a[2] * b[2]),
-                            a[1] * b[2] + a[2] * b[1],
-                        ],
-                    };
-                    for i in 0..3 {
-                        sum[i][column] += change[i];
-                    }
+                        ]
+                    });
                 }
+                (z, z)
             }
-            let scale = match self {
-                Self::Components => *couplings,
-                Self::Factors { rate, .. } => [*rate; 3],
-            };
-            for i in 0..3 {
-                for column in 0..3 {
-                    rows[n + 1][i][column] = sum[i][column] * (scale[i] / (n + 1) as f64);
+            Self::Factors { rate, .. } => {
+                let scale = [-rate, 0.5 * rate, rate];
+                for n in 0..ORDER {
+                    z[n + 1] = next(series, &z, n, (zero, scale), |a, b| {
+                        [
+                            a[1] * b[0] + a[0] * b[1],
+                            a[0] * b[0] - a[2] * b[2],
+                            a[1] * b[2] + a[2] * b[1],
+                        ]
+                    });
                 }
+                let w = z.map(|rows| {
+                    let columns = [0, 1].map(|column| self.omega(&rows.map(|row| row[column])));
+                    [0, 1, 2].map(|i| columns.map(|column| column[i]))
+                });
+                (z, w)
             }
         }
-        let w = match self {
-            Self::Components => rows,
-            Self::Factors { .. } => rows.map(|rows| {
-                let columns = [0, 1, 2].map(|column| self.omega(&rows.map(|row| row[column])));
-                [0, 1, 2].map(|i| columns.map(|column| column[i]))
-            }),
-        };
-        (rows, w)
+    }
+
+    /// Time derivative of the variables.
+    pub fn rate(&self, couplings: &[f64; 3], variables: &[f64; 3]) -> [f64; 3] {
+        let [a, b, c] = *variables;
+        match *self {
+            Self::Components => [
+                couplings[0] * b * c,
+                couplings[1] * c * a,
+                couplings[2] * a * b,
+            ],
+            Self::Factors { rate, .. } => {
+                [-rate * b * a, 0.25 * rate * (a * a - c * c), rate * b * c]
+            }
+        }
     }
 
     /// Series of the variables and of `ω`.
@@ -264,26 +326,19 @@ pub fn turn(omega: &Series<3>) -> Series<4> {
     series
 }
 
-/// Series of `η`, from those of `ω` and `W`, row by row.
-pub fn turn_derivatives(omega: &Series<3>, w: &Rows) -> Rows {
-    let mut series = [[[0.0; 3]; 3]; ORDER + 1];
+/// Series of `η`, from those of `ω` and `W`.
+pub fn turn_derivatives(omega: &Series<3>, w: &Columns) -> Columns {
+    let mut eta = [[[0.0; 2]; 3]; ORDER + 1];
     for n in 0..ORDER {
-        let mut sum = w[n];
-        for (omega, eta) in omega.iter().zip(series[..=n].iter().rev()) {
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                for column in 0..3 {
-                    sum[i][column] += omega[k] * eta[j][column] - omega[j] * eta[k][column];
-                }
-            }
-        }
-        series[n + 1] = scaled(&sum, 1.0 / (n + 1) as f64);
+        eta[n + 1] = next(omega, &eta, n, (w[n], [1.0; 3]), |a, b| {
+            [
+                a[2] * b[1] - a[1] * b[2],
+                a[0] * b[2] - a[2] * b[0],
+                a[1] * b[0] - a[0] * b[1],
+            ]
+        });
     }
-    series
-}
-
-fn scaled(rows: &[[f64; 3]; 3], scale: f64) -> [[f64; 3]; 3] {
-    rows.map(|row| row.map(|entry| entry * scale))
+    eta
 }
 
 /// How far from its start, to both sides, the last terms of the series leave no trace.
@@ -312,8 +367,13 @@ pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64
 }
 
 /// The same for `η`, which is about as large as the time.
-pub fn derivatives_reach(eta: &Rows) -> f64 {
-    let size = |n: usize| eta[n].iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+pub fn derivatives_reach(eta: &Columns) -> f64 {
+    let size = |n: usize| {
+        eta[n]
+            .as_flattened()
+            .iter()
+            .fold(0.0_f64, |a, b| a.max(b.abs()))
+    };
     let reach = [ORDER - 1, ORDER]
         .into_iter()
         .map(|n| (TRUNCATION / size(n)).powf(1.0 / (n - 1) as f64))
