@@ -51,15 +51,21 @@ fn next(
     (add, scale): ([[f64; 2]; 3], [f64; 3]),
     product: impl Fn([Lanes; 3], [Lanes; 3]) -> [Lanes; 3],
 ) -> [[f64; 2]; 3] {
-    let mut sum = add.map(Lanes);
-    for (a, b) in a.iter().zip(b[..=n].iter().rev()) {
-        let change = product(a.map(|a| Lanes([a, a])), b.map(Lanes));
-        for row in 0..3 {
-            sum[row] = sum[row] + change[row];
-        }
+    // Three names rather than an array, which would live in memory.
+    let (mut x, mut y, mut z) = (Lanes(add[0]), Lanes(add[1]), Lanes(add[2]));
+    for ([a, b, c], [p, q, r]) in a.iter().zip(b[..=n].iter().rev()) {
+        let factors = [Lanes([*a, *a]), Lanes([*b, *b]), Lanes([*c, *c])];
+        let [dx, dy, dz] = product(factors, [Lanes(*p), Lanes(*q), Lanes(*r)]);
+        (x, y, z) = (x + dx, y + dy, z + dz);
     }
     let reciprocal = 1.0 / (n + 1) as f64;
-    [0, 1, 2].map(|row| sum[row].0.map(|entry| entry * (scale[row] * reciprocal)))
+    let scaled =
+        |Lanes([a, b]): Lanes, scale: f64| [a * (scale * reciprocal), b * (scale * reciprocal)];
+    [
+        scaled(x, scale[0]),
+        scaled(y, scale[1]),
+        scaled(z, scale[2]),
+    ]
 }
 
 /// Two numbers that are treated alike.
@@ -245,10 +251,16 @@ impl Variables {
                         ]
                     });
                 }
-                let w = z.map(|rows| {
-                    let columns = [0, 1].map(|column| self.omega(&rows.map(|row| row[column])));
-                    [0, 1, 2].map(|i| columns.map(|column| column[i]))
-                });
+                let mut w = z;
+                for rows in &mut w {
+                    for column in 0..2 {
+                        let change = [rows[0][column], rows[1][column], rows[2][column]];
+                        let change = self.omega(&change);
+                        for row in 0..3 {
+                            rows[row][column] = change[row];
+                        }
+                    }
+                }
                 (z, w)
             }
         }
@@ -274,36 +286,38 @@ impl Variables {
         let mut series = [[0.0; 3]; ORDER + 1];
         series[0] = *start;
         for n in 0..ORDER {
-            // Σ of products of two different variables; of factors also the two squares.
-            let mut sums = [0.0; 3];
-            match self {
+            let (mut x, mut y, mut z) = (0.0, 0.0, 0.0);
+            let scale = match self {
                 Self::Components => {
-                    for l in 0..=n {
-                        let (a, b) = (&series[l], &series[n - l]);
-                        sums[0] += a[1] * b[2];
-                        sums[1] += a[2] * b[0];
-                        sums[2] += a[0] * b[1];
+                    for (a, b) in series.iter().zip(series[..=n].iter().rev()) {
+                        x += a[1] * b[2];
+                        y += a[2] * b[0];
+                        z += a[0] * b[1];
                     }
-                    for axis in 0..3 {
-                        sums[axis] *= couplings[axis];
-                    }
+                    *couplings
                 }
                 Self::Factors { rate, .. } => {
-                    for l in 0..=n {
-                        let (a, b) = (&series[l], &series[n - l]);
-                        sums[0] -= a[1] * b[0];
-                        sums[1] += a[0] * b[0] - a[2] * b[2];
-                        sums[2] += a[1] * b[2];
+                    for (a, b) in series.iter().zip(series[..=n].iter().rev()) {
+                        x += a[1] * b[0];
+                        y += a[0] * b[0] - a[2] * b[2];
+                        z += a[1] * b[2];
                     }
-                    sums[1] *= 0.25;
-                    for sum in &mut sums {
-                        *sum *= rate;
-                    }
+                    [-rate, 0.25 * rate, *rate]
                 }
-            }
-            series[n + 1] = sums.map(|sum| sum / (n + 1) as f64);
+            };
+            let reciprocal = 1.0 / (n + 1) as f64;
+            series[n + 1] = [
+                x * (scale[0] * reciprocal),
+                y * (scale[1] * reciprocal),
+                z * (scale[2] * reciprocal),
+            ];
         }
-        let omega = series.map(|coefficients| self.omega(&coefficients));
+        let mut omega = series;
+        if *self != Self::Components {
+            for coefficients in &mut omega {
+                *coefficients = self.omega(coefficients);
+            }
+        }
         (series, omega)
     }
 }
@@ -313,15 +327,15 @@ pub fn turn(omega: &Series<3>) -> Series<4> {
     let mut series = [[0.0; 4]; ORDER + 1];
     series[0][3] = 1.0;
     for n in 0..ORDER {
-        let mut sum = [0.0; 4];
-        for l in 0..=n {
-            let ([x, y, z], q) = (omega[l], &series[n - l]);
-            sum[0] += q[3] * x + q[1] * z - q[2] * y;
-            sum[1] += q[3] * y + q[2] * x - q[0] * z;
-            sum[2] += q[3] * z + q[0] * y - q[1] * x;
-            sum[3] -= q[0] * x + q[1] * y + q[2] * z;
+        let (mut x, mut y, mut z, mut w) = (0.0, 0.0, 0.0, 0.0);
+        for ([a, b, c], q) in omega.iter().zip(series[..=n].iter().rev()) {
+            x += q[3] * a + q[1] * c - q[2] * b;
+            y += q[3] * b + q[2] * a - q[0] * c;
+            z += q[3] * c + q[0] * b - q[1] * a;
+            w -= q[0] * a + q[1] * b + q[2] * c;
         }
-        series[n + 1] = sum.map(|sum| 0.5 * sum / (n + 1) as f64);
+        let half = 0.5 / (n + 1) as f64;
+        series[n + 1] = [x * half, y * half, z * half, w * half];
     }
     series
 }
