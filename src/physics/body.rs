@@ -118,3 +118,27 @@ impl Body {
         self.symmetry
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symmetry_is_told_to_rounding() {
+        let symmetry = |moments: [f64; 3]| Body::new(1.0, moments.into()).unwrap().symmetry();
+        assert_eq!(symmetry([1.0, 2.0, 2.5]), Symmetry::Asymmetric);
+        assert_eq!(symmetry([1.0, 2.0, 2.0 + 1e-14]), Symmetry::Asymmetric);
+        let last = 2.0 + f64::EPSILON;
+        assert_eq!(symmetry([1.0, 2.0, last]), Symmetry::Axial { axis: 0 });
+        assert_eq!(symmetry([2.0, last, 2.0]), Symmetry::Spherical);
+        let body = Body::new(1.0, Vector3::new(1.0, 2.0, last)).unwrap();
+        assert_eq!(body.moments_kg_m2().y, body.moments_kg_m2().z);
+    }
+
+    #[test]
+    fn flat_bodies_may_miss_the_triangle_by_rounding() {
+        assert!(Body::new(1.0, Vector3::new(1.0, 2.0, 3.0 + 1e-10)).is_ok());
+        let refused = Body::new(1.0, Vector3::new(1.0, 2.0, 3.001));
+        assert!(matches!(refused, Err(BodyError::Triangle(..))));
+    }
+}

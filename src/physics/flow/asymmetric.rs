@@ -147,6 +147,8 @@ struct Step {
     eta: Columns,
     /// A change of `ω(0)` in parts: along the variables, then by the two.
     parts: Matrix3<f64>,
+    /// The variables to go along where all are zero.
+    stand_in: Vector3<f64>,
 }
 
 impl Step {
@@ -161,8 +163,11 @@ impl Step {
                 .derivatives(&motion.couplings, &values.variables, by);
         let eta = series::turn_derivatives(&values.omega, &w);
         let changes = &start.variables_by_spin;
-        // Without spin the change along z is that of the unit, and t ω is none but t times it.
-        let along = changes.row(largest) / if z[largest] == 0.0 { 1.0 } else { z[largest] };
+        let mut stand_in = Vector3::zeros();
+        if z[largest] == 0.0 {
+            stand_in[largest] = 1.0;
+        }
+        let along = changes.row(largest) / (z[largest] + stand_in[largest]);
         let parts = Matrix3::from_rows(&[
             along,
             changes.row(by[0]) - along * z[by[0]],
@@ -175,6 +180,7 @@ impl Step {
             variables_by_start,
             eta,
             parts,
+            stand_in,
             start,
         }
     }
@@ -185,7 +191,8 @@ impl Step {
         let turned = quaternion(series::value(&self.turn, angle));
         let rotation = UnitQuaternion::new_unchecked(self.start.rotation.into_inner() * turned);
         let variables = series::value(&self.variables, angle);
-        let along = Vector3::from(motion.variables.omega(&variables)) * angle;
+        let along = Vector3::from(variables) + self.stand_in;
+        let along = Vector3::from(motion.variables.omega(&along.into())) * angle;
         let [first, second] = series::columns(&self.eta, angle);
         let eta = Matrix3::from_columns(&[along, first, second]) * self.parts;
         let by_spin = self.start.turn_by_spin + so3::matrix(&rotation) * eta;
@@ -195,7 +202,7 @@ impl Step {
     fn node(&self, motion: &Motion, angle: f64) -> Node {
         let (rotation, turn_by_spin, variables) = self.turn(motion, angle);
         let rate = motion.variables.rate(&motion.couplings, &variables);
-        let along = Vector3::from(variables) + Vector3::from(rate) * angle;
+        let along = Vector3::from(variables) + self.stand_in + Vector3::from(rate) * angle;
         let [first, second] = series::columns(&self.variables_by_start, angle);
         Node {
             rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
