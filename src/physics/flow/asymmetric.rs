@@ -53,7 +53,10 @@ struct Node {
 #[derive(Clone, Debug)]
 struct Motion {
     couplings: [f64; 3],
+    moments: [f64; 3],
     variables: Variables,
+    /// Of the variables.
+    invariant: f64,
     speed_rad_s: f64,
     start: Node,
 }
@@ -67,12 +70,16 @@ impl Motion {
         };
         let omega = (omega_rad_s / speed_rad_s).into();
         let variables = Variables::of(&couplings, &omega);
+        let moments = body.moments_kg_m2().into();
+        let start = variables.from_omega(&omega);
         Self {
             couplings,
+            moments,
+            invariant: variables.invariant(&moments, &start),
             speed_rad_s,
             start: Node {
                 rotation: UnitQuaternion::identity(),
-                variables: variables.from_omega(&omega),
+                variables: start,
                 turn_by_spin: Matrix3::zeros(),
                 variables_by_spin: variables.variables_by_omega(),
             },
@@ -84,6 +91,17 @@ impl Motion {
     fn angle(&self, duration_s: f64) -> Option<f64> {
         let angle = self.speed_rad_s * duration_s;
         (angle.abs() <= ANGLE_MAX_RAD).then_some(angle)
+    }
+
+    /// Variables at the end of a step, scaled to their invariant: else its rounding would gather
+    /// over many steps, and what gathers in the speed gathers twice in the angle.
+    fn kept(&self, variables: [f64; 3]) -> [f64; 3] {
+        let invariant = self.variables.invariant(&self.moments, &variables);
+        if invariant == 0.0 {
+            return variables;
+        }
+        let excess = (self.invariant - invariant) / invariant;
+        variables.map(|variable| variable + variable * (0.5 * excess))
     }
 
     fn omega_rad_s(&self, node: &Node) -> Vector3<f64> {
@@ -117,11 +135,11 @@ impl Values {
     }
 
     /// The node at `angle` from the start, its derivatives as they were.
-    fn node(&self, start: &Node, angle: f64) -> Node {
+    fn node(&self, motion: &Motion, start: &Node, angle: f64) -> Node {
         let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
         Node {
             rotation: UnitQuaternion::new_normalize(turned),
-            variables: series::value(&self.variables, angle),
+            variables: motion.kept(series::value(&self.variables, angle)),
             ..start.clone()
         }
     }
@@ -206,7 +224,7 @@ impl Step {
         let [first, second] = series::columns(&self.variables_by_start, angle);
         Node {
             rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
-            variables,
+            variables: motion.kept(variables),
             turn_by_spin,
             variables_by_spin: Matrix3::from_columns(&[along, first, second]) * self.parts,
         }
@@ -229,7 +247,7 @@ pub fn advance(
     while left != 0.0 {
         let values = Values::new(&motion, &node);
         let step = left.clamp(-values.reach, values.reach);
-        node = values.node(&node, step);
+        node = values.node(&motion, &node, step);
         left -= step;
     }
     (node.rotation, motion.omega_rad_s(&node))

@@ -266,6 +266,16 @@ impl Variables {
         }
     }
 
+    /// A sum of squares that the motion keeps: twice the energy, or with factors
+    /// `¼(p² + m²) + ω_j²`.
+    pub fn invariant(&self, moments: &[f64; 3], variables: &[f64; 3]) -> f64 {
+        let [a, b, c] = variables.map(|variable| variable * variable);
+        match *self {
+            Self::Components => moments[0] * a + moments[1] * b + moments[2] * c,
+            Self::Factors { .. } => 0.25 * (a + c) + b,
+        }
+    }
+
     /// Time derivative of the variables.
     pub fn rate(&self, couplings: &[f64; 3], variables: &[f64; 3]) -> [f64; 3] {
         let [a, b, c] = *variables;
