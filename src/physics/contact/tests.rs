@@ -308,7 +308,7 @@ mod against_parry {
         for height in heights {
             let body = over(&frame, *height);
             let touch = Contact::new(feature, top)
-                .and_then(|contact| Ok(contact.touch(&body, &frame)))
+                .map(|contact| contact.touch(&body, &frame))
                 .expect("known")
                 .expect("regular");
             let distance_m = shape

@@ -12,6 +12,10 @@ use crate::math::so3;
 use crate::physics::contact::Frame;
 
 /// Which law gave the impulses.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack for one impact; a box would allocate"
+)]
 enum Solved {
     /// Rows are the world's axes at the one contact.
     Coulomb(Coulomb),

@@ -255,7 +255,7 @@ fn difference(a: &Velocities, b: &Velocities) -> f64 {
 fn cases(count: usize) -> impl Iterator<Item = (usize, Case)> {
     let mut draw = Draw::new(1998);
     (0..count).map(move |index| {
-        let has_two = index / KINDS % 2 == 0;
+        let has_two = (index / KINDS).is_multiple_of(2);
         (index, Case::draw(&mut draw, index % KINDS, has_two))
     })
 }

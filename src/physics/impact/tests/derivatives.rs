@@ -117,8 +117,8 @@ fn sticking_and_sliding() {
     let (mut stuck, mut slid) = ([0; KINDS], [0; KINDS]);
     for index in 0..30 * KINDS {
         let kind = index % KINDS;
-        let mut case = Case::draw(&mut draw, kind, index / KINDS % 2 == 0);
-        if case.contact.tilt_axes().is_some() && index / KINDS % 3 == 0 {
+        let mut case = Case::draw(&mut draw, kind, (index / KINDS).is_multiple_of(2));
+        if case.contact.tilt_axes().is_some() && (index / KINDS).is_multiple_of(3) {
             case.law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
         let meeting = Meeting::with_friction(&[case.contact]).expect("one");
