@@ -71,7 +71,7 @@ impl Motion {
         let omega = (omega_rad_s / speed_rad_s).into();
         let variables = Variables::of(&couplings, &omega);
         let moments = body.moments_kg_m2().into();
-        let start = variables.from_omega(&omega);
+        let start = variables.with_omega(&omega);
         Self {
             couplings,
             moments,

@@ -2,9 +2,9 @@
 //!
 //! The centre of mass is quadratic in time. How the body turns hangs on its moments:
 //!
-//! - three or two equal: a closed form ([`axial`]);
-//! - three different: Taylor series of Euler's equations, step by step ([`asymmetric`], whose
-//!   series are in [`series`]).
+//! - three or two equal: a closed form (`axial`);
+//! - three different: Taylor series of Euler's equations, step by step (`asymmetric`, whose
+//!   series are in `series`).
 //!
 //! Both are exact to rounding for durations of either sign, and where moments become equal one
 //! becomes the other. Derivatives are in right perturbations.

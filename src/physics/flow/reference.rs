@@ -140,7 +140,7 @@ pub fn turn(moments_kg_m2: [f64; 3], start: &Motion, duration_s: f64) -> Motion 
     let (mut motion, mut left) = (*start, Pair::from(duration_s));
     while left.0 != 0.0 {
         let speed = motion[4..].iter().map(|w| w.0 * w.0).sum::<f64>().sqrt();
-        let h = 0.25 / speed;
+        let h = 0.5 / speed;
         let h = if h < left.0.abs() {
             Pair::from(h.copysign(left.0))
         } else {

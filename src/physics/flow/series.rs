@@ -13,7 +13,7 @@ use std::ops::{Add, Mul, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Terms of a series after the first: of 12 to 30 the fastest at full accuracy.
+/// Terms of a series after the first.
 pub const ORDER: usize = 20;
 
 /// Truncation allowed in a step, relative.
@@ -169,7 +169,7 @@ impl Variables {
     }
 
     /// From `ω`.
-    pub fn from_omega(&self, omega: &[f64; 3]) -> [f64; 3] {
+    pub fn with_omega(&self, omega: &[f64; 3]) -> [f64; 3] {
         match *self {
             Self::Components => *omega,
             Self::Factors { middle, scale, .. } => {
@@ -209,7 +209,7 @@ impl Variables {
         let units = [0, 1, 2].map(|axis| {
             let mut unit = [0.0; 3];
             unit[axis] = 1.0;
-            Vector3::from(self.from_omega(&unit))
+            Vector3::from(self.with_omega(&unit))
         });
         Matrix3::from_columns(&units)
     }
