@@ -7,25 +7,22 @@
 
 use nalgebra::DVector;
 
-use super::merit::{self, Acting, Price};
+use super::acting::ActingSet;
+use super::merit;
 use super::point::Point;
 use super::qp;
 use super::system::{Frame, Guidance, System};
 use crate::math::envelope::Envelope;
 use crate::motion::Counters;
 
-/// Weight of the rows in the factorised matrix, per squared unit and information.
-const WEIGHT: f64 = 1e9;
-/// Weight by which it is judged whether a bound acts, per squared unit and information.
-const ACTING_WEIGHT: f64 = 1e3;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
 /// The linearised constraints hold well enough at this share of their violation (the next step
 /// leaves more by curvature), or at rounding.
 const EXACT: f64 = 1e-5;
 const ROUNDING: f64 = 1e-14;
-/// Steps after which the set of acting bounds should have settled.
-const PATIENCE: usize = 12;
+/// Rounds in which the set of acting bounds must settle.
+const ACTING_ROUNDS: usize = 12;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
 /// Halvings of a step at most.
@@ -77,30 +74,34 @@ pub struct KktStep {
 /// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
-    acting: Acting,
+    /// Weight of every row, zero of those that do not act.
+    weights: Vec<f64>,
+    /// Signed distance of every row from the bound that acts.
+    violations: Vec<f64>,
     multipliers: Vec<f64>,
     /// What curved rows add to the diagonal of the model's Hessian.
     curvature: Vec<(usize, f64)>,
 }
 
 impl Kkt {
-    /// Factorises; `None` where an unknown is undetermined beyond the damping.
+    /// Factorises with the rows acting that `multipliers` say; `None` where an unknown is
+    /// undetermined beyond the damping.
     pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let information = frame.problem.information();
-        let price = Price {
-            weight: ACTING_WEIGHT * information,
-            approach_weight: ACTING_WEIGHT * information,
-            multipliers: multipliers.to_vec(),
-        };
-        let mut acting = Acting::default();
-        price.act(system, &mut acting);
-        for weight in acting.weights.iter_mut().filter(|weight| **weight > 0.0) {
-            *weight = WEIGHT * information;
-        }
+        let acting = ActingSet::of(frame, system, multipliers);
+        Self::with(frame, system, multipliers, &acting)
+    }
+
+    fn with(
+        frame: &Frame,
+        system: &System,
+        multipliers: &[f64],
+        acting: &ActingSet,
+    ) -> Option<Self> {
+        let (weights, violations) = acting.weights_and_violations(frame, system);
         let pattern = &frame.layout.pattern;
         let mut matrix = system.hessian.clone();
         let pull = |row: usize| {
-            if acting.weights[row] > 0.0 {
+            if weights[row] > 0.0 {
                 multipliers[row]
             } else {
                 0.0
@@ -114,12 +115,13 @@ impl Kkt {
             let diagonal = matrix.get(pattern, row, row);
             matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
         }
-        merit::add_square(frame.layout, system, &acting.weights, &mut matrix);
+        merit::add_square(frame.layout, system, &weights, &mut matrix);
         matrix.factorise(pattern).ok()?;
         Some(Self {
             matrix,
-            acting,
-            multipliers: price.multipliers,
+            weights,
+            violations,
+            multipliers: multipliers.to_vec(),
             curvature,
         })
     }
@@ -127,7 +129,7 @@ impl Kkt {
     /// The step to the optimum of the model at `system`.
     pub fn step(&self, frame: &Frame, system: &System) -> KktStep {
         let layout = frame.layout;
-        let (weights, violations) = (&self.acting.weights, &self.acting.violations);
+        let (weights, violations) = (&self.weights, &self.violations);
         let mut multipliers = self.multipliers.clone();
         let mut delta = DVector::zeros(layout.size());
         let mut residual = DVector::zeros(layout.size());
@@ -186,17 +188,13 @@ impl Kkt {
         trial: &System,
         delta: &DVector<f64>,
     ) -> DVector<f64> {
-        let weights = &self.acting.weights;
+        let weights = &self.weights;
         delta + merit::correction(frame.layout, (system, trial), delta, weights, &self.matrix)
     }
 
     /// Number of rows that act.
     pub fn acting_rows(&self) -> usize {
-        self.acting
-            .weights
-            .iter()
-            .filter(|weight| **weight > 0.0)
-            .count()
+        self.weights.iter().filter(|weight| **weight > 0.0).count()
     }
 
     /// Solves `(H + w JᵀJ) x = b` in place.
@@ -233,20 +231,14 @@ impl Finish<'_> {
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };
-        // Which bounds act is read off the multipliers, step by step; where that leads nowhere it
-        // is the quadratic programme's word.
-        let mut by_programme = false;
-        for taken in 0..tolerances.steps {
+        for _ in 0..tolerances.steps {
             if should_stop() {
                 break;
             }
-            by_programme |= taken >= PATIENCE && self.frame.problem.has_bounds();
             self.counters.iterations += 1;
-            self.counters.factorisations += 1;
-            let Some(kkt) = self.kkt(by_programme) else {
+            let Some((kkt, step)) = self.step() else {
                 break;
             };
-            let step = kkt.step(self.frame, &self.system);
             let decrease = self.system.gradient.dot(&step.delta).abs();
             finished.violation = self.system.violation();
             finished.decrease = decrease / self.system.cost.max(NO_COST);
@@ -268,25 +260,33 @@ impl Finish<'_> {
                 finished.converged = true;
                 finished.violation = self.system.violation();
             }
-            if done {
+            if done || !accepted {
                 break;
-            }
-            if !accepted {
-                if by_programme || !self.frame.problem.has_bounds() {
-                    break;
-                }
-                by_programme = true;
             }
         }
         finished
     }
 
-    /// The optimality conditions here; the step itself is exact whoever says which bounds act.
-    fn kkt(&self, by_programme: bool) -> Option<Kkt> {
-        if by_programme && let Some(multipliers) = qp::multipliers(self.frame, &self.system) {
-            return Kkt::new(self.frame, &self.system, &multipliers);
+    /// The step to the optimum of the quadratic programme here. Which bounds act is found by
+    /// trying: those that the step would break join, those that pull inwards leave. Where that
+    /// goes round in circles it is clarabel's word.
+    fn step(&mut self) -> Option<(Kkt, KktStep)> {
+        let (frame, system) = (self.frame, &self.system);
+        let mut acting = ActingSet::of(frame, system, &self.multipliers);
+        for _ in 0..ACTING_ROUNDS {
+            self.counters.factorisations += 1;
+            let kkt = Kkt::with(frame, system, &self.multipliers, &acting)?;
+            let step = kkt.step(frame, system);
+            if !acting.revise(frame, system, &step) {
+                return Some((kkt, step));
+            }
         }
-        Kkt::new(self.frame, &self.system, &self.multipliers)
+        let multipliers = qp::multipliers(frame, system);
+        let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
+        self.counters.factorisations += 1;
+        let kkt = Kkt::new(frame, system, multipliers)?;
+        let step = kkt.step(frame, system);
+        Some((kkt, step))
     }
 
     fn evaluate(

@@ -164,6 +164,18 @@ pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mu
     }
 }
 
+/// Adds what curved rows change by beyond `J δ`, exactly, to `change`.
+pub fn add_curved(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mut [f64]) {
+    let mut row = 0;
+    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
+        if block.curvature > 0.0 {
+            let square: f64 = columns.iter().map(|at| delta[*at] * delta[*at]).sum();
+            change[row] += 0.5 * block.curvature * square;
+        }
+        row += block.values.len();
+    }
+}
+
 /// What to add to `delta`, given that it led to `trial`, so that the constraints' departure from
 /// their linearisation at `system` is removed: `factor` holds `H + Jᵀ diag(w) J`.
 pub fn correction(

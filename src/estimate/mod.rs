@@ -4,9 +4,10 @@
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
 //! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], summed into a
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
-//! (with [`qp`] where there are bounds) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
+//! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
 //! [`solve`] is the stage as the pipeline sees it.
 
+pub mod acting;
 pub mod collision;
 pub mod constraint;
 pub mod covariance;

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::layout::{Layout, STATE};
 use super::problem::Problem;
-use crate::motion::Guess;
+use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
 use crate::physics::state::StateTangent;
 
@@ -35,6 +35,25 @@ impl Point {
             event_times_s: guess.event_times_s.clone(),
             node_times_s,
             parameters: problem.parameters.iter().map(|free| free.initial).collect(),
+        }
+    }
+
+    /// The point as a guess, with the epochs of the guess it came from. Parameters are not part of
+    /// a guess: they begin anew.
+    pub fn guess(&self, problem: &Problem, from: &Guess) -> Guess {
+        let arcs = problem.arcs.iter().zip(&self.arcs).zip(&from.arcs);
+        let arcs = arcs.map(|((arc, state), of)| ArcGuess {
+            epoch_s: of.epoch_s,
+            state: *state,
+            sample_times_s: arc
+                .samples
+                .iter()
+                .map(|sample| self.node_times_s[sample.node])
+                .collect(),
+        });
+        Guess {
+            arcs: arcs.collect(),
+            event_times_s: self.event_times_s.clone(),
         }
     }
 

@@ -237,13 +237,6 @@ impl Problem {
         per_arc / REFERENCE_SAMPLES * ratio * ratio
     }
 
-    /// Whether a constraint is an inequality that may well act at the optimum: a goal's or a
-    /// parameter's bound, as opposed to contacts that must not recede.
-    pub fn has_bounds(&self) -> bool {
-        let is_inequality = |goal: &ArcGoal| matches!(goal.target, ArcTarget::Coordinate { lower_m, upper_m, .. } if lower_m < upper_m);
-        !self.bounded.is_empty() || !self.cones.is_empty() || self.goals.iter().any(is_inequality)
-    }
-
     /// Whether there are more equalities than unknowns besides sample times: then no motion meets
     /// all of them, but by accident.
     pub fn is_overconstrained(&self) -> bool {

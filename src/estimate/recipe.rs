@@ -61,6 +61,16 @@ impl Default for Recipe {
 }
 
 impl Recipe {
+    /// The recipe for a start that is near: multipliers at once, patiently, and no second try.
+    pub fn without_sweep(&self) -> Self {
+        Self {
+            sweep_weights: Vec::new(),
+            gain: 1e-3 * self.gain,
+            retries: 0,
+            ..self.clone()
+        }
+    }
+
     /// The recipe for a problem with that much [`Problem::information`].
     fn scaled(&self, information: f64) -> Self {
         Self {

@@ -1,0 +1,97 @@
+//! Which rows act on a step: equalities always, inequalities where they would be broken.
+
+use super::finish::KktStep;
+use super::merit;
+use super::system::{Frame, System};
+
+/// Weight of acting rows in the factorised matrix, per squared unit and information.
+const WEIGHT: f64 = 1e9;
+/// Weight by which multipliers say at first which bounds act, per squared unit and information.
+const FIRST_WEIGHT: f64 = 1e3;
+/// A bound is broken by more than this, in units.
+const BROKEN: f64 = 1e-12;
+
+/// The bound that acts on a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Acts {
+    Always,
+    Lower,
+    Upper,
+    Not,
+}
+
+/// The bound that acts on every row.
+#[derive(Clone, Debug)]
+pub struct ActingSet {
+    rows: Vec<Acts>,
+}
+
+impl ActingSet {
+    /// What `multipliers` say: bounds that are broken and pull, or are near and pull.
+    pub fn of(frame: &Frame, system: &System, multipliers: &[f64]) -> Self {
+        let weight = FIRST_WEIGHT * frame.problem.information();
+        let rows = rows(system).zip(multipliers);
+        let rows = rows.map(|((value, (lower, upper)), multiplier)| {
+            let shifted = value + multiplier / weight;
+            match () {
+                () if lower == upper => Acts::Always,
+                () if shifted < lower => Acts::Lower,
+                () if shifted > upper => Acts::Upper,
+                () => Acts::Not,
+            }
+        });
+        Self {
+            rows: rows.collect(),
+        }
+    }
+
+    /// Weight of every row and its signed distance from the bound that acts, zero where none does.
+    pub fn weights_and_violations(&self, frame: &Frame, system: &System) -> (Vec<f64>, Vec<f64>) {
+        let weight = WEIGHT * frame.problem.information();
+        let rows = rows(system).zip(&self.rows);
+        rows.map(|((value, (lower, upper)), acts)| match acts {
+            Acts::Always | Acts::Lower => (weight, value - lower),
+            Acts::Upper => (weight, value - upper),
+            Acts::Not => (0.0, 0.0),
+        })
+        .unzip()
+    }
+
+    /// Adds the bounds that a step would break and drops those whose multipliers after it pull
+    /// inwards; whether anything changed.
+    pub fn revise(&mut self, frame: &Frame, system: &System, step: &KktStep) -> bool {
+        if self.rows.iter().all(|acts| *acts == Acts::Always) {
+            return false;
+        }
+        let mut change = Vec::new();
+        merit::along(frame.layout, system, &step.delta, &mut change);
+        merit::add_curved(frame.layout, system, &step.delta, &mut change);
+        let mut changed = false;
+        for (row, (value, (lower, upper))) in rows(system).enumerate() {
+            let after = value + change[row];
+            let pull = step.multipliers[row];
+            let next = match self.rows[row] {
+                Acts::Not if after < lower - BROKEN => Acts::Lower,
+                Acts::Not if after > upper + BROKEN => Acts::Upper,
+                Acts::Lower if pull > 0.0 => Acts::Not,
+                Acts::Upper if pull < 0.0 => Acts::Not,
+                same => same,
+            };
+            changed |= next != self.rows[row];
+            self.rows[row] = next;
+        }
+        changed
+    }
+}
+
+/// Value and bounds of every row.
+fn rows(system: &System) -> impl Iterator<Item = (f64, (f64, f64))> + '_ {
+    let blocks = system.blocks.iter();
+    blocks.flat_map(|block| {
+        block
+            .values
+            .iter()
+            .copied()
+            .zip(block.bounds.iter().copied())
+    })
+}
