@@ -23,8 +23,13 @@ pub const INTERVAL_S: f64 = 1.0 / 240.0;
 /// Coefficient of friction of everything on everything: wood on wood or on glazed clay.
 pub const FRICTION: f64 = 0.4;
 
-/// Coefficient of restitution of everything on everything.
-pub const RESTITUTION: f64 = 0.3;
+/// Coefficient of restitution of everything on everything: low, so that what landed stays where
+/// it landed. How it really would bounce on was not performed.
+pub const RESTITUTION: f64 = 0.1;
+
+/// Rate at which turning dies away [1/s]: rapier's cylinders and balls roll without resistance,
+/// for ever.
+const ROLLING_PER_S: f64 = 1.0;
 
 /// Sweeps of the contact solver in a step.
 const SOLVER_ITERATIONS: usize = 16;
@@ -157,6 +162,8 @@ fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
             body.mass_kg(),
             to_rapier(&body.moments_kg_m2()),
         ))
+        .angular_damping(ROLLING_PER_S)
+        // Thin bodies and walls: a step is longer than a pencil is wide.
         .ccd_enabled(true)
 }
 
