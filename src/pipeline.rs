@@ -139,9 +139,10 @@ fn objection(scene: &Scene, verification: &Verification) -> Option<String> {
         objections.push(format!(
             "at `{}` `{}` leads `{}` by {:.1} mm",
             scene.events[touch.event].name,
-            touch
-                .found
-                .map_or_else(|| format!("[{x:.1}, {y:.1}, {z:.1}] mm"), |f| name(f).into()),
+            touch.found.map_or_else(
+                || format!("[{x:.1}, {y:.1}, {z:.1}] mm"),
+                |f| name(f).into()
+            ),
             expected.join(", "),
             touch.lead_m * 1e3
         ));

@@ -280,9 +280,15 @@ fn checks(report: &Report) -> String {
     if let Some(settled) = &report.settled {
         let took = seconds(settled.end_s - settled.from_s);
         let _ = if settled.at_rest {
-            writeln!(text, "  settled   at rest {took} after the end, by simulation")
+            writeln!(
+                text,
+                "  settled   at rest {took} after the end, by simulation"
+            )
         } else {
-            writeln!(text, "  settled   still moving {took} after the end, by simulation")
+            writeln!(
+                text,
+                "  settled   still moving {took} after the end, by simulation"
+            )
         };
     }
     text

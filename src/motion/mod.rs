@@ -25,6 +25,4 @@ pub use scene::{
 pub use settled::{Settled, SettledBody};
 pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};
-pub use verification::{
-    Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification,
-};
+pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

@@ -14,9 +14,9 @@ mod report;
 mod stopwatch;
 mod words;
 
+pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use process::{Failure, ProcessJob, process};
 pub use replay::{ReplayJob, replay};
-pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
 pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
 pub use words::words;

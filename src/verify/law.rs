@@ -79,8 +79,6 @@ impl Law {
 /// The axes about which a normal tilts: across it and the world axis that is least along it,
 /// then across both.
 fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let first = normal
-        .cross(&Vector3::ith(normal.iamin(), 1.0))
-        .normalize();
+    let first = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
     [first, normal.cross(&first)]
 }

@@ -80,7 +80,9 @@ impl<'a> World<'a> {
         let arcs = |body: usize| self.tracks[body].arcs.iter().copied();
         (0..self.tracks.len()).flat_map(move |body| {
             arcs(body).flat_map(move |arc| {
-                let with_world = self.standing().map(move |partner| (partner, arc.start_s, arc.end_s));
+                let with_world = self
+                    .standing()
+                    .map(move |partner| (partner, arc.start_s, arc.end_s));
                 let with_bodies = (body + 1..self.tracks.len()).flat_map(move |other| {
                     arcs(other).filter_map(move |other_arc| {
                         let from_s = arc.start_s.max(other_arc.start_s);
@@ -209,9 +211,7 @@ impl Partner<'_> {
 impl Meeting<'_> {
     /// Speed at which the distance changes at most [m/s].
     pub(super) fn speed_bound_m_s(&self) -> f64 {
-        let own = self
-            .track
-            .speed_bound_m_s(self.arc, self.from_s, self.to_s);
+        let own = self.track.speed_bound_m_s(self.arc, self.from_s, self.to_s);
         own + match self.partner {
             Partner::Plane { .. } | Partner::Obstacle { .. } => 0.0,
             Partner::Body { track, arc, .. } => track.speed_bound_m_s(arc, self.from_s, self.to_s),
@@ -274,7 +274,11 @@ impl Meeting<'_> {
         let centre_m = world_from_other * Point3::from(centre_m);
         let world_from_body = self.track.state(self.arc, time_s).world_from_body();
         let closest = Solid::ball(radius_m)
-            .closest(&Pose::from(centre_m.coords), &self.track.solid, &world_from_body)
+            .closest(
+                &Pose::from(centre_m.coords),
+                &self.track.solid,
+                &world_from_body,
+            )
             .expect(FINITE);
         Some(closest.gap_m)
     }

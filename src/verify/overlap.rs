@@ -108,7 +108,9 @@ impl<'w, 'm> Scan<'w, 'm> {
             owner = expected::owner(body, &self.expected, &closest.point_m)
                 .filter(|feature| self.expected.contains(feature));
             if let Some(feature) = owner {
-                let of_feature = self.meeting.feature_gap_m(time_s, feature, &closest.point_m);
+                let of_feature = self
+                    .meeting
+                    .feature_gap_m(time_s, feature, &closest.point_m);
                 gap_m = gap_m.max(of_feature);
             }
             for &feature in &self.expected_of_partner {

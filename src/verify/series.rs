@@ -102,7 +102,10 @@ mod tests {
                 let series = advance(&body, &gravity, &state(), duration_s);
                 let closed = flow::advance(&body, &gravity, &state(), duration_s);
                 let difference = series.minus(&closed).norm();
-                assert!(difference < 2e-12, "{moments:?} {duration_s} {difference:e}");
+                assert!(
+                    difference < 2e-12,
+                    "{moments:?} {duration_s} {difference:e}"
+                );
             }
         }
     }

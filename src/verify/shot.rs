@@ -92,8 +92,7 @@ impl Shot<'_> {
             self.result.missed.push(event.event);
         }
         let gap = &event.gap;
-        let is_bent =
-            gap.velocity_m_s > GAP_M_S || gap.angular_velocity_rad_s > GAP_RAD_S;
+        let is_bent = gap.velocity_m_s > GAP_M_S || gap.angular_velocity_rad_s > GAP_RAD_S;
         let law = Law::new(self.world.scene, self.world.estimate, event.event);
         match (law, offset_s) {
             (Some(law), Some(_)) if !is_bent => {

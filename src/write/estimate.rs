@@ -238,7 +238,10 @@ impl<'a> Composer<'a> {
         }
         if let Some(settled) = self.file.settled {
             let stamp = motion::stamp(self.zero, settled.from_s);
-            let pairs = [(MARK_EVENT_KEY, "simulated from here"), ("kind", "simulation")];
+            let pairs = [
+                (MARK_EVENT_KEY, "simulated from here"),
+                ("kind", "simulation"),
+            ];
             let data = encode::event_with(stamp, &pairs)
                 .map_err(WriteError::encode(self.path, topics::EVENTS))?;
             self.push(channel, stamp, data);

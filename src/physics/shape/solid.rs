@@ -138,9 +138,7 @@ impl Solid {
         normal: &Vector3<f64>,
     ) -> Result<Closest, ShapeError> {
         pose_to_parry(world_from_self)?;
-        let down = world_from_self
-            .rotation
-            .inverse_transform_vector(&-normal);
+        let down = world_from_self.rotation.inverse_transform_vector(&-normal);
         let local = self.shape_from_parry.rotation.inverse() * to_parry(&down);
         let support = self
             .shape
