@@ -116,6 +116,7 @@ impl Simulation {
         parameters.dt = INTERVAL_S;
         parameters.length_unit = radius_m;
         parameters.num_solver_iterations = SOLVER_ITERATIONS;
+        parameters.normalized_max_linear_velocity = f64::MAX;
         parameters.normalized_max_corrective_velocity = PUSH_RADII_PER_S;
         for obstacle in &scene.obstacles {
             let pose = to_rapier_pose(&obstacle.world_from_shape);

@@ -257,11 +257,12 @@ impl Meeting<'_> {
             .gap_m
     }
 
-    /// The same of a feature of the partner, if that is a body; its point in world axes.
-    pub(super) fn partner_feature_gap_m(
+    /// The same of the partner, if that is a body, for the expected point of it that a place
+    /// \[world\] belongs to, if it belongs to one.
+    pub(super) fn partner_point_gap_m(
         &self,
         time_s: f64,
-        feature: usize,
+        expected: &[usize],
         near_m: &Vector3<f64>,
     ) -> Option<f64> {
         let Partner::Body { track, .. } = self.partner else {
@@ -269,9 +270,12 @@ impl Meeting<'_> {
         };
         let world_from_other = self.partner.pose(time_s);
         let near_m = world_from_other.inverse_transform_point(&Point3::from(*near_m));
-        let geometry: &Feature = &track.of_scene.features[feature].geometry;
-        let (centre_m, radius_m) = expected::skeleton(geometry, &near_m.coords);
-        let centre_m = world_from_other * Point3::from(centre_m);
+        let feature = expected::owner(track.of_scene, expected, &near_m.coords)
+            .filter(|feature| expected.contains(feature))?;
+        let Feature::Point { point_m, radius_m } = track.of_scene.features[feature].geometry else {
+            return None;
+        };
+        let centre_m = world_from_other * Point3::from(point_m);
         let world_from_body = self.track.state(self.arc, time_s).world_from_body();
         let closest = Solid::ball(radius_m)
             .closest(

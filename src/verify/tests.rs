@@ -344,3 +344,53 @@ fn a_collision_that_does_not_happen_is_missed() {
     let shot = verify(&scene, &motion).single_shot;
     assert_eq!((shot.missed, shot.restarts), (vec![0], vec![0]));
 }
+
+/// A pencil falls tip down on a box that rests; then its flight goes on into it.
+#[test]
+fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
+    let more = format!(
+        "[[body]]\nname = \"box\"\nshape = {CUBE}\nmass_g = 50\n\
+         features_mm = {{ lid = [0, 0, 50] }}\n\
+         [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"thing\"\nfeature = \"tip\"\n\
+         other = \"box\"\nother_feature = \"lid\"\nrestitution = 0.5\n"
+    );
+    let scene = scene(0.0, PENCIL, "tip = [0, 0, -95]", &more);
+    let lean = 0.2f64;
+    let motion = |lead_m: f64, end_s: f64| {
+        let tip = UnitQuaternion::from_euler_angles(lean, 0.0, 0.0) * Vector3::z() * 0.095;
+        let mut state = leaning(lean);
+        state.angular_velocity_rad_s = Vector3::zeros();
+        state.velocity_m_s = Vector3::new(0.0, 0.0, -1.0);
+        // The tip's centre is on the lid at 0.4 s.
+        state.position_m = tip + Vector3::new(0.0, 0.0, 0.05 + 0.4 - lead_m);
+        let still = at_rest(0.0, 0.0, 0.0);
+        let arcs = vec![
+            arc(0, state, 0.0, 0.4),
+            arc(0, flow_by(&scene, &state, 0.4), 0.4, end_s),
+            arc(1, still, 0.0, 0.4),
+            arc(1, still, 0.4, end_s),
+        ];
+        verify(&scene, &estimate(&scene, arcs, &[0.4]))
+    };
+    let rim_m = 0.00375 * lean.sin();
+    let touching = motion(0.0, 0.4 + 5e-4);
+    assert_eq!(touching.deepest, None);
+    let [of_pencil, of_box] = &touching.touches[..] else {
+        panic!("{:?}", touching.touches)
+    };
+    assert!((of_pencil.lead_m - rim_m).abs() < 1e-6, "{of_pencil:?}");
+    assert_eq!((of_box.body, of_box.against), (1, Against::Body(0)));
+    // Twenty millimetres on, the tip is inside, though it was expected at the lid.
+    let through = motion(0.0, 0.42).deepest.unwrap();
+    assert!((through.depth_m - 0.02).abs() < rim_m, "{through:?}");
+    assert_eq!(through.against, Against::Body(1));
+}
+
+fn flow_by(scene: &Scene, state: &State, duration_s: f64) -> State {
+    flow::advance(
+        &scene.bodies[0].body,
+        &scene.gravity_m_s2,
+        state,
+        duration_s,
+    )
+}
