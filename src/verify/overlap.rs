@@ -116,7 +116,10 @@ impl<'w, 'm> Scan<'w, 'm> {
                 .filter(|feature| self.expected.contains(feature));
             let of_body = owner
                 .filter(|&feature| matches!(body.features[feature].geometry, Feature::Point { .. }))
-                .map(|feature| self.meeting.feature_gap_m(time_s, feature, &closest.point_m));
+                .map(|feature| {
+                    self.meeting
+                        .feature_gap_m(time_s, feature, &closest.point_m)
+                });
             let of_partner = self.meeting.partner_point_gap_m(
                 time_s,
                 &self.expected_of_partner,
