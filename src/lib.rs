@@ -33,10 +33,12 @@
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
 //! | [`estimate`] | 4 the constrained estimation | `motion` and below |
+//! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy | `motion` and below |
+//! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
-//! | [`pipeline`] | stages 2 to 4 as one pure state machine | the stages |
+//! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
 //! | [`service`] | its drivers, with clock, files and threads: replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `service` |
 //!
@@ -90,5 +92,7 @@ pub mod physics;
 pub mod pipeline;
 pub mod segment;
 pub mod service;
+pub mod settle;
+pub mod verify;
 pub mod wire;
 pub mod write;

@@ -1,7 +1,7 @@
-//! Stages 2 to 4b as one pure state machine: event in, estimate out.
+//! Stages 2 to 4c as one pure state machine: event in, checked estimate out.
 //!
 //! A driver pushes what its source delivers, in whatever order that is, and calls
-//! [`Pipeline::finish`] when the take is over. The result depends on the events alone; clocks,
+//! [`Pipeline::finish`] when the take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events alone; clocks,
 //! files and threads are the driver's. The same take gives the same [`Outcome`] bit for bit.
 
 use thiserror::Error;
@@ -9,9 +9,12 @@ use thiserror::Error;
 use crate::estimate::{self, Recipe};
 use crate::initialise;
 use crate::motion::{
-    DropReason, Estimate, Observer, Phase, SampleCounts, Scene, Segment, Sketch, TakeEvent,
+    DropReason, Estimate, Observer, Phase, SampleCounts, Scene, Segment, Settled, Sketch,
+    TakeEvent, Verdict, Verification,
 };
 use crate::segment::{self, SegmentError};
+use crate::settle::settle;
+use crate::verify::verify;
 
 /// One take of one scene on its way to an estimate.
 #[derive(Clone, Debug)]
@@ -29,6 +32,11 @@ pub struct Outcome {
     pub counts: SampleCounts,
     /// The physical motion, whatever its verdict.
     pub estimate: Estimate,
+    /// What independent checks say of it; `None` where there were none: the estimation failed,
+    /// or nobody asked.
+    pub verification: Option<Verification>,
+    /// How it goes on until it rests, if the scene asks for that and the estimation did not fail.
+    pub settled: Option<Settled>,
 }
 
 /// Why a take has no estimate at all.
@@ -58,19 +66,88 @@ impl Pipeline {
         self.events.push(event);
     }
 
-    /// The estimate from all that was pushed. A motion that is not physical is an outcome with
-    /// that verdict; an error means that there is nothing to estimate from.
+    /// The estimate from all that was pushed, checked, and continued until it rests if the scene
+    /// asks for that. A motion that is not physical is an outcome with that verdict; an error
+    /// means that there is nothing to estimate from.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
+        let mut outcome = self.solved(observer)?;
+        let scene = &self.scene;
+        if outcome.estimate.verdict != Verdict::Failed {
+            observer.phase(Phase::Verify);
+            let verification = verify(scene, &outcome.estimate);
+            judge(scene, &verification, &mut outcome.estimate);
+            outcome.verification = Some(verification);
+            if let Some(limit_s) = scene.settle_s {
+                observer.phase(Phase::Settle);
+                outcome.settled = settle(scene, &outcome.estimate, limit_s);
+            }
+        }
+        observer.phase(Phase::Done);
+        Ok(outcome)
+    }
+
+    /// The estimate from all that was pushed, unchecked: its verdict is that of its gaps alone.
+    pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
+        let outcome = self.solved(observer)?;
+        observer.phase(Phase::Done);
+        Ok(outcome)
+    }
+
+    fn solved(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         observer.phase(Phase::Clean);
         let (mut sketch, mut counts) = segment::clean::clean(&self.scene, &self.events)?;
         let estimate = solve(&self.scene, &mut sketch, &mut counts, observer)?;
-        observer.phase(Phase::Done);
         Ok(Outcome {
             sketch,
             counts,
             estimate,
+            verification: None,
+            settled: None,
         })
     }
+}
+
+/// No motion is called physical in which solids are inside one another or another part than
+/// expected would have touched first. The verdict becomes `plausible`, and the reason says why.
+fn judge(scene: &Scene, verification: &Verification, estimate: &mut Estimate) {
+    let Some(objection) = objection(scene, verification) else {
+        return;
+    };
+    if estimate.verdict == Verdict::Physical {
+        estimate.verdict = Verdict::Plausible;
+    }
+    estimate.reason = format!("{objection}; {}", estimate.reason);
+}
+
+/// What speaks against a motion whose gaps are closed, in the scene's names.
+fn objection(scene: &Scene, verification: &Verification) -> Option<String> {
+    let mut objections = Vec::new();
+    if let Some(deepest) = &verification.deepest {
+        objections.push(format!(
+            "`{}` is {:.1} mm inside `{}` at {:.3} s",
+            scene.bodies[deepest.body].name,
+            deepest.depth_m * 1e3,
+            scene.name_of(deepest.against),
+            deepest.time_s
+        ));
+    }
+    if let Some(touch) = verification.wrong_features().next() {
+        let body = &scene.bodies[touch.body];
+        let name = |feature: usize| body.features[feature].name.as_str();
+        let expected: Vec<&str> = touch.expected.iter().map(|f| name(*f)).collect();
+        let [x, y, z] = (touch.found_point_m * 1e3).into();
+        objections.push(format!(
+            "at `{}` `{}` leads `{}` by {:.1} mm",
+            scene.events[touch.event].name,
+            touch.found.map_or_else(
+                || format!("[{x:.1}, {y:.1}, {z:.1}] mm"),
+                |f| name(f).into()
+            ),
+            expected.join(", "),
+            touch.lead_m * 1e3
+        ));
+    }
+    (!objections.is_empty()).then(|| objections.join("; "))
 }
 
 /// Stages 2 to 4 on a clean sketch, whose marks are refined on the way.

@@ -494,6 +494,14 @@ fn one_json_object_per_recording_says_everything() {
         ("/residual_deg", serde_json::Value::is_f64),
         ("/undetermined", serde_json::Value::is_array),
         ("/samples/used", serde_json::Value::is_u64),
+        ("/phase_seconds/verify", serde_json::Value::is_f64),
+        ("/verification/deepest", serde_json::Value::is_null),
+        ("/verification/wrong_features", serde_json::Value::is_array),
+        (
+            "/verification/single_shot/position_m",
+            serde_json::Value::is_number,
+        ),
+        ("/settled", serde_json::Value::is_null),
         ("/samples/dropped", serde_json::Value::is_object),
     ] {
         let value = report.pointer(pointer);
@@ -569,6 +577,8 @@ fn the_text_account_is_aligned_and_names_what_matters() {
         "bounce.restitution",
         "[0, 1]",
         "samples   111 read, ",
+        "checked   no overlap beyond 1.0 mm",
+        "simulated from its first state it ends within < 1 µm, < 0.001°",
         "written   out/x.mcap\n",
     ] {
         assert!(account.contains(piece), "{piece:?} is not in\n{account}");

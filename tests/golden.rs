@@ -162,3 +162,56 @@ fn events_are_where_they_really_were() {
         }
     }
 }
+
+#[test]
+fn independent_checks_agree_and_the_pencil_rests_in_the_mug() {
+    for golden in golden() {
+        let recording = open(golden.file);
+        let outcome = estimated(&recording);
+        let checked = outcome.verification.expect("physical motions are checked");
+        assert!(checked.is_clear(), "{}: {checked:#?}", golden.file);
+        // The feature is the middle of the pencil's end, and the pencil leans: the rim leads.
+        let [touch] = &checked.touches[..] else {
+            panic!("one collision")
+        };
+        assert!((1e-4..1e-3).contains(&touch.lead_m), "{touch:?}");
+        let end = checked.single_shot.at_end().expect("an end");
+        assert!(
+            end.position_m < 1e-12 && end.orientation_rad < 1e-11,
+            "{end:?}"
+        );
+        assert!(end.velocity_m_s < 1e-11 && end.angular_velocity_rad_s < 1e-10);
+
+        let settled = outcome.settled.expect("the scene asks for it");
+        assert!(settled.at_rest && settled.end_s() - settled.from_s < 2.5);
+        let poses = &settled.bodies[0].poses;
+        let last = poses.last().expect("poses");
+        // Its lower end is within the walls and on the floor, its upper end above the rim.
+        let lower = last * nalgebra::Point3::new(0.0, 0.0, -0.095);
+        let upper = last * nalgebra::Point3::new(0.0, 0.0, 0.095);
+        assert!(lower.coords.xy().norm() < 0.04 && lower.z > 0.0, "{lower}");
+        assert!(lower.z < 0.02 && upper.z > 0.095, "{lower} {upper}");
+        let landing_m_s = settled.largest_speed_m_s;
+        let arc = outcome.estimate.arcs.last().expect("arcs");
+        let speed =
+            arc.state.velocity_m_s + outcome.estimate.gravity_m_s2 * (arc.end_s - arc.epoch_s);
+        assert!(landing_m_s <= speed.norm() * (1.0 + 1e-9), "{landing_m_s}");
+    }
+}
+
+#[test]
+fn an_estimate_alone_is_the_same_without_checks() {
+    let recording = open(golden()[0].file);
+    let scene = scene(&recording);
+    let mut pipeline = Pipeline::new(scene.clone());
+    for event in recording.take(&scene).unwrap().events {
+        pipeline.push(event);
+    }
+    let (alone, whole) = (
+        pipeline.estimate(&mut ()).unwrap(),
+        pipeline.finish(&mut ()).unwrap(),
+    );
+    assert_eq!(alone.estimate, whole.estimate);
+    assert!(alone.verification.is_none() && alone.settled.is_none());
+    assert_eq!(pipeline.finish(&mut ()).unwrap(), whole);
+}

@@ -25,6 +25,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("initialise", &["motion", "physics", "math"]),
     ("estimate", &["motion", "physics", "math"]),
     ("verify", &["motion", "physics", "math"]),
+    ("settle", &["motion", "physics", "math"]),
     (
         "pipeline",
         &[
@@ -32,6 +33,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
             "initialise",
             "estimate",
             "verify",
+            "settle",
             "motion",
             "physics",
             "math",
@@ -59,6 +61,7 @@ const CORE: &[&str] = &[
     "initialise",
     "estimate",
     "verify",
+    "settle",
     "pipeline",
 ];
 
@@ -89,7 +92,8 @@ const NOT_IN_CORE: &[&[&str]] = &[
 
 /// Third parties, each with the only places that may name it.
 const DOORS: &[(&str, &[&str])] = &[
-    ("parry3d", &["src/physics/shape.rs"]),
+    ("parry3d", &["src/physics/shape.rs", "src/physics/shape/"]),
+    ("rapier3d", &["src/settle.rs"]),
     ("clarabel", &["src/estimate/"]),
     ("cdr", &["src/wire/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),

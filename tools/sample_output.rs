@@ -66,6 +66,8 @@ fn main() -> Result<()> {
             sketch: &outcome.sketch,
             counts: &outcome.counts,
             estimate: &outcome.estimate,
+            verification: outcome.verification.as_ref(),
+            settled: outcome.settled.as_ref(),
             world_frame: world_frame.map_or(DEFAULT_WORLD_FRAME, String::as_str),
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `gravity_m_s2` | `[0, 0, -9.80665]` |
 //! | `marks_topic` | `"/marks"` |
+//! | `settle_s` | the motion ends where the performance does |
 //! | `timing.tempo_sd_per_sqrt_s` | 0.5 |
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
 //! | `body.topic` | `"/tracker/<name>/pose"` |

@@ -18,6 +18,7 @@ pub(super) struct RawScene {
     pub(super) marks_topic: Option<Text>,
     pub(super) timing: RawTiming,
     pub(super) velocity_gaps: Option<Text>,
+    pub(super) settle_s: Option<Number>,
     pub(super) weights: Option<RawWeights>,
     #[serde(default)]
     pub(super) body: Vec<Spanned<RawBody>>,

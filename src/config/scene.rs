@@ -7,7 +7,7 @@ use super::error::{Fault, SceneError, fault};
 use super::event::{events, goals};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
-use super::raw::{RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
+use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::solid::{SizeLimits, shape};
 use crate::motion::{
     Goal, GoalTarget, Obstacle, Partner, Scene, SceneBody, Surface, Timing, VelocityGaps, Weights,
@@ -27,6 +27,9 @@ const GRAVITY_LIMIT_M_S2: f64 = 1e3;
 
 /// How far from touching the goal of a collision may be typed \[m\].
 const SEAT_M: f64 = 1e-3;
+
+/// What has not come to rest after so long will not \[s\].
+const SETTLE_LIMIT_S: f64 = 60.0;
 
 const OBSTACLE_SIZE: SizeLimits = SizeLimits {
     least_m: 1e-4,
@@ -67,6 +70,7 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         cones,
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights: weights(raw.weights.as_ref())?,
+        settle_s: settle_s(raw.settle_s.as_ref())?,
         bodies,
         surfaces,
         events,
@@ -199,6 +203,20 @@ fn weights(raw: Option<&RawWeights>) -> Result<Weights, Fault> {
         weights.orientation_rad = positive("orientation_deg", number)?.to_radians();
     }
     Ok(weights)
+}
+
+fn settle_s(raw: Option<&Number>) -> Result<Option<f64>, Fault> {
+    let Some(number) = raw else {
+        return Ok(None);
+    };
+    let settle_s = positive("settle_s", number)?;
+    if settle_s > SETTLE_LIMIT_S {
+        return fault(
+            number.span(),
+            format!("settle_s is {settle_s} s, expected at most {SETTLE_LIMIT_S}"),
+        );
+    }
+    Ok(Some(settle_s))
 }
 
 fn bodies(raw: &RawScene, marks_topic: &str) -> Result<Vec<SceneBody>, Fault> {

@@ -313,3 +313,10 @@ fn the_scenes_that_come_along_are_accepted() {
     }
     assert!(names.contains(&"cube toss, first flight".to_owned()));
 }
+
+#[test]
+fn motions_settle_where_the_scene_says_so() {
+    assert_eq!(scene_from_toml(PENCIL).unwrap().settle_s, None);
+    let settling = PENCIL.replace("[timing]", "settle_s = 2.5\n[timing]");
+    assert_eq!(scene_from_toml(&settling).unwrap().settle_s, Some(2.5));
+}

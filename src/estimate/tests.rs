@@ -85,6 +85,7 @@ fn scene(timing: Timing) -> Scene {
         ],
         cones: Vec::new(),
         velocity_gaps: VelocityGaps::WhenNeeded,
+        settle_s: None,
         parameters: vec![
             parameter("g", Quantity::Gravity { axis: 2 }, -9.7, (-11.0, -8.0)),
             parameter("e", Quantity::Restitution { event: 0 }, 0.55, (0.3, 0.9)),

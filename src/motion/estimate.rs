@@ -8,9 +8,10 @@ use crate::physics::State;
 /// How far the motion may be called physical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Every gap is within tolerance.
+    /// Every gap is within tolerance, and where the motion was checked no solid is inside
+    /// another.
     Physical,
-    /// The goals are met; some velocity gaps are left, and listed.
+    /// The goals are met; some velocity gaps are left, and listed, or solids overlap.
     Plausible,
     /// Neither; the reason is given beside it.
     Failed,
@@ -157,7 +158,8 @@ impl Counters {
 pub struct Estimate {
     /// How far the motion may be called physical.
     pub verdict: Verdict,
-    /// Why the solver stopped, with the measured value and the threshold.
+    /// Why the solver stopped, with the measured value and the threshold; before it, what the
+    /// checks object to.
     pub reason: String,
     /// Sum of squared weighted residuals, priors included.
     pub objective: f64,

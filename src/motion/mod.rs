@@ -1,13 +1,16 @@
 //! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
 //! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), what comes
-//! out ([`estimate`]), and who watches meanwhile ([`observe`]).
+//! out ([`estimate`]), what checks say of it ([`verification`]), how it goes on ([`settled`]),
+//! and who watches meanwhile ([`observe`]).
 
 pub mod estimate;
 pub mod guess;
 pub mod observe;
 pub mod scene;
+pub mod settled;
 pub mod sketch;
 pub mod take;
+pub mod verification;
 
 pub use estimate::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
@@ -20,5 +23,7 @@ pub use scene::{
     Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
     Weights,
 };
+pub use settled::{Settled, SettledBody};
 pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};
+pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

@@ -17,6 +17,10 @@ pub enum Phase {
     Finish,
     /// What the performance determines, and how well.
     Covariance,
+    /// Check the motion independently.
+    Verify,
+    /// Simulate on until it rests.
+    Settle,
     /// Nothing more.
     Done,
 }
@@ -32,6 +36,8 @@ impl Phase {
             Phase::Multipliers => "multipliers",
             Phase::Finish => "finish",
             Phase::Covariance => "covariance",
+            Phase::Verify => "verify",
+            Phase::Settle => "settle",
             Phase::Done => "done",
         }
     }

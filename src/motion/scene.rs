@@ -5,6 +5,7 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use super::verification::Against;
 use crate::math::Pose;
 use crate::physics::contact::{self, Contact, ContactError};
 use crate::physics::impact::{Meeting, MeetingError};
@@ -39,6 +40,20 @@ pub struct Scene {
     pub velocity_gaps: VelocityGaps,
     /// What one unit of residual is.
     pub weights: Weights,
+    /// How long the motion may go on by simulation after its end until it rests \[s\]; `None`:
+    /// it ends where the performance does.
+    pub settle_s: Option<f64>,
+}
+
+impl Scene {
+    /// The name of what a body may run into.
+    pub fn name_of(&self, against: Against) -> &str {
+        match against {
+            Against::Surface(surface) => &self.surfaces[surface].name,
+            Against::Obstacle(obstacle) => &self.obstacles[obstacle].name,
+            Against::Body(body) => &self.bodies[body].name,
+        }
+    }
 }
 
 impl Scene {

@@ -5,14 +5,16 @@
 
 use nalgebra::{Matrix3, Vector3};
 use parry3d::mass_properties::MassProperties;
-use parry3d::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as ParryVector};
-use parry3d::query;
-use parry3d::shape::SharedShape;
+use parry3d::math::Vector as ParryVector;
 use parry3d::transformation::try_convex_hull;
 use thiserror::Error;
 
 use super::body::{Body, BodyError};
 use crate::math::Pose;
+
+mod solid;
+
+pub use solid::{Closest, Solid};
 
 /// How far a hull's centre of mass may be off the origin \[m\].
 const CENTRE_TOLERANCE_M: f64 = 1e-9;
@@ -278,67 +280,6 @@ impl Shape {
         self.body_of_mass_kg(self.uniform_mass()?.volume_m3 * density_kg_m3)
     }
 
-    /// The shape made ready for many distance queries.
-    pub fn solid(&self) -> Result<Solid, ShapeError> {
-        self.check()?;
-        let along_z = |offset_m: f64| {
-            ParryPose::from_parts(
-                ParryVector::new(0.0, 0.0, offset_m),
-                ParryRotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
-            )
-        };
-        let (shape, shape_from_parry) = match self {
-            Shape::Cuboid { half_extents_m: h } => {
-                (SharedShape::cuboid(h.x, h.y, h.z), ParryPose::IDENTITY)
-            }
-            Shape::RoundedCuboid {
-                half_extents_m,
-                radius_m,
-            } => {
-                let core = half_extents_m.add_scalar(-radius_m);
-                (
-                    SharedShape::round_cuboid(core.x, core.y, core.z, *radius_m),
-                    ParryPose::IDENTITY,
-                )
-            }
-            Shape::Sphere { radius_m } => (SharedShape::ball(*radius_m), ParryPose::IDENTITY),
-            Shape::Cylinder {
-                half_length_m,
-                radius_m,
-            } => (
-                SharedShape::cylinder(*half_length_m, *radius_m),
-                along_z(0.0),
-            ),
-            Shape::Capsule {
-                half_length_m,
-                radius_m,
-            } => (
-                SharedShape::capsule_z(*half_length_m, *radius_m),
-                ParryPose::IDENTITY,
-            ),
-            Shape::Cone {
-                half_height_m,
-                radius_m,
-            } => (
-                SharedShape::cone(*half_height_m, *radius_m),
-                along_z(0.5 * half_height_m),
-            ),
-            Shape::Hull { points_m } => (
-                hull_of(points_m).and_then(|(points, triangles)| {
-                    SharedShape::convex_mesh(points, &triangles).ok_or(ShapeError::Hull {
-                        count: points_m.len(),
-                        reason: "its surface is not closed".into(),
-                    })
-                })?,
-                ParryPose::IDENTITY,
-            ),
-        };
-        Ok(Solid {
-            shape,
-            shape_from_parry,
-        })
-    }
-
     /// Distance between two placed shapes \[m\]; negative is the depth of penetration.
     ///
     /// Builds both solids: for many queries build them once, by [`Shape::solid`].
@@ -350,37 +291,6 @@ impl Shape {
     ) -> Result<f64, ShapeError> {
         self.solid()?
             .distance_m(world_from_self, &other.solid()?, world_from_other)
-    }
-}
-
-/// A shape made ready for distance queries.
-#[derive(Clone)]
-pub struct Solid {
-    shape: SharedShape,
-    shape_from_parry: ParryPose,
-}
-
-impl Solid {
-    /// Distance between two placed solids \[m\]; negative is the depth of penetration.
-    ///
-    /// Refuses poses that are not finite: parry's answer for them is 0.
-    pub fn distance_m(
-        &self,
-        world_from_self: &Pose,
-        other: &Solid,
-        world_from_other: &Pose,
-    ) -> Result<f64, ShapeError> {
-        let here = pose_to_parry(world_from_self)? * self.shape_from_parry;
-        let there = pose_to_parry(world_from_other)? * other.shape_from_parry;
-        let distance_m = query::distance(&here, &*self.shape, &there, &*other.shape)
-            .expect("convex shapes have distances")
-            .distance;
-        if distance_m > 0.0 {
-            return Ok(distance_m);
-        }
-        let contact = query::contact(&here, &*self.shape, &there, &*other.shape, 0.0)
-            .expect("convex shapes have contacts");
-        Ok(contact.map_or(0.0, |contact| contact.dist.min(0.0)))
     }
 }
 
@@ -549,18 +459,6 @@ fn to_parry(v: &Vector3<f64>) -> ParryVector {
 
 fn from_parry(v: ParryVector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
-}
-
-fn pose_to_parry(pose: &Pose) -> Result<ParryPose, ShapeError> {
-    let q = pose.rotation.coords;
-    let finite = pose.translation.vector.iter().chain(q.iter());
-    if !finite.into_iter().all(|x| x.is_finite()) {
-        return Err(ShapeError::Pose);
-    }
-    Ok(ParryPose::from_parts(
-        to_parry(&pose.translation.vector),
-        ParryRotation::from_xyzw(q.x, q.y, q.z, q.w),
-    ))
 }
 
 #[cfg(test)]

@@ -113,6 +113,8 @@ pub(super) fn finish(
             sketch: &outcome.sketch,
             counts: &outcome.counts,
             estimate: &outcome.estimate,
+            verification: outcome.verification.as_ref(),
+            settled: outcome.settled.as_ref(),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -5,6 +5,7 @@
 //! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
 //! in words and SI units, for whoever prints it.
 
+mod checks;
 mod finish;
 mod inspect;
 mod process;
@@ -13,6 +14,7 @@ mod report;
 mod stopwatch;
 mod words;
 
+pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use process::{Failure, ProcessJob, process};
 pub use replay::{ReplayJob, replay};

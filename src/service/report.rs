@@ -4,6 +4,7 @@
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use super::checks::{CheckLine, SettledLine};
 use crate::motion::{Estimate, Phase, Quantity, SampleCounts, Scene, Sketch};
 use crate::pipeline::Outcome;
 
@@ -45,6 +46,10 @@ pub struct Report {
     pub segments: Vec<SegmentLine>,
     /// What the performance does not determine.
     pub undetermined: Vec<String>,
+    /// What independent checks say; none where the estimation failed.
+    pub verification: Option<CheckLine>,
+    /// How the motion goes on by simulation, if the scene asks for that.
+    pub settled: Option<SettledLine>,
     /// What became of the samples.
     pub samples: SampleLine,
     /// What of the recording could not be read.
@@ -181,6 +186,11 @@ impl Report {
             residual_deg,
             segments: segment_lines(scene, estimate),
             undetermined: estimate.undetermined.clone(),
+            verification: outcome
+                .verification
+                .as_ref()
+                .map(|verification| CheckLine::new(scene, verification)),
+            settled: outcome.settled.as_ref().map(SettledLine::new),
             samples: sample_line(&outcome.counts),
             lost: circumstances.lost,
             warnings: circumstances.warnings,

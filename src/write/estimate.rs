@@ -9,7 +9,9 @@ use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::motion;
 use super::report::{EstimateReport, REPORT_SCHEMA, TIME_MAP_SCHEMA, TimeMap, json};
 use super::{drawing, topics, urdf};
-use crate::motion::{Estimate, PoseSample, SampleCounts, Scene, Sketch, Stamp, Surface};
+use crate::motion::{
+    Estimate, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface, Verification,
+};
 use crate::wire::encode::{self, MARK_EVENT_KEY, SchemaRecord};
 use crate::wire::{Container, Encoded, Transform};
 
@@ -45,11 +47,15 @@ pub struct EstimateFile<'a> {
     pub counts: &'a SampleCounts,
     /// The motion.
     pub estimate: &'a Estimate,
+    /// What independent checks say of it, if there were any.
+    pub verification: Option<&'a Verification>,
+    /// How it goes on, if it does.
+    pub settled: Option<&'a Settled>,
     /// The frame in which the recording gives its poses.
     pub world_frame: &'a str,
     /// Log time less stamp \[ns\]: messages are logged so much later than they are stamped.
     pub log_offset_ns: i64,
-    /// Frames per second of the motion.
+    /// Frames per second of the motion; what was simulated after it has an interval of its own.
     pub frame_rate_hz: f64,
 }
 
@@ -136,14 +142,18 @@ impl<'a> Composer<'a> {
     }
 
     fn estimate_samples(&self, body: usize) -> Result<Vec<PoseSample>, WriteError> {
-        motion::estimate_samples(
+        let mut samples = motion::estimate_samples(
             self.path,
             self.file.scene,
             self.file.estimate,
             body,
             self.zero,
             self.file.frame_rate_hz,
-        )
+        )?;
+        if let Some(settled) = self.file.settled {
+            motion::append_settled(&mut samples, settled, body, self.zero);
+        }
+        Ok(samples)
     }
 
     fn add_poses(&mut self, topic: &str, samples: &[PoseSample]) -> Result<(), WriteError> {
@@ -226,6 +236,16 @@ impl<'a> Composer<'a> {
                 .map_err(WriteError::encode(self.path, topics::EVENTS))?;
             self.push(channel, stamp, data);
         }
+        if let Some(settled) = self.file.settled {
+            let stamp = motion::stamp(self.zero, settled.from_s);
+            let pairs = [
+                (MARK_EVENT_KEY, "simulated from here"),
+                ("kind", "simulation"),
+            ];
+            let data = encode::event_with(stamp, &pairs)
+                .map_err(WriteError::encode(self.path, topics::EVENTS))?;
+            self.push(channel, stamp, data);
+        }
         Ok(())
     }
 
@@ -233,12 +253,11 @@ impl<'a> Composer<'a> {
         let EstimateFile {
             scene,
             sketch,
-            counts,
             estimate,
             ..
         } = *self.file;
         let time_map = TimeMap::new(scene, sketch, estimate, self.zero);
-        let report = EstimateReport::new(scene, sketch, counts, estimate, self.zero);
+        let report = EstimateReport::new(self.file, self.zero);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,

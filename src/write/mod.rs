@@ -7,6 +7,7 @@
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
+mod checks;
 mod drawing;
 pub mod error;
 pub mod estimate;

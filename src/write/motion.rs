@@ -7,7 +7,7 @@ use nalgebra::UnitQuaternion;
 
 use super::error::WriteError;
 use crate::math::Pose;
-use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Sketch, Stamp};
+use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
 use crate::physics::{State, flow};
 
 /// Most frames that are written: a day at 240 Hz. More is no motion but the trace of an
@@ -98,6 +98,27 @@ pub(super) fn estimate_samples(
         .collect();
     make_signs_continuous(&mut samples);
     Ok(samples)
+}
+
+/// Appends a body's simulated poses: those stamped after its estimated ones.
+pub(super) fn append_settled(
+    samples: &mut Vec<PoseSample>,
+    settled: &Settled,
+    body: usize,
+    zero: Stamp,
+) {
+    let Some(last) = samples.last().map(|sample| sample.stamp) else {
+        return;
+    };
+    let poses = settled.bodies.get(body).map_or(&[][..], |body| &body.poses);
+    for (step, pose) in poses.iter().enumerate() {
+        let time_s = settled.from_s + step as f64 * settled.interval_s;
+        let stamp = stamp(zero, time_s);
+        if stamp > last {
+            samples.push(PoseSample::from_pose(stamp, pose));
+        }
+    }
+    make_signs_continuous(samples);
 }
 
 /// A body's used samples at their physical times, in body axes.

@@ -5,6 +5,8 @@
 
 use serde::Serialize;
 
+use super::checks::{SettledLine, VerificationLine};
+use super::estimate::EstimateFile;
 use crate::motion::{
     ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Sketch, Stamp,
 };
@@ -101,6 +103,8 @@ pub struct EstimateReport {
     samples: Samples,
     counters: Counters,
     time_map: TimeMap,
+    verification: Option<VerificationLine>,
+    settled: Option<SettledLine>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -173,13 +177,14 @@ struct Counters {
 
 impl EstimateReport {
     /// Everything that the estimate says, with the scene's names for its numbers.
-    pub fn new(
-        scene: &Scene,
-        sketch: &Sketch,
-        counts: &SampleCounts,
-        estimate: &Estimate,
-        zero: Stamp,
-    ) -> Self {
+    pub fn new(file: &EstimateFile, zero: Stamp) -> Self {
+        let EstimateFile {
+            scene,
+            sketch,
+            counts,
+            estimate,
+            ..
+        } = *file;
         let counters = estimate.counters;
         Self {
             scene: scene.name.clone(),
@@ -224,6 +229,10 @@ impl EstimateReport {
                 starts: counters.starts,
             },
             time_map: TimeMap::new(scene, sketch, estimate, zero),
+            verification: file
+                .verification
+                .map(|verification| VerificationLine::new(scene, verification)),
+            settled: file.settled.map(SettledLine::new),
         }
     }
 }

@@ -2,12 +2,12 @@
 //!
 //! | topic | schema | what |
 //! |---|---|---|
-//! | `/estimate/<body>/pose` | `foxglove.PoseInFrame` | the motion, on a frame grid and exactly at events |
+//! | `/estimate/<body>/pose` | `foxglove.PoseInFrame` | the motion, on a frame grid and exactly at events; after its end what was simulated |
 //! | `/sketch/<body>/pose` | `foxglove.PoseInFrame` | the performance, in body axes, at its physical times |
 //! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch` |
 //! | `/scene` | `foxglove.SceneUpdate` | bodies, obstacles, surfaces, goals |
 //! | `/robot_description` | `std_msgs/msg/String` | the same as URDF, for viewers that draw that |
-//! | `/estimate/events` | `foxglove.Event` | the scene's events, when they happen |
+//! | `/estimate/events` | `foxglove.Event` | the scene's events, when they happen, and from when the motion is simulated |
 //! | `/estimate/time_map` | `enact.TimeMap` (JSON) | acted time against physical time |
 //! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate |
 //!

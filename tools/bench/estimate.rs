@@ -5,7 +5,8 @@
 //! cargo bench --bench estimate -- cold
 //! ```
 //!
-//! `cold` is the whole pipeline with nothing prepared; the other groups are its parts. The
+//! `cold` is the pipeline up to the estimate with nothing prepared; the other groups are its
+//! parts, and `after` what follows: the checks, and settling. The
 //! performances are those of `tools/perform` with seed 1.
 
 #[path = "../study/case.rs"]
@@ -48,6 +49,46 @@ fn posed(case: &Case) -> (Sketch, Posed) {
         .expect("there is something to estimate from");
     let posed = Posed::new(case.scene(), &outcome.sketch);
     (outcome.sketch, posed)
+}
+
+mod after {
+    use enact::motion::{Estimate, Scene};
+    use enact::settle::settle;
+    use enact::verify::verify;
+
+    use super::*;
+
+    /// As long as a scene file would ask for [s].
+    const SETTLE_S: f64 = 3.0;
+
+    fn of(case: &Case) -> (Scene, Estimate) {
+        let outcome = case.estimated(&mut ()).expect("an estimate");
+        (case.scene().clone(), outcome.estimate)
+    }
+
+    #[divan::bench]
+    fn verify_pencil_tip(bencher: divan::Bencher) {
+        let (scene, estimate) = of(&known(Style::Tip));
+        bencher.bench_local(|| verify(&scene, &estimate));
+    }
+
+    #[divan::bench]
+    fn verify_pencil_eraser(bencher: divan::Bencher) {
+        let (scene, estimate) = of(&known(Style::Eraser));
+        bencher.bench_local(|| verify(&scene, &estimate));
+    }
+
+    #[divan::bench]
+    fn verify_cube_ten_bounces(bencher: divan::Bencher) {
+        let (scene, estimate) = of(&cube());
+        bencher.bench_local(|| verify(&scene, &estimate));
+    }
+
+    #[divan::bench]
+    fn settle_pencil_tip(bencher: divan::Bencher) {
+        let (scene, estimate) = of(&known(Style::Tip));
+        bencher.bench_local(|| settle(&scene, &estimate, SETTLE_S));
+    }
 }
 
 mod cold {

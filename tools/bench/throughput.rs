@@ -125,6 +125,8 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
             sketch: &sketch,
             counts: &SampleCounts::default(),
             estimate: &estimate(),
+            verification: None,
+            settled: None,
             world_frame: "world",
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -301,6 +301,7 @@ impl Cube {
             parameters: Vec::new(),
             cones: Vec::new(),
             velocity_gaps: VelocityGaps::WhenNeeded,
+            settle_s: None,
             weights: Weights {
                 position_m: 0.01,
                 orientation_rad: 0.1,

@@ -138,7 +138,7 @@ pub fn estimated(
     for event in events {
         pipeline.push(event.clone());
     }
-    pipeline.finish(observer)
+    pipeline.estimate(observer)
 }
 
 /// The problem that the pipeline solved, and where it started from.

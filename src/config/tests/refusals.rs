@@ -513,3 +513,16 @@ fn free_quantities_are_consistent() {
         refused(&with(from, to), line, at, message);
     }
 }
+
+#[test]
+fn settling_takes_a_time() {
+    for (value, message) in [
+        ("0", "settle_s is 0, expected a positive number"),
+        ("nan", "settle_s is NaN, expected a finite number"),
+        ("61", "settle_s is 61 s, expected at most 60"),
+        ("true", "expected a number"),
+    ] {
+        let text = super::PENCIL.replace("[timing]", &format!("settle_s = {value}\n\n[timing]"));
+        refused(&text, 4, value, message);
+    }
+}

@@ -285,6 +285,94 @@ fn distances_are_signed_and_axes_are_z() {
     assert!((apart - 0.02).abs() < 1e-9, "{apart}");
 }
 
+/// Every kind of solid.
+fn kinds() -> Vec<Shape> {
+    vec![
+        Shape::Cuboid {
+            half_extents_m: Vector3::new(0.02, 0.03, 0.05),
+        },
+        Shape::Sphere { radius_m: 0.03 },
+        cylinder(),
+        Shape::Capsule {
+            half_length_m: 0.04,
+            radius_m: 0.01,
+        },
+        Shape::Cone {
+            half_height_m: 0.05,
+            radius_m: 0.03,
+        },
+        Shape::Hull {
+            points_m: box_points([0.02, 0.01, 0.03], Vector3::zeros()),
+        },
+    ]
+}
+
+fn turned(x: f64, roll: f64) -> Pose {
+    Pose::from_parts(
+        Translation3::new(x, 0.4 * x, -0.3 * x),
+        UnitQuaternion::from_euler_angles(roll, 0.7 - roll, 2.0 * roll),
+    )
+}
+
+#[test]
+fn nearest_points_are_as_far_apart_as_the_solids() {
+    for a in kinds() {
+        for b in kinds() {
+            let (one, other) = (a.solid().unwrap(), b.solid().unwrap());
+            for (x, roll) in [(0.3, 0.1), (0.12, 0.9), (0.02, 0.4), (-0.2, 2.0)] {
+                let (here, there) = (turned(x, roll), turned(0.0, -roll));
+                let closest = one.closest(&here, &other, &there).unwrap();
+                let gap_m = one.distance_m(&here, &other, &there).unwrap();
+                assert!((closest.gap_m - gap_m).abs() < 1e-6, "{a:?} {b:?} {gap_m}");
+                let point_m = (here * nalgebra::Point3::from(closest.point_m)).coords;
+                let apart_m = (point_m - closest.other_point_m).norm();
+                assert!(
+                    (apart_m - gap_m.abs()).abs() < 1e-6,
+                    "{a:?} {b:?}: {apart_m} {gap_m}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_lowest_point_touches_a_plane_that_is_lifted_to_it() {
+    let normal = Vector3::new(0.3, -0.5, 0.8).normalize();
+    // A slab so wide that it is the half-space, with its upper face at the origin.
+    let half_m = Vector3::new(20.0, 20.0, 1.0);
+    let slab = Shape::Cuboid {
+        half_extents_m: half_m,
+    };
+    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &normal).unwrap();
+    let world_from_slab = Pose::from_parts((-normal).into(), rotation);
+    for shape in kinds() {
+        for (x, roll) in [(0.3, 0.1), (-0.4, 0.9), (0.05, 0.4)] {
+            let (solid, pose) = (shape.solid().unwrap(), turned(x, roll));
+            let lowest = solid.lowest(&pose, &Vector3::zeros(), &normal).unwrap();
+            let distance_m = shape.distance_m(&pose, &slab, &world_from_slab).unwrap();
+            assert!(
+                (lowest.gap_m - distance_m).abs() < 1e-6,
+                "{shape:?} {lowest:?} {distance_m}"
+            );
+            let point_m = (pose * nalgebra::Point3::from(lowest.point_m)).coords;
+            assert!((normal.dot(&point_m) - lowest.gap_m).abs() < 1e-15);
+            assert!(lowest.other_point_m.dot(&normal).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn a_ball_of_no_radius_is_a_point() {
+    let point = Solid::ball(0.0);
+    let cuboid = kinds()[0].solid().unwrap();
+    for (z, gap_m) in [(0.08, 0.03), (0.05, 0.0), (0.045, -0.005)] {
+        let closest = point
+            .closest(&at(0.0, 0.0, z), &cuboid, &at(0.0, 0.0, 0.0))
+            .unwrap();
+        assert!((closest.gap_m - gap_m).abs() < 1e-12, "{closest:?}");
+    }
+}
+
 #[test]
 fn poses_that_are_not_finite_are_refused() {
     let sphere = Shape::Sphere { radius_m: 0.01 };

@@ -56,6 +56,7 @@ fn scene() -> Scene {
         parameters: vec![],
         cones: Vec::new(),
         velocity_gaps: VelocityGaps::WhenNeeded,
+        settle_s: None,
         weights: Weights {
             position_m: 0.01,
             orientation_rad: 0.1,

@@ -9,7 +9,9 @@ use tempfile::TempDir;
 
 use super::samples::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use super::*;
-use crate::motion::Mark;
+use crate::motion::{Against, Mark, Penetration};
+use crate::settle::settle;
+use crate::verify::verify;
 use crate::wire::{FramedPose, PoseFormat};
 use crate::write::RecordingWriter;
 
@@ -66,6 +68,16 @@ fn recording(directory: &TempDir) -> PathBuf {
 
 /// Writes the estimate of the sample scene beside `input`; returns the file's name.
 fn written(input: &Path, name: &str, scene_toml: &str) -> PathBuf {
+    written_with(input, name, scene_toml, None, None)
+}
+
+fn written_with(
+    input: &Path,
+    name: &str,
+    scene_toml: &str,
+    verification: Option<&Verification>,
+    settled: Option<&Settled>,
+) -> PathBuf {
     let path = input.with_file_name(name);
     let container = read(input);
     let (scene, sketch, counts, estimate) = (scene(), sketch(), counts(), estimate());
@@ -79,6 +91,8 @@ fn written(input: &Path, name: &str, scene_toml: &str) -> PathBuf {
             sketch: &sketch,
             counts: &counts,
             estimate: &estimate,
+            verification,
+            settled,
             world_frame: "map",
             log_offset_ns: 3_000_000,
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
@@ -86,6 +100,15 @@ fn written(input: &Path, name: &str, scene_toml: &str) -> PathBuf {
     );
     result.expect("write");
     path
+}
+
+/// Checked and continued as the pipeline would.
+fn checked_and_settled(input: &Path, name: &str) -> (PathBuf, Verification, Settled) {
+    let (scene, estimate) = (scene(), estimate());
+    let verification = verify(&scene, &estimate);
+    let settled = settle(&scene, &estimate, 0.5).expect("a motion");
+    let path = written_with(input, name, SCENE_TOML, Some(&verification), Some(&settled));
+    (path, verification, settled)
 }
 
 fn poses(container: &Container, topic: &str) -> Vec<FramedPose> {
@@ -158,6 +181,33 @@ fn the_motion_is_on_the_frame_grid_and_exact_at_events() {
 }
 
 #[test]
+fn what_was_simulated_follows_the_estimate_and_is_said_to_be() {
+    let directory = tempfile::tempdir().expect("directory");
+    let (path, _, settled) = checked_and_settled(&recording(&directory), "out.mcap");
+    let container = read(&path);
+    let motion = poses(&container, "/estimate/pencil/pose");
+    let simulated = &settled.bodies[0].poses;
+    // The seam is in both and written once.
+    assert_eq!(motion.len(), 115 + simulated.len() - 1);
+    for (pose, expected) in motion[114..].iter().zip(simulated) {
+        assert_eq!(pose.position_m, expected.translation.vector);
+    }
+    let stamp_ns = |pose: &FramedPose| pose.stamp.expect("stamped").0;
+    for pair in motion[113..].windows(2) {
+        let interval_ns = stamp_ns(&pair[1]) - stamp_ns(&pair[0]);
+        assert!((interval_ns - 4_166_667).abs() <= 1, "{interval_ns}");
+    }
+    let all = messages(&container, |ours| ours);
+    let report = all.iter().find(|message| message.0 == topics::REPORT);
+    let report: serde_json::Value =
+        serde_json::from_slice(&report.expect("report").4).expect("JSON");
+    assert_eq!(report["settled"]["from_s"], 0.475);
+    assert_eq!(report["settled"]["end_s"], settled.end_s());
+    let events = all.iter().filter(|message| message.0 == topics::EVENTS);
+    assert_eq!(events.count(), 3);
+}
+
+#[test]
 fn the_performance_is_restamped_and_frames_have_names_of_their_own() {
     let directory = tempfile::tempdir().expect("directory");
     let container = read(&written(&recording(&directory), "out.mcap", SCENE_TOML));
@@ -182,7 +232,20 @@ fn the_performance_is_restamped_and_frames_have_names_of_their_own() {
 #[test]
 fn the_report_says_everything_and_obeys_its_schema() {
     let directory = tempfile::tempdir().expect("directory");
-    let container = read(&written(&recording(&directory), "out.mcap", SCENE_TOML));
+    let input = recording(&directory);
+    let (_, mut verification, settled) = checked_and_settled(&input, "clear.mcap");
+    // The motion is clear; with an overlap every field is there.
+    assert_eq!(verification.touches.len(), 1);
+    verification.deepest = Some(Penetration {
+        body: 0,
+        against: Against::Obstacle(0),
+        time_s: 0.3,
+        depth_m: 0.002,
+        point_m: nalgebra::Vector3::new(0.0, 0.0, -0.095),
+    });
+    let (checked, settled) = (Some(&verification), Some(&settled));
+    let path = written_with(&input, "out.mcap", SCENE_TOML, checked, settled);
+    let container = read(&path);
     let all = messages(&container, |ours| ours);
     for (topic, schema) in [
         (topics::REPORT, REPORT_SCHEMA),
@@ -203,6 +266,8 @@ fn the_report_says_everything_and_obeys_its_schema() {
     assert_eq!(report["parameters"][0]["upper"], serde_json::Value::Null);
     assert_eq!(report["time_map"]["bodies"][0]["physical_s"][4], 0.1);
     assert_eq!(report["time_map"]["origin"]["sec"], 1_700_000_000);
+    assert_eq!(report["verification"]["deepest"]["against"], "mug floor");
+    assert_eq!(report["verification"]["touches"][0]["expected"][0], "tip");
 }
 
 /// The part of JSON schema that ours use: types, properties, items.
@@ -383,6 +448,8 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
         sketch: &sketch,
         counts: &counts,
         estimate: &estimate,
+        verification: None,
+        settled: None,
         world_frame: "map",
         log_offset_ns: 0,
         frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -1,0 +1,146 @@
+//! What checks that are independent of the estimation say of an estimated motion.
+
+use nalgebra::Vector3;
+
+/// What a body may run into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// A plane that stands for itself (index into `Scene::surfaces`).
+    Surface(usize),
+    /// A solid part of the static world (index into `Scene::obstacles`).
+    Obstacle(usize),
+    /// Another body (index into `Scene::bodies`).
+    Body(usize),
+}
+
+/// The deepest overlap of two solids that no expected contact explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Penetration {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// What it is inside of.
+    pub against: Against,
+    /// When \[s\].
+    pub time_s: f64,
+    /// How deep \[m\], positive.
+    pub depth_m: f64,
+    /// The body's deepest point [m, body].
+    pub point_m: Vector3<f64>,
+}
+
+/// What of a body touches first at a collision, by its whole shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// What it hits.
+    pub against: Against,
+    /// The features that are expected to touch (indices into `SceneBody::features`).
+    pub expected: Vec<usize>,
+    /// The body's point that is nearest, or deepest, when the expected features touch [m, body].
+    pub found_point_m: Vector3<f64>,
+    /// The named feature to which that point belongs, an expected one where there are several;
+    /// `None` where the scene names none there.
+    pub found: Option<usize>,
+    /// How much nearer that point is than the expected features \[m\]: what would have been
+    /// inside when they touch.
+    pub lead_m: f64,
+    /// When that point would have touched \[s\]; the event's time where nothing leads.
+    pub found_time_s: f64,
+    /// Deepest overlap of the shape about expected features in the flights before and after
+    /// \[m\], zero or more. Where a feature stands for more than a point of the shape, as a tip
+    /// for the rim about it, this is what the simplification costs.
+    pub overlap_m: f64,
+    /// Whether another part than expected leads by more than the tolerance.
+    pub is_wrong: bool,
+}
+
+/// How far the single shot is from the estimate at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// The collision that is about to happen (index into `Scene::events`); `None`: the end.
+    pub event: Option<usize>,
+    /// Of the instant itself \[s\].
+    pub time_s: f64,
+    /// Of the centre of mass \[m\].
+    pub position_m: f64,
+    /// Of the orientation \[rad\].
+    pub orientation_rad: f64,
+    /// Of the velocity [m/s].
+    pub velocity_m_s: f64,
+    /// Of the angular velocity [rad/s].
+    pub angular_velocity_rad_s: f64,
+}
+
+/// A simulation from the first states alone, beside the estimate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SingleShot {
+    /// Just before every collision of every body, and at its end.
+    pub deviations: Vec<Deviation>,
+    /// Collisions after which the simulation began anew from the estimate's state: those with
+    /// velocity gaps (indices into `Scene::events`).
+    pub restarts: Vec<usize>,
+    /// Collisions that it did not find near their time (indices into `Scene::events`).
+    pub missed: Vec<usize>,
+}
+
+impl SingleShot {
+    /// The largest deviation of each kind at the ends of the bodies; `None` without any.
+    pub fn at_end(&self) -> Option<Deviation> {
+        let ends = self.deviations.iter().filter(|d| d.event.is_none());
+        ends.copied().reduce(|a, b| Deviation {
+            time_s: a.time_s.max(b.time_s),
+            position_m: a.position_m.max(b.position_m),
+            orientation_rad: a.orientation_rad.max(b.orientation_rad),
+            velocity_m_s: a.velocity_m_s.max(b.velocity_m_s),
+            angular_velocity_rad_s: a.angular_velocity_rad_s.max(b.angular_velocity_rad_s),
+            ..a
+        })
+    }
+}
+
+/// Largest relative violations of the laws of conservation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// Of energy over flights, to the largest energy in them.
+    pub flight_energy: f64,
+    /// Of momentum over flights.
+    pub flight_momentum: f64,
+    /// Of angular momentum over flights.
+    pub flight_angular_momentum: f64,
+    /// Of kinetic energy over impacts, beside what restitution takes, to that before.
+    pub impact_energy: f64,
+    /// Of angular momentum about the contact over impacts.
+    pub impact_angular_momentum: f64,
+}
+
+/// What the checks found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verification {
+    /// Overlaps up to this depth are the scene's inaccuracy \[m\]; no deeper one is missed.
+    pub tolerance_m: f64,
+    /// The deepest overlap beyond the tolerance, if there is one.
+    pub deepest: Option<Penetration>,
+    /// Which parts touch, collision by collision.
+    pub touches: Vec<Touch>,
+    /// The forward simulation.
+    pub single_shot: SingleShot,
+    /// Energy and momentum.
+    pub balance: Balance,
+}
+
+impl Verification {
+    /// The touches where another part than expected would have touched first.
+    pub fn wrong_features(&self) -> impl Iterator<Item = &Touch> {
+        self.touches.iter().filter(|touch| touch.is_wrong)
+    }
+
+    /// Whether solids stay out of one another and touch where they should.
+    pub fn is_clear(&self) -> bool {
+        self.deepest.is_none() && self.wrong_features().next().is_none()
+    }
+}

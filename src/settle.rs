@@ -1,0 +1,200 @@
+//! Stage 4c: past the sketch. The motion goes on from the estimate's end by ordinary forward
+//! simulation until it rests (paper §6.2.3: the pencil skitters in the mug). All of rapier is
+//! here.
+//!
+//! Bodies have the mass and moments of the scene, obstacles and planes stand fixed. Contacts are
+//! rapier's: with friction, softened over millimetres, first order in the step. That is good for
+//! coming to rest and no estimate of how: nothing of it was performed.
+
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use rapier3d::math::{Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
+use rapier3d::prelude::{
+    ColliderBuilder, MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle,
+};
+
+use crate::math::Pose;
+use crate::motion::{Estimate, Scene, Settled, SettledBody, Surface};
+use crate::physics::{Body, State, flow};
+
+/// Time between two poses \[s\], and the step of the simulation: at shorter ones rapier's bodies
+/// do not fall asleep.
+pub const INTERVAL_S: f64 = 1.0 / 240.0;
+
+/// Coefficient of friction of everything on everything: wood on wood or on glazed clay.
+pub const FRICTION: f64 = 0.4;
+
+/// Coefficient of restitution of everything on everything: low, so that what landed stays where
+/// it landed. How it really would bounce on was not performed.
+pub const RESTITUTION: f64 = 0.1;
+
+/// Rate at which turning dies away [1/s]: rapier's cylinders and balls roll without resistance,
+/// for ever.
+const ROLLING_PER_S: f64 = 1.0;
+
+/// Sweeps of the contact solver in a step.
+const SOLVER_ITERATIONS: usize = 16;
+
+/// Overlap at the end of an estimate is pushed apart no faster than by so many body radii per
+/// second.
+const PUSH_RADII_PER_S: f64 = 0.5;
+
+/// Simulates all bodies on from the end of the estimate until they rest, `limit_s` at most.
+///
+/// A body whose last arc ends earlier flies freely until the last of all ends. The first poses
+/// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
+/// not finite.
+pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
+    let from_s = estimate.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
+    let states: Vec<Option<State>> = (0..scene.bodies.len())
+        .map(|body| last_state(scene, estimate, body, from_s))
+        .collect();
+    let mut simulation = Simulation::new(scene, estimate, &states)?;
+    let steps = (limit_s / INTERVAL_S).floor() as usize;
+    let mut settled = Settled {
+        from_s,
+        interval_s: INTERVAL_S,
+        bodies: states
+            .iter()
+            .map(|state| SettledBody {
+                poses: state.iter().map(State::world_from_body).collect(),
+            })
+            .collect(),
+        at_rest: false,
+        largest_speed_m_s: states
+            .iter()
+            .flatten()
+            .map(|state| state.velocity_m_s.norm())
+            .fold(0.0, f64::max),
+    };
+    for _ in 0..steps {
+        simulation.world.step();
+        for (body, moving) in settled.bodies.iter_mut().zip(&simulation.bodies) {
+            let Some(handle) = *moving else { continue };
+            let moving = &simulation.world.bodies[handle];
+            body.poses.push(pose_of(moving));
+            let speed_m_s = from_rapier(moving.linvel()).norm();
+            settled.largest_speed_m_s = settled.largest_speed_m_s.max(speed_m_s);
+        }
+        if simulation.is_at_rest() {
+            settled.at_rest = true;
+            break;
+        }
+    }
+    Some(settled)
+}
+
+/// A body's state at a time that is not before its end.
+fn last_state(scene: &Scene, estimate: &Estimate, body: usize, time_s: f64) -> Option<State> {
+    let arcs = estimate.arcs.iter().filter(|arc| arc.body == body);
+    let last = arcs.max_by(|a, b| a.end_s.total_cmp(&b.end_s))?;
+    Some(flow::advance(
+        &scene.bodies[body].body,
+        &estimate.gravity_m_s2,
+        &last.state,
+        time_s - last.epoch_s,
+    ))
+}
+
+struct Simulation {
+    world: PhysicsWorld,
+    bodies: Vec<Option<RigidBodyHandle>>,
+}
+
+impl Simulation {
+    fn new(scene: &Scene, estimate: &Estimate, states: &[Option<State>]) -> Option<Self> {
+        if !states.iter().flatten().all(State::is_finite) {
+            return None;
+        }
+        let mut world = PhysicsWorld::new();
+        world.gravity = to_rapier(&estimate.gravity_m_s2);
+        let radius_m = scene
+            .bodies
+            .iter()
+            .map(|body| body.shape.radius_m())
+            .fold(f64::INFINITY, f64::min);
+        let parameters = &mut world.integration_parameters;
+        parameters.dt = INTERVAL_S;
+        parameters.length_unit = radius_m;
+        parameters.num_solver_iterations = SOLVER_ITERATIONS;
+        parameters.normalized_max_linear_velocity = f64::MAX;
+        parameters.normalized_max_corrective_velocity = PUSH_RADII_PER_S;
+        for obstacle in &scene.obstacles {
+            let pose = to_rapier_pose(&obstacle.world_from_shape);
+            let solid = obstacle.shape.solid().expect("scenes have valid shapes");
+            let (shape, solid_from_shape) = solid.parts();
+            world.insert_collider(
+                surfaced(ColliderBuilder::new(shape.clone())).position(pose * *solid_from_shape),
+                None,
+            );
+        }
+        for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
+            let pose = RapierPose::from_parts(to_rapier(&point_m), RapierRotation::IDENTITY);
+            let plane = ColliderBuilder::halfspace(Unit::new_unchecked(to_rapier(&normal)));
+            world.insert_collider(surfaced(plane).position(pose), None);
+        }
+        let bodies = scene.bodies.iter().zip(states).map(|(body, state)| {
+            let state = (*state)?;
+            let solid = body.shape.solid().expect("scenes have valid shapes");
+            let (shape, solid_from_shape) = solid.parts();
+            let collider = surfaced(ColliderBuilder::new(shape.clone()))
+                .density(0.0)
+                .position(*solid_from_shape);
+            Some(world.insert(moving(&body.body, &state), collider).0)
+        });
+        let bodies = bodies.collect();
+        Some(Self { world, bodies })
+    }
+
+    fn is_at_rest(&self) -> bool {
+        let mut bodies = self.bodies.iter().flatten();
+        bodies.all(|handle| self.world.bodies[*handle].is_sleeping())
+    }
+}
+
+/// A body in that state, with the scene's mass and moments.
+fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
+    let spin = state.orientation * state.angular_velocity_rad_s;
+    RigidBodyBuilder::dynamic()
+        .pose(to_rapier_pose(&state.world_from_body()))
+        .linvel(to_rapier(&state.velocity_m_s))
+        .angvel(to_rapier(&spin))
+        .additional_mass_properties(MassProperties::new(
+            RapierVector::ZERO,
+            body.mass_kg(),
+            to_rapier(&body.moments_kg_m2()),
+        ))
+        .angular_damping(ROLLING_PER_S)
+        // Thin bodies and walls: a step is longer than a pencil is wide.
+        .ccd_enabled(true)
+}
+
+fn surfaced(collider: ColliderBuilder) -> ColliderBuilder {
+    collider.friction(FRICTION).restitution(RESTITUTION)
+}
+
+fn to_rapier(v: &Vector3<f64>) -> RapierVector {
+    RapierVector::new(v.x, v.y, v.z)
+}
+
+fn from_rapier(v: RapierVector) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+fn to_rapier_pose(pose: &Pose) -> RapierPose {
+    let q = pose.rotation.coords;
+    RapierPose::from_parts(
+        to_rapier(&pose.translation.vector),
+        RapierRotation::from_xyzw(q.x, q.y, q.z, q.w),
+    )
+}
+
+fn pose_of(body: &RigidBody) -> Pose {
+    let (position, q) = (body.translation(), body.rotation());
+    Pose::from_parts(
+        from_rapier(position).into(),
+        UnitQuaternion::new_normalize(Quaternion::new(q.w, q.x, q.y, q.z)),
+    )
+}
+
+#[cfg(test)]
+mod tests;

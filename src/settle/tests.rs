@@ -1,0 +1,169 @@
+//! What falls comes to rest where it should, and begins where the estimate ends.
+
+use super::*;
+use crate::config::scene_from_toml;
+use crate::motion::{ArcEstimate, Counters, Verdict};
+
+const TABLE_AND_WALL: &str = r#"
+name = "drop"
+[timing]
+stamps = "physical"
+[[body]]
+name = "brick"
+shape = { kind = "cuboid", size_mm = [60, 60, 40] }
+mass_g = 300
+moments_kg_m2 = [1.3e-4, 1.3e-4, 1.8e-4]
+[[surface]]
+name = "table"
+point_mm = [0, 0, 0]
+normal = [0, 0, 1]
+[[obstacle]]
+name = "wall"
+shape = { kind = "cuboid", size_mm = [20, 400, 400] }
+position_mm = [-60, 0, 200]
+"#;
+
+fn brick(z: f64) -> State {
+    State {
+        position_m: Vector3::new(0.0, 0.0, z),
+        orientation: UnitQuaternion::from_euler_angles(0.3, 0.2, 0.5),
+        velocity_m_s: Vector3::new(0.4, -0.2, -1.0),
+        angular_velocity_rad_s: Vector3::new(3.0, -2.0, 4.0),
+    }
+}
+
+fn estimate(scene: &Scene, state: State) -> Estimate {
+    Estimate {
+        verdict: Verdict::Physical,
+        reason: String::new(),
+        objective: 0.0,
+        gravity_m_s2: scene.gravity_m_s2,
+        arcs: vec![ArcEstimate {
+            body: 0,
+            epoch_s: 0.8,
+            state,
+            start_s: 0.2,
+            end_s: 0.8,
+        }],
+        events: Vec::new(),
+        parameters: Vec::new(),
+        residuals: Vec::new(),
+        sample_times: Vec::new(),
+        undetermined: Vec::new(),
+        counters: Counters::default(),
+    }
+}
+
+#[test]
+fn a_brick_comes_to_rest_flat_on_the_table() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let settled = settle(&scene, &estimate(&scene, brick(0.2)), 5.0).unwrap();
+    assert!(settled.at_rest && settled.end_s() < 5.0, "{settled:?}");
+    let last = settled.bodies[0].poses.last().unwrap();
+    // On one of its faces: the height of its centre is half a side, less rapier's slop.
+    let lowest = scene.bodies[0].shape.solid().unwrap();
+    let closest = lowest
+        .lowest(last, &Vector3::zeros(), &Vector3::z())
+        .unwrap();
+    assert!(closest.gap_m.abs() < 5e-4, "{closest:?}");
+    let up = last.rotation.inverse() * Vector3::z();
+    assert!(up.amax() > 1.0 - 1e-4, "{up}");
+}
+
+#[test]
+fn the_seam_is_continuous() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let state = brick(0.5);
+    let estimate = estimate(&scene, state);
+    let states = [last_state(&scene, &estimate, 0, 0.8)];
+    assert_eq!(states, [Some(state)]);
+    let simulation = Simulation::new(&scene, &estimate, &states).unwrap();
+    let body = &simulation.world.bodies[simulation.bodies[0].unwrap()];
+    assert_eq!(from_rapier(body.linvel()), state.velocity_m_s);
+    let spin = state.orientation * state.angular_velocity_rad_s;
+    assert_eq!(from_rapier(body.angvel()), spin);
+    let settled = settle(&scene, &estimate, 0.1).unwrap();
+    let poses = &settled.bodies[0].poses;
+    assert_eq!((settled.from_s, poses[0]), (0.8, state.world_from_body()));
+    // The first steps are free flight, but for the order of the integration.
+    for (step, pose) in poses.iter().enumerate().take(12) {
+        let duration_s = step as f64 * INTERVAL_S;
+        let free = flow::advance(
+            &scene.bodies[0].body,
+            &scene.gravity_m_s2,
+            &state,
+            duration_s,
+        );
+        let off_m = (free.position_m - pose.translation.vector).norm();
+        assert!(off_m <= 10.0 * duration_s * INTERVAL_S + 1e-12, "{off_m}");
+        let off_rad = free.orientation.angle_to(&pose.rotation);
+        assert!(
+            off_rad <= 60.0 * duration_s * INTERVAL_S + 1e-9,
+            "{off_rad}"
+        );
+    }
+}
+
+#[test]
+fn bodies_have_the_mass_and_moments_of_the_scene() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let estimate = estimate(&scene, brick(0.5));
+    let mut simulation = Simulation::new(&scene, &estimate, &[Some(brick(0.5))]).unwrap();
+    simulation.world.step();
+    let body = &simulation.world.bodies[simulation.bodies[0].unwrap()];
+    let properties = &body.mass_properties().local_mprops;
+    assert!((properties.mass() - 0.3).abs() < 1e-15);
+    let moments = from_rapier(properties.principal_inertia());
+    let expected = scene.bodies[0].body.moments_kg_m2();
+    assert!((moments - expected).norm() < 1e-18, "{moments}");
+    assert_eq!(from_rapier(properties.local_com), Vector3::zeros());
+}
+
+#[test]
+fn the_same_estimate_settles_to_the_same_bits() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let estimate = estimate(&scene, brick(0.2));
+    assert_eq!(
+        settle(&scene, &estimate, 1.0),
+        settle(&scene, &estimate, 1.0)
+    );
+}
+
+#[test]
+fn what_ends_inside_of_something_is_not_shot_out() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    // Three millimetres inside of the table, two of the wall.
+    let state = State {
+        position_m: Vector3::new(-0.022, 0.0, 0.017),
+        orientation: UnitQuaternion::identity(),
+        velocity_m_s: Vector3::zeros(),
+        angular_velocity_rad_s: Vector3::zeros(),
+    };
+    let settled = settle(&scene, &estimate(&scene, state), 3.0).unwrap();
+    assert!(
+        settled.at_rest && settled.largest_speed_m_s < 0.1,
+        "{}",
+        settled.largest_speed_m_s
+    );
+    let last = settled.bodies[0].poses.last().unwrap();
+    assert!((last.translation.vector - state.position_m).norm() < 5e-3);
+}
+
+#[test]
+fn what_still_falls_at_the_limit_does_not_rest() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let settled = settle(&scene, &estimate(&scene, brick(5.0)), 0.25).unwrap();
+    assert!(!settled.at_rest);
+    assert_eq!(settled.bodies[0].poses.len(), 61);
+    assert!((settled.end_s() - 1.05).abs() < 1e-12);
+}
+
+#[test]
+fn without_motion_nothing_settles() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let mut estimate = estimate(&scene, brick(0.2));
+    estimate.arcs[0].state.velocity_m_s.x = f64::NAN;
+    assert_eq!(settle(&scene, &estimate, 1.0), None);
+    estimate.arcs.clear();
+    assert_eq!(settle(&scene, &estimate, 1.0), None);
+}

@@ -1,0 +1,157 @@
+//! What the scene expects to touch, and which feature a point of a body belongs to.
+
+use nalgebra::Vector3;
+
+use crate::motion::{Against, Collision, Partner, Scene, SceneBody};
+use crate::physics::contact::Feature;
+
+/// A point belongs to a feature that is nearer than this part of the body's radius: by so much
+/// may a feature simplify the shape, as a pencil's tip stands for the rim about it.
+const NEAR: f64 = 0.1;
+
+/// A distance this small is none \[m\]: a corner lies on its faces.
+const ON_M: f64 = 1e-6;
+
+/// What of `body` is expected to touch what at a collision: features by partner.
+pub(super) fn expected(
+    scene: &Scene,
+    collision: &Collision,
+    body: usize,
+) -> Vec<(Against, Vec<usize>)> {
+    let mut groups: Vec<(Against, Vec<usize>)> = Vec::new();
+    for contact in &collision.contacts {
+        let (against, feature) = match collision.partner {
+            Partner::World => {
+                let Some(surface) = contact.other else {
+                    continue;
+                };
+                let against = match scene.surfaces[surface].obstacle {
+                    Some(obstacle) => Against::Obstacle(obstacle),
+                    None => Against::Surface(surface),
+                };
+                (against, contact.feature)
+            }
+            Partner::Body(other) if collision.body == body => {
+                (Against::Body(other), contact.feature)
+            }
+            Partner::Body(_) => (Against::Body(collision.body), contact.other),
+        };
+        let Some(feature) = feature else { continue };
+        match groups.iter_mut().find(|(known, _)| *known == against) {
+            Some((_, features)) => features.push(feature),
+            None => groups.push((against, vec![feature])),
+        }
+    }
+    groups
+}
+
+/// The point of a feature's skeleton (centre, axis, circle, plane) that is nearest to a point,
+/// and the radius about it [m, body].
+pub(super) fn skeleton(feature: &Feature, point_m: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    match *feature {
+        Feature::Point {
+            point_m: centre_m,
+            radius_m,
+        } => (centre_m, radius_m),
+        Feature::Line {
+            point_m: on_line_m,
+            direction,
+            radius_m,
+        } => {
+            let along_m = direction.dot(&(point_m - on_line_m));
+            (on_line_m + direction * along_m, radius_m)
+        }
+        Feature::Rim {
+            centre_m,
+            axis,
+            radius_m,
+        } => {
+            let offset_m = point_m - centre_m;
+            let radial_m = offset_m - axis * axis.dot(&offset_m);
+            let outward = radial_m
+                .try_normalize(ON_M)
+                .unwrap_or_else(|| axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize());
+            (centre_m + outward * radius_m, 0.0)
+        }
+        Feature::Face {
+            point_m: on_face_m,
+            normal,
+        } => (point_m - normal * normal.dot(&(point_m - on_face_m)), 0.0),
+    }
+}
+
+/// Distance of a point from a feature's surface \[m\].
+fn distance_m(feature: &Feature, point_m: &Vector3<f64>) -> f64 {
+    let (skeleton_m, radius_m) = skeleton(feature, point_m);
+    ((point_m - skeleton_m).norm() - radius_m).abs()
+}
+
+/// The named feature that a point of the body's surface belongs to: the nearest, an expected
+/// one where several are; `None` where none is near.
+pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
+    let near_m = NEAR * body.shape.radius_m();
+    (0..body.features.len())
+        .map(|feature| {
+            let distance_m = distance_m(&body.features[feature].geometry, point_m);
+            let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
+            (distance_m, !expected.contains(&feature), feature)
+        })
+        .filter(|(distance_m, _, _)| *distance_m <= near_m)
+        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        .map(|(_, _, feature)| feature)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_features_are_those_of_their_surfaces() {
+        let z = Vector3::z();
+        for (feature, point, expected) in [
+            (Feature::corner(z), Vector3::new(0.0, 3.0, 5.0), 5.0),
+            (
+                Feature::Point {
+                    point_m: z,
+                    radius_m: 2.0,
+                },
+                Vector3::new(0.0, 0.0, 6.0),
+                3.0,
+            ),
+            (
+                Feature::Line {
+                    point_m: Vector3::x(),
+                    direction: z,
+                    radius_m: 1.0,
+                },
+                Vector3::new(4.0, 0.0, 77.0),
+                2.0,
+            ),
+            (
+                Feature::Rim {
+                    centre_m: z,
+                    axis: z,
+                    radius_m: 2.0,
+                },
+                Vector3::new(0.0, 5.0, 5.0),
+                5.0,
+            ),
+            (
+                Feature::Rim {
+                    centre_m: z,
+                    axis: z,
+                    radius_m: 2.0,
+                },
+                z,
+                2.0,
+            ),
+            (
+                Feature::face(Vector3::z(), Vector3::z()),
+                Vector3::new(9.0, 9.0, 4.0),
+                3.0,
+            ),
+        ] {
+            assert!((distance_m(&feature, &point) - expected).abs() < 1e-14);
+        }
+    }
+}

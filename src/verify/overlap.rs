@@ -1,0 +1,180 @@
+//! Solids inside one another along the arcs, by conservative advancement.
+//!
+//! No point of a body moves faster than `|v| + |ω| r`. Where the distance is `d`, no overlap
+//! deeper than `D` comes before `(d + D)` has been travelled at that speed; the scan jumps
+//! there. Where the deepest point belongs to a feature that is expected to touch that partner
+//! before or after the flight, it is the feature's own depth that counts: by how much the shape
+//! goes deeper than a point that stands for it is told apart; edges, rims and faces are exact. It misses nothing deeper than the tolerance, on ways of up to 250 m inside of others.
+
+use super::expected;
+use super::meeting::{Meeting, Partner, World};
+use crate::motion::{Penetration, Touch};
+use crate::physics::contact::Feature;
+
+/// Overlaps up to this depth are the scene's inaccuracy \[m\]: sizes and places of bodies and
+/// obstacles are typed in tenths of a millimetre or measured with a ruler.
+pub const TOLERANCE_M: f64 = 1e-3;
+
+/// Way travelled between two looks inside an overlap \[m\].
+const RESOLUTION_M: f64 = 2.5e-4;
+
+/// Most looks at one body and one partner on one arc.
+const LOOKS: f64 = 1e6;
+
+/// Steps of the golden section that refines the deepest overlap: to 1e-8 of the interval.
+const SECTIONS: usize = 40;
+
+/// The two solids at one time.
+struct Look {
+    /// Distance of the shapes \[m\].
+    gap_m: f64,
+    /// How deep the overlap is that no expected contact explains \[m\]; negative outside.
+    depth_m: f64,
+    penetration: Penetration,
+    /// The expected feature that the body's deepest point belongs to, if it does.
+    owner: Option<usize>,
+}
+
+/// The deepest overlap of all that no expected contact explains, if it is beyond the tolerance.
+/// Notes in the touches how deep their features' surroundings go.
+pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetration> {
+    let mut deepest: Option<Penetration> = None;
+    for meeting in world.meetings() {
+        let found = Scan::new(world, &meeting).run(touches);
+        if found.is_some_and(|found| deepest.is_none_or(|known| found.depth_m > known.depth_m)) {
+            deepest = found;
+        }
+    }
+    deepest
+}
+
+struct Scan<'w, 'm> {
+    meeting: &'m Meeting<'w>,
+    /// Features expected to touch the partner in a neighbouring event.
+    expected: Vec<usize>,
+    /// Those of the partner, if it is a body.
+    expected_of_partner: Vec<usize>,
+}
+
+impl<'w, 'm> Scan<'w, 'm> {
+    fn new(world: &World, meeting: &'m Meeting<'w>) -> Self {
+        let against = meeting.partner.against();
+        let about = |body, against| {
+            let mut features = world.expected_at(body, against, meeting.from_s);
+            features.extend(world.expected_at(body, against, meeting.to_s));
+            features
+        };
+        Self {
+            meeting,
+            expected: about(meeting.body, against),
+            expected_of_partner: match meeting.partner {
+                Partner::Body { index, .. } => {
+                    about(index, crate::motion::Against::Body(meeting.body))
+                }
+                Partner::Plane { .. } | Partner::Obstacle { .. } => Vec::new(),
+            },
+        }
+    }
+
+    fn run(&self, touches: &mut [Touch]) -> Option<Penetration> {
+        let Meeting { from_s, to_s, .. } = *self.meeting;
+        let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
+        let mut deepest: Option<Penetration> = None;
+        let mut threshold_m = TOLERANCE_M - RESOLUTION_M;
+        let mut time_s = from_s;
+        loop {
+            let least_m = self.meeting.least_gap_m(time_s);
+            let gap_m = if least_m > 0.0 {
+                least_m
+            } else {
+                let look = self.look(time_s);
+                self.note(&look, touches);
+                if look.depth_m > threshold_m {
+                    threshold_m = look.depth_m;
+                    deepest = Some(look.penetration);
+                }
+                look.gap_m
+            };
+            if time_s >= to_s {
+                break;
+            }
+            let way_m = (gap_m + threshold_m).max(RESOLUTION_M);
+            let step_s = (way_m / speed_m_s).max((to_s - from_s) / LOOKS);
+            time_s = (time_s + step_s).min(to_s);
+        }
+        let refined = self.refined(deepest?.time_s, RESOLUTION_M / speed_m_s);
+        (refined.depth_m > TOLERANCE_M).then_some(refined)
+    }
+
+    fn look(&self, time_s: f64) -> Look {
+        let closest = self.meeting.closest(time_s);
+        let mut gap_m = closest.gap_m;
+        let mut owner = None;
+        if gap_m < 0.0 {
+            let body = self.meeting.track.of_scene;
+            owner = expected::owner(body, &self.expected, &closest.point_m)
+                .filter(|feature| self.expected.contains(feature));
+            let of_body = owner
+                .filter(|&feature| matches!(body.features[feature].geometry, Feature::Point { .. }))
+                .map(|feature| {
+                    self.meeting
+                        .feature_gap_m(time_s, feature, &closest.point_m)
+                });
+            let of_partner = self.meeting.partner_point_gap_m(
+                time_s,
+                &self.expected_of_partner,
+                &closest.other_point_m,
+            );
+            // Where two points stand for the touching parts, the deeper one is to be believed.
+            if let Some(of_feature) = of_body.into_iter().chain(of_partner).reduce(f64::min) {
+                gap_m = gap_m.max(of_feature);
+            }
+        }
+        Look {
+            gap_m: closest.gap_m,
+            depth_m: -gap_m,
+            penetration: Penetration {
+                body: self.meeting.body,
+                against: self.meeting.partner.against(),
+                time_s,
+                depth_m: -gap_m,
+                point_m: closest.point_m,
+            },
+            owner,
+        }
+    }
+
+    fn note(&self, look: &Look, touches: &mut [Touch]) {
+        let Some(owner) = look.owner else { return };
+        let Penetration { body, against, .. } = look.penetration;
+        let touch = touches.iter_mut().filter(|touch| {
+            touch.body == body && touch.against == against && touch.expected.contains(&owner)
+        });
+        for touch in touch {
+            touch.overlap_m = touch.overlap_m.max(-look.gap_m);
+        }
+    }
+
+    /// The deepest overlap about a time, by golden section.
+    fn refined(&self, time_s: f64, reach_s: f64) -> Penetration {
+        const RATIO: f64 = 0.618_033_988_749_894_9;
+        let mut lower_s = (time_s - reach_s).max(self.meeting.from_s);
+        let mut upper_s = (time_s + reach_s).min(self.meeting.to_s);
+        let mut best = self.look(time_s);
+        for _ in 0..SECTIONS {
+            let width_s = RATIO * (upper_s - lower_s);
+            let (left, right) = (self.look(upper_s - width_s), self.look(lower_s + width_s));
+            if left.depth_m > right.depth_m {
+                upper_s = right.penetration.time_s;
+            } else {
+                lower_s = left.penetration.time_s;
+            }
+            for look in [left, right] {
+                if look.depth_m > best.depth_m {
+                    best = look;
+                }
+            }
+        }
+        best.penetration
+    }
+}

@@ -1,0 +1,113 @@
+//! A body on its estimated arcs.
+
+use nalgebra::Vector3;
+
+use crate::motion::{ArcEstimate, Estimate, SceneBody};
+use crate::physics::shape::Solid;
+use crate::physics::{Body, State, flow};
+
+/// Moments closer than this, relative to the largest, bound no rate apart.
+const APART: f64 = 1e-6;
+
+/// A body of the scene, its solid, and its arcs in order of time.
+pub(super) struct Track<'a> {
+    pub(super) of_scene: &'a SceneBody,
+    pub(super) solid: Solid,
+    pub(super) radius_m: f64,
+    pub(super) arcs: Vec<&'a ArcEstimate>,
+    gravity_m_s2: Vector3<f64>,
+}
+
+impl<'a> Track<'a> {
+    pub(super) fn new(index: usize, of_scene: &'a SceneBody, estimate: &'a Estimate) -> Self {
+        Self {
+            of_scene,
+            solid: of_scene.shape.solid().expect("scenes have valid shapes"),
+            radius_m: of_scene.shape.radius_m(),
+            arcs: estimate
+                .arcs
+                .iter()
+                .filter(|arc| arc.body == index && arc.end_s >= arc.start_s)
+                .collect(),
+            gravity_m_s2: estimate.gravity_m_s2,
+        }
+    }
+
+    /// The state on an arc.
+    pub(super) fn state(&self, arc: &ArcEstimate, time_s: f64) -> State {
+        flow::advance(
+            &self.of_scene.body,
+            &self.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        )
+    }
+
+    /// The arc that ends at that time.
+    pub(super) fn ending_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
+        self.arcs.iter().copied().find(|arc| arc.end_s == time_s)
+    }
+
+    /// The arc that begins at that time.
+    pub(super) fn starting_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
+        self.arcs.iter().copied().find(|arc| arc.start_s == time_s)
+    }
+
+    /// Speed that no point of the body exceeds on that part of an arc [m/s].
+    pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
+        // |v| is convex in time: largest at an end.
+        let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
+        let spin = spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s);
+        speed_at(from_s).max(speed_at(to_s)) + spin * self.radius_m
+    }
+}
+
+/// Largest `|ω|` of a free turn that has this `ω` once.
+///
+/// Energy and angular momentum fix two weighted sums of `ω₁², ω₂², ω₃²`; their plain sum is
+/// largest where one of the three is zero, if not where it is.
+fn spin_bound_rad_s(body: &Body, omega: &Vector3<f64>) -> f64 {
+    let moments = body.moments_kg_m2();
+    let squares = omega.component_mul(omega);
+    let twice_energy = moments.dot(&squares);
+    let momentum_squared = moments.component_mul(&moments).dot(&squares);
+    let mut largest = squares.sum();
+    for axis in 0..3 {
+        let (a, b) = (moments[(axis + 1) % 3], moments[(axis + 2) % 3]);
+        if (a - b).abs() <= APART * moments.max() {
+            continue;
+        }
+        let of_a = (momentum_squared - b * twice_energy) / (a * (a - b));
+        let of_b = (momentum_squared - a * twice_energy) / (b * (b - a));
+        if of_a >= 0.0 && of_b >= 0.0 {
+            largest = largest.max(of_a + of_b);
+        }
+    }
+    largest.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::series;
+
+    #[test]
+    fn no_free_turn_spins_faster_than_its_bound() {
+        for moments in [[3.0, 2.0, 2.0], [1.0, 9.0, 9.0], [2.0, 2.0, 2.0]] {
+            let body = Body::new(1.0, Vector3::from(moments)).unwrap();
+            let state = State {
+                position_m: Vector3::zeros(),
+                orientation: nalgebra::UnitQuaternion::identity(),
+                velocity_m_s: Vector3::zeros(),
+                angular_velocity_rad_s: Vector3::new(0.3, 2.0, -1.0),
+            };
+            let bound = spin_bound_rad_s(&body, &state.angular_velocity_rad_s);
+            let largest = (0..100)
+                .map(|k| series::advance(&body, &Vector3::zeros(), &state, 0.05 * k as f64))
+                .map(|state| state.angular_velocity_rad_s.norm())
+                .fold(0.0, f64::max);
+            assert!(largest <= bound * (1.0 + 1e-9), "{largest} {bound}");
+            assert!(bound <= largest * (1.0 + 1e-6), "{largest} {bound}");
+        }
+    }
+}

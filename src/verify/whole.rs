@@ -1,0 +1,22 @@
+//! All checks of one estimate.
+
+use super::meeting::World;
+use super::{balance, overlap, shot, touch};
+use crate::motion::{Estimate, Scene, Verification};
+
+/// Checks an estimated motion independently of how it was found.
+///
+/// The estimate's arcs must be finite and the scene valid; an estimation that failed is not
+/// worth a check. Costs about as much as an estimate: some hundred distances per arc and solid.
+pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
+    let world = World::new(scene, estimate);
+    let mut touches = touch::touches(&world);
+    let deepest = overlap::deepest(&world, &mut touches);
+    Verification {
+        tolerance_m: overlap::TOLERANCE_M,
+        deepest,
+        touches,
+        single_shot: shot::shoot(&world),
+        balance: balance::balance(&world),
+    }
+}
