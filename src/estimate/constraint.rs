@@ -1,23 +1,22 @@
-//! Hard conditions at events: contact and continuity through an impact (paper eq. 3, 8,
-//! §5.2), and goals (§3.1), as rows `lower ≤ v ≤ upper` in the units of [`mod@unit`].
+//! Hard conditions as rows `lower ≤ v ≤ upper` in the units of [`mod@unit`]: what a row is
+//! ([`Block`]), goals (paper §3.1), bounds and cones of parameters. The rows of collisions are in
+//! [`super::collision`].
 
 use std::ops::Range;
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 
+use super::layout::STATE;
 use super::point::Point;
-use super::problem::{ArcGoal, ArcTarget, Collision, Problem, unit};
+use super::problem::{ArcGoal, ArcTarget, Problem, unit};
+use crate::math::envelope::{Envelope, Pattern};
 use crate::math::so3;
-use crate::motion::{FreeParameter, Gap};
-use crate::physics::impact;
+use crate::motion::{Cone, FreeParameter, Gap};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
-/// Rows of a collision: contact, approach, then post-impact position, orientation, velocity,
-/// angular velocity.
-pub const COLLISION_ROWS: usize = 14;
-/// Row of the approach speed, the only inequality among them.
-pub const APPROACH_ROW: usize = 1;
+/// Rows of the largest block: three contacts and their approach speeds, two states.
+pub const ROWS_MAX: usize = 3 + 3 + 2 * STATE;
 
 /// Values of some rows and their derivatives by the unknowns they touch.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +27,11 @@ pub struct Block {
     pub bounds: Vec<(f64, f64)>,
     /// Derivatives, column by column, in the order of the layout's columns.
     pub jacobian: Vec<f64>,
+    /// Rows that hold approach speeds.
+    pub approach: Range<usize>,
+    /// Second derivative of the first row by each of the unknowns, where the row is curved
+    /// alike in all of them.
+    pub curvature: f64,
 }
 
 impl Block {
@@ -38,27 +42,83 @@ impl Block {
     }
 
     /// Largest violation among `rows`.
-    fn largest(&self, rows: Range<usize>) -> f64 {
+    pub(super) fn largest(&self, rows: Range<usize>) -> f64 {
         rows.map(|row| self.violation(row).abs())
             .fold(0.0, f64::max)
     }
 
-    fn reset(&mut self, rows: usize) {
+    /// Empties it for so many equalities and so many columns, all zero.
+    pub(super) fn reset(&mut self, rows: usize, columns: usize) {
         self.values.clear();
         self.values.resize(rows, 0.0);
         self.bounds.clear();
         self.bounds.resize(rows, (0.0, 0.0));
         self.jacobian.clear();
+        self.jacobian.resize(rows * columns, 0.0);
+        self.approach = 0..0;
+        self.curvature = 0.0;
     }
 
-    fn push_columns<const R: usize, const C: usize>(&mut self, columns: &SMatrix<f64, R, C>) {
-        self.jacobian.extend_from_slice(columns.as_slice());
+    /// Adds derivatives from a row and a column on.
+    pub(super) fn add<const R: usize, const C: usize>(
+        &mut self,
+        (row, column): (usize, usize),
+        derivatives: &SMatrix<f64, R, C>,
+    ) {
+        let rows = self.values.len();
+        for (index, entries) in derivatives.column_iter().enumerate() {
+            let at = (column + index) * rows + row;
+            for (entry, derivative) in self.jacobian[at..at + R].iter_mut().zip(entries.iter()) {
+                *entry += derivative;
+            }
+        }
+    }
+
+    /// Adds `Jᵀ diag(w) J` to a matrix whose unknowns `columns` the block touches.
+    pub(super) fn add_square(
+        &self,
+        pattern: &Pattern,
+        columns: &[usize],
+        weight: impl Fn(usize) -> f64,
+        matrix: &mut Envelope,
+    ) {
+        let rows = self.values.len();
+        let mut weighted = [0.0; ROWS_MAX];
+        for (i, at) in columns.iter().enumerate() {
+            for (row, derivative) in self.jacobian[i * rows..][..rows].iter().enumerate() {
+                weighted[row] = weight(row) * derivative;
+            }
+            for (j, other) in columns[..=i].iter().enumerate() {
+                let partner = &self.jacobian[j * rows..][..rows];
+                let products = weighted[..rows].iter().zip(partner);
+                let value: f64 = products.map(|(a, b)| a * b).sum();
+                matrix.add(pattern, (*at).max(*other), (*at).min(*other), value);
+            }
+        }
+    }
+
+    /// Adds `Jᵀ p` for a pull `p` on every row.
+    pub(super) fn add_pull(
+        &self,
+        columns: &[usize],
+        pull: impl Fn(usize) -> f64,
+        gradient: &mut DVector<f64>,
+    ) {
+        let rows = self.values.len();
+        let mut pulls = [0.0; ROWS_MAX];
+        for (row, entry) in pulls[..rows].iter_mut().enumerate() {
+            *entry = pull(row);
+        }
+        for (column, at) in columns.iter().enumerate() {
+            let derivatives = self.jacobian[column * rows..][..rows].iter();
+            gradient[*at] += derivatives.zip(&pulls).map(|(d, p)| d * p).sum::<f64>();
+        }
     }
 }
 
 /// An arc's state at an event, with what its derivatives need.
-struct Arrival {
-    state: State,
+pub(super) struct Arrival {
+    pub(super) state: State,
     duration_s: f64,
     by_orientation: Matrix3<f64>,
     turn_by_spin: Matrix3<f64>,
@@ -67,7 +127,7 @@ struct Arrival {
 }
 
 impl Arrival {
-    fn new(
+    pub(super) fn new(
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
         (state, epoch_s): (&State, f64),
@@ -88,13 +148,13 @@ impl Arrival {
             duration_s,
             by_orientation: turn.orientation_by_orientation,
             turn_by_spin: turn.orientation_by_angular_velocity,
-            spin_by_spin: flow::angular_velocity_by_angular_velocity(body, omega, duration_s),
+            spin_by_spin: turn.angular_velocity_by_angular_velocity,
         }
     }
 
     /// Chains derivatives by the arriving state to those by the state at the epoch, by the
     /// event's time and by gravity.
-    fn chain<const R: usize>(
+    pub(super) fn chain<const R: usize>(
         &self,
         rows: &SMatrix<f64, R, 12>,
     ) -> (SMatrix<f64, R, 12>, SVector<f64, R>, SMatrix<f64, R, 3>) {
@@ -124,139 +184,6 @@ impl Arrival {
     }
 }
 
-/// Fills `block` with the rows of a collision. `approach_limit_m_s` is the greatest normal
-/// speed the contact point may have on arrival (zero: it must not recede).
-pub fn collision(
-    problem: &Problem,
-    collision: &Collision,
-    point: &Point,
-    epochs_s: &[f64],
-    approach_limit_m_s: f64,
-    block: &mut Block,
-) {
-    let body = &problem.bodies[problem.arcs[collision.before].body];
-    let gravity = problem.gravity(&point.parameters);
-    let time_s = point.event_times_s[collision.event];
-    let arrive =
-        |arc: usize| Arrival::new(body, &gravity, (&point.arcs[arc], epochs_s[arc]), time_s);
-    let (before, after) = (arrive(collision.before), arrive(collision.after));
-    let restitution = collision
-        .restitution_parameter
-        .map_or(collision.restitution, |p| point.parameters[p]);
-    let contact = &collision.contact;
-    let tilt: Vector3<f64> = collision
-        .tilts
-        .iter()
-        .map(|(axis, p)| axis * point.parameters[*p])
-        .sum();
-    let normal = so3::exp(&tilt) * contact.surface_normal;
-    let bounced = impact::bounce(body, contact, &normal, restitution, &before.state);
-    let derivative = impact::bounce_derivative(body, contact, &normal, restitution, &before.state);
-
-    block.reset(COLLISION_ROWS);
-    block.values[0] = contact.gap_m(&before.state) / unit::POSITION_M;
-    block.values[APPROACH_ROW] = contact.normal_speed_m_s(&before.state) / unit::VELOCITY_M_S;
-    block.bounds[APPROACH_ROW] = (f64::NEG_INFINITY, approach_limit_m_s / unit::VELOCITY_M_S);
-    let gap = after.state.minus(&bounced);
-    for row in 0..12 {
-        block.values[2 + row] = gap[row] / STATE_UNITS[row];
-    }
-
-    let normal_rows = surface_rows(contact, &before.state);
-    let logarithm: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
-    let by_after_turn = so3::right_jacobian_inverse(&logarithm);
-    let mut by_before = SMatrix::<f64, COLLISION_ROWS, 12>::zeros();
-    by_before
-        .fixed_view_mut::<2, 12>(0, 0)
-        .copy_from(&normal_rows);
-    by_before
-        .fixed_view_mut::<3, 3>(2, part::POSITION)
-        .fill_diagonal(-1.0);
-    by_before
-        .fixed_view_mut::<3, 3>(5, part::ORIENTATION)
-        .copy_from(&-by_after_turn.transpose());
-    by_before
-        .fixed_view_mut::<6, 9>(8, part::ORIENTATION)
-        .copy_from(&-derivative.by_state);
-    let mut by_after = SMatrix::<f64, COLLISION_ROWS, 12>::zeros();
-    by_after.fixed_view_mut::<12, 12>(2, 0).fill_diagonal(1.0);
-    by_after
-        .fixed_view_mut::<3, 3>(5, part::ORIENTATION)
-        .copy_from(&by_after_turn);
-    scale_rows(&mut by_before);
-    scale_rows(&mut by_after);
-
-    let (before_state, before_time, before_gravity) = before.chain(&by_before);
-    let (after_state, after_time, after_gravity) = after.chain(&by_after);
-    block.push_columns(&before_state);
-    block.push_columns(&after_state);
-    block.push_columns(&(before_time + after_time));
-    push_gravity(problem, block, &(before_gravity + after_gravity));
-    let mut velocity_column = |change: SMatrix<f64, 6, 1>| {
-        let mut column = SVector::<f64, COLLISION_ROWS>::zeros();
-        for row in 0..6 {
-            column[8 + row] = -change[row] / STATE_UNITS[6 + row];
-        }
-        block.push_columns(&column);
-    };
-    if collision.restitution_parameter.is_some() {
-        velocity_column(derivative.by_restitution);
-    }
-    let left = so3::exp_and_left_jacobian(&tilt).1;
-    for (axis, _) in &collision.tilts {
-        velocity_column(derivative.by_normal * (left * axis).cross(&normal));
-    }
-}
-
-/// Units of a state's tangent.
-const STATE_UNITS: [f64; 12] = {
-    let (x, r) = (unit::POSITION_M, unit::ORIENTATION_RAD);
-    let (v, w) = (unit::VELOCITY_M_S, unit::ANGULAR_VELOCITY_RAD_S);
-    [x, x, x, r, r, r, v, v, v, w, w, w]
-};
-
-fn scale_rows(rows: &mut SMatrix<f64, COLLISION_ROWS, 12>) {
-    rows.row_mut(0).scale_mut(1.0 / unit::POSITION_M);
-    rows.row_mut(APPROACH_ROW)
-        .scale_mut(1.0 / unit::VELOCITY_M_S);
-    for row in 0..12 {
-        rows.row_mut(2 + row).scale_mut(1.0 / STATE_UNITS[row]);
-    }
-}
-
-/// Derivatives of the gap and of the normal speed by the arriving state.
-fn surface_rows(contact: &impact::Contact, state: &State) -> SMatrix<f64, 2, 12> {
-    let normal = &contact.surface_normal;
-    let in_body = state.orientation.inverse_transform_vector(normal);
-    let arm = contact.point_m.cross(&in_body);
-    // δc = p × (Rᵀn × δθ), dotted with ω.
-    let speed_by_turn = (state.angular_velocity_rad_s.cross(&contact.point_m)).cross(&in_body);
-    let mut rows = SMatrix::<f64, 2, 12>::zeros();
-    rows.fixed_view_mut::<1, 3>(0, part::POSITION)
-        .tr_copy_from(normal);
-    rows.fixed_view_mut::<1, 3>(0, part::ORIENTATION)
-        .tr_copy_from(&arm);
-    rows.fixed_view_mut::<1, 3>(1, part::ORIENTATION)
-        .tr_copy_from(&speed_by_turn);
-    rows.fixed_view_mut::<1, 3>(1, part::VELOCITY)
-        .tr_copy_from(normal);
-    rows.fixed_view_mut::<1, 3>(1, part::ANGULAR_VELOCITY)
-        .tr_copy_from(&arm);
-    rows
-}
-
-fn push_gravity<const R: usize>(
-    problem: &Problem,
-    block: &mut Block,
-    by_gravity: &SMatrix<f64, R, 3>,
-) {
-    for axis in 0..3 {
-        if problem.gravity_parameters[axis].is_some() {
-            block.push_columns(&by_gravity.fixed_columns::<1>(axis).into_owned());
-        }
-    }
-}
-
 /// Fills `block` with the rows of a goal.
 pub fn goal(problem: &Problem, goal: &ArcGoal, point: &Point, epochs_s: &[f64], block: &mut Block) {
     let body = &problem.bodies[problem.arcs[goal.arc].body];
@@ -268,11 +195,12 @@ pub fn goal(problem: &Problem, goal: &ArcGoal, point: &Point, epochs_s: &[f64], 
         (&point.arcs[goal.arc], epochs_s[goal.arc]),
         time_s,
     );
+    let columns = goal_columns(problem, goal);
     match &goal.target {
         ArcTarget::Pose(pose) => {
             let logarithm = so3::log(&(pose.rotation.inverse() * arrival.state.orientation));
             let offset = arrival.state.position_m - pose.translation.vector;
-            block.reset(6);
+            block.reset(6, columns);
             for axis in 0..3 {
                 block.values[axis] = offset[axis] / unit::POSITION_M;
                 block.values[3 + axis] = logarithm[axis] / unit::ORIENTATION_RAD;
@@ -289,7 +217,7 @@ pub fn goal(problem: &Problem, goal: &ArcGoal, point: &Point, epochs_s: &[f64], 
             lower_m,
             upper_m,
         } => {
-            block.reset(1);
+            block.reset(1, columns);
             block.values[0] = arrival.state.position_m[*axis] / unit::POSITION_M;
             block.bounds[0] = (lower_m / unit::POSITION_M, upper_m / unit::POSITION_M);
             let mut rows = SMatrix::<f64, 1, 12>::zeros();
@@ -307,30 +235,53 @@ fn push_goal<const R: usize>(
     rows: &SMatrix<f64, R, 12>,
 ) {
     let (by_state, by_time, by_gravity) = arrival.chain(rows);
-    block.push_columns(&by_state);
+    block.add((0, 0), &by_state);
+    let mut column = STATE;
     if problem.event_is_free[goal.event] {
-        block.push_columns(&by_time);
+        block.add((0, column), &by_time);
+        column += 1;
     }
-    push_gravity(problem, block, &by_gravity);
+    add_gravity(problem, block, (0, column), &by_gravity);
+}
+
+/// State, time, gravity.
+fn goal_columns(problem: &Problem, goal: &ArcGoal) -> usize {
+    STATE + usize::from(problem.event_is_free[goal.event]) + problem.gravity_count()
+}
+
+/// Adds derivatives by the free components of gravity.
+pub(super) fn add_gravity<const R: usize>(
+    problem: &Problem,
+    block: &mut Block,
+    (row, column): (usize, usize),
+    by_gravity: &SMatrix<f64, R, 3>,
+) {
+    let free = (0..3).filter(|axis| problem.gravity_parameters[*axis].is_some());
+    for (index, axis) in free.enumerate() {
+        let by_axis = by_gravity.fixed_columns::<1>(axis).into_owned();
+        block.add((row, column + index), &by_axis);
+    }
 }
 
 /// Fills `block` with a parameter's bounds; its unit is its prior, or the width of its bounds.
 pub fn bound(free: &FreeParameter, value: f64, block: &mut Block) {
     let unit = free.length();
-    block.reset(1);
+    block.reset(1, 1);
     block.values[0] = value / unit;
     block.bounds[0] = (free.lower / unit, free.upper / unit);
-    block.jacobian.push(1.0 / unit);
+    block.jacobian[0] = 1.0 / unit;
 }
 
-/// What a collision's rows leave, in SI units.
-pub fn collision_gap(block: &Block) -> Gap {
-    Gap {
-        position_m: block.largest(0..1).max(block.largest(2..5)) * unit::POSITION_M,
-        orientation_rad: block.largest(5..8) * unit::ORIENTATION_RAD,
-        velocity_m_s: block.largest(APPROACH_ROW..2).max(block.largest(8..11)) * unit::VELOCITY_M_S,
-        angular_velocity_rad_s: block.largest(11..14) * unit::ANGULAR_VELOCITY_RAD_S,
+/// Fills `block` with a cone: `(p₀² + p₁²)/limit² ≤ 1`.
+pub fn cone(cone: &Cone, values: [f64; 2], block: &mut Block) {
+    let scale = 1.0 / (cone.limit * cone.limit);
+    block.reset(1, 2);
+    block.values[0] = (values[0] * values[0] + values[1] * values[1]) * scale;
+    block.bounds[0] = (f64::NEG_INFINITY, 1.0);
+    for (entry, value) in block.jacobian.iter_mut().zip(values) {
+        *entry = 2.0 * value * scale;
     }
+    block.curvature = 2.0 * scale;
 }
 
 /// What a goal's rows leave, in SI units.

@@ -126,6 +126,9 @@ impl<'a> Descent<'a> {
         merit::add_pull(layout, &self.system, pull, &mut self.gradient);
         self.matrix.copy_from(&self.system.hessian);
         merit::add_square(layout, &self.system, &acting.weights, &mut self.matrix);
+        for (at, value) in merit::curvature(layout, &self.system, pull) {
+            self.matrix.add(&layout.pattern, at, at, value);
+        }
         for row in 0..layout.size() {
             self.matrix
                 .add(&layout.pattern, row, row, self.damping * self.scale[row]);

@@ -16,12 +16,16 @@ use crate::motion::Counters;
 
 /// Weight of the rows in the factorised matrix, per squared unit and information.
 const WEIGHT: f64 = 1e9;
+/// Weight by which it is judged whether a bound acts, per squared unit and information.
+const ACTING_WEIGHT: f64 = 1e3;
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
 pub(super) const DAMPING: f64 = 1e-9;
 /// The linearised constraints hold well enough at this share of their violation (the next step
 /// leaves more by curvature), or at rounding.
 const EXACT: f64 = 1e-5;
 const ROUNDING: f64 = 1e-14;
+/// Steps after which the set of acting bounds should have settled.
+const PATIENCE: usize = 12;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
 /// Halvings of a step at most.
@@ -75,21 +79,37 @@ pub struct Kkt {
     matrix: Envelope,
     acting: Acting,
     multipliers: Vec<f64>,
+    /// What curved rows add to the diagonal of the model's Hessian.
+    curvature: Vec<(usize, f64)>,
 }
 
 impl Kkt {
     /// Factorises; `None` where an unknown is undetermined beyond the damping.
     pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let weight = WEIGHT * frame.problem.information();
+        let information = frame.problem.information();
         let price = Price {
-            weight,
-            approach_weight: weight,
+            weight: ACTING_WEIGHT * information,
+            approach_weight: ACTING_WEIGHT * information,
             multipliers: multipliers.to_vec(),
         };
         let mut acting = Acting::default();
         price.act(system, &mut acting);
+        for weight in acting.weights.iter_mut().filter(|weight| **weight > 0.0) {
+            *weight = WEIGHT * information;
+        }
         let pattern = &frame.layout.pattern;
         let mut matrix = system.hessian.clone();
+        let pull = |row: usize| {
+            if acting.weights[row] > 0.0 {
+                multipliers[row]
+            } else {
+                0.0
+            }
+        };
+        let curvature = merit::curvature(frame.layout, system, pull);
+        for (at, value) in &curvature {
+            matrix.add(pattern, *at, *at, *value);
+        }
         for row in 0..pattern.size() {
             let diagonal = matrix.get(pattern, row, row);
             matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
@@ -100,6 +120,7 @@ impl Kkt {
             matrix,
             acting,
             multipliers: price.multipliers,
+            curvature,
         })
     }
 
@@ -120,6 +141,9 @@ impl Kkt {
             system
                 .hessian
                 .multiply_add(&layout.pattern, &delta, &mut residual);
+            for (at, value) in &self.curvature {
+                residual[*at] += value * delta[*at];
+            }
             let pull = |row: usize| {
                 if weights[row] > 0.0 {
                     multipliers[row] + weights[row] * (violations[row] + rows[row])
@@ -209,13 +233,19 @@ impl Finish<'_> {
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };
-        for _ in 0..tolerances.steps {
+        // Which bounds act is read off the multipliers, step by step; where that leads nowhere it
+        // is the quadratic programme's word.
+        let mut by_programme = false;
+        for taken in 0..tolerances.steps {
             if should_stop() {
                 break;
             }
+            by_programme |= taken >= PATIENCE && self.frame.problem.has_bounds();
             self.counters.iterations += 1;
             self.counters.factorisations += 1;
-            let Some(kkt) = self.kkt() else { break };
+            let Some(kkt) = self.kkt(by_programme) else {
+                break;
+            };
             let step = kkt.step(self.frame, &self.system);
             let decrease = self.system.gradient.dot(&step.delta).abs();
             finished.violation = self.system.violation();
@@ -238,19 +268,22 @@ impl Finish<'_> {
                 finished.converged = true;
                 finished.violation = self.system.violation();
             }
-            if done || !accepted {
+            if done {
                 break;
+            }
+            if !accepted {
+                if by_programme || !self.frame.problem.has_bounds() {
+                    break;
+                }
+                by_programme = true;
             }
         }
         finished
     }
 
-    /// The optimality conditions here. Which bounds act is the quadratic programme's word where
-    /// there are any; the step itself is exact all the same.
-    fn kkt(&self) -> Option<Kkt> {
-        if self.frame.problem.has_bounds()
-            && let Some(multipliers) = qp::multipliers(self.frame, &self.system)
-        {
+    /// The optimality conditions here; the step itself is exact whoever says which bounds act.
+    fn kkt(&self, by_programme: bool) -> Option<Kkt> {
+        if by_programme && let Some(multipliers) = qp::multipliers(self.frame, &self.system) {
             return Kkt::new(self.frame, &self.system, &multipliers);
         }
         Kkt::new(self.frame, &self.system, &self.multipliers)

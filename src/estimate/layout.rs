@@ -24,7 +24,7 @@ pub struct Layout {
     /// Which unknowns meet in a residual.
     pub pattern: Pattern,
     /// Unknowns that each block of constraints touches, in the order of its derivative's
-    /// columns: collisions, then goals, then bounded parameters.
+    /// columns: collisions, then goals, then bounded parameters, then cones.
     pub blocks: Vec<Vec<usize>>,
 }
 
@@ -84,7 +84,15 @@ impl Layout {
             .bounded
             .iter()
             .map(|parameter| vec![layout.parameters[*parameter]]);
-        layout.blocks = collisions.chain(goals).chain(bounded).collect();
+        let cones = problem
+            .cones
+            .iter()
+            .map(|cone| cone.parameters.map(|p| layout.parameters[p]).to_vec());
+        layout.blocks = collisions
+            .chain(goals)
+            .chain(bounded)
+            .chain(cones)
+            .collect();
         layout.pattern = Pattern::new(next, layout.couplings(problem));
         layout
     }
@@ -94,15 +102,18 @@ impl Layout {
         self.pattern.size()
     }
 
-    /// State before, state after, time, gravity, restitution, tilts.
+    /// State before and state after of every body, time, gravity, restitution, friction, tilts.
     fn collision_columns(&self, problem: &Problem, index: usize) -> Vec<usize> {
         let collision = &problem.collisions[index];
-        let mut columns: Vec<usize> = Vec::with_capacity(2 * STATE + 7);
-        columns.extend(self.state(collision.before));
-        columns.extend(self.state(collision.after));
+        let mut columns: Vec<usize> = Vec::with_capacity(4 * STATE + 8);
+        for side in &collision.sides {
+            columns.extend(self.state(side.before));
+            columns.extend(self.state(side.after));
+        }
         columns.extend(self.events[collision.event]);
         columns.extend(self.gravity(problem));
         columns.extend(collision.restitution_parameter.map(|p| self.parameters[p]));
+        columns.extend(collision.friction_parameter.map(|p| self.parameters[p]));
         columns.extend(collision.tilts.iter().map(|(_, p)| self.parameters[*p]));
         columns
     }

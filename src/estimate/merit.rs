@@ -8,7 +8,6 @@
 
 use nalgebra::DVector;
 
-use super::constraint::{APPROACH_ROW, COLLISION_ROWS};
 use super::layout::Layout;
 use super::system::System;
 use crate::math::envelope::Envelope;
@@ -51,9 +50,8 @@ impl Price {
         system: &'s System,
     ) -> impl Iterator<Item = (f64, f64, Option<f64>)> + 's {
         let rows = system.blocks.iter().flat_map(|block| {
-            let is_collision = block.values.len() == COLLISION_ROWS;
             let rows = block.values.iter().zip(&block.bounds).enumerate();
-            rows.map(move |(row, (v, bounds))| (is_collision && row == APPROACH_ROW, *v, *bounds))
+            rows.map(|(row, (v, bounds))| (block.approach.contains(&row), *v, *bounds))
         });
         rows.zip(&self.multipliers)
             .map(|((is_approach, value, (lower, upper)), multiplier)| {
@@ -108,30 +106,11 @@ impl Price {
 /// Adds `Jᵀ diag(w) J` to a matrix.
 pub fn add_square(layout: &Layout, system: &System, weights: &[f64], matrix: &mut Envelope) {
     let mut offset = 0;
-    for (index, block) in system.blocks.iter().enumerate() {
+    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
         let rows = block.values.len();
-        let weights = &weights[offset..offset + rows];
+        let weight = |row: usize| weights[offset + row];
+        block.add_square(&layout.pattern, columns, weight, matrix);
         offset += rows;
-        let columns = &layout.blocks[index];
-        let mut weighted = [0.0; COLLISION_ROWS];
-        for (i, at) in columns.iter().enumerate() {
-            for ((entry, weight), d) in weighted
-                .iter_mut()
-                .zip(weights)
-                .zip(&block.jacobian[i * rows..])
-            {
-                *entry = weight * d;
-            }
-            for (j, other) in columns[..=i].iter().enumerate() {
-                let partner = &block.jacobian[j * rows..][..rows];
-                let value: f64 = weighted[..rows]
-                    .iter()
-                    .zip(partner)
-                    .map(|(a, b)| a * b)
-                    .sum();
-                matrix.add(&layout.pattern, (*at).max(*other), (*at).min(*other), value);
-            }
-        }
     }
 }
 
@@ -143,22 +122,29 @@ pub fn add_pull(
     gradient: &mut DVector<f64>,
 ) {
     let mut offset = 0;
-    for (index, block) in system.blocks.iter().enumerate() {
-        let rows = block.values.len();
-        let mut pulls = [0.0; COLLISION_ROWS];
-        for (row, entry) in pulls[..rows].iter_mut().enumerate() {
-            *entry = pull(offset + row);
-        }
-        offset += rows;
-        for (column, at) in layout.blocks[index].iter().enumerate() {
-            let derivative = &block.jacobian[column * rows..][..rows];
-            gradient[*at] += derivative
-                .iter()
-                .zip(&pulls)
-                .map(|(d, p)| d * p)
-                .sum::<f64>();
-        }
+    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
+        block.add_pull(columns, |row| pull(offset + row), gradient);
+        offset += block.values.len();
     }
+}
+
+/// What the curvature of rows adds to the diagonal under a pull on every row: unknown and value.
+pub fn curvature(
+    layout: &Layout,
+    system: &System,
+    pull: impl Fn(usize) -> f64,
+) -> Vec<(usize, f64)> {
+    let mut diagonal = Vec::new();
+    let mut offset = 0;
+    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
+        // A pull inwards would make the matrix indefinite; it is on its way out.
+        let value = block.curvature * pull(offset).max(0.0);
+        if value > 0.0 {
+            diagonal.extend(columns.iter().map(|at| (*at, value)));
+        }
+        offset += block.values.len();
+    }
+    diagonal
 }
 
 /// `J δ`, row by row, into `change`.

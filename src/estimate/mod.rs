@@ -2,11 +2,12 @@
 //! problem over states of arcs, event times, sample times and parameters.
 //!
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
-//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`], summed into a
+//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], summed into a
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
 //! (with [`qp`] where there are bounds) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
 //! [`solve`] is the stage as the pipeline sees it.
 
+pub mod collision;
 pub mod constraint;
 pub mod covariance;
 pub mod descend;

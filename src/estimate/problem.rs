@@ -2,12 +2,13 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::layout::STATE;
 use crate::math::Pose;
 use crate::motion::{
-    FreeParameter, GoalTarget, Quantity, Scene, Segment, Sketch, Timing, Touching,
+    Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
-use crate::physics::impact::Contact;
-use crate::physics::{Body, contact};
+use crate::physics::Body;
+use crate::physics::impact::{Law, Meeting};
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
 pub mod unit {
@@ -45,23 +46,52 @@ pub struct Arc {
     pub samples: Vec<ArcSample>,
 }
 
-/// A bounce that ties two arcs of one body.
-#[derive(Clone, Debug)]
-pub struct Collision {
-    /// Event at which it happens.
-    pub event: usize,
+/// Arcs of one body before and after an event.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// Index into [`Problem::bodies`].
+    pub body: usize,
     /// Arc before.
     pub before: usize,
     /// Arc after.
     pub after: usize,
-    /// Which point touches what.
-    pub contact: Contact,
-    /// Restitution, where it is not free.
-    pub restitution: f64,
+}
+
+/// An impact that ties the arcs of one body, or of two.
+#[derive(Clone, Debug)]
+pub struct Collision {
+    /// Event at which it happens.
+    pub event: usize,
+    /// The body, and the other one where it does not hit the static world.
+    pub sides: Vec<Side>,
+    /// Where they touch.
+    pub meeting: Meeting,
+    /// Whether a goal holds the body in touch already, so that no row needs to.
+    pub touches_by_goal: bool,
+    /// Restitution, friction and tilt, where they are not free.
+    pub law: Law,
     /// Parameter that holds the restitution.
     pub restitution_parameter: Option<usize>,
-    /// Tangents of the surface and the parameters that hold the normal's tilt about them.
-    pub tilts: Vec<(Vector3<f64>, usize)>,
+    /// Parameter that holds the friction.
+    pub friction_parameter: Option<usize>,
+    /// Tangents of the first contact's face and the parameters that hold the tilt about them.
+    pub tilts: Vec<(usize, usize)>,
+}
+
+impl Collision {
+    /// Its law with what is free taken from `parameters`.
+    pub fn law(&self, parameters: &[f64]) -> Law {
+        let value = |index: Option<usize>, otherwise| index.map_or(otherwise, |p| parameters[p]);
+        let mut tilt_rad = self.law.tilt_rad;
+        for (tangent, parameter) in &self.tilts {
+            tilt_rad[*tangent] = parameters[*parameter];
+        }
+        Law {
+            restitution: value(self.restitution_parameter, self.law.restitution),
+            friction: value(self.friction_parameter, self.law.friction),
+            tilt_rad,
+        }
+    }
 }
 
 /// A hard condition on an arc at an event.
@@ -112,8 +142,13 @@ pub struct Problem {
     pub goals: Vec<ArcGoal>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
-    /// Those of them that have a bound.
+    /// Those of them that have a bound of their own.
     pub bounded: Vec<usize>,
+    /// Pairs of them within a circle.
+    pub cones: Vec<Cone>,
+    /// Price of a squared unit of velocity gap; `None` where velocities are continuous through
+    /// impacts.
+    pub velocity_gap_weight: Option<f64>,
     /// Acted times of the samples, distinct and increasing \[s\]: the nodes of the time map.
     pub nodes_acted_s: Vec<f64>,
     /// Strength of the tempo prior; `None` where physical times are the acted ones.
@@ -126,6 +161,9 @@ pub struct Problem {
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
+    ///
+    /// # Panics
+    /// Where the scene leaves a contact open or pairs what never touches: stages before see to it.
     pub fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Self {
         let mut nodes_acted_s: Vec<f64> = segments
             .iter()
@@ -164,9 +202,12 @@ impl Problem {
             bounded: (0..scene.parameters.len())
                 .filter(|index| {
                     let free = &scene.parameters[*index];
-                    free.lower.is_finite() || free.upper.is_finite()
+                    let in_cone = scene.cones.iter().any(|c| c.parameters.contains(index));
+                    !in_cone && (free.lower.is_finite() || free.upper.is_finite())
                 })
                 .collect(),
+            cones: scene.cones.clone(),
+            velocity_gap_weight: None,
             nodes_acted_s,
             tempo_sd_per_sqrt_s: match scene.timing {
                 Timing::Known | Timing::Edited => None,
@@ -200,7 +241,30 @@ impl Problem {
     /// parameter's bound, as opposed to contacts that must not recede.
     pub fn has_bounds(&self) -> bool {
         let is_inequality = |goal: &ArcGoal| matches!(goal.target, ArcTarget::Coordinate { lower_m, upper_m, .. } if lower_m < upper_m);
-        !self.bounded.is_empty() || self.goals.iter().any(is_inequality)
+        !self.bounded.is_empty() || !self.cones.is_empty() || self.goals.iter().any(is_inequality)
+    }
+
+    /// Whether there are more equalities than unknowns besides sample times: then no motion meets
+    /// all of them, but by accident.
+    pub fn is_overconstrained(&self) -> bool {
+        let collisions = self.collisions.iter().map(|collision| {
+            let contacts = collision.meeting.contacts().len();
+            STATE * collision.sides.len()
+                + if collision.touches_by_goal {
+                    0
+                } else {
+                    contacts
+                }
+        });
+        let goals = self.goals.iter().map(|goal| match &goal.target {
+            ArcTarget::Pose(_) => 6,
+            ArcTarget::Coordinate {
+                lower_m, upper_m, ..
+            } => usize::from(lower_m == upper_m),
+        });
+        let free_events = self.event_is_free.iter().filter(|is_free| **is_free);
+        let unknowns = STATE * self.arcs.len() + free_events.count() + self.parameters.len();
+        collisions.chain(goals).sum::<usize>() > unknowns
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].
@@ -212,6 +276,11 @@ impl Problem {
             }
         }
         gravity
+    }
+
+    /// Components of gravity that are free.
+    pub fn gravity_count(&self) -> usize {
+        self.gravity_parameters.iter().flatten().count()
     }
 
     /// All samples of all arcs.
@@ -242,68 +311,48 @@ fn collisions(
     arcs: &[Arc],
     parameter: &impl Fn(Quantity) -> Option<usize>,
 ) -> Vec<Collision> {
-    let mut collisions = Vec::new();
-    for (event, scene_event) in scene.events.iter().enumerate() {
-        let Some(collision) = scene_event.kind.collision() else {
-            continue;
-        };
-        let body = collision.body;
-        let [
-            Touching {
-                feature: Some(feature),
-                other: Some(surface),
-            },
-        ] = collision.contacts[..]
-        else {
-            panic!("one contact that is known");
-        };
-        let feature = scene.bodies[body].features[feature].geometry;
-        let surface = scene.surfaces[surface].geometry;
-        let (
-            contact::Feature::Point { point_m, .. },
-            contact::Feature::Face {
-                point_m: surface_point_m,
-                normal,
-            },
-        ) = (feature, surface)
-        else {
-            panic!("a point on a face");
-        };
-        let arc_with = |end: bool| {
-            arcs.iter().position(|arc| {
-                arc.body == body && (if end { arc.end } else { arc.start }) == Some(event)
+    let events = scene.events.iter().enumerate();
+    let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
+    all.filter_map(|(event, collision)| {
+        let side = |body: usize| {
+            let arc_with = |end: bool| {
+                arcs.iter().position(|arc| {
+                    arc.body == body && (if end { arc.end } else { arc.start }) == Some(event)
+                })
+            };
+            Some(Side {
+                body,
+                before: arc_with(true)?,
+                after: arc_with(false)?,
             })
         };
-        let (Some(before), Some(after)) = (arc_with(true), arc_with(false)) else {
-            continue;
+        let is_held = |goal: &Goal| {
+            goal.event == event
+                && goal.body == collision.body
+                && matches!(goal.target, GoalTarget::Pose { .. })
         };
-        let first = normal.cross(&least_axis(&normal)).normalize();
-        let tangents = [first, normal.cross(&first)];
-        collisions.push(Collision {
+        Some(Collision {
             event,
-            before,
-            after,
-            contact: Contact {
-                point_m,
-                surface_point_m,
-                surface_normal: normal,
+            sides: collision.bodies().map(side).collect::<Option<_>>()?,
+            meeting: scene
+                .meeting(event)
+                .expect("a collision that the scene's makers checked")
+                .expect("contacts that stages before found"),
+            touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
+            law: Law {
+                friction: collision.friction,
+                ..Law::frictionless(collision.restitution)
             },
-            restitution: collision.restitution,
             restitution_parameter: parameter(Quantity::Restitution { event }),
+            friction_parameter: parameter(Quantity::Friction { event }),
             tilts: (0..2)
                 .filter_map(|tangent| {
-                    let index = parameter(Quantity::Tilt { event, tangent })?;
-                    Some((tangents[tangent], index))
+                    Some((tangent, parameter(Quantity::Tilt { event, tangent })?))
                 })
                 .collect(),
-        });
-    }
-    collisions
-}
-
-/// The world axis least along `direction`.
-fn least_axis(direction: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::ith(direction.iamin(), 1.0)
+        })
+    })
+    .collect()
 }
 
 fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {

@@ -1,6 +1,7 @@
 //! The quadratic programme of a step with bounds, by clarabel: which of them act?
 //!
-//! `min ½ δᵀHδ + gᵀδ` subject to `lower ≤ v + Jδ ≤ upper`, row by row. An interior-point method
+//! `min ½ δᵀHδ + gᵀδ` subject to `lower ≤ v + Jδ ≤ upper`, row by row, and tilts in their
+//! cones. An interior-point method
 //! answers to about eight digits; the finish takes the set of acting rows from its multipliers
 //! and solves for the step exactly.
 
@@ -34,6 +35,7 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
     let p = CscMatrix::new_from_triplets(size, size, rows, columns, values);
 
     let sides = sides(system);
+    let circles = circles(frame, system);
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (index, side) in sides.iter().enumerate() {
         let block = &system.blocks[side.block];
@@ -44,13 +46,22 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
             values.push(side.sign * block.jacobian[column * count + side.row]);
         }
     }
-    let a = CscMatrix::new_from_triplets(sides.len(), size, rows, columns, values);
-    let b: Vec<f64> = sides.iter().map(|side| side.room).collect();
+    let mut b: Vec<f64> = sides.iter().map(|side| side.room).collect();
     let equalities = sides.iter().filter(|side| side.is_equality).count();
-    let cones = [
+    let mut cones = vec![
         SupportedConeT::ZeroConeT(equalities),
         SupportedConeT::NonnegativeConeT(sides.len() - equalities),
     ];
+    for circle in &circles {
+        for (axis, at) in layout.blocks[circle.block].iter().enumerate() {
+            rows.push(b.len() + 1 + axis);
+            columns.push(*at);
+            values.push(-1.0);
+        }
+        b.extend([circle.limit, circle.values[0], circle.values[1]]);
+        cones.push(SupportedConeT::SecondOrderConeT(3));
+    }
+    let a = CscMatrix::new_from_triplets(b.len(), size, rows, columns, values);
     let settings = DefaultSettings {
         verbose: false,
         ..DefaultSettings::default()
@@ -72,7 +83,40 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
             multipliers[side.index] += side.sign * value;
         }
     }
+    for (circle, z) in circles.iter().zip(z[sides.len()..].chunks_exact(3)) {
+        // Both pull along the radius: by |z|, and by 2/limit times the row's multiplier.
+        if z[0] > ZERO * largest {
+            multipliers[circle.index] = 0.5 * circle.limit * z[1].hypot(z[2]);
+        }
+    }
     Some(multipliers)
+}
+
+/// Two unknowns within a circle: `(limit, p + δ)` in a second-order cone.
+struct Circle {
+    /// Of its row among all rows.
+    index: usize,
+    block: usize,
+    limit: f64,
+    values: [f64; 2],
+}
+
+fn circles(frame: &Frame, system: &System) -> Vec<Circle> {
+    let problem = frame.problem;
+    let first = system.blocks.len() - problem.cones.len();
+    let rows_before: usize = system.blocks[..first].iter().map(|b| b.values.len()).sum();
+    let cones = problem.cones.iter().enumerate();
+    cones
+        .map(|(number, cone)| {
+            let block = &system.blocks[first + number];
+            Circle {
+                index: rows_before + number,
+                block: first + number,
+                limit: cone.limit,
+                values: [0, 1].map(|axis: usize| block.jacobian[axis] / block.curvature),
+            }
+        })
+        .collect()
 }
 
 /// One side of a row: `sign · Jδ ≤ room`, or equal to it.
@@ -91,6 +135,11 @@ fn sides(system: &System) -> Vec<Side> {
     let mut sides = Vec::new();
     let mut index = 0;
     for (number, block) in system.blocks.iter().enumerate() {
+        // Curved rows are circles.
+        if block.curvature > 0.0 {
+            index += block.values.len();
+            continue;
+        }
         for (row, (value, (lower, upper))) in block.values.iter().zip(&block.bounds).enumerate() {
             let is_equality = lower == upper;
             let mut push = |sign: f64, room: f64| {

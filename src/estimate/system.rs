@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::collision;
 use super::constraint::{self, Block};
 use super::layout::Layout;
 use super::point::Point;
@@ -87,6 +88,8 @@ pub struct System {
     pub hessian: Envelope,
     /// Constraints, in the order of the layout's blocks.
     pub blocks: Vec<Block>,
+    /// Velocity gaps of every collision, where they are priced instead of closed.
+    pub velocity_gaps: Vec<Block>,
 }
 
 impl System {
@@ -98,6 +101,7 @@ impl System {
             gradient: DVector::zeros(frame.layout.size()),
             hessian: Envelope::zeros(&frame.layout.pattern),
             blocks: vec![Block::default(); blocks],
+            velocity_gaps: vec![Block::default(); frame.problem.collisions.len()],
         }
     }
 
@@ -110,15 +114,20 @@ impl System {
         self.add_priors(frame, guidance, point);
         let problem = frame.problem;
         let (collisions, others) = self.blocks.split_at_mut(problem.collisions.len());
-        for ((collision, block), limit) in problem
-            .collisions
-            .iter()
-            .zip(collisions)
-            .zip(&guidance.approach_limits_m_s)
-        {
-            constraint::collision(problem, collision, point, &frame.epochs_s, *limit, block);
+        for (index, (of, block)) in problem.collisions.iter().zip(collisions).enumerate() {
+            let limit_m_s = guidance.approach_limits_m_s[index];
+            let gaps = &mut self.velocity_gaps[index];
+            collision::fill(
+                problem,
+                of,
+                point,
+                &frame.epochs_s,
+                limit_m_s,
+                (block, gaps),
+            );
         }
-        let (goals, bounded) = others.split_at_mut(problem.goals.len());
+        let (goals, others) = others.split_at_mut(problem.goals.len());
+        let (bounded, cones) = others.split_at_mut(problem.bounded.len());
         for (goal, block) in problem.goals.iter().zip(goals) {
             constraint::goal(problem, goal, point, &frame.epochs_s, block);
         }
@@ -128,6 +137,24 @@ impl System {
                 point.parameters[*parameter],
                 block,
             );
+        }
+        for (cone, block) in problem.cones.iter().zip(cones) {
+            constraint::cone(cone, cone.parameters.map(|p| point.parameters[p]), block);
+        }
+        if let Some(weight) = problem.velocity_gap_weight {
+            self.add_velocity_gaps(frame, weight);
+        }
+    }
+
+    /// Half the weighted squares of what velocities jump beyond their impacts.
+    fn add_velocity_gaps(&mut self, frame: &Frame, weight: f64) {
+        let layout = frame.layout;
+        // A collision's gaps touch what its constraints touch.
+        for (block, columns) in self.velocity_gaps.iter().zip(&layout.blocks) {
+            let values = &block.values;
+            self.cost += 0.5 * weight * values.iter().map(|v| v * v).sum::<f64>();
+            block.add_pull(columns, |row| weight * values[row], &mut self.gradient);
+            block.add_square(&layout.pattern, columns, |_| weight, &mut self.hessian);
         }
     }
 

@@ -11,11 +11,11 @@ use super::recipe::{self, Recipe};
 use super::system::{Frame, Guidance, System};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
-    ArcGuess, BodySketch, Collision, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
-    Guess, Quantity, Sample, Scene, SceneBody, Segment, Sketch, Stamp, Surface, Timing,
-    VelocityGaps, Weights,
+    ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
+    GoalTarget, Guess, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch, Stamp,
+    Surface, Timing, Touching, VelocityGaps, Weights,
 };
-use crate::physics::{Body, Shape, State, contact, flow};
+use crate::physics::{Body, Shape, State, contact, flow, impact};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
@@ -132,55 +132,127 @@ fn states() -> [State; 2] {
 }
 
 const EPOCHS_S: [f64; 2] = [0.1, 0.35];
+
+/// The same rod hits a board that flies, on its face, whose normal may tilt within a cone.
+fn meeting(timing: Timing, friction: f64) -> Scene {
+    let mut scene = scene(timing);
+    let face = contact::Feature::face(
+        Vector3::new(0.01, 0.0, 0.02),
+        Vector3::new(-0.1, 0.2, 1.0).normalize(),
+    );
+    scene.bodies.push(SceneBody {
+        name: "board".into(),
+        topic: "/board".into(),
+        body: Body::new(0.02, Vector3::new(4e-5, 4e-5, 7e-5)).unwrap(),
+        features: vec![Feature {
+            name: "top".into(),
+            geometry: face,
+        }],
+        ..scene.bodies[0].clone()
+    });
+    let bounce = Collision {
+        partner: Partner::Body(1),
+        friction,
+        ..Collision::bounce(0, 0, 0, 0.6)
+    };
+    scene.events[0].kind = EventKind::Collision(bounce);
+    scene.cones.push(Cone {
+        parameters: [2, 3],
+        limit: 0.1,
+    });
+    if friction > 0.0 {
+        let free = parameter("f", Quantity::Friction { event: 0 }, friction, (0.0, 20.0));
+        scene.parameters.push(free);
+    }
+    scene
+}
+
+/// The rod lands flat, on three points at once.
+fn landing(timing: Timing) -> Scene {
+    let mut scene = scene(timing);
+    let point = |name: &str, x, y| Feature {
+        name: name.into(),
+        geometry: contact::Feature::corner(Vector3::new(x, y, -0.1)),
+    };
+    let features = [point("east", 0.05, 0.0), point("west", -0.05, 0.01)];
+    scene.bodies[0].features.extend(features);
+    let mut bounce = Collision::bounce(0, 0, 0, 0.6);
+    bounce.contacts = (0..3)
+        .map(|feature| Touching {
+            feature: Some(feature),
+            other: Some(0),
+        })
+        .collect();
+    scene.events[0].kind = EventKind::Collision(bounce);
+    scene
+}
 const SAMPLES: usize = 9;
 
-/// Samples of both arcs, off the flights by `offset`, and a guess at the flights.
+/// Samples of two arcs of every body, off the flights by `offset`, and a guess at the flights.
 fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess) {
-    let mut samples = Vec::new();
+    let marks_s = vec![0.22, 0.45];
+    let mut bodies = Vec::new();
+    let mut segments = Vec::new();
     let mut arcs = Vec::new();
-    for (arc, state) in states().into_iter().enumerate() {
-        let times_s: Vec<f64> = (0..SAMPLES)
-            .map(|i| 0.25 * arc as f64 + 0.02 * i as f64 + 0.01)
-            .collect();
-        for time_s in &times_s {
-            let body = &scene.bodies[0].body;
-            let there = flow::advance(body, &GRAVITY, &state, time_s - EPOCHS_S[arc]);
-            let wave = offset * (30.0 * time_s).sin();
-            samples.push(Sample {
-                stamp: Stamp((time_s * 1e9) as i64),
-                acted_s: *time_s,
-                position_m: there.position_m + Vector3::new(0.03, -0.02, 0.01) * wave,
-                orientation: there.orientation
-                    * UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.2, -0.4) * wave),
+    for (body, of_scene) in scene.bodies.iter().enumerate() {
+        let mut samples = Vec::new();
+        for (arc, mut state) in states().into_iter().enumerate() {
+            // The second body flies below the first and turns otherwise.
+            let other = body as f64;
+            state.position_m += Vector3::new(0.02, -0.03, -0.25) * other;
+            state.velocity_m_s += Vector3::new(-0.3, 0.1, 0.4) * other;
+            state.angular_velocity_rad_s += Vector3::new(-2.0, 1.0, 3.0) * other;
+            let times_s: Vec<f64> = (0..SAMPLES)
+                .map(|i| EPOCHS_S[arc] + 0.02 * (i as f64 - 4.0) + 0.001 * (i % 3) as f64)
+                .collect();
+            for (i, time_s) in times_s.iter().enumerate() {
+                let s = time_s - EPOCHS_S[arc];
+                let there = flow::advance(&of_scene.body, &GRAVITY, &state, s);
+                let wave = offset * (1.7 * i as f64 + arc as f64 + other).sin();
+                samples.push(Sample {
+                    stamp: Stamp((time_s * 1e9) as i64),
+                    acted_s: *time_s,
+                    position_m: there.position_m + Vector3::new(0.03, -0.02, 0.01) * wave,
+                    orientation: there.orientation
+                        * UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.2, -0.4) * wave),
+                });
+            }
+            segments.push(Segment {
+                body,
+                start_event: arc.checked_sub(1),
+                end_event: Some(arc),
+                samples: SAMPLES * arc..SAMPLES * (arc + 1),
+            });
+            arcs.push(ArcGuess {
+                epoch_s: EPOCHS_S[arc],
+                state,
+                sample_times_s: times_s,
             });
         }
-        arcs.push(ArcGuess {
-            epoch_s: EPOCHS_S[arc],
-            state,
-            sample_times_s: times_s,
-        });
+        bodies.push(BodySketch { samples });
     }
-    let segment = |samples, start_event, end_event| Segment {
-        body: 0,
-        start_event,
-        end_event,
-        samples,
+    // Segments come in order of their ends, and so do the guesses of their arcs.
+    let order = |arc: usize| {
+        if scene.bodies.len() == 1 {
+            arc
+        } else {
+            [0, 2, 1, 3][arc]
+        }
     };
-    (
-        Sketch {
-            origin: Stamp(0),
-            bodies: vec![BodySketch { samples }],
-            marks_s: vec![0.22, 0.45],
-        },
-        vec![
-            segment(0..SAMPLES, None, Some(0)),
-            segment(SAMPLES..2 * SAMPLES, Some(0), Some(1)),
-        ],
-        Guess {
-            arcs,
-            event_times_s: vec![0.22, 0.45],
-        },
-    )
+    let segments = (0..segments.len())
+        .map(|i| segments[order(i)].clone())
+        .collect();
+    let arcs = (0..arcs.len()).map(|i| arcs[order(i)].clone()).collect();
+    let sketch = Sketch {
+        origin: Stamp(0),
+        bodies,
+        marks_s: marks_s.clone(),
+    };
+    let guess = Guess {
+        arcs,
+        event_times_s: marks_s,
+    };
+    (sketch, segments, guess)
 }
 
 /// A step of each unknown over which the problem is smooth.
@@ -195,15 +267,25 @@ fn lengths(layout: &Layout) -> Vec<f64> {
     lengths
 }
 
-/// Runs `check` on system, frame, point and step lengths for known and unknown times.
-fn each_timing(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
-    for timing in [
+/// Runs `check` on frame, guidance, point and step lengths: for one body, for two that stick and
+/// that slide, for several contacts at once; with known and unknown times.
+fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
+    let timings = [
         Timing::Known,
         Timing::Unknown {
             tempo_sd_per_sqrt_s: 0.5,
         },
-    ] {
-        let mut scene = scene(timing);
+    ];
+    let scenes = timings.into_iter().flat_map(|timing| {
+        [
+            scene(timing),
+            meeting(timing, 0.0),
+            meeting(timing, 0.05),
+            meeting(timing, 9.0),
+            landing(timing),
+        ]
+    });
+    for mut scene in scenes {
         if offset == 0.0 {
             scene
                 .parameters
@@ -212,11 +294,14 @@ fn each_timing(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
             scene.parameters[0].initial = GRAVITY.z;
         }
         let (sketch, segments, guess) = sketch(&scene, offset);
-        let problem = Problem::new(&scene, &sketch, &segments);
+        let mut problem = Problem::new(&scene, &sketch, &segments);
         let layout = Layout::new(&problem);
         let point = Point::new(&problem, &guess);
-        let frame = Frame::new(&problem, &layout, EPOCHS_S.to_vec(), &point);
-        check(&frame, &Guidance::none(&problem), &point, &lengths(&layout));
+        for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {
+            problem.velocity_gap_weight = velocity_gap_weight;
+            let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &point);
+            check(&frame, &Guidance::none(&problem), &point, &lengths(&layout));
+        }
     }
 }
 
@@ -232,7 +317,7 @@ fn moved(frame: &Frame, guidance: &Guidance, point: &Point, lengths: &[f64], d: 
 
 #[test]
 fn the_gradient_of_the_objective_is_exact() {
-    each_timing(1.0, |frame, guidance, point, lengths| {
+    each_case(1.0, |frame, guidance, point, lengths| {
         let size = frame.layout.size();
         let exact = moved(frame, guidance, point, lengths, &vec![0.0; size]).gradient;
         let numeric = differentiate::jacobian(1, size, |d| {
@@ -252,7 +337,7 @@ fn the_gradient_of_the_objective_is_exact() {
 
 #[test]
 fn the_hessian_is_exact_where_nothing_remains() {
-    each_timing(0.0, |frame, guidance, point, lengths| {
+    each_case(0.0, |frame, guidance, point, lengths| {
         let size = frame.layout.size();
         let system = moved(frame, guidance, point, lengths, &vec![0.0; size]);
         assert!(system.cost < 1e-20);
@@ -278,7 +363,7 @@ fn the_hessian_is_exact_where_nothing_remains() {
 
 #[test]
 fn the_constraints_derivatives_are_exact_and_within_their_columns() {
-    each_timing(1.0, |frame, guidance, point, lengths| {
+    each_case(1.0, |frame, guidance, point, lengths| {
         let size = frame.layout.size();
         let system = moved(frame, guidance, point, lengths, &vec![0.0; size]);
         let numeric = differentiate::jacobian(system.row_count(), size, |d| {
@@ -310,7 +395,7 @@ fn the_constraints_derivatives_are_exact_and_within_their_columns() {
 
 #[test]
 fn sample_times_keep_their_order_under_any_step() {
-    each_timing(1.0, |frame, _, point, _| {
+    each_case(1.0, |frame, _, point, _| {
         for scale in [-1.0, 1.0, 30.0] {
             let delta = DVector::from_fn(frame.layout.size(), |at, _| scale * (at as f64).sin());
             let mut there = point.clone();
@@ -361,4 +446,36 @@ fn a_bound_acts_and_the_step_finds_it() {
     let free = solve(&free);
     assert!(free.finished.converged && (free.point.parameters[0] + 9.8).abs() < 0.1);
     assert!(free.system.cost < bounded.system.cost);
+}
+
+#[test]
+fn the_meetings_approach_and_one_slides_and_the_other_sticks() {
+    for (friction, sticks) in [(0.05, false), (9.0, true)] {
+        let scene = meeting(Timing::Known, friction);
+        let (sketch, segments, guess) = sketch(&scene, 0.0);
+        let problem = Problem::new(&scene, &sketch, &segments);
+        let collision = &problem.collisions[0];
+        let before = |side: usize| {
+            let arc = collision.sides[side].before;
+            let body = &problem.bodies[collision.sides[side].body];
+            let duration_s = guess.event_times_s[0] - guess.arcs[arc].epoch_s;
+            flow::advance(body, &GRAVITY, &guess.arcs[arc].state, duration_s)
+        };
+        let states = [before(0), before(1)];
+        let side = |index: usize| impact::Side {
+            body: &problem.bodies[index],
+            state: &states[index],
+        };
+        let law = impact::Law {
+            friction,
+            tilt_rad: [0.03, -0.02],
+            ..impact::Law::frictionless(0.55)
+        };
+        let impact = collision
+            .meeting
+            .impact(&side(0), Some(&side(1)), &law)
+            .unwrap();
+        assert!(impact.speeds_m_s[0] < -0.1, "{impact:?}");
+        assert_eq!(impact.sticks, sticks, "{impact:?}");
+    }
 }

@@ -55,6 +55,20 @@ pub struct Gap {
     pub angular_velocity_rad_s: f64,
 }
 
+impl Gap {
+    /// The larger of each kind.
+    pub fn max(&self, other: &Self) -> Self {
+        Self {
+            position_m: self.position_m.max(other.position_m),
+            orientation_rad: self.orientation_rad.max(other.orientation_rad),
+            velocity_m_s: self.velocity_m_s.max(other.velocity_m_s),
+            angular_velocity_rad_s: self
+                .angular_velocity_rad_s
+                .max(other.angular_velocity_rad_s),
+        }
+    }
+}
+
 /// An event as estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventEstimate {
@@ -124,6 +138,18 @@ pub struct Counters {
     pub assignment_rounds: usize,
     /// Starts tried.
     pub starts: usize,
+}
+
+impl Counters {
+    /// Adds the work of another solve.
+    pub fn add(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
+        self.factorisations += other.factorisations;
+        self.fit_iterations += other.fit_iterations;
+        self.assignment_rounds += other.assignment_rounds;
+        self.starts += other.starts;
+    }
 }
 
 /// The result of an estimation.

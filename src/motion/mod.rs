@@ -16,8 +16,9 @@ pub use estimate::{
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use scene::{
-    Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Partner,
-    Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps, Weights,
+    Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
+    Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
+    Weights,
 };
 pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};

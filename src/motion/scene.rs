@@ -3,9 +3,12 @@
 //! Plain validated data in SI units. `config` makes it from TOML; the stages trust it.
 
 use nalgebra::Vector3;
+use thiserror::Error;
 
 use crate::math::Pose;
-use crate::physics::{Body, Shape, contact};
+use crate::physics::contact::{self, Contact, ContactError};
+use crate::physics::impact::{Meeting, MeetingError};
+use crate::physics::{Body, Shape};
 
 /// Everything that is known about a performance before it is seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +42,44 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Where the bodies of a collision touch and by which law; `None` where the scene leaves a
+    /// feature open, or where the event is no collision.
+    ///
+    /// Fails where features never touch, or where no impact is known for them.
+    pub fn meeting(&self, event: usize) -> Result<Option<Meeting>, CollisionError> {
+        let Some(collision) = self.events[event].kind.collision() else {
+            return Ok(None);
+        };
+        let mut contacts = Vec::new();
+        for touching in &collision.contacts {
+            let (Some(feature), Some(other)) = (touching.feature, touching.other) else {
+                return Ok(None);
+            };
+            let feature = self.bodies[collision.body].features[feature].geometry;
+            let other = match collision.partner {
+                Partner::World => self.surfaces[other].geometry,
+                Partner::Body(body) => self.bodies[body].features[other].geometry,
+            };
+            contacts.push(Contact::new(feature, other)?);
+        }
+        let frees = |quantity: fn(usize) -> Quantity| {
+            let quantity = quantity(event);
+            self.parameters.iter().any(|free| free.quantity == quantity)
+        };
+        let is_tilted = frees(|event| Quantity::Tilt { event, tangent: 0 })
+            || frees(|event| Quantity::Tilt { event, tangent: 1 });
+        let has_friction = collision.friction > 0.0 || frees(|event| Quantity::Friction { event });
+        let meeting = if has_friction {
+            Meeting::with_friction(&contacts)?
+        } else {
+            Meeting::frictionless(&contacts)?
+        };
+        if is_tilted {
+            meeting.check_tilt()?;
+        }
+        Ok(Some(meeting))
+    }
+
     /// Streams of poses that a body has: one; in an edited sketch one per segment, and its
     /// collisions part its segments.
     pub fn streams(&self, body: usize) -> usize {
@@ -61,6 +102,17 @@ impl Scene {
             Timing::Known | Timing::Unknown { .. } => topic.clone(),
         }
     }
+}
+
+/// Why bodies cannot collide as a scene says.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum CollisionError {
+    /// Two features never touch.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// No impact is known for the contacts.
+    #[error(transparent)]
+    Meeting(#[from] MeetingError),
 }
 
 /// What the stamps of the samples mean.

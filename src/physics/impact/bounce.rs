@@ -11,9 +11,9 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::body::Body;
-use super::state::State;
 use crate::math::so3;
+use crate::physics::body::Body;
+use crate::physics::state::State;
 
 /// One contact of a body's point with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,106 @@
+//! The features of solids that may touch.
+
+use nalgebra::Vector3;
+
+use super::error::ContactError;
+
+/// How far a direction's length may be off one: what rounding leaves of a normalised one.
+const UNIT_TOLERANCE: f64 = 1e-9;
+
+/// A part of a solid's surface that may touch another, in the solid's own axes.
+///
+/// Radii round a feature: a corner of radius `r` is the ball about it, a line of radius `r` the
+/// side of a capsule or a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feature {
+    /// A corner (radius 0), a ball, the cap of a capsule, the corner of a rounded box.
+    Point {
+        /// Its centre \[m\].
+        point_m: Vector3<f64>,
+        /// Its radius \[m\], zero or more.
+        radius_m: f64,
+    },
+    /// A straight edge (radius 0), the side of a cylinder or a capsule; endless as geometry.
+    Line {
+        /// A point on it \[m\].
+        point_m: Vector3<f64>,
+        /// Unit direction.
+        direction: Vector3<f64>,
+        /// Its radius \[m\], zero or more.
+        radius_m: f64,
+    },
+    /// The rim of a flat end: of a cylinder, of a cone's base.
+    Rim {
+        /// Its centre \[m\].
+        centre_m: Vector3<f64>,
+        /// Unit axis, out of the solid.
+        axis: Vector3<f64>,
+        /// Its radius \[m\], positive.
+        radius_m: f64,
+    },
+    /// A flat face; endless as geometry.
+    Face {
+        /// A point on it \[m\].
+        point_m: Vector3<f64>,
+        /// Unit normal, out of the solid.
+        normal: Vector3<f64>,
+    },
+}
+
+impl Feature {
+    /// A sharp corner at a point \[m\].
+    pub fn corner(point_m: Vector3<f64>) -> Self {
+        Feature::Point {
+            point_m,
+            radius_m: 0.0,
+        }
+    }
+
+    /// The face through a point \[m\] with that unit normal.
+    pub fn face(point_m: Vector3<f64>, normal: Vector3<f64>) -> Self {
+        Feature::Face { point_m, normal }
+    }
+
+    /// What kind it is, in a word.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Feature::Point { .. } => "point",
+            Feature::Line { .. } => "line",
+            Feature::Rim { .. } => "rim",
+            Feature::Face { .. } => "face",
+        }
+    }
+
+    /// Whether its numbers are finite, its direction a unit vector and its radius not negative
+    /// (a rim's: positive).
+    pub fn check(&self) -> Result<(), ContactError> {
+        let kind = self.kind();
+        let (place, direction, radius_m) = match *self {
+            Feature::Point { point_m, radius_m } => (point_m, None, radius_m),
+            Feature::Line {
+                point_m,
+                direction,
+                radius_m,
+            } => (point_m, Some(direction), radius_m),
+            Feature::Rim {
+                centre_m,
+                axis,
+                radius_m,
+            } => (centre_m, Some(axis), radius_m),
+            Feature::Face { point_m, normal } => (point_m, Some(normal), 0.0),
+        };
+        if !place.iter().all(|x| x.is_finite()) {
+            return Err(ContactError::NotFinite { kind });
+        }
+        if let Some(length) = direction.map(|d| d.norm())
+            && !((length - 1.0).abs() <= UNIT_TOLERANCE)
+        {
+            return Err(ContactError::NotUnit { kind, length });
+        }
+        let is_rim = matches!(self, Feature::Rim { .. });
+        if !(radius_m.is_finite() && (radius_m > 0.0 || radius_m == 0.0 && !is_rim)) {
+            return Err(ContactError::Radius { kind, radius_m });
+        }
+        Ok(())
+    }
+}

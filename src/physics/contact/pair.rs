@@ -1,0 +1,207 @@
+//! Which pairs of features may touch.
+
+use nalgebra::Vector3;
+
+use super::error::ContactError;
+use super::feature::Feature;
+
+/// A pair of features that may touch: one of a body A, one of a body B or of the static world.
+///
+/// Known are point–face, rim–face, point–point, point–line, each either way round, and
+/// line–line. Points and lines may be rounded; point–point and point–line need a radius on at
+/// least one. Features are endless as geometry: whether the contact lies within an edge or a
+/// face, and whether another feature would have touched first, is for the caller to check.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    a: Feature,
+    b: Feature,
+    pub(super) pair: Pair,
+    /// Whether `pair` holds B's feature first.
+    pub(super) mirrored: bool,
+    tangents: Option<[Vector3<f64>; 2]>,
+}
+
+/// A point and the ball about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) centre_m: Vector3<f64>,
+    pub(super) radius_m: f64,
+}
+
+/// A line and the tube about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tube {
+    pub(super) point_m: Vector3<f64>,
+    pub(super) direction: Vector3<f64>,
+    pub(super) radius_m: f64,
+}
+
+/// A plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) point_m: Vector3<f64>,
+    pub(super) normal: Vector3<f64>,
+}
+
+/// A circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Circle {
+    pub(super) centre_m: Vector3<f64>,
+    pub(super) axis: Vector3<f64>,
+    pub(super) radius_m: f64,
+}
+
+/// The pairs whose geometry is written out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pair {
+    PointFace(Ball, Plane),
+    RimFace(Circle, Plane),
+    PointPoint(Ball, Ball),
+    PointLine(Ball, Tube),
+    /// Whether the normal is on the side of A's centre of mass; else it leads from B's line to
+    /// A's.
+    LineLine(Tube, Tube, bool),
+}
+
+impl Contact {
+    /// The contact of A's feature with B's; the static world's are in world axes.
+    ///
+    /// Fails where a feature is malformed, where the pair is none of the known ones (the error
+    /// says what to use in its place), and where both features are sharp and leave no normal.
+    pub fn new(a: Feature, b: Feature) -> Result<Self, ContactError> {
+        a.check()?;
+        b.check()?;
+        let (pair, mirrored) = match pair(&a, &b)? {
+            Some(pair) => (pair, false),
+            None => match pair(&b, &a)? {
+                Some(pair) => (pair, true),
+                None => {
+                    return Err(ContactError::Pair {
+                        a: a.kind(),
+                        b: b.kind(),
+                        instead: instead(&a, &b),
+                    });
+                }
+            },
+        };
+        let tangents = match b {
+            Feature::Face { normal, .. } => Some(tangents(&normal)),
+            _ => None,
+        };
+        Ok(Self {
+            a,
+            b,
+            pair,
+            mirrored,
+            tangents,
+        })
+    }
+
+    /// A's feature.
+    pub fn a(&self) -> &Feature {
+        &self.a
+    }
+
+    /// B's feature.
+    pub fn b(&self) -> &Feature {
+        &self.b
+    }
+
+    /// The axes about which the normal may be tilted: two unit tangents of B's face, in B's
+    /// axes. `None` where B's feature is no face.
+    pub fn tilt_axes(&self) -> Option<&[Vector3<f64>; 2]> {
+        self.tangents.as_ref()
+    }
+}
+
+/// The pair in this order, if its geometry is written in this order.
+fn pair(a: &Feature, b: &Feature) -> Result<Option<Pair>, ContactError> {
+    Ok(Some(match (primitive(a), primitive(b)) {
+        (Primitive::Ball(ball), Primitive::Plane(plane)) => Pair::PointFace(ball, plane),
+        (Primitive::Circle(circle), Primitive::Plane(plane)) => Pair::RimFace(circle, plane),
+        (Primitive::Ball(p), Primitive::Ball(q)) => {
+            rounded(a, b, p.radius_m + q.radius_m)?;
+            Pair::PointPoint(p, q)
+        }
+        (Primitive::Ball(p), Primitive::Tube(q)) => {
+            rounded(a, b, p.radius_m + q.radius_m)?;
+            Pair::PointLine(p, q)
+        }
+        (Primitive::Tube(p), Primitive::Tube(q)) => {
+            let foot = p.point_m - p.direction * p.direction.dot(&p.point_m);
+            let centre_is_outside = foot.norm() > p.radius_m;
+            if !centre_is_outside && p.radius_m + q.radius_m == 0.0 {
+                return Err(ContactError::LineThroughCentre);
+            }
+            Pair::LineLine(p, q, centre_is_outside)
+        }
+        _ => return Ok(None),
+    }))
+}
+
+/// A feature as geometry.
+enum Primitive {
+    Ball(Ball),
+    Tube(Tube),
+    Circle(Circle),
+    Plane(Plane),
+}
+
+fn primitive(feature: &Feature) -> Primitive {
+    match *feature {
+        Feature::Point { point_m, radius_m } => Primitive::Ball(Ball {
+            centre_m: point_m,
+            radius_m,
+        }),
+        Feature::Line {
+            point_m,
+            direction,
+            radius_m,
+        } => Primitive::Tube(Tube {
+            point_m,
+            direction,
+            radius_m,
+        }),
+        Feature::Rim {
+            centre_m,
+            axis,
+            radius_m,
+        } => Primitive::Circle(Circle {
+            centre_m,
+            axis,
+            radius_m,
+        }),
+        Feature::Face { point_m, normal } => Primitive::Plane(Plane { point_m, normal }),
+    }
+}
+
+fn rounded(a: &Feature, b: &Feature, radius_m: f64) -> Result<(), ContactError> {
+    if radius_m > 0.0 {
+        return Ok(());
+    }
+    Err(ContactError::Sharp {
+        a: a.kind(),
+        b: b.kind(),
+    })
+}
+
+/// What to use in place of a pair that is not known.
+fn instead(a: &Feature, b: &Feature) -> &'static str {
+    match (a, b) {
+        (Feature::Line { .. }, Feature::Face { .. })
+        | (Feature::Face { .. }, Feature::Line { .. }) => {
+            "use one end of the line as a point, or both ends at once where it lands flat"
+        }
+        (Feature::Face { .. }, Feature::Face { .. }) => {
+            "use one corner of a face as a point, or three corners at once where it lands flat"
+        }
+        _ => "use the face that the rim bounds, or the side beside it as a line with a radius",
+    }
+}
+
+/// Two unit tangents of a plane: the first across the axis least along the normal.
+fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let least = Vector3::ith(normal.iamin(), 1.0);
+    let first = normal.cross(&least).normalize();
+    [first, normal.cross(&first)]
+}

@@ -1,0 +1,157 @@
+//! One contact with friction: Chatterjee and Ruina's law (see [`super::Law`]).
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::meeting::Law;
+use super::rows::Change;
+
+/// An impulse by the law, with what its derivatives need.
+pub(super) struct Coulomb {
+    law: Law,
+    normal: Vector3<f64>,
+    velocity: Vector3<f64>,
+    mobility: Matrix3<f64>,
+    inverse_mobility: Matrix3<f64>,
+    /// `n·W n`.
+    normal_mobility: f64,
+    /// `P_I` along the normal.
+    plastic: f64,
+    /// `D = P_II − P_I`.
+    to_stick: Vector3<f64>,
+    /// `κ`.
+    share: f64,
+    slide: Slide,
+}
+
+/// How the share of `D` is found.
+enum Slide {
+    /// The whole: it is one.
+    Sticks,
+    /// The cone limits it: direction of the tangential part of `D`, and `|T| − μ n·D`.
+    Slides(Vector3<f64>, f64),
+    /// The contact recedes, or nothing slides: it is zero.
+    Free,
+}
+
+/// Change of the law's inputs.
+pub(super) struct CoulombChange<const C: usize> {
+    pub(super) normal: Change<C>,
+    pub(super) velocity: Change<C>,
+    /// Change of `W`, times `n`.
+    pub(super) mobility_normal: Change<C>,
+    /// Change of `W`, times `P_II`.
+    pub(super) mobility_stuck: Change<C>,
+}
+
+impl Coulomb {
+    pub(super) fn new(
+        law: &Law,
+        normal: &Vector3<f64>,
+        velocity: &Vector3<f64>,
+        mobility: &Matrix3<f64>,
+    ) -> Self {
+        let inverse_mobility = mobility
+            .cholesky()
+            .expect("the mobility of a body is positive definite")
+            .inverse();
+        let normal_mobility = normal.dot(&(mobility * normal));
+        let plastic = -normal.dot(velocity) / normal_mobility;
+        let to_stick = -(inverse_mobility * velocity) - normal * plastic;
+        let pressed = normal.dot(&to_stick);
+        let tangential = to_stick - normal * pressed;
+        let size = tangential.norm();
+        let rebound = (1.0 + law.restitution) * plastic;
+        let (share, slide) = if !(plastic > 0.0) {
+            (0.0, Slide::Free)
+        } else if law.friction > 0.0 && size <= law.friction * (rebound + pressed) {
+            (1.0, Slide::Sticks)
+        } else if size > 0.0 {
+            let margin = size - law.friction * pressed;
+            let share = law.friction * rebound / margin;
+            (share, Slide::Slides(tangential / size, margin))
+        } else {
+            (0.0, Slide::Free)
+        };
+        Self {
+            law: *law,
+            normal: *normal,
+            velocity: *velocity,
+            mobility: *mobility,
+            inverse_mobility,
+            normal_mobility,
+            plastic,
+            to_stick,
+            share,
+            slide,
+        }
+    }
+
+    pub(super) fn impulse(&self) -> Vector3<f64> {
+        self.normal * ((1.0 + self.law.restitution) * self.plastic) + self.to_stick * self.share
+    }
+
+    pub(super) fn sticks(&self) -> bool {
+        matches!(self.slide, Slide::Sticks)
+    }
+
+    /// The normal that the law sees.
+    pub(super) fn normal(&self) -> &Vector3<f64> {
+        &self.normal
+    }
+
+    /// `P_II`.
+    pub(super) fn stuck(&self) -> Vector3<f64> {
+        self.to_stick + self.normal * self.plastic
+    }
+
+    /// Changes of the impulse by those of the relative velocity.
+    pub(super) fn by_velocity<const C: usize>(&self, velocity: Change<C>) -> Change<C> {
+        self.change(&CoulombChange {
+            normal: Change::zeros(),
+            velocity,
+            mobility_normal: Change::zeros(),
+            mobility_stuck: Change::zeros(),
+        })
+    }
+
+    /// Changes of the impulse.
+    pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
+        let (n, e) = (&self.normal, self.law.restitution);
+        let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);
+        let mobility = (self.mobility * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.mobility_normal);
+        let plastic = -(speed + mobility * self.plastic) / self.normal_mobility;
+        let plastic_vector = n * plastic + by.normal * self.plastic;
+        let stuck = -(self.inverse_mobility * (by.velocity + by.mobility_stuck));
+        let to_stick = stuck - plastic_vector;
+        let change = plastic_vector * (1.0 + e) + to_stick * self.share;
+        let Slide::Slides(direction, margin) = &self.slide else {
+            return change;
+        };
+        let mu = self.law.friction;
+        let pressed = self.to_stick.tr_mul(&by.normal) + n.tr_mul(&to_stick);
+        let size = direction.tr_mul(&(to_stick - by.normal * n.dot(&self.to_stick)));
+        let share = (plastic * (mu * (1.0 + e)) - (size - pressed * mu) * self.share) / *margin;
+        change + self.to_stick * share
+    }
+
+    /// Derivative of the impulse by the restitution.
+    pub(super) fn by_restitution(&self) -> Vector3<f64> {
+        let share = match self.slide {
+            Slide::Slides(_, margin) => self.law.friction * self.plastic / margin,
+            Slide::Sticks | Slide::Free => 0.0,
+        };
+        self.normal * self.plastic + self.to_stick * share
+    }
+
+    /// Derivative of the impulse by the coefficient of friction.
+    pub(super) fn by_friction(&self) -> Vector3<f64> {
+        match self.slide {
+            Slide::Slides(_, margin) => {
+                let rebound = (1.0 + self.law.restitution) * self.plastic;
+                let pressed = self.normal.dot(&self.to_stick);
+                self.to_stick * ((rebound + self.share * pressed) / margin)
+            }
+            Slide::Sticks | Slide::Free => Vector3::zeros(),
+        }
+    }
+}

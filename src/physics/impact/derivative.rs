@@ -1,0 +1,172 @@
+//! Derivatives of an impact.
+
+use nalgebra::{RowSVector, SMatrix, SVector};
+
+use super::encounter::{Encounter, PoseChange};
+use super::error::ImpactError;
+use super::meeting::MOST_CONTACTS;
+use super::rows::Change;
+use super::solution::Solution;
+use crate::physics::state::part;
+
+/// Derivatives of an [`Impact`](super::Impact). Columns of a state are those of
+/// [`StateTangent`](crate::physics::state::StateTangent); rows of velocities are `v` [m/s,
+/// world], then `ω` [rad/s, body].
+///
+/// Exact on each side of the switches between sticking and sliding and between approaching and
+/// receding; on a switch, that of the reported branch. It is large: make one and fill it again
+/// and again ([`Meeting::derivative`](super::Meeting::derivative)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactDerivative {
+    /// Gap `[contact]` by the state `[body]` before.
+    pub gap: [[RowSVector<f64, 12>; 2]; MOST_CONTACTS],
+    /// Speed along the untilted normal `[contact]` by the state `[body]` before.
+    pub speed: [[RowSVector<f64, 12>; 2]; MOST_CONTACTS],
+    /// Velocities `[i]` after by the state `[j]` before.
+    pub after: [[SMatrix<f64, 6, 12>; 2]; 2],
+    /// Velocities after by the restitution.
+    pub after_by_restitution: [SVector<f64, 6>; 2],
+    /// Velocities after by the coefficient of friction.
+    pub after_by_friction: [SVector<f64, 6>; 2],
+    /// Velocities after by the two tilts; zero where
+    /// [`Meeting::check_tilt`](super::Meeting::check_tilt) refuses them.
+    pub after_by_tilt: [SMatrix<f64, 6, 2>; 2],
+}
+
+impl ImpactDerivative {
+    /// All zero.
+    pub fn zeros() -> Self {
+        Self {
+            gap: [[RowSVector::zeros(); 2]; MOST_CONTACTS],
+            speed: [[RowSVector::zeros(); 2]; MOST_CONTACTS],
+            after: [[SMatrix::zeros(); 2]; 2],
+            after_by_restitution: [SVector::zeros(); 2],
+            after_by_friction: [SVector::zeros(); 2],
+            after_by_tilt: [SMatrix::zeros(); 2],
+        }
+    }
+}
+
+impl Default for ImpactDerivative {
+    fn default() -> Self {
+        Self::zeros()
+    }
+}
+
+impl Solution<'_> {
+    /// Fills the entries for the contacts and bodies that there are.
+    pub(super) fn derivative(&self, derivative: &mut ImpactDerivative) -> Result<(), ImpactError> {
+        let mut rates = [const { None }; MOST_CONTACTS];
+        for (contact, encounter) in self.encounters().enumerate() {
+            let touch = encounter
+                .contact
+                .touch_derivative(&self.frames[0], &self.frames[1])
+                .map_err(|reason| ImpactError::Degenerate { contact, reason })?;
+            rates[contact] = Some(touch.1);
+        }
+        for body in 0..self.rows.bodies {
+            let mut poses = [const { None }; MOST_CONTACTS];
+            let mut normals = [Change::zeros(); MOST_CONTACTS];
+            for (contact, encounter) in self.encounters().enumerate() {
+                let Some(rates) = &rates[contact] else {
+                    continue;
+                };
+                let by = PoseChange::of_body(body, rates);
+                let gap = &mut derivative.gap[contact][body];
+                gap.fill(0.0);
+                gap.fixed_columns_mut::<6>(part::POSITION)
+                    .copy_from(&rates.gap.fixed_columns::<6>(6 * body));
+                derivative.speed[contact][body] = self.speed_by_state(encounter, body, &by);
+                normals[contact] = encounter.normal_change(&by);
+                poses[contact] = Some(by);
+            }
+            self.after_by_pose(body, &normals, &poses, derivative);
+            self.after_by_velocities(body, derivative);
+        }
+        let by_law = self.rows.kicks_by(&self.impulses_by_law());
+        for body in 0..self.rows.bodies {
+            derivative.after_by_restitution[body] = by_law[body].column(0).into();
+            derivative.after_by_friction[body] = by_law[body].column(1).into();
+        }
+        self.after_by_tilt(derivative);
+        Ok(())
+    }
+
+    /// The speed along the untilted normal.
+    fn speed_by_state(
+        &self,
+        encounter: &Encounter,
+        body: usize,
+        by: &PoseChange<6>,
+    ) -> RowSVector<f64, 12> {
+        let normal = &encounter.touch.normal;
+        let [a, b] = &self.before;
+        let mut by_pose = (a.velocity_m_s - b.velocity_m_s).tr_mul(&by.normal);
+        for (side, motion) in self.before.iter().enumerate().take(self.rows.bodies) {
+            let lever = encounter.lever_change(side, normal, Some(&by.normal), by);
+            let sign = [1.0, -1.0][side];
+            by_pose += (motion.angular_velocity_rad_s * sign).tr_mul(&lever);
+        }
+        let sign = [1.0, -1.0][body];
+        let lever = encounter.levers(normal)[body] * sign;
+        let mut row = RowSVector::<f64, 12>::zeros();
+        row.fixed_columns_mut::<6>(part::POSITION)
+            .copy_from(&by_pose);
+        row.fixed_columns_mut::<3>(part::VELOCITY)
+            .tr_copy_from(&(normal * sign));
+        row.fixed_columns_mut::<3>(part::ANGULAR_VELOCITY)
+            .tr_copy_from(&lever);
+        row
+    }
+
+    fn after_by_pose(
+        &self,
+        body: usize,
+        normals: &[Change<6>; MOST_CONTACTS],
+        poses: &[Option<PoseChange<6>>; MOST_CONTACTS],
+        derivative: &mut ImpactDerivative,
+    ) {
+        let rows = self.rows_change(normals, poses);
+        let impulses = self.impulses_change(normals, &rows);
+        let after = self
+            .rows
+            .kicks_change(self.impulses(), Some(&impulses), &rows);
+        for i in 0..self.rows.bodies {
+            derivative.after[i][body]
+                .fixed_columns_mut::<6>(part::POSITION)
+                .copy_from(&after[i]);
+        }
+    }
+
+    fn after_by_velocities(&self, body: usize, derivative: &mut ImpactDerivative) {
+        let impulses = self.impulses_by_speeds(self.rows.of_body(body));
+        let mut after = self.rows.kicks_by(&impulses);
+        after[body] += SMatrix::<f64, 6, 6>::identity();
+        for i in 0..self.rows.bodies {
+            derivative.after[i][body]
+                .fixed_columns_mut::<6>(part::VELOCITY)
+                .copy_from(&after[i]);
+        }
+    }
+
+    fn after_by_tilt(&self, derivative: &mut ImpactDerivative) {
+        let mut poses = [const { None }; MOST_CONTACTS];
+        let mut normals = [Change::<2>::zeros(); MOST_CONTACTS];
+        for (contact, encounter) in self.encounters().enumerate() {
+            let Some(by_tilt) = &encounter.normal_by_tilt else {
+                for by_tilt in &mut derivative.after_by_tilt[..self.rows.bodies] {
+                    by_tilt.fill(0.0);
+                }
+                return;
+            };
+            normals[contact] = Change::from_columns(by_tilt);
+            poses[contact] = Some(PoseChange::none());
+        }
+        let rows = self.rows_change(&normals, &poses);
+        let impulses = self.impulses_change(&normals, &rows);
+        let after = self
+            .rows
+            .kicks_change(self.impulses(), Some(&impulses), &rows);
+        derivative.after_by_tilt[..self.rows.bodies].copy_from_slice(&after[..self.rows.bodies]);
+    }
+}
