@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use enact::math::{Pose, so3};
 use enact::motion::{GoalTarget, Quantity, Scene};
 use enact::physics::contact::Feature::Point;
+use enact::physics::impact::{Law, Side};
 use enact::physics::{State, flow};
 use nalgebra::{Point3, Vector3};
 use perform::encounter::{Encounter, still};
@@ -354,5 +355,46 @@ fn a_flight_between_poses_leads_from_one_to_the_other() {
         assert!((ended.position_m - pose(1).translation.vector).norm() < 1e-14);
         let left = so3::log(&(ended.orientation.inverse() * pose(1).rotation));
         assert!(left.norm() < 1e-12, "{turns} {}", left.norm());
+    }
+}
+
+#[test]
+fn the_estimators_law_agrees_on_the_meeting() {
+    let truth = hat_box::truth();
+    for (event, other) in [(0, None), (1, Some(HAT))] {
+        let meeting = truth.scene.meeting(event).unwrap().unwrap();
+        let (before, after) = around(&truth, BOX, event);
+        let partner = other.map(|body| around(&truth, body, event));
+        let body_of = |index: usize| &truth.scene.bodies[index].body;
+        let a = Side {
+            body: body_of(BOX),
+            state: &before,
+        };
+        let b = partner.as_ref().map(|(state, _)| Side {
+            body: body_of(HAT),
+            state,
+        });
+        let tilt_rad = [0, 1].map(|tangent| {
+            let tilt = Quantity::Tilt { event, tangent };
+            let mut names = truth.scene.parameters.iter();
+            let index = names.position(|parameter| parameter.quantity == tilt);
+            index.map_or(0.0, |index| truth.parameters[index])
+        });
+        let law = Law {
+            restitution: value(&truth, |q| q == Quantity::Restitution { event }),
+            friction: 0.0,
+            tilt_rad,
+        };
+        let impact = meeting.impact(&a, b.as_ref(), &law).unwrap();
+        let expected = [Some(after), partner.map(|(_, after)| after)];
+        for (found, expected) in impact.after.iter().zip(expected) {
+            let Some(expected) = expected else { continue };
+            let velocity = found.velocity_m_s - expected.velocity_m_s;
+            let spin = found.angular_velocity_rad_s - expected.angular_velocity_rad_s;
+            assert!(
+                velocity.norm() < 1e-12 && spin.norm() < 1e-11,
+                "{velocity} {spin}"
+            );
+        }
     }
 }
