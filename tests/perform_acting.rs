@@ -6,7 +6,7 @@ mod perform;
 use enact::math::so3;
 use enact::motion::{TakeEvent, Timing};
 use nalgebra::Vector3;
-use perform::{Acting, Performance, Style, bounces, perform};
+use perform::{Acting, Performance, Style, bounces, hat_box, perform};
 
 /// Errors of all samples: shift [m, world] and turn [rad, body].
 fn errors(performance: &Performance) -> Vec<(Vector3<f64>, Vector3<f64>)> {
@@ -385,4 +385,40 @@ fn knobs_out_of_range_are_named() {
     for preset in [Acting::default(), Acting::timing_known(), Acting::exact()] {
         assert_eq!(preset.check(), Ok(()));
     }
+}
+
+#[test]
+fn trackers_of_several_bodies_are_out_of_step_and_share_the_marks() {
+    let truth = hat_box::truth();
+    let acting = Acting {
+        stamp_jitter_s: 0.0,
+        ..Acting::default()
+    };
+    let interval_s = 1.0 / acting.rate_hz;
+    let mut phases = Vec::new();
+    for seed in 0..8 {
+        let performance = perform(&truth, &acting, seed);
+        let sketch = performance.sketch();
+        assert_eq!(sketch.marks_s.len(), 3);
+        let firsts = [0, 1].map(|body| sketch.bodies[body].samples[0].acted_s);
+        assert_eq!(firsts[0], 0.0);
+        phases.push(firsts[1] / interval_s);
+        // Losses of the one are none of the other's.
+        let [hat, cube] = [0, 1].map(|body| sketch.bodies[body].samples.len());
+        let whole = (performance.tempo.acted_duration_s() * acting.rate_hz) as usize;
+        assert!(hat > whole * 9 / 10 && cube > whole * 9 / 10);
+        for body in 0..2 {
+            for (sample, time_s) in sketch.bodies[body]
+                .samples
+                .iter()
+                .zip(&performance.sample_times_s[body])
+            {
+                let state = truth.state(body, *time_s);
+                assert!((sample.position_m - state.position_m).norm() < 0.15);
+            }
+        }
+    }
+    phases.sort_by(f64::total_cmp);
+    assert!(phases[0] > 0.0 && phases[7] < 1.0);
+    assert!(phases.windows(2).all(|pair| pair[1] - pair[0] > 1e-3));
 }

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use enact::math::{Pose, so3};
 use enact::motion::{GoalTarget, Quantity, Scene};
 use enact::physics::contact::Feature::Point;
+use enact::physics::impact::{Law, Side};
 use enact::physics::{State, flow};
 use nalgebra::{Point3, Vector3};
 use perform::encounter::{Encounter, still};
@@ -240,27 +241,37 @@ fn unaccounted_rad_s(
     (turn - corner.cross(&push) / cube.moments_kg_m2().x).norm()
 }
 
-/// The least remainder over durations of 0.1 to 0.8 s of both flights and a turn more or less.
+/// The least that the worst remainder can be on flights from pose to pose, corners touching at
+/// the inner ones: over durations of 0.05 to 0.6 s of each flight, and a turn more or less.
 fn least_unaccounted_rad_s(
     truth: &Truth,
     body: usize,
-    corner: &Vector3<f64>,
-    poses: [&Pose; 3],
+    poses: &[Pose],
+    corners: &[Vector3<f64>],
 ) -> f64 {
     let flight = Flight::of(&truth.scene, body);
-    let mut least = f64::INFINITY;
-    for (t, u) in (10..=80).flat_map(|t| (10..=80).map(move |u| (t, u))) {
-        let (t, u) = (f64::from(t) / 100.0, f64::from(u) / 100.0);
-        for turns in [-1.0, 0.0, 1.0] {
-            for more in [-1.0, 0.0, 1.0] {
-                let before = flight.between(poses[0], poses[1], t, turns);
-                let before = flight.advance(&before, t);
-                let after = flight.between(poses[1], poses[2], u, more);
-                least = least.min(unaccounted_rad_s(truth, body, corner, (before, after)));
-            }
-        }
+    // Velocities at both ends of every way to fly from one pose to the next.
+    let ways = |pair: &[Pose]| -> Vec<(State, State)> {
+        let durations = (5..=60).map(|step| f64::from(step) / 100.0);
+        let all = durations.flat_map(|t| [-1.0, 0.0, 1.0].map(|turns| (t, turns)));
+        all.map(|(t, turns)| {
+            let begun = flight.between(&pair[0], &pair[1], t, turns);
+            (begun, flight.advance(&begun, t))
+        })
+        .collect()
+    };
+    let flights: Vec<_> = poses.windows(2).map(ways).collect();
+    let mut worst = vec![0.0_f64; flights[0].len()];
+    for (pair, corner) in flights.windows(2).zip(corners) {
+        let after = |(begun, _): &(State, State)| {
+            let befores = pair[0].iter().zip(&worst).map(|((_, ended), worst)| {
+                unaccounted_rad_s(truth, body, corner, (*ended, *begun)).max(*worst)
+            });
+            befores.fold(f64::INFINITY, f64::min)
+        };
+        worst = pair[1].iter().map(after).collect();
     }
-    least
+    worst.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 #[test]
@@ -269,8 +280,7 @@ fn no_push_makes_the_bent_flights_of_the_box() {
     let meeting = Encounter::of(&bent.scene, &bent.parameters, 1).unwrap();
     let times_s = &bent.event_times_s;
     let poses = [0, 1, 2].map(|event| bent.world_from_body(BOX, times_s[event]));
-    let [a, b, c] = &poses;
-    let least = least_unaccounted_rad_s(&bent, BOX, &meeting.point_m, [a, b, c]);
+    let least = least_unaccounted_rad_s(&bent, BOX, &poses, &[meeting.point_m]);
     assert!(least > 1.0, "{least} rad/s");
     // The measure is right: it leaves nothing of the true motion's.
     let truth = hat_box::truth();
@@ -306,7 +316,7 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
             .max_by(|a, b| up(&a.1).total_cmp(&up(&b.1)))
             .unwrap();
         let lean_deg = up(&top.1).acos().to_degrees();
-        assert!((10.0..25.0).contains(&lean_deg));
+        assert!((25.0..45.0).contains(&lean_deg));
         shown.push(top.0);
         // The named corner is the lowest, and exactly on the table.
         let encounter = Encounter::of(scene, &reference.parameters, goal.event).unwrap();
@@ -316,30 +326,24 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
             .collect();
         heights.sort_by(f64::total_cmp);
         let touching = (world_from_body * Point3::from(encounter.point_m)).z;
-        assert!(touching.abs() < 1e-16 && heights[0] == touching && heights[1] > 0.004);
+        assert!(touching.abs() < 1e-16 && heights[0] == touching && heights[1] > 0.015);
         // It comes down and goes up.
         let (before, after) = around(&reference, 0, goal.event);
-        assert!(encounter.speed_m_s(&before, &still()) < -1.0);
+        assert!(encounter.speed_m_s(&before, &still()) < -0.8);
         assert!(encounter.speed_m_s(&after, &still()) > 0.5);
-        assert!(after.angular_velocity_rad_s.norm() < TAU * 2.0);
+        assert!(after.angular_velocity_rad_s.norm() < TAU * 4.0);
     }
-    assert_eq!(shown, [1, 3, 6, 4, 2, 5]);
+    assert_eq!(shown, [1, 6, 1, 3, 2, 3]);
     let goals: Vec<Pose> = scene
         .goals
         .iter()
         .map(|goal| reference.world_from_body(0, reference.event_times_s[goal.event]))
         .collect();
-    let mut least = f64::INFINITY;
-    for event in 1..5 {
-        let encounter = Encounter::of(scene, &reference.parameters, event).unwrap();
-        let poses = [&goals[event - 1], &goals[event], &goals[event + 1]];
-        least = least.min(least_unaccounted_rad_s(
-            &reference,
-            0,
-            &encounter.point_m,
-            poses,
-        ));
-    }
+    let touching = (1..5).map(|event| {
+        let encounter = Encounter::of(scene, &reference.parameters, event);
+        encounter.unwrap().point_m
+    });
+    let least = least_unaccounted_rad_s(&reference, 0, &goals, &touching.collect::<Vec<_>>());
     assert!(least > 0.5, "{least} rad/s");
 }
 
@@ -354,5 +358,46 @@ fn a_flight_between_poses_leads_from_one_to_the_other() {
         assert!((ended.position_m - pose(1).translation.vector).norm() < 1e-14);
         let left = so3::log(&(ended.orientation.inverse() * pose(1).rotation));
         assert!(left.norm() < 1e-12, "{turns} {}", left.norm());
+    }
+}
+
+#[test]
+fn the_estimators_law_agrees_on_the_meeting() {
+    let truth = hat_box::truth();
+    for (event, other) in [(0, None), (1, Some(HAT))] {
+        let meeting = truth.scene.meeting(event).unwrap().unwrap();
+        let (before, after) = around(&truth, BOX, event);
+        let partner = other.map(|body| around(&truth, body, event));
+        let body_of = |index: usize| &truth.scene.bodies[index].body;
+        let a = Side {
+            body: body_of(BOX),
+            state: &before,
+        };
+        let b = partner.as_ref().map(|(state, _)| Side {
+            body: body_of(HAT),
+            state,
+        });
+        let tilt_rad = [0, 1].map(|tangent| {
+            let tilt = Quantity::Tilt { event, tangent };
+            let mut names = truth.scene.parameters.iter();
+            let index = names.position(|parameter| parameter.quantity == tilt);
+            index.map_or(0.0, |index| truth.parameters[index])
+        });
+        let law = Law {
+            restitution: value(&truth, |q| q == Quantity::Restitution { event }),
+            friction: 0.0,
+            tilt_rad,
+        };
+        let impact = meeting.impact(&a, b.as_ref(), &law).unwrap();
+        let expected = [Some(after), partner.map(|(_, after)| after)];
+        for (found, expected) in impact.after.iter().zip(expected) {
+            let Some(expected) = expected else { continue };
+            let velocity = found.velocity_m_s - expected.velocity_m_s;
+            let spin = found.angular_velocity_rad_s - expected.angular_velocity_rad_s;
+            assert!(
+                velocity.norm() < 1e-12 && spin.norm() < 1e-11,
+                "{velocity} {spin}"
+            );
+        }
     }
 }

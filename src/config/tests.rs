@@ -87,6 +87,25 @@ fn with(from: &str, to: &str) -> String {
 }
 
 #[test]
+fn faces_of_bodies_come_after_their_corners() {
+    let face = |name: &str| {
+        format!(
+            "[[body.face]]\nname = \"{name}\"\npoint_mm = [0, 3, 95]\nnormal = [0, 0, 5]\n\n[[surface]]"
+        )
+    };
+    let scene = scene_from_toml(&PENCIL.replace("[[surface]]", &face("end"))).unwrap();
+    let [_, _, end] = &scene.bodies[0].features[..] else {
+        panic!("{:?}", scene.bodies[0].features);
+    };
+    let point_m = Vector3::new(0.0, 0.003, 0.095);
+    assert_eq!(end.name, "end");
+    assert_eq!(end.geometry, contact::Feature::face(point_m, Vector3::z()));
+    let twice = scene_from_toml(&PENCIL.replace("[[surface]]", &face("tip"))).unwrap_err();
+    let text = twice.to_string();
+    assert!(text.contains("\"tip\"") && twice.line > 0, "{text}");
+}
+
+#[test]
 fn the_example_becomes_a_scene_in_si_units() {
     let scene = scene_from_toml(PENCIL).unwrap();
     assert_eq!(scene.name, "pencil, tip first");

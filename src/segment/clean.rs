@@ -26,6 +26,9 @@ const GAP_RATIO: f64 = 2.5;
 /// Longest take \[s\].
 const SPAN_LIMIT_S: f64 = 86_400.0;
 
+/// Readings by body and stream.
+type Streams = Vec<Vec<Vec<PoseSample>>>;
+
 /// The sketch of a take: streams sorted by stamp, without what cannot be used, in body axes,
 /// from the start to the end that the scene's events say; and what became of every sample.
 ///
@@ -85,7 +88,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
 /// not looked at.
 fn clean_edited(
     scene: &Scene,
-    mut streams: Vec<Vec<Vec<PoseSample>>>,
+    mut streams: Streams,
     mut counts: SampleCounts,
 ) -> Result<(Sketch, SampleCounts), SegmentError> {
     for (index, body) in scene.bodies.iter().enumerate() {
@@ -109,9 +112,9 @@ fn sorted(
     scene: &Scene,
     events: &[TakeEvent],
     counts: &mut SampleCounts,
-) -> Result<(Vec<Vec<Vec<PoseSample>>>, Vec<Mark>), SegmentError> {
+) -> Result<(Streams, Vec<Mark>), SegmentError> {
     let bodies = 0..scene.bodies.len();
-    let mut streams: Vec<Vec<Vec<PoseSample>>> = bodies
+    let mut streams: Streams = bodies
         .map(|body| vec![Vec::new(); scene.streams(body)])
         .collect();
     let mut latest: BTreeMap<(usize, usize), Stamp> = BTreeMap::new();

@@ -55,14 +55,20 @@ fn normal_within_two(rng: &mut impl Rng) -> f64 {
 
 /// Acts a true motion. The same arguments give the same performance, bit for bit.
 pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
+    let mut truth = truth.clone();
+    let is_edited = truth.scene.timing == Timing::Edited;
+    // The segments of an edited sketch are off by themselves.
+    let variation = if is_edited {
+        0.0
+    } else {
+        acting.tempo_variation
+    };
     let tempo = Tempo::draw(
         truth.duration_s,
         acting.slowdown,
-        acting.tempo_variation,
+        variation,
         &mut stream(seed, Role::Tempo, 0),
     );
-    let mut truth = truth.clone();
-    let is_edited = truth.scene.timing == Timing::Edited;
     if acting.is_timing_known() && !is_edited {
         truth.scene.timing = Timing::Known;
     }

@@ -108,15 +108,15 @@ pub fn bent_reference() -> Truth {
         goal(LANDING),
     ];
     let times_s = &truth.event_times_s;
-    let flights_s = [
-        times_s[BOUNCE],
-        times_s[MEETING] - times_s[BOUNCE],
-        times_s[LANDING] - times_s[MEETING],
+    let flights = [
+        (times_s[BOUNCE], 0.0),
+        (times_s[MEETING] - times_s[BOUNCE], 0.0),
+        (times_s[LANDING] - times_s[MEETING], 0.0),
     ];
     truth.arcs.retain(|arc| arc.body != BOX);
     truth.scene = scene;
     truth.is_physical = false;
-    truth.fly_through(BOX, &poses, &flights_s);
+    truth.fly_through(BOX, &poses, &flights);
     truth
 }
 

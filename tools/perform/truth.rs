@@ -206,12 +206,13 @@ impl Truth {
         Ok(time_s)
     }
 
-    /// Adds a body's flights from pose to pose, from time zero on.
-    pub(super) fn fly_through(&mut self, body: usize, poses: &[Pose], flights_s: &[f64]) {
+    /// Adds a body's flights from pose to pose, from time zero on: durations \[s\], and whole turns
+    /// beyond the least that the poses need.
+    pub(super) fn fly_through(&mut self, body: usize, poses: &[Pose], flights: &[(f64, f64)]) {
         let mut start_s = 0.0;
-        for (pair, duration_s) in poses.windows(2).zip(flights_s) {
+        for (pair, (duration_s, turns)) in poses.windows(2).zip(flights) {
             let flight = Flight::of(&self.scene, body);
-            let state = flight.between(&pair[0], &pair[1], *duration_s, 0.0);
+            let state = flight.between(&pair[0], &pair[1], *duration_s, *turns);
             let mut flown = arc(body, state, start_s);
             start_s += duration_s;
             flown.end_s = start_s;
