@@ -62,6 +62,8 @@ pub enum DropReason {
     Duplicate,
     /// Bit for bit the pose before it: the tracker stood still or lost sight.
     Frozen,
+    /// Further from its neighbours than the stream and any motion explain.
+    Outlier,
     /// Before the start.
     BeforeStart,
     /// After the end.
@@ -78,6 +80,7 @@ impl DropReason {
             DropReason::NotUnit => "not_unit",
             DropReason::Duplicate => "duplicate",
             DropReason::Frozen => "frozen",
+            DropReason::Outlier => "outlier",
             DropReason::BeforeStart => "before_start",
             DropReason::AfterEnd => "after_end",
             DropReason::NearCollision => "near_collision",

@@ -6,10 +6,11 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
 use super::error::SegmentError;
 use super::marks::{Extent, check_extents, matched, seconds, union};
+use super::outliers::drop_outliers;
 use crate::math::Pose;
 use crate::motion::{
     BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
-    Sketch, Stamp, TakeEvent,
+    Sketch, Stamp, TakeEvent, Timing,
 };
 
 /// How far the norm of a quaternion may be off 1 for the reading to be used.
@@ -59,6 +60,11 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
             span_s,
             limit_s: SPAN_LIMIT_S,
         });
+    }
+    if scene.timing != Timing::Edited {
+        for stream in &mut streams {
+            drop_outliers(stream, &mut counts);
+        }
     }
     let stamps = matched(scene, &marks, whole.first)?;
     let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);

@@ -11,6 +11,7 @@ pub mod clean;
 pub mod cut;
 pub mod error;
 mod marks;
+mod outliers;
 pub mod refine;
 
 pub use cut::cut;

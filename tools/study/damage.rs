@@ -1,0 +1,320 @@
+//! What bad data do: outliers, positions in millimetres, marks that are off or absent.
+
+use std::collections::BTreeSet;
+
+use anyhow::Result;
+use enact::motion::{DropReason, Stamp, TakeEvent, Verdict};
+use enact::segment::clean::clean;
+use serde::Serialize;
+
+use crate::case::Case;
+use crate::perform::{Acting, Outliers, Style, Truth, bounces};
+use crate::results::Options;
+use crate::statistics::{median, quantile};
+use crate::table::{Table, number, percent};
+
+/// Runs them all.
+pub fn run(options: &Options) -> Result<()> {
+    false_alarms(options)?;
+    outliers(options)
+}
+
+/// The motions that are damaged.
+pub fn motions(seed: u64, cubes: &[usize]) -> Vec<(String, Truth)> {
+    let mut motions: Vec<(String, Truth)> = Style::ALL
+        .iter()
+        .map(|style| (style.word().to_owned(), style.truth()))
+        .collect();
+    for count in cubes {
+        if let Ok(truth) = bounces(*count, seed) {
+            motions.push((format!("cube, {count} bounces"), truth));
+        }
+    }
+    motions
+}
+
+/// How the hand is known to move: with stamps that are physical times, and without.
+fn ways() -> [(&'static str, Acting); 2] {
+    [
+        ("known", Acting::timing_known()),
+        ("unknown", Acting::default()),
+    ]
+}
+
+/// Good samples that are left out of performances without outliers.
+fn false_alarms(options: &Options) -> Result<()> {
+    #[derive(Serialize)]
+    struct Row {
+        motion: String,
+        timing: &'static str,
+        distortion: f64,
+        noise: bool,
+        samples: usize,
+        dropped: usize,
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for seed in 0..options.seeds {
+        for (motion, truth) in motions(seed, &[20]) {
+            for (timing, acting) in ways() {
+                for (distortion, noise) in [(1.0, false), (4.0, false), (8.0, false), (1.0, true)] {
+                    let mut acting = Acting {
+                        distortion,
+                        ..acting
+                    };
+                    if noise {
+                        acting.noise_position_m = 0.01;
+                        acting.noise_orientation_rad = 3_f64.to_radians();
+                    }
+                    let case = Case::new(&truth, &acting, seed);
+                    let Ok((_, counts)) = clean(case.scene(), &case.performance.events) else {
+                        continue;
+                    };
+                    let dropped = counts.dropped.get(&DropReason::Outlier);
+                    let key = (&motion, timing, distortion, noise);
+                    let at = rows.iter().position(|row| {
+                        (&row.motion, row.timing, row.distortion, row.noise) == key
+                    });
+                    let at = at.unwrap_or_else(|| {
+                        rows.push(Row {
+                            motion: motion.clone(),
+                            timing,
+                            distortion,
+                            noise,
+                            samples: 0,
+                            dropped: 0,
+                        });
+                        rows.len() - 1
+                    });
+                    rows[at].samples += counts.read;
+                    rows[at].dropped += dropped.copied().unwrap_or(0);
+                }
+            }
+        }
+    }
+    let mut table = Table::new(
+        "Good samples taken for outliers",
+        &[
+            "motion",
+            "timing",
+            "distortion",
+            "noise",
+            "samples",
+            "dropped",
+        ],
+    );
+    for row in &rows {
+        table.row([
+            row.motion.clone(),
+            row.timing.to_owned(),
+            format!("{}×", row.distortion),
+            if row.noise {
+                "10 mm, 3°"
+            } else {
+                "0.5 mm, 0.3°"
+            }
+            .to_owned(),
+            row.samples.to_string(),
+            row.dropped.to_string(),
+        ]);
+    }
+    println!("{table}");
+    options.write_json("damage_false_alarms", &rows)
+}
+
+/// What is found of outliers, and what the estimate becomes.
+fn outliers(options: &Options) -> Result<()> {
+    #[derive(Serialize, Default)]
+    struct Row {
+        motion: String,
+        timing: &'static str,
+        share: f64,
+        good: usize,
+        bad: usize,
+        found: usize,
+        false_alarms: usize,
+        takes: usize,
+        physical: usize,
+        physical_without: usize,
+        moved_mm: Vec<f64>,
+        clean_us: Vec<f64>,
+    }
+    let mut rows = Vec::new();
+    for (timing, acting) in ways() {
+        for share in [0.0, 0.01, 0.05, 0.2] {
+            let mut of_motion: Vec<Row> = Vec::new();
+            for seed in 0..options.seeds {
+                for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
+                    if of_motion.len() <= index {
+                        of_motion.push(Row {
+                            motion,
+                            timing,
+                            share,
+                            ..Row::default()
+                        });
+                    }
+                    let row = &mut of_motion[index];
+                    let good = Case::new(&truth, &acting, seed);
+                    let damaged = Acting {
+                        outliers: (share > 0.0).then(|| Outliers::of_share(share)),
+                        ..acting
+                    };
+                    let case = Case::new(&truth, &damaged, seed);
+                    let bad = differing(&good.performance.events, &case.performance.events);
+                    let time = |scene: &enact::motion::Scene| {
+                        (0..15)
+                            .map(|_| {
+                                let begun = std::time::Instant::now();
+                                let _ =
+                                    std::hint::black_box(clean(scene, &case.performance.events));
+                                begun.elapsed().as_secs_f64() * 1e6
+                            })
+                            .fold(f64::INFINITY, f64::min)
+                    };
+                    let edited = enact::motion::Scene {
+                        timing: enact::motion::Timing::Edited,
+                        ..case.scene().clone()
+                    };
+                    row.clean_us.push(time(case.scene()) - time(&edited));
+                    let Ok((sketch, counts)) = clean(case.scene(), &case.performance.events) else {
+                        continue;
+                    };
+                    let kept: BTreeSet<Stamp> =
+                        sketch.bodies[0].samples.iter().map(|s| s.stamp).collect();
+                    let missed = bad.intersection(&kept).count();
+                    if std::env::var_os("DBG").is_some() {
+                        let poses: Vec<_> = case
+                            .performance
+                            .events
+                            .iter()
+                            .zip(&good.performance.events)
+                            .filter_map(|p| match p {
+                                (
+                                    TakeEvent::Pose { sample: a, .. },
+                                    TakeEvent::Pose { sample: b, .. },
+                                ) => Some((*a, *b)),
+                                _ => None,
+                            })
+                            .collect();
+                        for (i, (a, b)) in poses.iter().enumerate() {
+                            if bad.contains(&a.stamp) && kept.contains(&a.stamp) {
+                                let q = |s: &enact::motion::PoseSample| {
+                                    nalgebra::UnitQuaternion::new_normalize(
+                                        nalgebra::Quaternion::new(
+                                            s.quaternion_xyzw[3],
+                                            s.quaternion_xyzw[0],
+                                            s.quaternion_xyzw[1],
+                                            s.quaternion_xyzw[2],
+                                        ),
+                                    )
+                                };
+                                let pat: String = (i.saturating_sub(7)..(i + 8).min(poses.len()))
+                                    .map(|j| {
+                                        if j == i {
+                                            'X'
+                                        } else if !bad.contains(&poses[j].0.stamp) {
+                                            '.'
+                                        } else if kept.contains(&poses[j].0.stamp) {
+                                            'x'
+                                        } else {
+                                            'o'
+                                        }
+                                    })
+                                    .collect();
+                                println!(
+                                    "{} {timing} {share} seed {seed} at {i}/{} jump {:.3} m turn {:.1} {pat}",
+                                    row.motion,
+                                    poses.len(),
+                                    (a.position_m - b.position_m).norm(),
+                                    q(a).angle_to(&q(b)).to_degrees()
+                                );
+                            }
+                        }
+                    }
+                    let dropped = counts
+                        .dropped
+                        .get(&DropReason::Outlier)
+                        .copied()
+                        .unwrap_or(0);
+                    // Before the start and after the end nothing is known of what was found.
+                    let found = bad.len() - missed;
+                    row.bad += bad.len();
+                    row.good += counts.read - bad.len();
+                    row.found += found;
+                    row.false_alarms += dropped.saturating_sub(found);
+                    let (Ok(with), Ok(without)) =
+                        (case.estimated(&mut ()), good.estimated(&mut ()))
+                    else {
+                        row.takes += 1;
+                        continue;
+                    };
+                    row.takes += 1;
+                    row.physical += usize::from(with.estimate.verdict == Verdict::Physical);
+                    row.physical_without +=
+                        usize::from(without.estimate.verdict == Verdict::Physical);
+                    let arcs = with.estimate.arcs.iter().zip(&without.estimate.arcs);
+                    let moved = arcs.map(|(a, b)| {
+                        let middle_s = 0.5 * (b.start_s + b.end_s);
+                        let at = |arc: &enact::motion::ArcEstimate| {
+                            enact::physics::flow::advance(
+                                &case.scene().bodies[arc.body].body,
+                                &with.estimate.gravity_m_s2,
+                                &arc.state,
+                                middle_s - arc.epoch_s,
+                            )
+                            .position_m
+                        };
+                        (at(a) - at(b)).norm()
+                    });
+                    row.moved_mm.push(1e3 * moved.fold(0.0, f64::max));
+                }
+            }
+            rows.extend(of_motion);
+        }
+    }
+    let mut table = Table::new(
+        "Outliers: 5 cm to 3 m, 20° to 180°, in bursts of 1 to 3",
+        &[
+            "motion",
+            "timing",
+            "share",
+            "found",
+            "false alarms",
+            "physical",
+            "without",
+            "moved, median [mm]",
+            "95 % [mm]",
+            "clean [µs]",
+        ],
+    );
+    for row in &rows {
+        table.row([
+            row.motion.clone(),
+            row.timing.to_owned(),
+            format!("{} %", 100.0 * row.share),
+            percent(row.found, row.bad),
+            format!("{} of {}", row.false_alarms, row.good),
+            percent(row.physical, row.takes),
+            percent(row.physical_without, row.takes),
+            number(median(&row.moved_mm)),
+            number(quantile(&row.moved_mm, 0.95)),
+            number(median(&row.clean_us)),
+        ]);
+    }
+    println!("{table}");
+    options.write_json("damage_outliers", &rows)
+}
+
+/// Stamps at which the second take has another pose than the first.
+fn differing(first: &[TakeEvent], second: &[TakeEvent]) -> BTreeSet<Stamp> {
+    let pairs = first.iter().zip(second);
+    pairs
+        .filter_map(|pair| match pair {
+            (TakeEvent::Pose { sample: a, .. }, TakeEvent::Pose { sample: b, .. })
+                if a.position_m != b.position_m || a.quaternion_xyzw != b.quaternion_xyzw =>
+            {
+                Some(b.stamp)
+            }
+            _ => None,
+        })
+        .collect()
+}
