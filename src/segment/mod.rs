@@ -12,8 +12,11 @@ pub mod cut;
 pub mod error;
 mod marks;
 mod outliers;
+mod prefix;
+pub mod propose;
 pub mod refine;
 
 pub use cut::cut;
 pub use error::SegmentError;
+pub use propose::{Proposal, propose};
 pub use refine::refine;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
-use enact::motion::{DropReason, Stamp, TakeEvent, Verdict};
+use enact::motion::{DropReason, Scene, Stamp, TakeEvent, Verdict};
 use enact::segment::clean::clean;
 use serde::Serialize;
 
@@ -15,8 +15,13 @@ use crate::table::{Table, number, percent};
 
 /// Runs them all.
 pub fn run(options: &Options) -> Result<()> {
+    match std::env::var("ONLY").as_deref() {
+        Ok("proposals") => return proposals(options),
+        _ => {}
+    }
     false_alarms(options)?;
-    outliers(options)
+    outliers(options)?;
+    proposals(options)
 }
 
 /// The motions that are damaged.
@@ -317,4 +322,126 @@ fn differing(first: &[TakeEvent], second: &[TakeEvent]) -> BTreeSet<Stamp> {
             _ => None,
         })
         .collect()
+}
+
+/// How near proposals are to the collisions, and how sure.
+fn proposals(options: &Options) -> Result<()> {
+    #[derive(Serialize, Default)]
+    struct Row {
+        motion: String,
+        timing: &'static str,
+        distortion: f64,
+        variant: &'static str,
+        collisions: usize,
+        near: usize,
+        takes: usize,
+        all_near: usize,
+        score_of_near: Vec<f64>,
+        score_of_far: Vec<f64>,
+        time_us: Vec<f64>,
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for (timing, acting) in ways() {
+        for distortion in [1.0, 2.0, 4.0] {
+            for variant in VARIANTS {
+                let first = rows.len();
+                for seed in 0..options.seeds {
+                    for (index, (motion, truth)) in
+                        motions(seed, &[2, 4, 6]).into_iter().enumerate()
+                    {
+                        if rows.len() <= first + index {
+                            rows.push(Row {
+                                motion,
+                                timing,
+                                distortion,
+                                variant,
+                                ..Row::default()
+                            });
+                        }
+                        let row = &mut rows[first + index];
+                        let acting = Acting {
+                            distortion,
+                            ..acting
+                        };
+                        let case = Case::new(&truth, &acting, seed);
+                        let sketch = case.performance.sketch();
+                        let scene = varied(case.scene(), variant);
+                        let begun = std::time::Instant::now();
+                        let proposals = enact::segment::propose(&scene, &sketch, None);
+                        row.time_us.push(begun.elapsed().as_secs_f64() * 1e6);
+                        let mut all_near = true;
+                        for proposal in &proposals {
+                            let event = proposal.event.expect("of the scene");
+                            let true_s = case.performance.tempo.acted_s(truth.event_times_s[event]);
+                            let off = (proposal.acted_s - true_s).abs() * acting.rate_hz;
+                            let is_near = off <= 8.5;
+                            all_near &= is_near;
+                            row.collisions += 1;
+                            row.near += usize::from(is_near);
+                            if is_near {
+                                row.score_of_near.push(proposal.score);
+                            } else {
+                                row.score_of_far.push(proposal.score);
+                            }
+                        }
+                        row.takes += 1;
+                        row.all_near += usize::from(all_near);
+                    }
+                }
+            }
+        }
+    }
+    let mut table = Table::new(
+        "Proposals without marks: within eight samples of the collision",
+        &[
+            "motion",
+            "timing",
+            "distortion",
+            "variant",
+            "near",
+            "all near",
+            "score near, 10 %",
+            "50 %",
+            "far, 50 %",
+            "90 %",
+            "time [µs]",
+        ],
+    );
+    for row in &rows {
+        table.row([
+            row.motion.clone(),
+            row.timing.to_owned(),
+            format!("{}×", row.distortion),
+            row.variant.to_owned(),
+            percent(row.near, row.collisions),
+            percent(row.all_near, row.takes),
+            number(quantile(&row.score_of_near, 0.1)),
+            number(median(&row.score_of_near)),
+            number(median(&row.score_of_far)),
+            number(quantile(&row.score_of_far, 0.9)),
+            number(median(&row.time_us)),
+        ]);
+    }
+    println!("{table}");
+    options.write_json("damage_proposals", &rows)
+}
+
+/// What proposals may know.
+const VARIANTS: [&str; 4] = ["all", "no touch", "no turns", "no positions"];
+
+fn varied(scene: &Scene, variant: &str) -> Scene {
+    let mut scene = scene.clone();
+    match variant {
+        "no touch" => {
+            for event in &mut scene.events {
+                if let enact::motion::EventKind::Collision(collision) = &mut event.kind {
+                    collision.contacts.clear();
+                }
+            }
+        }
+        "no turns" => scene.weights.orientation_rad = 1e9,
+        "no positions" => scene.weights.position_m = 1e9,
+        _ => {}
+    }
+    scene
 }
