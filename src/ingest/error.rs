@@ -42,7 +42,7 @@ pub enum IngestError {
         /// The topics that are there.
         present: BTreeSet<String>,
     },
-    /// The marks topic is not in the recording.
+    /// The marks topic is not in the recording, but marks are, elsewhere.
     #[error(
         "{}: no marks: topic {topic} is not in the recording, which has {}",
         path.display(), listed(present)

@@ -19,5 +19,5 @@ pub use scene::{
     Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Obstacle, Partner,
     Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps, Weights,
 };
-pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
+pub use sketch::{BodySketch, DropReason, MarkChanges, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};

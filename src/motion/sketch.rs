@@ -105,6 +105,19 @@ pub struct SampleCounts {
     pub flipped: usize,
     /// Intervals longer than 2.5 times the median one.
     pub gaps: usize,
+    /// What became of the performer's marks.
+    pub marks: MarkChanges,
+}
+
+/// Where marks are not those that the performer made. Events are indices into `Scene::events`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MarkChanges {
+    /// Events without a mark, put where the stream suggests, or at its first or last sample.
+    pub proposed: Vec<usize>,
+    /// Events whose mark was far from any kink of the stream, and was put at one.
+    pub moved: Vec<usize>,
+    /// Marks that stand for no event.
+    pub ignored: usize,
 }
 
 impl SampleCounts {

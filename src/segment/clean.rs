@@ -4,9 +4,11 @@ use std::cmp::Ordering;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
+use super::complete::completed;
 use super::error::SegmentError;
 use super::marks::{Extent, check_extents, matched, seconds, union};
 use super::outliers::drop_outliers;
+use super::units::check_units;
 use crate::math::Pose;
 use crate::motion::{
     BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
@@ -32,6 +34,60 @@ const SPAN_LIMIT_S: f64 = 86_400.0;
 /// the sketch does not depend on the order of arrival; only `reordered` does. `used` counts all
 /// samples of the sketch.
 pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCounts), SegmentError> {
+    let Usable {
+        mut streams,
+        marks,
+        extents,
+        mut counts,
+    } = usable(scene, events)?;
+    let whole = union(&extents).expect("a scene has bodies");
+    let stamps = match matched(scene, &marks, whole.first) {
+        Err(error @ SegmentError::MarkCount { .. }) if scene.timing != Timing::Edited => {
+            let all = sketch(scene, &streams, &[], &mut SampleCounts::default());
+            let (stamps, changes) = completed(scene, &marks, &all, error)?;
+            counts.marks = changes;
+            stamps
+        }
+        stamps => stamps?,
+    };
+    let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
+    check_extents(scene, &stamps, &extents, slack_ns)?;
+    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+        let read = stream.len();
+        let mut dropped = SampleCounts::default();
+        drop_outside(scene, &stamps, stream, &mut dropped);
+        if stream.is_empty() {
+            return Err(no_samples_of(body, read, &dropped));
+        }
+        merge(&mut counts, &dropped);
+    }
+    let sketch = sketch(scene, &streams, &stamps, &mut counts);
+    for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
+        check_units(body, &stream.samples)?;
+    }
+    Ok((sketch, counts))
+}
+
+/// The sketch of a whole take, whatever its marks, without any.
+pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentError> {
+    let Usable {
+        streams,
+        mut counts,
+        ..
+    } = usable(scene, events)?;
+    Ok(sketch(scene, &streams, &[], &mut counts))
+}
+
+/// What of a take can be used.
+struct Usable {
+    /// By body, in order of time; none is empty.
+    streams: Vec<Vec<PoseSample>>,
+    marks: Vec<Mark>,
+    extents: Vec<Extent>,
+    counts: SampleCounts,
+}
+
+fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
     let mut counts = SampleCounts::default();
     let (mut streams, marks) = sorted(scene, events, &mut counts)?;
     if counts.read == 0 {
@@ -66,19 +122,12 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
             drop_outliers(stream, &mut counts);
         }
     }
-    let stamps = matched(scene, &marks, whole.first)?;
-    let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
-    check_extents(scene, &stamps, &extents, slack_ns)?;
-    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
-        let read = stream.len();
-        let mut dropped = SampleCounts::default();
-        drop_outside(scene, &stamps, stream, &mut dropped);
-        if stream.is_empty() {
-            return Err(no_samples_of(body, read, &dropped));
-        }
-        merge(&mut counts, &dropped);
-    }
-    Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
+    Ok(Usable {
+        streams,
+        marks,
+        extents,
+        counts,
+    })
 }
 
 /// Readings by body and the marks, in an order that arrival does not change.

@@ -6,7 +6,7 @@
 //! programming over all places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
-use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch};
+use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch, Stamp};
 use crate::physics::contact::Feature;
 
 /// Places for cuts that are tried at once, evenly over the stream, for few cuts,
@@ -19,6 +19,8 @@ const CUTS_MAX: usize = 60;
 const KEEP_SAMPLES: usize = 5;
 /// As many samples as this is the distance of what should touch worth.
 const TOUCH_WEIGHT: f64 = 10.0;
+/// From this score on a proposal is believed.
+pub const CLEAR_SCORE: f64 = 2.0;
 /// Score of a cut that nothing superfluous competes with.
 const SCORE_MAX: f64 = 1e6;
 
@@ -35,6 +37,13 @@ pub struct Proposal {
     /// What the cut spares, over what one superfluous cut would spare at its best place: above
     /// one, the kink stands out of how the hand wanders; at most 10⁶.
     pub score: f64,
+}
+
+impl Proposal {
+    /// The same on the clock of the samples.
+    pub fn stamp(&self, sketch: &Sketch) -> Stamp {
+        Stamp(sketch.origin.0 + (self.acted_s * 1e9).round() as i64)
+    }
 }
 
 /// Proposals for all collisions of the scene, in its order; for each body those that concern
@@ -60,7 +69,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         let Some(cuts) = stream.best_cuts(&collisions) else {
             continue;
         };
-        let scores = stream.scores(&cuts);
+        let scores = stream.scores(&cuts, 1);
         for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
             let is_of_first = event
                 .and_then(|event| scene.events[event].kind.collision())
@@ -83,33 +92,47 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
 }
 
 /// One body's samples, and the costs of its stretches.
-struct Stream<'a> {
+pub(super) struct Stream<'a> {
     scene: &'a Scene,
     samples: &'a [Sample],
     positions: PrefixSums,
-    turns: PrefixSums,
+    turns: Option<PrefixSums>,
 }
 
 impl<'a> Stream<'a> {
-    fn new(scene: &'a Scene, index: usize, body: &'a BodySketch) -> Self {
+    pub(super) fn new(scene: &'a Scene, index: usize, body: &'a BodySketch) -> Self {
+        Self {
+            turns: Some(PrefixSums::of_turns(scene, index, body)),
+            ..Self::of_positions(scene, body)
+        }
+    }
+
+    /// The same blind to turns, for half the price.
+    pub(super) fn of_positions(scene: &'a Scene, body: &'a BodySketch) -> Self {
         Self {
             scene,
             samples: &body.samples,
             positions: PrefixSums::of_positions(scene, body),
-            turns: PrefixSums::of_turns(scene, index, body),
+            turns: None,
         }
     }
 
+    /// The first sample after an acted time.
+    pub(super) fn cut_at(&self, acted_s: f64) -> usize {
+        self.samples.partition_point(|s| s.acted_s <= acted_s)
+    }
+
     /// Between the last sample before a cut and the first after it.
-    fn time_s(&self, cut: usize) -> f64 {
+    pub(super) fn time_s(&self, cut: usize) -> f64 {
         0.5 * (self.samples[cut - 1].acted_s + self.samples[cut].acted_s)
     }
 
     /// What the best flight leaves of samples `begin..end`, in units of residual.
     fn cost(&self, begin: usize, end: usize) -> f64 {
         let weights = &self.scene.weights;
+        let turns = self.turns.as_ref().map_or(0.0, |t| t.cost(begin, end));
         self.positions.cost(begin, end) / weights.position_m.powi(2)
-            + self.turns.cost(begin, end) / weights.orientation_rad.powi(2)
+            + turns / weights.orientation_rad.powi(2)
     }
 
     /// The same between two cuts, or ends: the samples beside a cut are left out.
@@ -130,7 +153,7 @@ impl<'a> Stream<'a> {
     }
 
     /// The best places of that many cuts, in order; `None` where they do not fit.
-    fn best_cuts(&self, events: &[Option<usize>]) -> Option<Vec<usize>> {
+    pub(super) fn best_cuts(&self, events: &[Option<usize>]) -> Option<Vec<usize>> {
         let count = self.samples.len();
         if events.is_empty() {
             return Some(Vec::new());
@@ -210,29 +233,66 @@ impl<'a> Stream<'a> {
         }
     }
 
+    /// What the stretches on either side of a cut leave, and at the best of every `stride`-th
+    /// place between its neighbours.
+    pub(super) fn elsewhere(&self, cuts: &[usize], index: usize, stride: usize) -> (f64, f64) {
+        let (before, after) = self.neighbours(cuts, index);
+        let cost = |cut: usize| self.between(before, cut) + self.between(cut, after);
+        let places = before + KEEP_SAMPLES..(after + 1).saturating_sub(KEEP_SAMPLES);
+        let best = places
+            .step_by(stride)
+            .map(cost)
+            .fold(f64::INFINITY, f64::min);
+        (cost(cuts[index]), best)
+    }
+
     fn neighbours(&self, cuts: &[usize], index: usize) -> (usize, usize) {
         let before = index.checked_sub(1).map_or(0, |before| cuts[before]);
         let after = cuts.get(index + 1).copied();
         (before, after.unwrap_or(self.samples.len()))
     }
 
-    /// What each cut spares, over what a superfluous one would.
-    fn scores(&self, cuts: &[usize]) -> Vec<f64> {
+    /// What all stretches and cuts cost; infinite where cuts leave no room.
+    pub(super) fn total(&self, events: &[Option<usize>], cuts: &[usize]) -> f64 {
+        if !self.has_room(cuts) {
+            return f64::INFINITY;
+        }
+        let apart = events.iter().zip(cuts);
+        let apart: f64 = apart.map(|(event, cut)| self.apart(*event, *cut)).sum();
+        let ends = self.ends(cuts);
+        let stretches = ends.windows(2).map(|pair| self.between(pair[0], pair[1]));
+        apart + stretches.sum::<f64>()
+    }
+
+    /// Whether cuts are in order and leave two samples between them.
+    pub(super) fn has_room(&self, cuts: &[usize]) -> bool {
+        let ends = self.ends(cuts);
+        ends.windows(2).all(|pair| pair[0] + 4 <= pair[1])
+    }
+
+    fn ends(&self, cuts: &[usize]) -> Vec<usize> {
+        let cuts = cuts.iter().copied();
+        [0].into_iter()
+            .chain(cuts)
+            .chain([self.samples.len()])
+            .collect()
+    }
+
+    /// What each cut spares, over what a superfluous one would at the best of every `stride`-th
+    /// place.
+    pub(super) fn scores(&self, cuts: &[usize], stride: usize) -> Vec<f64> {
         let spared = |before: usize, cut: usize, after: usize| {
             // One flight over it, without the same samples.
             let whole = self.between(before, after);
             whole - self.between(before, cut) - self.between(cut, after)
         };
-        let ends: Vec<usize> = [0]
-            .into_iter()
-            .chain(cuts.iter().copied())
-            .chain([self.samples.len()])
-            .collect();
+        let ends = self.ends(cuts);
         let superfluous = ends
             .windows(2)
             .flat_map(|pair| {
                 let (before, after) = (pair[0], pair[1]);
                 (before + 2 * KEEP_SAMPLES..(after + 1).saturating_sub(2 * KEEP_SAMPLES))
+                    .step_by(stride)
                     .map(move |cut| spared(before, cut, after))
             })
             .fold(0.0, f64::max);
@@ -240,10 +300,10 @@ impl<'a> Stream<'a> {
             .map(|index| {
                 let (before, after) = self.neighbours(cuts, index);
                 let gain = spared(before, cuts[index], after).max(0.0);
-                if gain >= SCORE_MAX * superfluous {
-                    SCORE_MAX
+                if gain > 0.0 {
+                    (gain / superfluous).min(SCORE_MAX)
                 } else {
-                    gain / superfluous
+                    0.0
                 }
             })
             .collect()
@@ -283,3 +343,6 @@ fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
     });
     gaps.fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests;

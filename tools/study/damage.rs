@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use anyhow::Result;
 use enact::motion::{DropReason, Scene, Stamp, TakeEvent, Verdict};
 use enact::segment::clean::clean;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use crate::case::Case;
@@ -15,13 +17,12 @@ use crate::table::{Table, number, percent};
 
 /// Runs them all.
 pub fn run(options: &Options) -> Result<()> {
-    match std::env::var("ONLY").as_deref() {
-        Ok("proposals") => return proposals(options),
-        _ => {}
-    }
     false_alarms(options)?;
     outliers(options)?;
-    proposals(options)
+    proposals(options)?;
+    marks_off(options)?;
+    marks_absent(options)?;
+    units(options)
 }
 
 /// The motions that are damaged.
@@ -141,7 +142,7 @@ fn outliers(options: &Options) -> Result<()> {
         physical: usize,
         physical_without: usize,
         moved_mm: Vec<f64>,
-        clean_us: Vec<f64>,
+        outliers_us: Vec<f64>,
     }
     let mut rows = Vec::new();
     for (timing, acting) in ways() {
@@ -165,76 +166,19 @@ fn outliers(options: &Options) -> Result<()> {
                     };
                     let case = Case::new(&truth, &damaged, seed);
                     let bad = differing(&good.performance.events, &case.performance.events);
-                    let time = |scene: &enact::motion::Scene| {
-                        (0..15)
-                            .map(|_| {
-                                let begun = std::time::Instant::now();
-                                let _ =
-                                    std::hint::black_box(clean(scene, &case.performance.events));
-                                begun.elapsed().as_secs_f64() * 1e6
-                            })
-                            .fold(f64::INFINITY, f64::min)
-                    };
-                    let edited = enact::motion::Scene {
+                    let without = Scene {
                         timing: enact::motion::Timing::Edited,
                         ..case.scene().clone()
                     };
-                    row.clean_us.push(time(case.scene()) - time(&edited));
+                    let events = &case.performance.events;
+                    row.outliers_us
+                        .push(clean_us(case.scene(), events) - clean_us(&without, events));
                     let Ok((sketch, counts)) = clean(case.scene(), &case.performance.events) else {
                         continue;
                     };
                     let kept: BTreeSet<Stamp> =
                         sketch.bodies[0].samples.iter().map(|s| s.stamp).collect();
                     let missed = bad.intersection(&kept).count();
-                    if std::env::var_os("DBG").is_some() {
-                        let poses: Vec<_> = case
-                            .performance
-                            .events
-                            .iter()
-                            .zip(&good.performance.events)
-                            .filter_map(|p| match p {
-                                (
-                                    TakeEvent::Pose { sample: a, .. },
-                                    TakeEvent::Pose { sample: b, .. },
-                                ) => Some((*a, *b)),
-                                _ => None,
-                            })
-                            .collect();
-                        for (i, (a, b)) in poses.iter().enumerate() {
-                            if bad.contains(&a.stamp) && kept.contains(&a.stamp) {
-                                let q = |s: &enact::motion::PoseSample| {
-                                    nalgebra::UnitQuaternion::new_normalize(
-                                        nalgebra::Quaternion::new(
-                                            s.quaternion_xyzw[3],
-                                            s.quaternion_xyzw[0],
-                                            s.quaternion_xyzw[1],
-                                            s.quaternion_xyzw[2],
-                                        ),
-                                    )
-                                };
-                                let pat: String = (i.saturating_sub(7)..(i + 8).min(poses.len()))
-                                    .map(|j| {
-                                        if j == i {
-                                            'X'
-                                        } else if !bad.contains(&poses[j].0.stamp) {
-                                            '.'
-                                        } else if kept.contains(&poses[j].0.stamp) {
-                                            'x'
-                                        } else {
-                                            'o'
-                                        }
-                                    })
-                                    .collect();
-                                println!(
-                                    "{} {timing} {share} seed {seed} at {i}/{} jump {:.3} m turn {:.1} {pat}",
-                                    row.motion,
-                                    poses.len(),
-                                    (a.position_m - b.position_m).norm(),
-                                    q(a).angle_to(&q(b)).to_degrees()
-                                );
-                            }
-                        }
-                    }
                     let dropped = counts
                         .dropped
                         .get(&DropReason::Outlier)
@@ -288,7 +232,7 @@ fn outliers(options: &Options) -> Result<()> {
             "without",
             "moved, median [mm]",
             "95 % [mm]",
-            "clean [µs]",
+            "takes [µs]",
         ],
     );
     for row in &rows {
@@ -302,11 +246,21 @@ fn outliers(options: &Options) -> Result<()> {
             percent(row.physical_without, row.takes),
             number(median(&row.moved_mm)),
             number(quantile(&row.moved_mm, 0.95)),
-            number(median(&row.clean_us)),
+            number(median(&row.outliers_us)),
         ]);
     }
     println!("{table}");
     options.write_json("damage_outliers", &rows)
+}
+
+/// The least time of some runs. An edited sketch is not searched for outliers.
+fn clean_us(scene: &Scene, events: &[TakeEvent]) -> f64 {
+    let run = |_| {
+        let begun = std::time::Instant::now();
+        let _ = std::hint::black_box(clean(scene, events));
+        begun.elapsed().as_secs_f64() * 1e6
+    };
+    (0..15).map(run).fold(f64::INFINITY, f64::min)
 }
 
 /// Stamps at which the second take has another pose than the first.
@@ -427,7 +381,7 @@ fn proposals(options: &Options) -> Result<()> {
 }
 
 /// What proposals may know.
-const VARIANTS: [&str; 4] = ["all", "no touch", "no turns", "no positions"];
+const VARIANTS: [&str; 3] = ["all", "no touch", "no turns"];
 
 fn varied(scene: &Scene, variant: &str) -> Scene {
     let mut scene = scene.clone();
@@ -440,8 +394,279 @@ fn varied(scene: &Scene, variant: &str) -> Scene {
             }
         }
         "no turns" => scene.weights.orientation_rad = 1e9,
-        "no positions" => scene.weights.position_m = 1e9,
         _ => {}
     }
     scene
+}
+
+/// Marks that are off by so many samples, refined, and put elsewhere where that is clearly better.
+fn marks_off(options: &Options) -> Result<()> {
+    #[derive(Serialize, Default)]
+    struct Row {
+        motion: String,
+        timing: &'static str,
+        distortion: f64,
+        off: f64,
+        takes: usize,
+        refined: usize,
+        reseated: usize,
+        changed: usize,
+        refine_us: Vec<f64>,
+        reseat_us: Vec<f64>,
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for (timing, acting) in ways() {
+        for distortion in [1.0, 4.0] {
+            for off in [0.0, 5.0, 20.0, 50.0] {
+                let first = rows.len();
+                for seed in 0..options.seeds {
+                    for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
+                        if rows.len() <= first + index {
+                            rows.push(Row {
+                                motion,
+                                timing,
+                                distortion,
+                                off,
+                                ..Row::default()
+                            });
+                        }
+                        let row = &mut rows[first + index];
+                        let acting = Acting {
+                            distortion,
+                            ..acting
+                        };
+                        let case = Case::new(&truth, &acting, seed);
+                        let scene = case.scene();
+                        let mut sketch = case.performance.sketch();
+                        let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
+                        let times_s: Vec<f64> = truth
+                            .event_times_s
+                            .iter()
+                            .map(|time_s| case.performance.tempo.acted_s(*time_s))
+                            .collect();
+                        let last_s = sketch.bodies[0].samples.last().map_or(0.0, |s| s.acted_s);
+                        for (event, time_s) in times_s.iter().enumerate() {
+                            sketch.marks_s[event] = *time_s;
+                            if scene.events[event].kind.collision().is_some() {
+                                let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+                                let late_s = sign * off / acting.rate_hz;
+                                sketch.marks_s[event] = (time_s + late_s).clamp(0.0, last_s);
+                            }
+                        }
+                        let end = sketch.marks_s.len() - 1;
+                        sketch.marks_s[..end].sort_by(f64::total_cmp);
+                        let is_near = |sketch: &enact::motion::Sketch| {
+                            sketch.marks_s[..end]
+                                .iter()
+                                .zip(&times_s)
+                                .all(|(mark_s, time_s)| {
+                                    (mark_s - time_s).abs() * acting.rate_hz <= 8.5
+                                })
+                        };
+                        let begun = std::time::Instant::now();
+                        enact::segment::refine(scene, &mut sketch);
+                        row.refine_us.push(begun.elapsed().as_secs_f64() * 1e6);
+                        row.refined += usize::from(is_near(&sketch));
+                        let begun = std::time::Instant::now();
+                        let moved = enact::segment::reseat(scene, &mut sketch);
+                        row.reseat_us.push(begun.elapsed().as_secs_f64() * 1e6);
+                        if !moved.is_empty() {
+                            enact::segment::refine(scene, &mut sketch);
+                        }
+                        row.changed += usize::from(!moved.is_empty());
+                        row.reseated += usize::from(is_near(&sketch));
+                        row.takes += 1;
+                    }
+                }
+            }
+        }
+    }
+    let mut table = Table::new(
+        "Marks that are off: takes with all marks within eight samples",
+        &[
+            "motion",
+            "timing",
+            "distortion",
+            "off by",
+            "refined",
+            "and reseated",
+            "changed",
+            "refine [µs]",
+            "reseat [µs]",
+        ],
+    );
+    for row in &rows {
+        table.row([
+            row.motion.clone(),
+            row.timing.to_owned(),
+            format!("{}×", row.distortion),
+            format!("± {}", row.off),
+            percent(row.refined, row.takes),
+            percent(row.reseated, row.takes),
+            row.changed.to_string(),
+            number(median(&row.refine_us)),
+            number(median(&row.reseat_us)),
+        ]);
+    }
+    println!("{table}");
+    options.write_json("damage_marks_off", &rows)
+}
+
+/// Takes through the pipeline without marks, with one less, with one more.
+fn marks_absent(options: &Options) -> Result<()> {
+    #[derive(Serialize)]
+    struct Row {
+        motion: String,
+        timing: &'static str,
+        distortion: f64,
+        marks: &'static str,
+        takes: usize,
+        estimated: usize,
+        near: usize,
+        physical: usize,
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for (timing, acting) in ways() {
+        for distortion in [1.0, 4.0] {
+            for marks in ["none", "one less", "one more"] {
+                let first = rows.len();
+                for seed in 0..options.seeds {
+                    for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
+                        if rows.len() <= first + index {
+                            rows.push(Row {
+                                motion,
+                                timing,
+                                distortion,
+                                marks,
+                                takes: 0,
+                                estimated: 0,
+                                near: 0,
+                                physical: 0,
+                            });
+                        }
+                        let row = &mut rows[first + index];
+                        let acting = Acting {
+                            distortion,
+                            ..acting
+                        };
+                        let mut case = Case::new(&truth, &acting, seed);
+                        let duration_s = case.performance.tempo.acted_duration_s();
+                        change_marks(&mut case.performance.events, marks, seed, duration_s);
+                        row.takes += 1;
+                        let Ok(outcome) = case.estimated(&mut ()) else {
+                            continue;
+                        };
+                        row.estimated += 1;
+                        row.physical += usize::from(outcome.estimate.verdict == Verdict::Physical);
+                        let tempo = &case.performance.tempo;
+                        let pairs = outcome.sketch.marks_s.iter().zip(&truth.event_times_s);
+                        let collisions = truth.event_times_s.len() - 1;
+                        row.near += usize::from(pairs.take(collisions).all(|(mark_s, time_s)| {
+                            (mark_s - tempo.acted_s(*time_s)).abs() * acting.rate_hz <= 8.5
+                        }));
+                    }
+                }
+            }
+        }
+    }
+    let mut table = Table::new(
+        "Marks that are absent or too many",
+        &[
+            "motion",
+            "timing",
+            "distortion",
+            "marks",
+            "estimated",
+            "all near",
+            "physical",
+        ],
+    );
+    for row in &rows {
+        table.row([
+            row.motion.clone(),
+            row.timing.to_owned(),
+            format!("{}×", row.distortion),
+            row.marks.to_owned(),
+            percent(row.estimated, row.takes),
+            percent(row.near, row.takes),
+            percent(row.physical, row.takes),
+        ]);
+    }
+    println!("{table}");
+    options.write_json("damage_marks_absent", &rows)
+}
+
+/// No marks; one of a collision left out; or one more, anywhere.
+fn change_marks(events: &mut Vec<TakeEvent>, marks: &str, seed: u64, duration_s: f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(2000 + seed);
+    let at: Vec<usize> = (0..events.len())
+        .filter(|index| matches!(events[*index], TakeEvent::Mark(_)))
+        .collect();
+    match marks {
+        "none" => events.retain(|event| !matches!(event, TakeEvent::Mark(_))),
+        "one less" => {
+            events.remove(at[rng.random_range(0..at.len() - 1)]);
+        }
+        _ => {
+            let late_s = duration_s * rng.random_range(0.05..0.95);
+            let stamp = Stamp(crate::perform::acting::START.0 + (late_s * 1e9) as i64);
+            events.push(TakeEvent::Mark(enact::motion::Mark { stamp, event: None }));
+        }
+    }
+}
+
+/// What becomes of positions in another unit.
+fn units(options: &Options) -> Result<()> {
+    let mut table = Table::new(
+        "Positions times a factor",
+        &[
+            "motion", "timing", "factor", "refused", "failed", "physical", "error",
+        ],
+    );
+    for (timing, acting) in ways() {
+        for factor in [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0] {
+            let mut names: Vec<String> = Vec::new();
+            let mut counts: Vec<[usize; 4]> = Vec::new();
+            let mut errors: Vec<String> = Vec::new();
+            for seed in 0..options.seeds.min(20) {
+                for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
+                    if names.len() <= index {
+                        names.push(motion);
+                        counts.push([0; 4]);
+                        errors.push(String::new());
+                    }
+                    let mut case = Case::new(&truth, &acting, seed);
+                    for event in &mut case.performance.events {
+                        if let TakeEvent::Pose { sample, .. } = event {
+                            sample.position_m *= factor;
+                        }
+                    }
+                    counts[index][3] += 1;
+                    match case.estimated(&mut ()) {
+                        Err(error) => {
+                            counts[index][0] += 1;
+                            errors[index] = error.to_string();
+                        }
+                        Ok(outcome) => {
+                            let is_physical = outcome.estimate.verdict == Verdict::Physical;
+                            counts[index][if is_physical { 2 } else { 1 }] += 1;
+                        }
+                    }
+                }
+            }
+            for ((name, count), error) in names.into_iter().zip(&counts).zip(errors) {
+                table.row([
+                    name,
+                    timing.to_owned(),
+                    factor.to_string(),
+                    percent(count[0], count[3]),
+                    percent(count[1], count[3]),
+                    percent(count[2], count[3]),
+                    error,
+                ]);
+            }
+        }
+    }
+    println!("{table}");
+    Ok(())
 }
