@@ -5,7 +5,7 @@ use super::marks::seconds;
 use super::propose::{CLEAR_SCORE, Proposal, propose};
 use crate::motion::{EventKind, Mark, MarkChanges, Scene, Sketch, Stamp};
 
-/// A mark stands for an event only this near to where the stream suggests it \[s\].
+/// A mark without a name stands for an event only this near to where the stream suggests it \[s\].
 const NEAR_S: f64 = 0.25;
 
 /// One place per event: the mark that is meant for it, or where the stream suggests it; start
@@ -79,10 +79,12 @@ fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<
 /// least sum of distances.
 fn aligned(scene: &Scene, marks: &[Mark], places: &[Stamp], origin: Stamp) -> Vec<Option<usize>> {
     let fits = |mark: usize, event: usize| {
-        let is_named = marks[mark].event.as_ref();
         let distance_s = seconds(marks[mark].stamp, origin) - seconds(places[event], origin);
-        let is_it = is_named.is_none_or(|name| *name == scene.events[event].name);
-        (is_it && distance_s.abs() <= NEAR_S).then_some(distance_s.abs())
+        match &marks[mark].event {
+            // A name says more than any distance.
+            Some(name) => (*name == scene.events[event].name).then_some(0.0),
+            None => (distance_s.abs() <= NEAR_S).then_some(distance_s.abs()),
+        }
     };
     // Of the first marks and the first events: matches, and less their distances; most first.
     let (rows, columns) = (marks.len() + 1, places.len() + 1);
