@@ -2,6 +2,7 @@
 
 #[path = "../tools/perform/mod.rs"]
 mod perform;
+#[allow(dead_code)]
 #[path = "../tools/perform/recording.rs"]
 mod recording;
 
