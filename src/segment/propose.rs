@@ -1,7 +1,7 @@
 //! Where marks would be, by the stream alone: the cuts that leave the best flights between them.
 //!
 //! A stretch costs what the best flight leaves of its positions and of its angular momentum
-//! ([`super::prefix`]), in the scene's units of residual. A cut costs how far the features that
+//! (`prefix.rs`), in the scene's units of residual. A cut costs how far the features that
 //! the scene names are from touching there. The cuts of least cost are found by dynamic
 //! programming over all places, then moved sample by sample.
 

@@ -1,7 +1,7 @@
 //! Marks made by a person are late or early; the centre of mass tells where the kink is.
 //!
 //! For each collision the mark is tried at every sample within reach, and put where the
-//! ballistic fits of the two neighbouring segments leave least ([`super::prefix`]).
+//! ballistic fits of the two neighbouring segments leave least (`prefix.rs`).
 
 use std::ops::RangeInclusive;
 
