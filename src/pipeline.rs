@@ -9,8 +9,8 @@ use thiserror::Error;
 use crate::estimate::{self, Recipe};
 use crate::initialise;
 use crate::motion::{
-    DropReason, Estimate, Observer, Phase, SampleCounts, Scene, Segment, Settled, Sketch,
-    TakeEvent, Verdict, Verification,
+    DropReason, Estimate, EventKind, Observer, Phase, SampleCounts, Scene, Segment, Settled,
+    Sketch, Stamp, TakeEvent, Verdict, Verification,
 };
 use crate::segment::{self, SegmentError};
 use crate::settle::settle;
@@ -66,6 +66,47 @@ impl Pipeline {
         self.events.push(event);
     }
 
+    /// Marks for what was pushed, in order of time, whatever marks are in it: of every collision
+    /// of the scene, or of `count` on each body, and its start and end at the first and the last
+    /// sample.
+    pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
+        let scene = &self.scene;
+        let sketch = segment::clean::unmarked(scene, &self.events)?;
+        let collisions = segment::propose(scene, &sketch, count).into_iter();
+        let mut marks: Vec<MarkProposal> = collisions
+            .map(|proposal| MarkProposal {
+                body: Some(proposal.body),
+                event: proposal.event,
+                stamp: proposal.stamp(&sketch),
+                time_s: proposal.acted_s,
+                score: Some(proposal.score),
+            })
+            .collect();
+        let stamps = || {
+            sketch
+                .bodies
+                .iter()
+                .flat_map(|b| &b.samples)
+                .map(|s| s.stamp)
+        };
+        for (index, event) in scene.events.iter().enumerate() {
+            let stamp = match event.kind {
+                EventKind::Start => stamps().min(),
+                EventKind::End => stamps().max(),
+                EventKind::Collision(_) => None,
+            };
+            marks.extend(stamp.map(|stamp| MarkProposal {
+                body: None,
+                event: Some(index),
+                stamp,
+                time_s: stamp.seconds_since(sketch.origin),
+                score: None,
+            }));
+        }
+        marks.sort_by_key(|mark| mark.stamp);
+        Ok(marks)
+    }
+
     /// The estimate from all that was pushed, checked, and continued until it rests if the scene
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that there is nothing to estimate from.
@@ -105,6 +146,21 @@ impl Pipeline {
             settled: None,
         })
     }
+}
+
+/// A mark as the stream suggests it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkProposal {
+    /// Whose kink it is (index into `Scene::bodies`); `None` for start and end.
+    pub body: Option<usize>,
+    /// Its event (index into `Scene::events`), if as many were looked for as the scene has.
+    pub event: Option<usize>,
+    /// When, on the clock of the samples.
+    pub stamp: Stamp,
+    /// The same [s since the first sample].
+    pub time_s: f64,
+    /// See [`segment::Proposal::score`]; none for start and end.
+    pub score: Option<f64>,
 }
 
 /// No motion is called physical in which solids are inside one another or another part than
@@ -158,7 +214,11 @@ fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Estimate, PipelineError> {
     observer.phase(Phase::Marks);
-    let rounds = segment::refine(scene, sketch);
+    let mut rounds = segment::refine(scene, sketch);
+    counts.marks.moved = segment::reseat(scene, sketch);
+    if !counts.marks.moved.is_empty() {
+        rounds += segment::refine(scene, sketch);
+    }
     let segments = segment::cut(scene, sketch)?;
     account(sketch, &segments, counts);
     observer.phase(Phase::ArcFits);

@@ -213,14 +213,15 @@ fn enact() -> Command {
 }
 
 #[test]
-fn marks_must_be_there_and_fit_the_scene() {
-    let without = Plan {
-        marks: vec![],
+fn marks_must_fit_the_scene() {
+    let elsewhere = Plan {
+        scene: Some(format!("marks_topic = \"/notes\"\n{SCENE}")),
         ..Plan::default()
     };
-    Bench::new(&without).refuses(&[], "no marks: topic /marks is not in the recording");
+    Bench::new(&elsewhere).refuses(&[], "no marks: topic /notes is not in the recording");
+    // Nobody lets go twice.
     let two = Plan {
-        marks: vec![(0.0, None), (bounce_s(), None)],
+        marks: vec![(0.0, None), (0.01, None)],
         ..Plan::default()
     };
     Bench::new(&two).refuses(
@@ -240,6 +241,22 @@ fn marks_must_be_there_and_fit_the_scene() {
         &[],
         "the mark of \"catch\" is at 7.000 s, outside the data: expected 0.000 to 0.550 s",
     );
+}
+
+#[test]
+fn marks_that_are_absent_are_put_at_the_kinks_and_that_is_said() {
+    for marks in [vec![], vec![(0.0, None), (0.55, None)]] {
+        let plan = Plan {
+            marks,
+            ..Plan::default()
+        };
+        let bench = Bench::new(&plan);
+        let ran = bench.enact(&["replay", "take.mcap", "-o", "out/x.mcap"]);
+        ran.finished();
+        let note = "note: no marks for some events, put where the stream suggests: ";
+        assert!(ran.stdout.contains(note), "{}", ran.stdout);
+        assert!(ran.stdout.contains("\"bounce\" at 0.31"), "{}", ran.stdout);
+    }
 }
 
 #[test]

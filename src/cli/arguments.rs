@@ -28,6 +28,8 @@ pub(super) enum Command {
     Process(ProcessArguments),
     /// Say what is in a recording
     Inspect(InspectArguments),
+    /// Say where the marks of a recording would be
+    Mark(MarkArguments),
     /// Write completions for a shell to stdout
     Completion {
         /// Which shell
@@ -79,6 +81,29 @@ pub(super) struct InspectArguments {
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `mark`.
+#[derive(Debug, Args)]
+pub(super) struct MarkArguments {
+    /// The recording, an MCAP file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Propose marks where the streams have kinks
+    #[arg(long, required = true)]
+    pub(super) propose: bool,
+    /// Write a copy of the recording with the marks
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Collisions of each body [default: as many as the scene has]
+    #[arg(long, value_name = "N")]
+    pub(super) count: Option<usize>,
+    /// Scene file [default: scene.toml attached to the recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// How the proposals on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
 }

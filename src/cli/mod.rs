@@ -14,6 +14,7 @@ mod arguments;
 mod completion;
 mod exit;
 mod inspect;
+mod mark;
 mod output;
 mod process;
 mod replay;

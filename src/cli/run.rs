@@ -7,7 +7,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
-use super::{completion, inspect, output, process, replay};
+use super::{completion, inspect, mark, output, process, replay};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -19,6 +19,7 @@ pub fn run() -> ExitCode {
         Command::Replay(arguments) => replay::run(arguments, verbose),
         Command::Process(arguments) => process::run(arguments, verbose),
         Command::Inspect(arguments) => inspect::run(arguments),
+        Command::Mark(arguments) => mark::run(arguments),
         Command::Completion { shell } => completion::run(shell),
     };
     match result {

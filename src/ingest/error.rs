@@ -61,7 +61,7 @@ pub enum IngestError {
         /// The topics of segments that are there.
         found: BTreeSet<String>,
     },
-    /// The marks topic is not in the recording.
+    /// The marks topic is not in the recording, but marks are, elsewhere.
     #[error(
         "{}: no marks: topic {topic} is not in the recording, which has {}",
         path.display(), listed(present)

@@ -80,17 +80,29 @@ pub(super) fn routes(
         }
     }
     let marks = scene.marks_topic.as_str();
-    if !container.topics().contains(marks) {
-        if scene.timing == Timing::Edited {
-            return Ok((routes, feeds));
-        }
+    if scene.timing == Timing::Edited && !container.topics().contains(marks) {
+        return Ok((routes, feeds));
+    }
+    let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
+    // Marks on another topic are likely the scene's mistake; a recording may also have none.
+    let is_marks = |channel: &Channel| {
+        let schema = container
+            .schema_of(channel)
+            .map_or("", |schema| schema.name.as_str());
+        format(schema, &channel.message_encoding).is_some()
+    };
+    // An earlier estimate's events are no marks.
+    let mut theirs = container
+        .channels()
+        .values()
+        .filter(|c| !c.topic.starts_with("/estimate/"));
+    if !container.topics().contains(marks) && theirs.any(is_marks) {
         return Err(IngestError::MarksAbsent {
             path: path.to_owned(),
             topic: marks.to_owned(),
             present: present(),
         });
     }
-    let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
     for (id, format) in formats(path, container, marks, format, MARK_SCHEMAS)? {
         feeds.insert(
             id,

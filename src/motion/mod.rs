@@ -24,6 +24,6 @@ pub use scene::{
     Weights,
 };
 pub use settled::{Settled, SettledBody};
-pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
+pub use sketch::{BodySketch, DropReason, MarkChanges, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};
 pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

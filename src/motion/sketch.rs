@@ -62,6 +62,8 @@ pub enum DropReason {
     Duplicate,
     /// Bit for bit the pose before it: the tracker stood still or lost sight.
     Frozen,
+    /// Further from its neighbours than the stream and any motion explain.
+    Outlier,
     /// Before the start.
     BeforeStart,
     /// After the end.
@@ -78,6 +80,7 @@ impl DropReason {
             DropReason::NotUnit => "not_unit",
             DropReason::Duplicate => "duplicate",
             DropReason::Frozen => "frozen",
+            DropReason::Outlier => "outlier",
             DropReason::BeforeStart => "before_start",
             DropReason::AfterEnd => "after_end",
             DropReason::NearCollision => "near_collision",
@@ -102,6 +105,19 @@ pub struct SampleCounts {
     pub flipped: usize,
     /// Intervals longer than 2.5 times the median one.
     pub gaps: usize,
+    /// What became of the performer's marks.
+    pub marks: MarkChanges,
+}
+
+/// Where marks are not those that the performer made. Events are indices into `Scene::events`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MarkChanges {
+    /// Events without a mark, put where the stream suggests, or at its first or last sample.
+    pub proposed: Vec<usize>,
+    /// Events whose mark was far from any kink of the stream, and was put at one.
+    pub moved: Vec<usize>,
+    /// Marks that stand for no event.
+    pub ignored: usize,
 }
 
 impl SampleCounts {

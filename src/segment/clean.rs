@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
+use super::complete::completed;
 use super::edited::join;
 use super::error::SegmentError;
 use super::marks::{Extent, check_extents, matched, seconds, union};
+use super::outliers::drop_outliers;
+use super::units::check_units;
 use crate::math::Pose;
 use crate::motion::{
     BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
@@ -36,21 +39,93 @@ type Streams = Vec<Vec<Vec<PoseSample>>>;
 /// the sketch does not depend on the order of arrival; only `reordered` does. `used` counts all
 /// samples of the sketch.
 pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCounts), SegmentError> {
-    let mut counts = SampleCounts::default();
-    let (streams, marks) = sorted(scene, events, &mut counts)?;
-    if counts.read == 0 {
-        let topics: Vec<String> = scene
-            .bodies
-            .iter()
-            .map(|body| format!("{:?}", body.topic))
-            .collect();
-        return Err(SegmentError::NoSamples {
-            topics: topics.join(", "),
-        });
-    }
     if scene.timing == Timing::Edited {
-        return clean_edited(scene, streams, counts);
+        return clean_edited(scene, events);
     }
+    let Usable {
+        mut streams,
+        marks,
+        extents,
+        mut counts,
+    } = usable(scene, events)?;
+    let whole = union(&extents).expect("a scene has bodies");
+    let stamps = match matched(scene, &marks, whole.first) {
+        Err(error @ SegmentError::MarkCount { .. }) => {
+            let all = sketch(scene, &streams, &[], &mut SampleCounts::default());
+            let (stamps, changes) = completed(scene, &marks, &all, error)?;
+            counts.marks = changes;
+            stamps
+        }
+        stamps => stamps?,
+    };
+    let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
+    check_extents(scene, &stamps, &extents, slack_ns)?;
+    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+        let read = stream.len();
+        let mut dropped = SampleCounts::default();
+        drop_outside(scene, &stamps, stream, &mut dropped);
+        if stream.is_empty() {
+            return Err(no_samples_of(body, &body.topic, read, &dropped));
+        }
+        merge(&mut counts, &dropped);
+    }
+    let sketch = sketch(scene, &streams, &stamps, &mut counts);
+    for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
+        check_units(body, &stream.samples)?;
+    }
+    Ok((sketch, counts))
+}
+
+/// The same of an edited sketch: every segment by itself, then one after the other. Marks are
+/// not looked at.
+fn clean_edited(
+    scene: &Scene,
+    events: &[TakeEvent],
+) -> Result<(Sketch, SampleCounts), SegmentError> {
+    let mut counts = SampleCounts::default();
+    let (mut streams, _) = delivered(scene, events, &mut counts)?;
+    for (index, body) in scene.bodies.iter().enumerate() {
+        for (number, stream) in streams[index].iter_mut().enumerate() {
+            let read = stream.len();
+            let mut dropped = SampleCounts::default();
+            drop_unusable(stream, &mut dropped);
+            if stream.is_empty() {
+                let topic = scene.stream_topic(index, number);
+                return Err(no_samples_of(body, &topic, read, &dropped));
+            }
+            merge(&mut counts, &dropped);
+        }
+    }
+    let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
+    let sketch = sketch(scene, &streams, &stamps, &mut counts);
+    for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
+        check_units(body, &stream.samples)?;
+    }
+    Ok((sketch, counts))
+}
+
+/// The sketch of a whole take, whatever its marks, without any.
+pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentError> {
+    let Usable {
+        streams,
+        mut counts,
+        ..
+    } = usable(scene, events)?;
+    Ok(sketch(scene, &streams, &[], &mut counts))
+}
+
+/// What of a take can be used.
+struct Usable {
+    /// By body, in order of time; none is empty.
+    streams: Vec<Vec<PoseSample>>,
+    marks: Vec<Mark>,
+    extents: Vec<Extent>,
+    counts: SampleCounts,
+}
+
+fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
+    let mut counts = SampleCounts::default();
+    let (streams, marks) = delivered(scene, events, &mut counts)?;
     let mut streams = streams.concat();
     let mut extents = Vec::new();
     for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
@@ -69,42 +144,31 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
             limit_s: SPAN_LIMIT_S,
         });
     }
-    let stamps = matched(scene, &marks, whole.first)?;
-    let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
-    check_extents(scene, &stamps, &extents, slack_ns)?;
-    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
-        let read = stream.len();
-        let mut dropped = SampleCounts::default();
-        drop_outside(scene, &stamps, stream, &mut dropped);
-        if stream.is_empty() {
-            return Err(no_samples_of(body, &body.topic, read, &dropped));
-        }
-        merge(&mut counts, &dropped);
+    for stream in &mut streams {
+        drop_outliers(stream, &mut counts);
     }
-    Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
+    Ok(Usable {
+        streams,
+        marks,
+        extents,
+        counts,
+    })
 }
 
-/// The same of an edited sketch: every segment by itself, then one after the other. Marks are
-/// not looked at.
-fn clean_edited(
+/// Readings by body and stream, and the marks; there is at least one reading.
+fn delivered(
     scene: &Scene,
-    mut streams: Streams,
-    mut counts: SampleCounts,
-) -> Result<(Sketch, SampleCounts), SegmentError> {
-    for (index, body) in scene.bodies.iter().enumerate() {
-        for (number, stream) in streams[index].iter_mut().enumerate() {
-            let read = stream.len();
-            let mut dropped = SampleCounts::default();
-            drop_unusable(stream, &mut dropped);
-            if stream.is_empty() {
-                let topic = scene.stream_topic(index, number);
-                return Err(no_samples_of(body, &topic, read, &dropped));
-            }
-            merge(&mut counts, &dropped);
-        }
+    events: &[TakeEvent],
+    counts: &mut SampleCounts,
+) -> Result<(Streams, Vec<Mark>), SegmentError> {
+    let delivered = sorted(scene, events, counts)?;
+    if counts.read > 0 {
+        return Ok(delivered);
     }
-    let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
-    Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
+    let topics = scene.bodies.iter().map(|body| format!("{:?}", body.topic));
+    Err(SegmentError::NoSamples {
+        topics: topics.collect::<Vec<String>>().join(", "),
+    })
 }
 
 /// Readings by body and stream, and the marks, in an order that arrival does not change.

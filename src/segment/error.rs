@@ -49,6 +49,22 @@ pub enum SegmentError {
         /// At most.
         limit_s: f64,
     },
+    /// Positions that cannot be in metres.
+    #[error(
+        "body {body:?} goes {reach_m:.1} m, {:.0} times its size of {size_m:.3} m, at {speed_m_s:.1} m/s \
+         in the median: are the positions in millimetres? Expected metres",
+        reach_m / size_m
+    )]
+    Units {
+        /// Whose.
+        body: String,
+        /// How far nine tenths of its samples keep within of the middle one.
+        reach_m: f64,
+        /// Diameter of the ball that holds it.
+        size_m: f64,
+        /// Median speed.
+        speed_m_s: f64,
+    },
     /// More or fewer marks than events.
     #[error("{found} marks, expected {expected}{events}")]
     MarkCount {
@@ -56,7 +72,8 @@ pub enum SegmentError {
         found: usize,
         /// Events of the scene.
         expected: usize,
-        /// Their names: `: "release", "bounce"`, and those that no mark names.
+        /// Their names: `: "release", "bounce"`, those that no mark names, and what the stream
+        /// suggests.
         events: String,
     },
     /// A mark names an event that the scene does not have.

@@ -1,16 +1,13 @@
 //! Marks made by a person are late or early; the centre of mass tells where the kink is.
 //!
 //! For each collision the mark is tried at every sample within reach, and put where the
-//! ballistic fits of the two neighbouring segments leave least. A fit is a projection on
-//! polynomials of degree 0, 1 (and 2 along gravity, where the tempo is unknown), so that sums
-//! over prefixes of the stream give the cost of any segment without looking at its samples.
+//! ballistic fits of the two neighbouring segments leave least (`prefix.rs`).
 
 use std::ops::RangeInclusive;
 
-use nalgebra::Vector3;
-
 use super::cut::median_interval_s;
-use crate::motion::{BodySketch, Scene, Sketch, Timing};
+use super::prefix::PrefixSums;
+use crate::motion::{Scene, Sketch, Timing};
 
 /// Samples on either side of a mark that are tried.
 const REACH_SAMPLES: usize = 8;
@@ -38,7 +35,7 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     let sums: Vec<PrefixSums> = sketch
         .bodies
         .iter()
-        .map(|body| PrefixSums::new(scene, body))
+        .map(|body| PrefixSums::of_positions(scene, body))
         .collect();
     for round in 1..=ROUNDS_MAX {
         let mut moved = false;
@@ -132,95 +129,4 @@ fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: us
     }
     sketch.marks_s[event] = time_s(best);
     true
-}
-
-/// Running sums over a body's samples, to fit any stretch of them.
-struct PrefixSums {
-    sums: Vec<Sums>,
-    /// Direction of gravity where its size in acted time is unknown.
-    free_along: Option<Vector3<f64>>,
-}
-
-/// `Σ a^k`, `Σ a^k p` and `Σ |p|²`.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    powers: [f64; 5],
-    moments: [Vector3<f64>; 3],
-    square: f64,
-}
-
-impl PrefixSums {
-    fn new(scene: &Scene, body: &BodySketch) -> Self {
-        let gravity = scene.gravity_m_s2;
-        let free_along = match scene.timing {
-            Timing::Known | Timing::Edited => None,
-            Timing::Unknown { .. } => gravity.try_normalize(1e-9),
-        };
-        let samples = &body.samples;
-        let centre_s = samples
-            .get(samples.len() / 2)
-            .map_or(0.0, |sample| sample.acted_s);
-        let mut running = Sums::default();
-        let mut sums = vec![running];
-        for sample in samples {
-            let a = sample.acted_s - centre_s;
-            // Known times leave no curvature unknown.
-            let fall = if free_along.is_some() {
-                Vector3::zeros()
-            } else {
-                gravity * (0.5 * a * a)
-            };
-            let p = sample.position_m - samples[0].position_m - fall;
-            let mut power = 1.0;
-            for k in 0..5 {
-                running.powers[k] += power;
-                if k < 3 {
-                    running.moments[k] += p * power;
-                }
-                power *= a;
-            }
-            running.square += p.norm_squared();
-            sums.push(running);
-        }
-        Self { sums, free_along }
-    }
-
-    /// Sum of squared distances \[m²\] of samples `begin..end` from their best flight.
-    fn cost(&self, begin: usize, end: usize) -> f64 {
-        let (from, to) = (&self.sums[begin], &self.sums[end.max(begin)]);
-        let mut powers = [0.0; 5];
-        let mut moments = [Vector3::zeros(); 3];
-        for k in 0..5 {
-            powers[k] = to.powers[k] - from.powers[k];
-        }
-        for k in 0..3 {
-            moments[k] = to.moments[k] - from.moments[k];
-        }
-        let count = powers[0];
-        if count < 2.0 {
-            return 0.0;
-        }
-        // Gram–Schmidt on 1, a, a².
-        let mean = powers[1] / count;
-        let first_norm = powers[2] - mean * powers[1];
-        let first = moments[1] - moments[0] * mean;
-        let mut cost = to.square - from.square - moments[0].norm_squared() / count;
-        if first_norm > 0.0 {
-            cost -= first.norm_squared() / first_norm;
-        }
-        if let Some(along) = self.free_along
-            && count > 3.0
-        {
-            let slope = (powers[3] - powers[2] * mean) / first_norm;
-            let second_norm =
-                powers[4] - powers[2] * powers[2] / count - slope * slope * first_norm;
-            let second = moments[2] - moments[0] * (powers[2] / count) - first * slope;
-            // Falling up is no better than not falling.
-            let fall = second.dot(&along).max(0.0);
-            if second_norm > 0.0 {
-                cost -= fall * fall / second_norm;
-            }
-        }
-        cost.max(0.0)
-    }
 }

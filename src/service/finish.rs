@@ -10,7 +10,7 @@ use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
 use crate::motion::Scene;
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Outcome, Pipeline};
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
 /// A recording and the scene that it is to be read with.
@@ -132,7 +132,7 @@ pub(super) fn finish(
         solve_seconds,
         phase_seconds,
         lost: lost(take),
-        warnings: warnings(take),
+        warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
     Ok(Report::new(&opened.scene, &outcome, circumstances))
 }
@@ -183,6 +183,35 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Where the marks are not the performer's.
+fn mark_notes(scene: &Scene, outcome: &Outcome) -> Vec<String> {
+    let changes = &outcome.counts.marks;
+    let placed = |events: &[usize]| {
+        let placed = events.iter().map(|event| {
+            let acted_s = outcome.sketch.marks_s[*event];
+            format!("{:?} at {acted_s:.3} s", scene.events[*event].name)
+        });
+        placed.collect::<Vec<_>>().join(", ")
+    };
+    let mut notes = Vec::new();
+    if !changes.proposed.is_empty() {
+        notes.push(format!(
+            "no marks for some events, put where the stream suggests: {}",
+            placed(&changes.proposed)
+        ));
+    }
+    if !changes.moved.is_empty() {
+        notes.push(format!(
+            "marks far from any kink, put where the stream suggests: {}",
+            placed(&changes.moved)
+        ));
+    }
+    if changes.ignored > 0 {
+        notes.push(format!("{} marks stand for no event", changes.ignored));
+    }
+    notes
 }
 
 #[cfg(test)]

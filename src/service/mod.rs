@@ -1,6 +1,7 @@
 //! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
-//! Both end in the same way, and the same recording gives the same bytes by both.
+//! Both end in the same way, and the same recording gives the same bytes by both. [`mark()`]
+//! says where marks would be.
 //!
 //! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
 //! in words and SI units, for whoever prints it.
@@ -8,6 +9,7 @@
 mod checks;
 mod finish;
 mod inspect;
+mod mark;
 mod process;
 mod replay;
 mod report;
@@ -16,6 +18,7 @@ mod words;
 
 pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
+pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
 pub use replay::{ReplayJob, replay};
 pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};

@@ -86,7 +86,7 @@ pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, Write
 }
 
 /// Whether both names mean one file.
-fn is_same(a: &Path, b: &Path) -> bool {
+pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     let (Ok(a), Ok(b)) = (fs::canonicalize(a), fs::canonicalize(b)) else {
         return false;
     };
@@ -312,6 +312,7 @@ impl<'a> Composer<'a> {
             },
             schema,
             message_encoding: encoding,
+            metadata: topics::metadata(),
         });
         self.additions.channels.len() - 1
     }

@@ -21,6 +21,8 @@ pub(super) struct OurChannel {
     pub(super) topic: String,
     pub(super) schema: SchemaRecord,
     pub(super) message_encoding: &'static str,
+    /// By it a later run knows what to replace.
+    pub(super) metadata: BTreeMap<String, String>,
 }
 
 /// A message of ours, on a channel by its index.
@@ -30,7 +32,7 @@ pub(super) struct OurMessage {
     pub(super) data: Vec<u8>,
 }
 
-/// What an estimate adds to its input.
+/// What is added to an input.
 #[derive(Default)]
 pub(super) struct Additions {
     pub(super) channels: Vec<OurChannel>,
@@ -158,7 +160,7 @@ fn define(
         .zip(schemas)
         .map(|(channel, schema)| {
             let (topic, encoding) = (&channel.topic, channel.message_encoding);
-            writer.add_channel(schema, topic, encoding, &topics::metadata())
+            writer.add_channel(schema, topic, encoding, &channel.metadata)
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 //! Every file is written under a temporary name beside its final one ([`atomic`]) and renamed
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
-//! beside it, on the topics that [`topics`] lists. Bytes depend on what is written and on
+//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording. Bytes depend on what is written and on
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
@@ -11,6 +11,7 @@ mod checks;
 mod drawing;
 pub mod error;
 pub mod estimate;
+pub mod marks;
 mod merge;
 mod motion;
 mod options;
@@ -23,4 +24,5 @@ pub use error::WriteError;
 pub use estimate::{
     DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, Written, write_estimate,
 };
+pub use marks::write_marks;
 pub use recording::RecordingWriter;

@@ -7,7 +7,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::acting::Acting;
+use super::acting::{Acting, Outliers};
 use super::performance::Performance;
 use super::tempo::Tempo;
 use super::truth::Truth;
@@ -24,6 +24,7 @@ enum Role {
     Jitter,
     Dropouts,
     Phase,
+    Outliers,
 }
 
 /// Streams of random numbers per body: more than an edited sketch has segments.
@@ -207,6 +208,7 @@ impl Film<'_> {
         let mut noise = stream(seed, Role::Noise, channel);
         let mut jitter = stream(seed, Role::Jitter, channel);
         let mut sight = Sight::new(acting, stream(seed, Role::Dropouts, channel));
+        let mut jumps = Jumps::new(acting, stream(seed, Role::Outliers, channel));
         // A sample that rounding would put just past the end still belongs to it.
         let count = (self.length_s * acting.rate_hz + 1e-9).floor() as usize + 1;
         let most_s = 0.45 / acting.rate_hz;
@@ -218,6 +220,7 @@ impl Film<'_> {
                 &(hand.led_astray(&true_pose, acted_s) * body_from_tracker),
                 &mut noise,
             );
+            let seen = jumps.jumped(&seen);
             let late_s = (acting.stamp_jitter_s * normal(&mut jitter)).clamp(-most_s, most_s);
             // The first sample, zero of all times, is never lost.
             if sight.is_kept() || index == 0 {
@@ -289,6 +292,68 @@ impl Sight {
             self.is_lost = !self.is_lost;
         }
         !self.is_lost
+    }
+}
+
+/// Where the tracker jumps instead.
+struct Jumps {
+    rng: ChaCha8Rng,
+    outliers: Option<Outliers>,
+    /// Jumps still to come of this burst, last first.
+    burst: Vec<(Vector3<f64>, Vector3<f64>)>,
+}
+
+impl Jumps {
+    /// Mean length of a burst.
+    const BURST: f64 = 2.0;
+
+    fn new(acting: &Acting, rng: ChaCha8Rng) -> Self {
+        Self {
+            rng,
+            outliers: acting.outliers,
+            burst: Vec::new(),
+        }
+    }
+
+    fn jumped(&mut self, world_from_tracker: &Pose) -> Pose {
+        let Some(outliers) = self.outliers else {
+            return *world_from_tracker;
+        };
+        if self.burst.is_empty() {
+            let chance = outliers.share / (Self::BURST * (1.0 - outliers.share));
+            if self.rng.random::<f64>() >= chance {
+                return *world_from_tracker;
+            }
+            self.burst = self.draw(&outliers);
+        }
+        let (shift, turn) = self.burst.pop().unwrap_or_default();
+        Pose::from_parts(
+            (world_from_tracker.translation.vector + shift).into(),
+            world_from_tracker.rotation * so3::exp(&turn),
+        )
+    }
+
+    fn draw(&mut self, outliers: &Outliers) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let rng = &mut self.rng;
+        let length = rng.random_range(1..=3_usize);
+        let is_one_jump = rng.random::<bool>();
+        let what = rng.random_range(0..3);
+        let size = |[least, greatest]: [f64; 2], rng: &mut ChaCha8Rng| {
+            let size = least * (greatest / least).powf(rng.random::<f64>());
+            normal3(rng).normalize() * size
+        };
+        let mut burst: Vec<_> = (0..length)
+            .map(|_| {
+                let shift = size(outliers.position_m, rng) * f64::from(u8::from(what != 1));
+                let turn = size(outliers.orientation_rad, rng) * f64::from(u8::from(what != 2));
+                (shift, turn)
+            })
+            .collect();
+        if is_one_jump {
+            let jump = burst[0];
+            burst.fill(jump);
+        }
+        burst
     }
 }
 

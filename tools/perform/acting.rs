@@ -36,6 +36,9 @@ pub struct Acting {
     pub dropout_rate: f64,
     /// Mean length of a burst of lost samples.
     pub dropout_burst: f64,
+    /// Readings that are wrong altogether, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outliers: Option<Outliers>,
     /// Error of the performer's marks [s, acted]: a normal distribution cut off at twice this.
     pub mark_error_s: f64,
     /// Whether marks name their events.
@@ -49,6 +52,49 @@ pub struct Acting {
     /// When acting begins.
     #[serde(skip)]
     pub start: Stamp,
+}
+
+/// Readings that are wrong altogether: in bursts of one to three, half of them by the same jump,
+/// in position, in orientation or in both.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Outliers {
+    /// Share of the samples, below a half.
+    pub share: f64,
+    /// Least and greatest jump [m], uniform in the logarithm.
+    pub position_m: [f64; 2],
+    /// Least and greatest turn [rad], uniform in the logarithm.
+    pub orientation_rad: [f64; 2],
+}
+
+impl Outliers {
+    /// Jumps of 5 cm to 3 m and turns of 20° to 180°.
+    pub fn of_share(share: f64) -> Self {
+        Self {
+            share,
+            position_m: [0.05, 3.0],
+            orientation_rad: [20_f64.to_radians(), std::f64::consts::PI],
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if !(self.share >= 0.0 && self.share < 0.5) {
+            return Err(format!(
+                "share of outliers is {}, expected 0 to below 0.5",
+                self.share
+            ));
+        }
+        for (name, [least, greatest]) in [
+            ("position_m", self.position_m),
+            ("orientation_rad", self.orientation_rad),
+        ] {
+            if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
+                return Err(format!(
+                    "{name} of outliers is {least} to {greatest}, expected positive numbers in order"
+                ));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// 2026-01-05 10:00:00 UTC [ns since 1970].
@@ -71,6 +117,7 @@ impl Default for Acting {
             stamp_jitter_s: 0.0005,
             dropout_rate: 0.01,
             dropout_burst: 3.0,
+            outliers: None,
             mark_error_s: 0.03,
             marks_named: false,
             hold_before_s: 0.0,
@@ -170,6 +217,9 @@ impl Acting {
                 "dropout_burst is {}, expected 1 or more",
                 self.dropout_burst
             ));
+        }
+        if let Some(outliers) = &self.outliers {
+            outliers.check()?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Parser, ValueEnum};
 use enact::motion::Stamp;
-use perform::{Acting, Style, Truth, bounces, die, hat_box, perform};
+use perform::{Acting, Outliers, Style, Truth, bounces, die, hat_box, perform};
 
 /// Make recordings of acted motions whose truth is known.
 #[derive(Parser)]
@@ -123,6 +123,9 @@ struct Knobs {
     /// Mean length of a burst of lost samples
     #[arg(long)]
     dropout_burst: Option<f64>,
+    /// Share of readings that are wrong altogether: jumps of 5 cm to 3 m, turns of 20° to 180°
+    #[arg(long)]
+    outlier_share: Option<f64>,
     /// Error of the performer's marks
     #[arg(long)]
     mark_error_ms: Option<f64>,
@@ -170,6 +173,7 @@ impl Knobs {
             stamp_jitter_s: or(self.stamp_jitter_ms, 1e-3, base.stamp_jitter_s),
             dropout_rate: or(self.dropout_rate, 1.0, base.dropout_rate),
             dropout_burst: or(self.dropout_burst, 1.0, base.dropout_burst),
+            outliers: self.outlier_share.map(Outliers::of_share).or(base.outliers),
             mark_error_s: or(self.mark_error_ms, 1e-3, base.mark_error_s),
             marks_named: self.marks_named || base.marks_named,
             hold_before_s: or(self.hold_before_s, 1.0, base.hold_before_s),

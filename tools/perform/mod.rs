@@ -23,7 +23,7 @@ pub mod truth;
 pub mod wander;
 
 pub use act::perform;
-pub use acting::Acting;
+pub use acting::{Acting, Outliers};
 pub use bounces::bounces;
 pub use performance::Performance;
 pub use styles::Style;

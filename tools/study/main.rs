@@ -13,6 +13,7 @@ mod accuracy;
 mod answer;
 mod case;
 mod covariance;
+mod damage;
 mod dense;
 mod errors;
 #[path = "../perform/mod.rs"]
@@ -52,6 +53,8 @@ enum Study {
     Phases,
     /// Real tosses of a cube, if they are there.
     Tosses,
+    /// Outliers, wrong units, marks that are off or absent.
+    Damage,
     /// All of them.
     All,
 }
@@ -65,6 +68,7 @@ fn main() -> anyhow::Result<()> {
         Study::Scaling,
         Study::Phases,
         Study::Tosses,
+        Study::Damage,
     ];
     let one = [study];
     let chosen: &[Study] = if matches!(study, Study::All) {
@@ -80,6 +84,7 @@ fn main() -> anyhow::Result<()> {
             Study::Scaling => scaling::run(&options)?,
             Study::Phases => phases::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
+            Study::Damage => damage::run(&options)?,
             Study::All => {}
         }
     }

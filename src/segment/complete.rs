@@ -1,0 +1,144 @@
+//! Marks that are absent or too many, by what the stream suggests.
+
+use super::error::SegmentError;
+use super::marks::seconds;
+use super::propose::{CLEAR_SCORE, Proposal, propose};
+use crate::motion::{EventKind, Mark, MarkChanges, Scene, Sketch, Stamp};
+
+/// A mark without a name stands for an event only this near to where the stream suggests it \[s\].
+const NEAR_S: f64 = 0.25;
+
+/// One place per event: the mark that is meant for it, or where the stream suggests it; start
+/// and end at the first and the last sample. `sketch` has all samples, and no marks.
+///
+/// Fails with `error`, and the proposals in it, where they are not clear, or where a mark that
+/// should stand for an event is not near any.
+pub(super) fn completed(
+    scene: &Scene,
+    marks: &[Mark],
+    sketch: &Sketch,
+    error: SegmentError,
+) -> Result<(Vec<Stamp>, MarkChanges), SegmentError> {
+    let proposals = propose(scene, sketch, None);
+    let Some(places) = places(scene, sketch, &proposals) else {
+        return Err(error);
+    };
+    let is_clear = proposals.iter().all(|p| p.score >= CLEAR_SCORE);
+    let mut marks = marks.to_vec();
+    marks.sort_by(|a, b| (a.stamp, &a.event).cmp(&(b.stamp, &b.event)));
+    let matches = aligned(scene, &marks, &places, sketch.origin);
+    let used = matches.iter().flatten().count();
+    if !is_clear || used < marks.len().min(places.len()) {
+        return Err(with_proposals(error, scene, &proposals));
+    }
+    let mut changes = MarkChanges {
+        ignored: marks.len() - used,
+        ..MarkChanges::default()
+    };
+    let mut stamps = Vec::new();
+    for (event, (place, mark)) in places.iter().zip(&matches).enumerate() {
+        match mark {
+            Some(mark) => stamps.push(marks[*mark].stamp),
+            None => {
+                changes.proposed.push(event);
+                stamps.push(*place);
+            }
+        }
+    }
+    let is_ordered = stamps.windows(2).all(|pair| pair[0] < pair[1]);
+    if is_ordered {
+        Ok((stamps, changes))
+    } else {
+        Err(with_proposals(error, scene, &proposals))
+    }
+}
+
+/// Where the events would be; `None` unless there is a proposal for every collision, in order.
+fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<Stamp>> {
+    let stamps = || {
+        sketch
+            .bodies
+            .iter()
+            .flat_map(|body| &body.samples)
+            .map(|s| s.stamp)
+    };
+    let places: Option<Vec<Stamp>> = (0..scene.events.len())
+        .map(|event| match scene.events[event].kind {
+            EventKind::Start => stamps().min(),
+            EventKind::End => stamps().max(),
+            EventKind::Collision(_) => {
+                let proposal = proposals.iter().find(|p| p.event == Some(event))?;
+                Some(proposal.stamp(sketch))
+            }
+        })
+        .collect();
+    places.filter(|places| places.windows(2).all(|pair| pair[0] < pair[1]))
+}
+
+/// For every event the mark that stands for it, if any: as many as can be, in order, at the
+/// least sum of distances.
+fn aligned(scene: &Scene, marks: &[Mark], places: &[Stamp], origin: Stamp) -> Vec<Option<usize>> {
+    let fits = |mark: usize, event: usize| {
+        let distance_s = seconds(marks[mark].stamp, origin) - seconds(places[event], origin);
+        match &marks[mark].event {
+            // A name says more than any distance.
+            Some(name) => (*name == scene.events[event].name).then_some(0.0),
+            None => (distance_s.abs() <= NEAR_S).then_some(distance_s.abs()),
+        }
+    };
+    // Of the first marks and the first events: matches, and less their distances; most first.
+    let (rows, columns) = (marks.len() + 1, places.len() + 1);
+    let mut worth = vec![0.0_f64; rows * columns];
+    let per_match = NEAR_S * 2.0 * rows.max(columns) as f64;
+    let matched = |worth: &[f64], m: usize, e: usize| {
+        fits(m - 1, e - 1).map_or(f64::NEG_INFINITY, |distance_s| {
+            worth[(m - 1) * columns + e - 1] + per_match - distance_s
+        })
+    };
+    for m in 1..rows {
+        for e in 1..columns {
+            let skipped = worth[(m - 1) * columns + e].max(worth[m * columns + e - 1]);
+            worth[m * columns + e] = skipped.max(matched(&worth, m, e));
+        }
+    }
+    let mut of_event = vec![None; places.len()];
+    let (mut m, mut e) = (rows - 1, columns - 1);
+    while m > 0 && e > 0 {
+        let here = worth[m * columns + e];
+        if here == worth[m * columns + e - 1] {
+            e -= 1;
+        } else if here == worth[(m - 1) * columns + e] {
+            m -= 1;
+        } else {
+            of_event[e - 1] = Some(m - 1);
+            (m, e) = (m - 1, e - 1);
+        }
+    }
+    of_event
+}
+
+fn with_proposals(error: SegmentError, scene: &Scene, proposals: &[Proposal]) -> SegmentError {
+    let SegmentError::MarkCount {
+        found,
+        expected,
+        events,
+    } = error
+    else {
+        return error;
+    };
+    let suggested: Vec<String> = proposals
+        .iter()
+        .filter_map(|p| {
+            let name = &scene.events[p.event?].name;
+            Some(format!(
+                "{name:?} at {:.3} s (score {:.1})",
+                p.acted_s, p.score
+            ))
+        })
+        .collect();
+    SegmentError::MarkCount {
+        found,
+        expected,
+        events: format!("{events}; the stream suggests {}", suggested.join(", ")),
+    }
+}

@@ -1,0 +1,134 @@
+//! What the best flight through any stretch of a stream leaves, without looking at its samples.
+//!
+//! A fit is a projection on polynomials of degree 0, 1 (and 2 along one direction, where the
+//! tempo is unknown), so that sums over prefixes of the stream give the cost of any stretch.
+
+use nalgebra::Vector3;
+
+use crate::math::so3;
+use crate::motion::{BodySketch, Scene, Timing};
+
+/// Running sums over a body's samples, to fit any stretch of them.
+pub(super) struct PrefixSums {
+    sums: Vec<Sums>,
+    /// Direction of gravity where its size in acted time is unknown.
+    free_along: Option<Vector3<f64>>,
+}
+
+/// `Σ a^k`, `Σ a^k p` and `Σ |p|²`.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    powers: [f64; 5],
+    moments: [Vector3<f64>; 3],
+    square: f64,
+}
+
+impl PrefixSums {
+    /// Of centres of mass: flights under gravity \[m\].
+    pub(super) fn of_positions(scene: &Scene, body: &BodySketch) -> Self {
+        let gravity = scene.gravity_m_s2;
+        let free_along = match scene.timing {
+            Timing::Known | Timing::Edited => None,
+            Timing::Unknown { .. } => gravity.try_normalize(1e-9),
+        };
+        let samples = &body.samples;
+        let first_m = samples.first().map_or(Vector3::zeros(), |s| s.position_m);
+        let middle_s = middle_s(body);
+        let points = samples.iter().map(|sample| {
+            let a = sample.acted_s - middle_s;
+            // Known times leave no curvature unknown.
+            let fall = if free_along.is_some() {
+                Vector3::zeros()
+            } else {
+                gravity * (0.5 * a * a)
+            };
+            (a, sample.position_m - first_m - fall)
+        });
+        Self::new(points, free_along)
+    }
+
+    /// Of the angle that the angular momentum has turned the body by \[rad, world\]: what is
+    /// turned between two samples, times the moments in units of the largest, summed. In free
+    /// flight angular momentum is constant, and its integral a straight line.
+    pub(super) fn of_turns(scene: &Scene, index: usize, body: &BodySketch) -> Self {
+        let moments = scene.bodies[index].body.moments_kg_m2();
+        let moments = moments / moments.max();
+        let middle_s = middle_s(body);
+        let mut turned = Vector3::zeros();
+        let mut before = None;
+        let points = body.samples.iter().map(|sample| {
+            if let Some(before) = before.replace(sample.orientation) {
+                let turn = so3::log(&(before.inverse() * sample.orientation));
+                turned += sample.orientation * moments.component_mul(&turn);
+            }
+            (sample.acted_s - middle_s, turned)
+        });
+        Self::new(points, None)
+    }
+
+    fn new(
+        points: impl Iterator<Item = (f64, Vector3<f64>)>,
+        free_along: Option<Vector3<f64>>,
+    ) -> Self {
+        let mut running = Sums::default();
+        let mut sums = vec![running];
+        for (a, p) in points {
+            let mut power = 1.0;
+            for k in 0..5 {
+                running.powers[k] += power;
+                if k < 3 {
+                    running.moments[k] += p * power;
+                }
+                power *= a;
+            }
+            running.square += p.norm_squared();
+            sums.push(running);
+        }
+        Self { sums, free_along }
+    }
+
+    /// Sum of squared distances of samples `begin..end` from their best flight, in the square of
+    /// the points' unit.
+    pub(super) fn cost(&self, begin: usize, end: usize) -> f64 {
+        let (from, to) = (&self.sums[begin], &self.sums[end.max(begin)]);
+        let mut powers = [0.0; 5];
+        let mut moments = [Vector3::zeros(); 3];
+        for k in 0..5 {
+            powers[k] = to.powers[k] - from.powers[k];
+        }
+        for k in 0..3 {
+            moments[k] = to.moments[k] - from.moments[k];
+        }
+        let count = powers[0];
+        if count < 2.0 {
+            return 0.0;
+        }
+        // Gram–Schmidt on 1, a, a².
+        let mean = powers[1] / count;
+        let first_norm = powers[2] - mean * powers[1];
+        let first = moments[1] - moments[0] * mean;
+        let mut cost = to.square - from.square - moments[0].norm_squared() / count;
+        if first_norm > 0.0 {
+            cost -= first.norm_squared() / first_norm;
+        }
+        if let Some(along) = self.free_along
+            && count > 3.0
+        {
+            let slope = (powers[3] - powers[2] * mean) / first_norm;
+            let second_norm =
+                powers[4] - powers[2] * powers[2] / count - slope * slope * first_norm;
+            let second = moments[2] - moments[0] * (powers[2] / count) - first * slope;
+            // Falling up is no better than not falling.
+            let fall = second.dot(&along).max(0.0);
+            if second_norm > 0.0 {
+                cost -= fall * fall / second_norm;
+            }
+        }
+        cost.max(0.0)
+    }
+}
+
+fn middle_s(body: &BodySketch) -> f64 {
+    let samples = &body.samples;
+    samples.get(samples.len() / 2).map_or(0.0, |s| s.acted_s)
+}

@@ -1,0 +1,348 @@
+//! Where marks would be, by the stream alone: the cuts that leave the best flights between them.
+//!
+//! A stretch costs what the best flight leaves of its positions and of its angular momentum
+//! (`prefix.rs`), in the scene's units of residual. A cut costs how far the features that
+//! the scene names are from touching there. The cuts of least cost are found by dynamic
+//! programming over all places, then moved sample by sample.
+
+use super::prefix::PrefixSums;
+use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch, Stamp};
+use crate::physics::contact::Feature;
+
+/// Places for cuts that are tried at once, evenly over the stream, for few cuts,
+const PLACES: usize = 320;
+/// and per cut for many.
+const PLACES_PER_CUT: usize = 12;
+/// More cuts than this are not proposed.
+const CUTS_MAX: usize = 60;
+/// Samples that must remain between two cuts.
+const KEEP_SAMPLES: usize = 5;
+/// As many samples as this is the distance of what should touch worth.
+const TOUCH_WEIGHT: f64 = 10.0;
+/// From this score on a proposal is believed.
+pub const CLEAR_SCORE: f64 = 2.0;
+/// Score of a cut that nothing superfluous competes with.
+const SCORE_MAX: f64 = 1e6;
+
+/// A collision that the stream suggests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proposal {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// The collision it would be (index into `Scene::events`), if as many were looked for as
+    /// the scene has.
+    pub event: Option<usize>,
+    /// Acted time [s since `Sketch::origin`].
+    pub acted_s: f64,
+    /// What the cut spares, over what one superfluous cut would spare at its best place: above
+    /// one, the kink stands out of how the hand wanders; at most 10⁶.
+    pub score: f64,
+}
+
+impl Proposal {
+    /// The same on the clock of the samples.
+    pub fn stamp(&self, sketch: &Sketch) -> Stamp {
+        Stamp(sketch.origin.0 + (self.acted_s * 1e9).round() as i64)
+    }
+}
+
+/// Proposals for all collisions of the scene, in its order; for each body those that concern
+/// it. A collision of two bodies is proposed by its first. `count`, if given, is how many are
+/// looked for on each body in place of what the scene says.
+///
+/// Empty where a stream is too short, or where there are more than sixty.
+pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Proposal> {
+    let mut proposals = Vec::new();
+    for (index, body) in sketch.bodies.iter().enumerate() {
+        let events: Vec<usize> = (0..scene.events.len())
+            .filter(|event| {
+                let collision = scene.events[*event].kind.collision();
+                collision.is_some_and(|collision| collision.concerns(index))
+            })
+            .collect();
+        let collisions = if count.is_none_or(|count| count == events.len()) {
+            events.iter().copied().map(Some).collect()
+        } else {
+            vec![None; count.unwrap_or(0)]
+        };
+        let stream = Stream::new(scene, index, body);
+        let Some(cuts) = stream.best_cuts(&collisions) else {
+            continue;
+        };
+        let scores = stream.scores(&cuts, 1);
+        for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
+            let is_of_first = event
+                .and_then(|event| scene.events[event].kind.collision())
+                .is_none_or(|collision| collision.body == index);
+            if is_of_first {
+                proposals.push(Proposal {
+                    body: index,
+                    event,
+                    acted_s: stream.time_s(*cut),
+                    score,
+                });
+            }
+        }
+    }
+    proposals.sort_by(|a, b| {
+        let order = a.event.cmp(&b.event);
+        order.then(a.acted_s.total_cmp(&b.acted_s))
+    });
+    proposals
+}
+
+/// One body's samples, and the costs of its stretches.
+pub(super) struct Stream<'a> {
+    scene: &'a Scene,
+    samples: &'a [Sample],
+    positions: PrefixSums,
+    turns: Option<PrefixSums>,
+}
+
+impl<'a> Stream<'a> {
+    pub(super) fn new(scene: &'a Scene, index: usize, body: &'a BodySketch) -> Self {
+        Self {
+            turns: Some(PrefixSums::of_turns(scene, index, body)),
+            ..Self::of_positions(scene, body)
+        }
+    }
+
+    /// The same blind to turns, for half the price.
+    pub(super) fn of_positions(scene: &'a Scene, body: &'a BodySketch) -> Self {
+        Self {
+            scene,
+            samples: &body.samples,
+            positions: PrefixSums::of_positions(scene, body),
+            turns: None,
+        }
+    }
+
+    /// The first sample after an acted time.
+    pub(super) fn cut_at(&self, acted_s: f64) -> usize {
+        self.samples.partition_point(|s| s.acted_s <= acted_s)
+    }
+
+    /// Between the last sample before a cut and the first after it.
+    pub(super) fn time_s(&self, cut: usize) -> f64 {
+        0.5 * (self.samples[cut - 1].acted_s + self.samples[cut].acted_s)
+    }
+
+    /// What the best flight leaves of samples `begin..end`, in units of residual.
+    fn cost(&self, begin: usize, end: usize) -> f64 {
+        let weights = &self.scene.weights;
+        let turns = self.turns.as_ref().map_or(0.0, |t| t.cost(begin, end));
+        self.positions.cost(begin, end) / weights.position_m.powi(2)
+            + turns / weights.orientation_rad.powi(2)
+    }
+
+    /// The same between two cuts, or ends: the samples beside a cut are left out.
+    fn between(&self, from: usize, to: usize) -> f64 {
+        let begin = if from == 0 { 0 } else { from + 1 };
+        let end = if to == self.samples.len() { to } else { to - 1 };
+        self.cost(begin, end)
+    }
+
+    /// How far from touching at a cut, in the units of [`Stream::cost`].
+    fn apart(&self, event: Option<usize>, cut: usize) -> f64 {
+        let collision = event.and_then(|event| self.scene.events[event].kind.collision());
+        let Some(collision) = collision else {
+            return 0.0;
+        };
+        let gap_m = gap_m(self.scene, collision, &self.samples[cut]);
+        TOUCH_WEIGHT * (gap_m / self.scene.weights.position_m).powi(2)
+    }
+
+    /// The best places of that many cuts, in order; `None` where they do not fit.
+    pub(super) fn best_cuts(&self, events: &[Option<usize>]) -> Option<Vec<usize>> {
+        let count = self.samples.len();
+        if events.is_empty() {
+            return Some(Vec::new());
+        }
+        if events.len() > CUTS_MAX || count < (events.len() + 1) * (KEEP_SAMPLES + 2) {
+            return None;
+        }
+        let most = PLACES.max(PLACES_PER_CUT * events.len());
+        let stride = count.div_ceil(most);
+        // Places of cuts between the beginning and the end.
+        let mut places = vec![0];
+        places.extend((KEEP_SAMPLES..count - KEEP_SAMPLES).step_by(stride));
+        places.push(count);
+        let last = places.len() - 1;
+        let keep = KEEP_SAMPLES.max(2);
+        let mut between = vec![f64::INFINITY; places.len() * places.len()];
+        for i in 0..last {
+            for j in i + 1..=last {
+                if places[j] >= places[i] + keep {
+                    between[j * places.len() + i] = self.between(places[i], places[j]);
+                }
+            }
+        }
+        // Least cost with the cut at each place, and the place of the cut before it.
+        let mut costs: Vec<f64> = (0..=last)
+            .map(|i| if i == 0 { 0.0 } else { f64::INFINITY })
+            .collect();
+        let mut from = Vec::new();
+        let step = |costs: &[f64], j: usize| {
+            let row = &between[j * places.len()..][..j];
+            let sums = row.iter().zip(costs).map(|(a, b)| a + b);
+            let best = sums.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            best.unwrap_or((0, f64::INFINITY))
+        };
+        for event in events {
+            let steps: Vec<(usize, f64)> = (0..last).map(|j| step(&costs, j)).collect();
+            costs = (0..last)
+                .map(|j| {
+                    steps[j].1
+                        + if j == 0 {
+                            0.0
+                        } else {
+                            self.apart(*event, places[j])
+                        }
+                })
+                .collect();
+            from.push(steps);
+        }
+        let (mut place, cost) = step(&costs, last);
+        if !cost.is_finite() {
+            return None;
+        }
+        let mut cuts = Vec::new();
+        for steps in from.iter().rev() {
+            cuts.push(places[place]);
+            place = steps[place].0;
+        }
+        cuts.reverse();
+        self.settle(events, &mut cuts, stride);
+        Some(cuts)
+    }
+
+    /// Moves each cut to its best place within `reach`, the others where they are, twice.
+    fn settle(&self, events: &[Option<usize>], cuts: &mut [usize], reach: usize) {
+        for index in (0..cuts.len()).chain(0..cuts.len()) {
+            let (before, after) = self.neighbours(cuts, index);
+            let least = (before + KEEP_SAMPLES).max(cuts[index].saturating_sub(reach));
+            let most = (after.saturating_sub(KEEP_SAMPLES)).min(cuts[index] + reach);
+            let cost = |cut: usize| {
+                self.between(before, cut)
+                    + self.between(cut, after)
+                    + self.apart(events[index], cut)
+            };
+            if let Some(best) = (least..=most).min_by(|a, b| cost(*a).total_cmp(&cost(*b))) {
+                cuts[index] = best;
+            }
+        }
+    }
+
+    /// What the stretches on either side of a cut leave, and at the best of every `stride`-th
+    /// place between its neighbours.
+    pub(super) fn elsewhere(&self, cuts: &[usize], index: usize, stride: usize) -> (f64, f64) {
+        let (before, after) = self.neighbours(cuts, index);
+        let cost = |cut: usize| self.between(before, cut) + self.between(cut, after);
+        let places = before + KEEP_SAMPLES..(after + 1).saturating_sub(KEEP_SAMPLES);
+        let best = places
+            .step_by(stride)
+            .map(cost)
+            .fold(f64::INFINITY, f64::min);
+        (cost(cuts[index]), best)
+    }
+
+    fn neighbours(&self, cuts: &[usize], index: usize) -> (usize, usize) {
+        let before = index.checked_sub(1).map_or(0, |before| cuts[before]);
+        let after = cuts.get(index + 1).copied();
+        (before, after.unwrap_or(self.samples.len()))
+    }
+
+    /// What all stretches and cuts cost; infinite where cuts leave no room.
+    pub(super) fn total(&self, events: &[Option<usize>], cuts: &[usize]) -> f64 {
+        if !self.has_room(cuts) {
+            return f64::INFINITY;
+        }
+        let apart = events.iter().zip(cuts);
+        let apart: f64 = apart.map(|(event, cut)| self.apart(*event, *cut)).sum();
+        let ends = self.ends(cuts);
+        let stretches = ends.windows(2).map(|pair| self.between(pair[0], pair[1]));
+        apart + stretches.sum::<f64>()
+    }
+
+    /// Whether cuts are in order and leave two samples between them.
+    pub(super) fn has_room(&self, cuts: &[usize]) -> bool {
+        let ends = self.ends(cuts);
+        ends.windows(2).all(|pair| pair[0] + 4 <= pair[1])
+    }
+
+    fn ends(&self, cuts: &[usize]) -> Vec<usize> {
+        let cuts = cuts.iter().copied();
+        [0].into_iter()
+            .chain(cuts)
+            .chain([self.samples.len()])
+            .collect()
+    }
+
+    /// What each cut spares, over what a superfluous one would at the best of every `stride`-th
+    /// place.
+    pub(super) fn scores(&self, cuts: &[usize], stride: usize) -> Vec<f64> {
+        let spared = |before: usize, cut: usize, after: usize| {
+            // One flight over it, without the same samples.
+            let whole = self.between(before, after);
+            whole - self.between(before, cut) - self.between(cut, after)
+        };
+        let ends = self.ends(cuts);
+        let superfluous = ends
+            .windows(2)
+            .flat_map(|pair| {
+                let (before, after) = (pair[0], pair[1]);
+                (before + 2 * KEEP_SAMPLES..(after + 1).saturating_sub(2 * KEEP_SAMPLES))
+                    .step_by(stride)
+                    .map(move |cut| spared(before, cut, after))
+            })
+            .fold(0.0, f64::max);
+        (0..cuts.len())
+            .map(|index| {
+                let (before, after) = self.neighbours(cuts, index);
+                let gain = spared(before, cuts[index], after).max(0.0);
+                if gain > 0.0 {
+                    (gain / superfluous).min(SCORE_MAX)
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+}
+
+/// Largest distance between what should touch \[m\], where that is said by a plane and points,
+/// or by the body's size; zero where it is not.
+fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
+    let body = &scene.bodies[collision.body];
+    if collision.partner != Partner::World {
+        return 0.0;
+    }
+    let gaps = collision.contacts.iter().filter_map(|touching| {
+        let (point_m, normal) = scene.surfaces[touching.other?].plane()?;
+        let centre_m = (sample.position_m - point_m).dot(&normal);
+        let height_m = |feature: &Feature| match feature {
+            Feature::Point { point_m, radius_m } => {
+                Some(centre_m + (sample.orientation * point_m).dot(&normal) - radius_m)
+            }
+            _ => None,
+        };
+        let named = touching.feature.map(|feature| &body.features[feature]);
+        let height_m = match named {
+            Some(feature) => height_m(&feature.geometry),
+            None => body
+                .features
+                .iter()
+                .filter_map(|feature| height_m(&feature.geometry))
+                .min_by(f64::total_cmp),
+        };
+        Some(
+            height_m
+                .unwrap_or_else(|| (centre_m - body.shape.radius_m()).max(0.0))
+                .abs(),
+        )
+    });
+    gaps.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,170 @@
+use nalgebra::{UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::math::Pose;
+use crate::motion::{Event, EventKind, SceneBody, Stamp, Surface, Timing, VelocityGaps, Weights};
+use crate::physics::Shape;
+use crate::segment::{refine, reseat};
+
+/// A ball that bounces so many times on a table.
+fn scene(bounces: usize, timing: Timing) -> Scene {
+    let shape = Shape::Sphere { radius_m: 0.02 };
+    Scene {
+        name: "ball".into(),
+        gravity_m_s2: Vector3::new(0.0, 0.0, -10.0),
+        timing,
+        marks_topic: "/marks".into(),
+        bodies: vec![SceneBody {
+            name: "ball".into(),
+            topic: "/ball".into(),
+            body: shape.body_of_mass_kg(0.1).unwrap(),
+            shape,
+            body_from_tracker: Pose::identity(),
+            features: vec![crate::motion::Feature {
+                name: "south".into(),
+                geometry: Feature::corner(Vector3::new(0.0, 0.0, -0.02)),
+            }],
+        }],
+        surfaces: vec![Surface {
+            name: "table".into(),
+            geometry: Feature::face(Vector3::zeros(), Vector3::z()),
+            obstacle: None,
+        }],
+        obstacles: Vec::new(),
+        events: (0..bounces)
+            .map(|k| Event {
+                name: format!("bounce {k}"),
+                kind: EventKind::Collision(Collision::bounce(0, 0, 0, 1.0)),
+            })
+            .collect(),
+        goals: Vec::new(),
+        parameters: Vec::new(),
+        cones: Vec::new(),
+        velocity_gaps: VelocityGaps::WhenNeeded,
+        settle_s: None,
+        weights: Weights {
+            position_m: 0.01,
+            orientation_rad: 0.1,
+        },
+    }
+}
+
+fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
+    Sketch {
+        origin: Stamp(0),
+        bodies: vec![BodySketch { samples }],
+        marks_s: vec![0.0; bounces],
+    }
+}
+
+fn sample(acted_s: f64, position_m: Vector3<f64>, turn: Vector3<f64>) -> Sample {
+    Sample {
+        stamp: Stamp((acted_s * 1e9) as i64),
+        acted_s,
+        position_m,
+        orientation: UnitQuaternion::from_scaled_axis(turn),
+    }
+}
+
+/// Dropped from 0.47 m, up and down every 0.6 s without loss, at 100 Hz; first down at 0.3 s.
+fn bouncing(count: usize) -> Vec<Sample> {
+    (0..count)
+        .map(|i| {
+            let s = 0.01 * i as f64;
+            let phase = (s + 0.3) % 0.6;
+            let height_m = 0.02 + 0.5 * 10.0 * phase * (0.6 - phase);
+            sample(s, Vector3::new(0.1 * s, 0.0, height_m), Vector3::zeros())
+        })
+        .collect()
+}
+
+const UNKNOWN: Timing = Timing::Unknown {
+    tempo_sd_per_sqrt_s: 0.5,
+};
+
+#[test]
+fn bounces_are_found_and_stand_out() {
+    for timing in [Timing::Known, UNKNOWN] {
+        let proposals = propose(&scene(3, timing), &sketch(bouncing(180), 3), None);
+        assert_eq!(proposals.len(), 3);
+        for (k, proposal) in proposals.iter().enumerate() {
+            let true_s = 0.3 + 0.6 * k as f64;
+            assert!((proposal.acted_s - true_s).abs() <= 0.01, "{proposals:?}");
+            assert_eq!((proposal.event, proposal.body), (Some(k), 0));
+            assert!(proposal.score > 100.0, "{proposals:?}");
+        }
+    }
+}
+
+#[test]
+fn more_cuts_than_bounces_do_not_stand_out() {
+    // A little unevenness, for clean data have nothing to compare with.
+    let mut samples = bouncing(180);
+    for (i, sample) in samples.iter_mut().enumerate() {
+        sample.position_m.y += 1e-3 * (0.35 * i as f64).sin();
+    }
+    let proposals = propose(&scene(3, Timing::Known), &sketch(samples, 3), Some(4));
+    let mut scores: Vec<f64> = proposals.iter().map(|p| p.score).collect();
+    scores.sort_by(f64::total_cmp);
+    assert!(scores[0] < 10.0 && scores[1] > 100.0, "{scores:?}");
+}
+
+#[test]
+fn marks_far_off_are_reseated() {
+    let scene = scene(3, Timing::Known);
+    let mut sketch = sketch(bouncing(180), 3);
+    sketch.marks_s = vec![0.55, 0.7, 1.1];
+    refine(&scene, &mut sketch);
+    assert_eq!(reseat(&scene, &mut sketch), [0, 1, 2]);
+    for (mark_s, true_s) in sketch.marks_s.iter().zip([0.3, 0.9, 1.5]) {
+        assert!((mark_s - true_s).abs() <= 0.01, "{:?}", sketch.marks_s);
+    }
+    assert!(reseat(&scene, &mut sketch).is_empty());
+}
+
+#[test]
+fn what_does_not_fit_is_not_proposed() {
+    assert!(propose(&scene(3, UNKNOWN), &sketch(bouncing(27), 3), None).is_empty());
+    let long = sketch(bouncing(1000), 0);
+    assert!(propose(&scene(0, UNKNOWN), &long, Some(CUTS_MAX + 1)).is_empty());
+    assert!(propose(&scene(0, UNKNOWN), &long, None).is_empty());
+    let none = sketch(Vec::new(), 1);
+    assert!(propose(&scene(1, UNKNOWN), &none, None).is_empty());
+}
+
+proptest! {
+    #[test]
+    fn any_stream_gives_proposals_in_order(
+        readings in prop::collection::vec(
+            (1e-4..0.05, prop::array::uniform3(-1.0..1.0), prop::array::uniform3(-3.0..3.0)),
+            0..90,
+        ),
+        bounces in 0_usize..5,
+        is_known in any::<bool>(),
+        scale in prop::sample::select(vec![0.0, 1e-6, 1.0, 1e4]),
+        marks in prop::collection::vec(-0.5..3.0, 5),
+    ) {
+        let mut acted_s = 0.0;
+        let samples: Vec<Sample> = readings
+            .into_iter()
+            .map(|(step_s, position, turn): (f64, [f64; 3], [f64; 3])| {
+                acted_s += step_s;
+                sample(acted_s, Vector3::from(position) * scale, Vector3::from(turn))
+            })
+            .collect();
+        let scene = scene(bounces, if is_known { Timing::Known } else { UNKNOWN });
+        let mut sketch = sketch(samples, bounces);
+        let proposals = propose(&scene, &sketch, None);
+        prop_assert!(proposals.is_empty() || proposals.len() == bounces);
+        for pair in proposals.windows(2) {
+            prop_assert!(pair[0].acted_s < pair[1].acted_s);
+        }
+        for proposal in &proposals {
+            prop_assert!((0.0..=SCORE_MAX).contains(&proposal.score), "{proposal:?}");
+        }
+        sketch.marks_s.copy_from_slice(&marks[..bounces]);
+        reseat(&scene, &mut sketch);
+        prop_assert!(sketch.marks_s.iter().all(|mark_s| mark_s.is_finite()));
+    }
+}

@@ -1,0 +1,82 @@
+//! Marks that are too far off to be refined are put where the stream says.
+//!
+//! A look at the refined marks is cheap: does any of them spare less than a cut would somewhere
+//! else? Only then are proposals made, and taken if they explain the stream clearly better.
+
+use super::propose::{CLEAR_SCORE, Stream};
+use crate::motion::{Partner, Scene, Sketch, Timing};
+
+/// Marks are doubted if one of them is not worth as many times a superfluous cut.
+const DOUBT_SCORE: f64 = 4.0;
+/// Or if one of them leaves so much less elsewhere between its neighbours.
+const DOUBT_SHARE: f64 = 0.8;
+/// Places between which superfluous cuts are tried.
+const DOUBT_STRIDE: usize = 3;
+/// Proposals must leave no more than this share of what the marks do.
+const SHARE_MAX: f64 = 0.7;
+
+/// Moves refined marks of collisions that are far from any kink; returns the events that moved.
+///
+/// All marks of a body or none: proposals are for all. Where bodies hit each other, none.
+pub fn reseat(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
+    let collisions = || {
+        let events = scene.events.iter().enumerate();
+        events.filter_map(|(index, event)| Some((index, event.kind.collision()?)))
+    };
+    let is_between_bodies = collisions().any(|(_, c)| c.partner != Partner::World);
+    if scene.timing == Timing::Edited || is_between_bodies {
+        return Vec::new();
+    }
+    let mut moved = Vec::new();
+    for (index, body) in sketch.bodies.iter().enumerate() {
+        let events: Vec<usize> = collisions()
+            .filter_map(|(event, collision)| collision.concerns(index).then_some(event))
+            .collect();
+        let quick = Stream::of_positions(scene, body);
+        let marked: Vec<usize> = events
+            .iter()
+            .map(|event| quick.cut_at(sketch.marks_s[*event]))
+            .collect();
+        if !quick.is_doubtful(&marked) {
+            continue;
+        }
+        let stream = Stream::new(scene, index, body);
+        let events: Vec<Option<usize>> = events.into_iter().map(Some).collect();
+        let Some(cuts) = stream.best_cuts(&events) else {
+            continue;
+        };
+        let is_clear = stream
+            .scores(&cuts, 1)
+            .iter()
+            .all(|score| *score >= CLEAR_SCORE);
+        if !is_clear || stream.total(&events, &cuts) > SHARE_MAX * stream.total(&events, &marked) {
+            continue;
+        }
+        for (event, (cut, marked)) in events
+            .into_iter()
+            .flatten()
+            .zip(cuts.into_iter().zip(marked))
+        {
+            if cut != marked {
+                sketch.marks_s[event] = stream.time_s(cut);
+                moved.push(event);
+            }
+        }
+    }
+    moved
+}
+
+impl Stream<'_> {
+    /// Whether cuts leave no room, or one of them spares little, or less than elsewhere.
+    fn is_doubtful(&self, cuts: &[usize]) -> bool {
+        !self.has_room(cuts)
+            || (0..cuts.len()).any(|index| {
+                let (here, best) = self.elsewhere(cuts, index, DOUBT_STRIDE);
+                best < DOUBT_SHARE * here
+            })
+            || self
+                .scores(cuts, DOUBT_STRIDE)
+                .iter()
+                .any(|score| *score < DOUBT_SCORE)
+    }
+}

@@ -1,0 +1,108 @@
+//! Positions that are not in metres.
+
+use super::error::SegmentError;
+use crate::motion::{Sample, SceneBody};
+
+/// Farthest that a performance goes, in sizes of its body: a die of a centimetre may cross a room
+/// of five metres.
+const SIZES_MAX: f64 = 500.0;
+/// Fastest that anything is acted or thrown by hand, in the median over the take [m/s].
+const SPEED_MAX_M_S: f64 = 30.0;
+/// Speeds are taken over no less than this, for noise not to count \[s\].
+const BASE_S: f64 = 0.05;
+
+/// Refuses a stream that goes too far or too fast for metres. The distance is the one from the
+/// middle sample that nine tenths of the samples keep within.
+pub(super) fn check_units(body: &SceneBody, samples: &[Sample]) -> Result<(), SegmentError> {
+    let Some(middle) = samples.get(samples.len() / 2) else {
+        return Ok(());
+    };
+    let mut distances_m: Vec<f64> = samples
+        .iter()
+        .map(|sample| (sample.position_m - middle.position_m).norm())
+        .collect();
+    let rank = samples.len() * 9 / 10;
+    let reach_m = *distances_m.select_nth_unstable_by(rank, f64::total_cmp).1;
+    let speed_m_s = median_speed_m_s(samples);
+    let size_m = 2.0 * body.shape.radius_m();
+    if reach_m > SIZES_MAX * size_m || speed_m_s > SPEED_MAX_M_S {
+        return Err(SegmentError::Units {
+            body: body.name.clone(),
+            reach_m,
+            size_m,
+            speed_m_s,
+        });
+    }
+    Ok(())
+}
+
+fn median_speed_m_s(samples: &[Sample]) -> f64 {
+    let mut after = 0;
+    let mut speeds: Vec<f64> = Vec::with_capacity(samples.len());
+    for from in samples {
+        while after < samples.len() && samples[after].acted_s < from.acted_s + BASE_S {
+            after += 1;
+        }
+        let Some(to) = samples.get(after) else { break };
+        speeds.push((to.position_m - from.position_m).norm() / (to.acted_s - from.acted_s));
+    }
+    if speeds.is_empty() {
+        return 0.0;
+    }
+    let middle = speeds.len() / 2;
+    *speeds.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    use super::*;
+    use crate::math::Pose;
+    use crate::motion::Stamp;
+    use crate::physics::Shape;
+
+    fn die() -> SceneBody {
+        let shape = Shape::Sphere { radius_m: 0.01 };
+        SceneBody {
+            name: "die".into(),
+            topic: "/die".into(),
+            body: shape.body_of_mass_kg(0.01).unwrap(),
+            shape,
+            body_from_tracker: Pose::identity(),
+            features: Vec::new(),
+        }
+    }
+
+    /// So many metres along, in two seconds.
+    fn moving(distance_m: f64) -> Vec<Sample> {
+        (0..=200)
+            .map(|i| Sample {
+                stamp: Stamp(i * 10_000_000),
+                acted_s: 0.01 * i as f64,
+                position_m: Vector3::new(distance_m * i as f64 / 200.0, 0.0, 1.0),
+                orientation: UnitQuaternion::identity(),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_throw_is_credible_and_a_thousand_of_it_is_not() {
+        assert_eq!(check_units(&die(), &moving(5.0)), Ok(()));
+        let error = check_units(&die(), &moving(500.0)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "body \"die\" goes 225.0 m, 11250 times its size of 0.020 m, at 250.0 m/s in the median: \
+             are the positions in millimetres? Expected metres"
+        );
+    }
+
+    #[test]
+    fn few_samples_and_one_wild_one_are_no_reason() {
+        assert_eq!(check_units(&die(), &[]), Ok(()));
+        assert_eq!(check_units(&die(), &moving(1e6)[..1]), Ok(()));
+        let mut samples = moving(1.0);
+        samples[50].position_m.x = 1e4;
+        assert_eq!(check_units(&die(), &samples), Ok(()));
+    }
+}

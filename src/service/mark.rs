@@ -1,0 +1,129 @@
+//! Marks for a recording, by what its streams suggest.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use serde::Serialize;
+
+use super::finish::{check_distinct, lost, open, warnings};
+use crate::motion::{Mark, Stamp, TakeEvent};
+use crate::pipeline::{MarkProposal, Pipeline};
+use crate::write::write_marks;
+
+/// What to look for marks in.
+#[derive(Clone, Debug)]
+pub struct MarkJob {
+    /// The recording.
+    pub input: PathBuf,
+    /// Where a copy with the marks goes, if it is wanted.
+    pub output: Option<PathBuf>,
+    /// Scene file; the recording's own scene by default.
+    pub scene: Option<PathBuf>,
+    /// Collisions of each body; as many as the scene has by default.
+    pub count: Option<usize>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Marked {
+    /// The file that was read.
+    pub recording: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// In order of time.
+    pub proposals: Vec<ProposalLine>,
+    /// Marks that were in the recording; the proposals do not depend on them.
+    pub marks: usize,
+    /// What of the recording could not be read.
+    pub lost: Vec<String>,
+    /// What in it was read with reservations.
+    pub warnings: Vec<String>,
+    /// The file that was written.
+    pub output: Option<String>,
+}
+
+/// A mark as the streams suggest it.
+#[derive(Clone, Debug, Serialize)]
+pub struct ProposalLine {
+    /// Since the first sample.
+    pub time_s: f64,
+    /// On the clock of the samples.
+    pub stamp_ns: i64,
+    /// The event, unless another count was asked for than the scene has.
+    pub event: Option<String>,
+    /// Whose kink; none for start and end.
+    pub body: Option<String>,
+    /// How many times what a superfluous cut would spare: none for start and end.
+    pub score: Option<f64>,
+}
+
+/// Proposes marks, and writes a copy of the recording with them.
+///
+/// Fails where no proposal can be made: a stream is too short, or more are asked for than fit;
+/// and where a copy is asked of a recording that has marks already.
+pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
+    if let Some(output) = &job.output {
+        check_distinct(&job.input, output)?;
+    }
+    let opened = open(&job.input, job.scene.as_deref())?;
+    let path = opened.recording.path().display().to_string();
+    let take = opened.recording.take(&opened.scene)?;
+    let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
+    let marks = take.events.iter().filter(is_mark).count();
+    let mut pipeline = Pipeline::new(opened.scene.clone());
+    for event in take.events {
+        pipeline.push(event);
+    }
+    let proposals = pipeline.propose(job.count).with_context(|| path.clone())?;
+    let found = proposals.iter().filter(|p| p.body.is_some()).count();
+    let collisions = opened
+        .scene
+        .events
+        .iter()
+        .filter(|e| e.kind.collision().is_some());
+    let wanted = job
+        .count
+        .map_or(collisions.count(), |n| n * opened.scene.bodies.len());
+    if found < wanted {
+        bail!("{path}: the streams are too short for {wanted} collisions, or they are too many");
+    }
+    if let Some(output) = &job.output {
+        if marks > 0 {
+            bail!("{path}: has {marks} marks already, expected none to add the proposals to it");
+        }
+        let offset_ns = take.report.log_offset_ns.unwrap_or(0);
+        let timed = |proposal: &MarkProposal| {
+            let event = proposal
+                .event
+                .map(|event| opened.scene.events[event].name.clone());
+            let mark = Mark {
+                stamp: proposal.stamp,
+                event,
+            };
+            (Stamp(proposal.stamp.0.saturating_add(offset_ns)), mark)
+        };
+        let marks: Vec<(Stamp, Mark)> = proposals.iter().map(timed).collect();
+        let (container, topic) = (opened.recording.container(), &opened.scene.marks_topic);
+        write_marks(output, container, &job.input, topic, &marks)?;
+    }
+    let scene = &opened.scene;
+    let lines = proposals.iter().map(|proposal| ProposalLine {
+        time_s: proposal.time_s,
+        stamp_ns: proposal.stamp.0,
+        event: proposal.event.map(|event| scene.events[event].name.clone()),
+        body: proposal.body.map(|body| scene.bodies[body].name.clone()),
+        score: proposal.score,
+    });
+    Ok(Marked {
+        recording: path,
+        scene: scene.name.clone(),
+        proposals: lines.collect(),
+        marks,
+        lost: lost(&take.report),
+        warnings: warnings(&take.report),
+        output: job
+            .output
+            .as_ref()
+            .map(|output| output.display().to_string()),
+    })
+}
