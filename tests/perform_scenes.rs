@@ -281,7 +281,7 @@ fn no_push_makes_the_bent_flights_of_the_box() {
     let times_s = &bent.event_times_s;
     let poses = [0, 1, 2].map(|event| bent.world_from_body(BOX, times_s[event]));
     let least = least_unaccounted_rad_s(&bent, BOX, &poses, &[meeting.point_m]);
-    assert!(least > 1.0, "{least} rad/s");
+    assert!(least > 0.3, "{least} rad/s");
     // The measure is right: it leaves nothing of the true motion's.
     let truth = hat_box::truth();
     let pair = around(&truth, BOX, 1);
