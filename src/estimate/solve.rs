@@ -10,11 +10,6 @@ use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
 };
 
-/// Price of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
-/// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
-/// faces, and leaves the performance by four times as far.
-const VELOCITY_GAP_WEIGHT: f64 = 1.0;
-
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///
 /// There is one guess unless the arcs' own fits are ambiguous, so a clear performance costs one
@@ -36,8 +31,7 @@ pub fn estimate(
     let layout = Layout::new(&exact);
     let may_bend = scene.velocity_gaps != VelocityGaps::Never && !exact.collisions.is_empty();
     let is_hopeless = scene.velocity_gaps == VelocityGaps::Always || exact.is_overconstrained();
-    let mut bent = exact.clone();
-    bent.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * exact.information());
+    let bent = exact.bent();
 
     let mut work = Counters::default();
     let mut found = None;

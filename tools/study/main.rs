@@ -21,6 +21,7 @@ mod perform;
 mod phases;
 mod results;
 mod scaling;
+mod scenes;
 mod starts;
 mod statistics;
 mod stopwatch;
@@ -43,6 +44,8 @@ struct Cli {
 enum Study {
     /// How often the best known optimum is found, and what it takes.
     Answer,
+    /// The same in scenes of several bodies and of many bounces.
+    Scenes,
     /// How exactly exact performances are recovered.
     Accuracy,
     /// Whether errors are as large as the estimate says.
@@ -63,6 +66,7 @@ fn main() -> anyhow::Result<()> {
     let Cli { options, study } = Cli::parse();
     let all = [
         Study::Answer,
+        Study::Scenes,
         Study::Accuracy,
         Study::Covariance,
         Study::Scaling,
@@ -79,6 +83,7 @@ fn main() -> anyhow::Result<()> {
     for study in chosen {
         match study {
             Study::Answer => answer::run(&options)?,
+            Study::Scenes => scenes::run(&options)?,
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
