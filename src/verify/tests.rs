@@ -368,7 +368,7 @@ fn a_collision_that_does_not_happen_is_missed() {
 fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
     let more = format!(
         "[[body]]\nname = \"box\"\nshape = {CUBE}\nmass_g = 50\n\
-         features_mm = {{ lid = [0, 0, 50] }}\n\
+         [[body.face]]\nname = \"lid\"\npoint_mm = [0, 0, 50]\nnormal = [0, 0, 1]\n\
          [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"thing\"\nfeature = \"tip\"\n\
          other = \"box\"\nother_feature = \"lid\"\nrestitution = 0.5\n"
     );
