@@ -32,9 +32,9 @@ pub const RESTITUTION: f64 = 0.1;
 const ROLLING_PER_S: f64 = 1.0;
 
 /// Contacts are made ready as far ahead as so many times the way that anything goes in a step:
-/// rapier looks for pairs half that far from the bodies that move. With this no wall is passed
-/// through, at a tenth of the cost of its continuous collision detection, which sweeps a thin
-/// body that turns among close walls by bisection in every step.
+/// rapier looks for pairs half that far from the bodies that move. With this a pencil
+/// does not pass through a wall of 4 mm at 5 m/s, at a tenth of the cost of continuous collision
+/// detection, which sweeps a thin body that turns among close walls by bisection in every step.
 const STEPS_AHEAD: f64 = 2.0;
 
 /// Overlap at the end of an estimate is pushed apart no faster than by so many body radii per
@@ -122,8 +122,8 @@ impl Simulation {
         let parameters = &mut world.integration_parameters;
         parameters.dt = INTERVAL_S;
         parameters.length_unit = radius_m;
-        parameters.max_ccd_substeps = 0;
         parameters.normalized_max_linear_velocity = f64::MAX;
+        parameters.max_ccd_substeps = 0;
         parameters.normalized_max_corrective_velocity = PUSH_RADII_PER_S;
         let least_prediction_m = parameters.prediction_distance();
         for obstacle in &scene.obstacles {

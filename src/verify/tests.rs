@@ -11,6 +11,8 @@ use crate::motion::{
 use crate::physics::impact::{Law, Side};
 use crate::physics::{State, flow};
 
+mod meetings;
+
 const TABLE: &str = r#"
 [[surface]]
 name = "table"
