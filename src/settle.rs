@@ -31,8 +31,11 @@ pub const RESTITUTION: f64 = 0.1;
 /// for ever.
 const ROLLING_PER_S: f64 = 1.0;
 
-/// Sweeps of the contact solver in a step.
-const SOLVER_ITERATIONS: usize = 16;
+/// Contacts are made ready as far ahead as so many times the way that anything goes in a step:
+/// rapier looks for pairs half that far from the bodies that move. With this a pencil
+/// does not pass through a wall of 4 mm at 5 m/s, at a tenth of the cost of continuous collision
+/// detection, which sweeps a thin body that turns among close walls by bisection in every step.
+const STEPS_AHEAD: f64 = 2.0;
 
 /// Overlap at the end of an estimate is pushed apart no faster than by so many body radii per
 /// second.
@@ -67,7 +70,7 @@ pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settle
             .fold(0.0, f64::max),
     };
     for _ in 0..steps {
-        simulation.world.step();
+        simulation.step();
         for (body, moving) in settled.bodies.iter_mut().zip(&simulation.bodies) {
             let Some(handle) = *moving else { continue };
             let moving = &simulation.world.bodies[handle];
@@ -98,6 +101,10 @@ fn last_state(scene: &Scene, estimate: &Estimate, body: usize, time_s: f64) -> O
 struct Simulation {
     world: PhysicsWorld,
     bodies: Vec<Option<RigidBodyHandle>>,
+    /// Of the spheres about the bodies' centres [m], each with its body.
+    radii_m: Vec<f64>,
+    /// How far ahead contacts are looked for at least \[m\].
+    least_prediction_m: f64,
 }
 
 impl Simulation {
@@ -115,9 +122,10 @@ impl Simulation {
         let parameters = &mut world.integration_parameters;
         parameters.dt = INTERVAL_S;
         parameters.length_unit = radius_m;
-        parameters.num_solver_iterations = SOLVER_ITERATIONS;
         parameters.normalized_max_linear_velocity = f64::MAX;
+        parameters.max_ccd_substeps = 0;
         parameters.normalized_max_corrective_velocity = PUSH_RADII_PER_S;
+        let least_prediction_m = parameters.prediction_distance();
         for obstacle in &scene.obstacles {
             let pose = to_rapier_pose(&obstacle.world_from_shape);
             let solid = obstacle.shape.solid().expect("scenes have valid shapes");
@@ -142,7 +150,30 @@ impl Simulation {
             Some(world.insert(moving(&body.body, &state), collider).0)
         });
         let bodies = bodies.collect();
-        Some(Self { world, bodies })
+        let radii = scene.bodies.iter().map(|body| body.shape.radius_m());
+        Some(Self {
+            world,
+            bodies,
+            radii_m: radii.collect(),
+            least_prediction_m,
+        })
+    }
+
+    fn step(&mut self) {
+        let fastest_m_s = self
+            .bodies
+            .iter()
+            .zip(&self.radii_m)
+            .filter_map(|(handle, radius_m)| {
+                let body = &self.world.bodies[(*handle)?];
+                Some(body.linvel().length() + body.angvel().length() * radius_m)
+            })
+            .fold(0.0, f64::max);
+        let way_m = (fastest_m_s + self.world.gravity.length() * INTERVAL_S) * INTERVAL_S;
+        let prediction_m = (STEPS_AHEAD * way_m).max(self.least_prediction_m);
+        let parameters = &mut self.world.integration_parameters;
+        parameters.normalized_prediction_distance = prediction_m / parameters.length_unit;
+        self.world.step();
     }
 
     fn is_at_rest(&self) -> bool {
@@ -164,8 +195,6 @@ fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
             to_rapier(&body.moments_kg_m2()),
         ))
         .angular_damping(ROLLING_PER_S)
-        // Thin bodies and walls: a step is longer than a pencil is wide.
-        .ccd_enabled(true)
 }
 
 fn surfaced(collider: ColliderBuilder) -> ColliderBuilder {

@@ -11,9 +11,9 @@ use std::path::Path;
 use enact::math::Pose;
 
 use enact::physics::contact::Feature::Point;
-use enact::physics::{State, flow, impact};
+use enact::physics::{State, flow};
 use nalgebra::Vector3;
-use perform::encounter::Encounter;
+use perform::encounter::{Encounter, still};
 use perform::{Acting, Style, Truth, bounces, perform, simulate};
 
 fn truths() -> Vec<Truth> {
@@ -43,13 +43,8 @@ fn advance(truth: &Truth, state: &State, duration_s: f64) -> State {
 }
 
 /// The contact of a bounce, for the estimator's own law of it.
-fn contact_at(truth: &Truth, event: usize) -> impact::Contact {
-    let encounter = Encounter::of(&truth.scene, &truth.parameters, event).unwrap();
-    impact::Contact {
-        point_m: encounter.point_m,
-        surface_point_m: encounter.face_point_m,
-        surface_normal: encounter.face_normal,
-    }
+fn encounter(truth: &Truth, event: usize) -> Encounter {
+    Encounter::of(&truth.scene, &truth.parameters, event).unwrap()
 }
 
 /// The body's true pose every half millisecond.
@@ -106,7 +101,7 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
             };
             let restitution = collision.restitution;
             collisions += 1;
-            let contact = contact_at(&truth, index);
+            let bounce = encounter(&truth, index);
             let arc = &truth.arcs[index];
             assert_eq!((arc.end_s, truth.arcs[index + 1].start_s), {
                 let time_s = truth.event_times_s[index];
@@ -114,24 +109,22 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
             });
             let before = advance(&truth, &arc.state, arc.end_s - arc.start_s);
             let after = &truth.arcs[index + 1].state;
-            assert!(
-                contact.gap_m(&before).abs() < 1e-14,
-                "{}",
-                contact.gap_m(&before)
-            );
+            let gap_m = bounce.gap_m(&before, &still());
+            assert!(gap_m.abs() < 1e-14, "{gap_m}");
             assert!((after.position_m - before.position_m).norm() < 1e-13);
 
-            let normal = contact.surface_normal;
-            let arm = contact.arm_m(&before, &normal);
+            let normal = bounce.face_normal;
+            let in_body = before.orientation.inverse_transform_vector(&normal);
+            let arm = bounce.point_m.cross(&in_body);
             let inverse_inertia =
                 1.0 / body.mass_kg() + arm.dot(&arm.component_div(&body.moments_kg_m2()));
-            let speed = contact.normal_speed_m_s(&before);
+            let speed = normal.dot(&before.velocity_m_s) + arm.dot(&before.angular_velocity_rad_s);
             let lost = 0.5 * (1.0 - restitution * restitution) * speed * speed / inverse_inertia;
             let (energy, energy_after) =
                 (invariants(&truth, &before).0, invariants(&truth, after).0);
             assert!((energy - energy_after - lost).abs() < 1e-13 * energy);
             assert!(speed < -0.5);
-            let back = impact::bounce(body, &contact, &normal, 1.0 / restitution, after);
+            let (back, _) = bounce.before(after, &still());
             assert!(back.minus(&before).norm() < 1e-12);
         }
         assert_eq!(collisions + 1, truth.arcs.len());
@@ -150,9 +143,9 @@ fn the_pencils_do_what_their_names_say() {
         assert!((0.5..=0.8).contains(&bounce.restitution));
         let bounce_s = truth.event_times_s[0];
         assert!(bounce_s > 0.2 && truth.duration_s - bounce_s > 0.2);
-        let contact = contact_at(&truth, 0);
+        let encounter = encounter(&truth, 0);
         let before = advance(&truth, &truth.arcs[0].state, bounce_s);
-        assert!(contact.normal_speed_m_s(&before) < -1.0);
+        assert!(encounter.speed_m_s(&before, &still()) < -1.0);
 
         // The way of the pencil's axis after the bounce, and its spin about itself.
         let axes: Vec<_> = poses(&truth)

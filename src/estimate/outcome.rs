@@ -238,13 +238,16 @@ pub fn errors(problem: &Problem, frame: &Frame, point: &Point) -> Vec<Vec<[f64; 
     let arcs = problem.arcs.iter().enumerate();
     arcs.map(|(index, arc)| {
         let body = &problem.bodies[arc.body];
+        let state = &point.arcs[index];
+        let mut spin = flow::Spin::new(body, &state.angular_velocity_rad_s);
         let samples = arc.samples.iter();
         samples
             .map(|sample| {
                 let s = point.node_times_s[sample.node] - frame.epochs_s[index];
-                let state = flow::advance(body, &gravity, &point.arcs[index], s);
-                let shift = (state.position_m - sample.position_m) / problem.position_unit_m;
-                let turn = so3::log(&(sample.orientation.inverse() * state.orientation))
+                let position_m = flow::position(&gravity, state, s);
+                let orientation = state.orientation * spin.turn(s);
+                let shift = (position_m - sample.position_m) / problem.position_unit_m;
+                let turn = so3::log(&(sample.orientation.inverse() * orientation))
                     / problem.orientation_unit_rad;
                 [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
             })

@@ -112,9 +112,12 @@ pub struct Balance {
     pub flight_momentum: f64,
     /// Of angular momentum over flights.
     pub flight_angular_momentum: f64,
-    /// Of kinetic energy over impacts, beside what restitution takes, to that before.
+    /// Of kinetic energy over impacts, beside what restitution and friction take, to that
+    /// before.
     pub impact_energy: f64,
-    /// Of angular momentum about the contact over impacts.
+    /// Of momentum over impacts: of two bodies together, and of each across the normals.
+    pub impact_momentum: f64,
+    /// Of each body's angular momentum about the contact over impacts.
     pub impact_angular_momentum: f64,
 }
 

@@ -126,6 +126,7 @@ impl CheckLine {
                 balance.flight_momentum,
                 balance.flight_angular_momentum,
                 balance.impact_energy,
+                balance.impact_momentum,
                 balance.impact_angular_momentum,
             ]
             .into_iter()

@@ -1,20 +1,28 @@
 //! Energy and momentum over flights and impacts.
 //!
-//! A frictionless impact along `n` at the arm `c = p × Rᵀn`, approached with `u`, takes
+//! Of an impact it is checked, by what was before and after and where the contacts are, that
 //!
-//! ```text
-//! ½ (1 − e²) u² / (1/m + cᵀ I⁻¹ c)
-//! ```
-//!
-//! of the kinetic energy, and nothing of the angular momentum about the point of contact.
+//! - two bodies together keep their momentum; without friction, a body keeps what is across its
+//!   contacts' normals;
+//! - each body keeps its angular momentum about a single point of contact, whatever the impulse
+//!   there was; about the first of several, but for what the others' normals may turn;
+//! - energy goes as restitution says. With the contacts' relative speeds `u` along the normals
+//!   and the mobility `W` (speeds per impulses) of all bodies, lost are `½ (1 − e²) uᵀ W⁻¹ u`;
+//!   friction at one contact takes up to `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, which is all that
+//!   slides there, and gives none back.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::law::Law;
 use super::meeting::World;
 use super::track::Track;
+use crate::math::so3;
 use crate::motion::Balance;
+use crate::physics::contact::Frame;
 use crate::physics::{Body, State};
+
+/// Sines below which directions are one.
+const PARALLEL: f64 = 1e-9;
 
 pub(super) fn balance(world: &World) -> Balance {
     let mut balance = Balance::default();
@@ -28,15 +36,22 @@ pub(super) fn balance(world: &World) -> Balance {
         let Some(law) = Law::new(world.scene, world.estimate, event.event) else {
             continue;
         };
-        let track = &world.tracks[law.body];
-        let (Some(before), Some(after)) = (
-            track.ending_at(event.time_s),
-            track.starting_at(event.time_s),
-        ) else {
-            continue;
+        let side = |body: usize| {
+            let track = &world.tracks[body];
+            let arcs = [
+                track.ending_at(event.time_s)?,
+                track.starting_at(event.time_s)?,
+            ];
+            Some(Side {
+                body: &track.of_scene.body,
+                states: arcs.map(|arc| track.state(arc, event.time_s)),
+            })
         };
-        let states = [before, after].map(|arc| track.state(arc, event.time_s));
-        impact(&law, &track.of_scene.body, &states, &mut balance);
+        let bodies = [law.body].into_iter().chain(law.other);
+        let sides: Option<Vec<Side>> = bodies.map(side).collect();
+        if let Some(impact) = sides.and_then(|sides| Impact::new(&law, sides)) {
+            impact.check(&law, &mut balance);
+        }
     }
     balance
 }
@@ -66,25 +81,149 @@ fn flight(
         .max(relative((spin_after - spin).norm(), spin.norm()));
 }
 
-fn impact(law: &Law, body: &Body, [before, after]: &[State; 2], balance: &mut Balance) {
-    let contact = law.contact(before);
-    let arm = contact.arm_m(before, &law.normal);
-    let speed = law.normal.dot(&before.velocity_m_s) + arm.dot(&before.angular_velocity_rad_s);
-    let inertia = 1.0 / body.mass_kg() + arm.dot(&arm.component_div(&body.moments_kg_m2()));
-    let taken = 0.5 * (1.0 - law.restitution * law.restitution) * speed * speed / inertia;
-    let energy = kinetic_j(body, before);
-    let lost = energy - kinetic_j(body, after);
-    balance.impact_energy = balance
-        .impact_energy
-        .max(relative((lost - taken).abs(), energy));
-    let about = |state: &State| {
-        let arm = state.orientation * contact.point_m;
-        spin_of(body, state) - arm.cross(&(state.velocity_m_s * body.mass_kg()))
+/// A body just before an impact and just after.
+struct Side<'a> {
+    body: &'a Body,
+    states: [State; 2],
+}
+
+/// An impact as both sides have it.
+struct Impact<'a> {
+    sides: Vec<Side<'a>>,
+    /// Unit, tilted, towards the first side \[world\]; contact by contact.
+    normals: Vec<Vector3<f64>>,
+    /// From the sides' centres to the points of contact [m, world].
+    arms_m: Vec<Vec<Vector3<f64>>>,
+}
+
+impl<'a> Impact<'a> {
+    /// `None` where a contact is degenerate.
+    fn new(law: &Law, sides: Vec<Side<'a>>) -> Option<Self> {
+        let frame = |side: Option<&Side>| side.map_or(Frame::world(), |s| Frame::of(&s.states[0]));
+        let frames = [frame(sides.first()), frame(sides.get(1))];
+        let (mut normals, mut arms_m) = (Vec::new(), vec![Vec::new(); sides.len()]);
+        for contact in law.meeting.contacts() {
+            let touch = contact.touch(&frames[0], &frames[1]).ok()?;
+            let tilt: Vector3<f64> = contact
+                .tilt_axes()
+                .into_iter()
+                .flatten()
+                .zip(law.law.tilt_rad)
+                .map(|(axis, angle_rad)| frames[1].orientation * axis * angle_rad)
+                .sum();
+            normals.push(so3::exp(&tilt) * touch.normal);
+            for (side, on_side_m) in [touch.on_a_m, touch.on_b_m].iter().enumerate() {
+                if let Some(arms_m) = arms_m.get_mut(side) {
+                    arms_m.push(frames[side].orientation * on_side_m);
+                }
+            }
+        }
+        Some(Self {
+            sides,
+            normals,
+            arms_m,
+        })
+    }
+
+    fn check(&self, law: &Law, balance: &mut Balance) {
+        let is_smooth = !law.meeting.has_friction();
+        let momentum = |side: &Side, at: usize| side.states[at].velocity_m_s * side.body.mass_kg();
+        let (mut sum, mut size) = (Vector3::zeros(), 0.0);
+        for (index, side) in self.sides.iter().enumerate() {
+            let change = momentum(side, 1) - momentum(side, 0);
+            let own = momentum(side, 0).norm().max(momentum(side, 1).norm());
+            if is_smooth {
+                let across = relative(across(&self.normals, change).norm(), own);
+                balance.impact_momentum = balance.impact_momentum.max(across);
+            }
+            sum += change;
+            size += own;
+            let turned = self.turned(index);
+            balance.impact_angular_momentum = balance.impact_angular_momentum.max(turned);
+        }
+        if self.sides.len() > 1 {
+            balance.impact_momentum = balance.impact_momentum.max(relative(sum.norm(), size));
+        }
+        let energy_j = |at: usize| -> f64 {
+            let sides = self.sides.iter();
+            sides
+                .map(|side| kinetic_j(side.body, &side.states[at]))
+                .sum()
+        };
+        let lost_j = energy_j(0) - energy_j(1);
+        let off_j = self.taken_j(law).map_or(0.0, |[least_j, most_j]| {
+            (least_j - lost_j).max(lost_j - most_j).max(0.0)
+        });
+        balance.impact_energy = balance.impact_energy.max(relative(off_j, energy_j(0)));
+    }
+
+    /// Change of a side's angular momentum about its first contact, beside what the others may
+    /// turn; relative.
+    fn turned(&self, index: usize) -> f64 {
+        let (side, arms_m) = (&self.sides[index], &self.arms_m[index]);
+        let about = |state: &State| {
+            let momentum = state.velocity_m_s * side.body.mass_kg();
+            spin_of(side.body, state) - arms_m[0].cross(&momentum)
+        };
+        let [before, after] = [0, 1].map(|at| about(&side.states[at]));
+        let others: Vec<_> = (1..arms_m.len())
+            .map(|other| (arms_m[other] - arms_m[0]).cross(&self.normals[other]))
+            .collect();
+        relative(across(&others, after - before).norm(), before.norm())
+    }
+
+    /// The least and the most energy that an impact takes by the law \[J\]; `None` where the
+    /// contacts depend on each other.
+    fn taken_j(&self, law: &Law) -> Option<[f64; 2]> {
+        let (count, elastic) = (self.normals.len(), law.law.restitution.powi(2));
+        // Rows: a speed along a normal; with friction, along the world's axes at the one contact.
+        let directions: Vec<(usize, Vector3<f64>)> = match law.meeting.has_friction() {
+            true => (0..3).map(|axis| (0, Vector3::ith(axis, 1.0))).collect(),
+            false => (0..count).map(|at| (at, self.normals[at])).collect(),
+        };
+        let mut speeds = DVector::zeros(directions.len());
+        let mut mobility = DMatrix::zeros(directions.len(), directions.len());
+        for (index, (side, sign)) in self.sides.iter().zip([1.0, -1.0]).enumerate() {
+            let state = &side.states[0];
+            let spin = state.orientation * state.angular_velocity_rad_s;
+            let turn = so3::matrix(&state.orientation);
+            let inverse = side.body.moments_kg_m2().map(|moment| 1.0 / moment);
+            let inverse = turn * Matrix3::from_diagonal(&inverse) * turn.transpose();
+            for (row, (at, direction)) in directions.iter().enumerate() {
+                let arm_m = &self.arms_m[index][*at];
+                speeds[row] += sign * direction.dot(&(state.velocity_m_s + spin.cross(arm_m)));
+                let turned = inverse * arm_m.cross(direction);
+                for (column, (other, along)) in directions.iter().enumerate() {
+                    mobility[(row, column)] += direction.dot(along) / side.body.mass_kg()
+                        + self.arms_m[index][*other].cross(along).dot(&turned);
+                }
+            }
+        }
+        let whole_j = 0.5 * speeds.dot(&mobility.clone().cholesky()?.solve(&speeds));
+        if !law.meeting.has_friction() {
+            let lost_j = (1.0 - elastic) * whole_j;
+            return Some([lost_j; 2]);
+        }
+        let normal = DVector::from_column_slice(self.normals[0].as_slice());
+        let along = normal.dot(&speeds);
+        let pushed_j = 0.5 * along * along / normal.dot(&(mobility * &normal));
+        let least_j = (1.0 - elastic) * pushed_j;
+        Some([least_j, least_j + whole_j - pushed_j])
+    }
+}
+
+/// What of a vector is across all of these.
+fn across(directions: &[Vector3<f64>], vector: Vector3<f64>) -> Vector3<f64> {
+    let mut base: Vec<Vector3<f64>> = Vec::new();
+    let reduced = |base: &[Vector3<f64>], vector: Vector3<f64>| {
+        base.iter()
+            .fold(vector, |left, axis| left - axis * axis.dot(&left))
     };
-    let (l_before, l_after) = (about(before), about(after));
-    balance.impact_angular_momentum = balance
-        .impact_angular_momentum
-        .max(relative((l_after - l_before).norm(), l_before.norm()));
+    for direction in directions {
+        let left = reduced(&base, *direction);
+        base.extend(left.try_normalize(PARALLEL * direction.norm()));
+    }
+    reduced(&base, vector)
 }
 
 fn kinetic_j(body: &Body, state: &State) -> f64 {

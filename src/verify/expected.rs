@@ -86,6 +86,11 @@ fn distance_m(feature: &Feature, point_m: &Vector3<f64>) -> f64 {
     ((point_m - skeleton_m).norm() - radius_m).abs()
 }
 
+/// Whether a point lies on a feature's surface [m, its axes].
+pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
+    distance_m(feature, point_m) < ON_M
+}
+
 /// The named feature that a point of the body's surface belongs to: the nearest, an expected
 /// one where several are; `None` where none is near.
 pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {

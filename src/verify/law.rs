@@ -1,84 +1,74 @@
 //! The law of impact at a collision, with the estimated parameters.
 
-use nalgebra::Vector3;
-
-use crate::math::so3;
 use crate::motion::{Estimate, Partner, Quantity, Scene};
-use crate::physics::contact::Feature;
-use crate::physics::impact::{self, Contact};
-use crate::physics::{Body, State};
+use crate::physics::State;
+use crate::physics::impact::{self, Meeting, Side, Velocities};
 
-/// A collision whose outcome follows from the state before it: one point of a body, one plane,
-/// no friction.
-pub(super) struct Law {
+/// Who meets whom at a collision, where, and by which law.
+pub(super) struct Law<'a> {
+    scene: &'a Scene,
+    pub(super) meeting: Meeting,
+    pub(super) law: impact::Law,
     pub(super) body: usize,
-    pub(super) restitution: f64,
-    /// Of the impulse \[world\]: the surface's, tilted.
-    pub(super) normal: Vector3<f64>,
-    centre_m: Vector3<f64>,
-    radius_m: f64,
-    plane_point_m: Vector3<f64>,
-    plane_normal: Vector3<f64>,
+    pub(super) other: Option<usize>,
 }
 
-impl Law {
-    /// The law at an event; `None` where its outcome does not follow here.
-    pub(super) fn new(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Self> {
+impl<'a> Law<'a> {
+    /// The law at an event; `None` where it is no collision, where the scene leaves a feature
+    /// open, and where no impact is known for the contacts.
+    pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
+        let meeting = scene.meeting(event).ok()??;
         let value = |quantity: Quantity| {
             let free = scene.parameters.iter().find(|p| p.quantity == quantity)?;
             let found = estimate.parameters.iter().find(|p| p.name == free.name)?;
             Some(found.value)
         };
-        let friction = value(Quantity::Friction { event }).unwrap_or(collision.friction);
-        let ([contact], Partner::World, true) =
-            (&collision.contacts[..], collision.partner, friction == 0.0)
-        else {
-            return None;
-        };
-        let feature = scene.bodies[collision.body].features[contact.feature?].geometry;
-        let Feature::Point { point_m, radius_m } = feature else {
-            return None;
-        };
-        let (plane_point_m, plane_normal) = scene.surfaces[contact.other?].plane()?;
-        let tilt = tangents(&plane_normal)
-            .iter()
-            .enumerate()
-            .filter_map(|(tangent, axis)| Some(axis * value(Quantity::Tilt { event, tangent })?))
-            .sum();
+        let tilt = |tangent| value(Quantity::Tilt { event, tangent }).unwrap_or(0.0);
         Some(Self {
+            scene,
+            meeting,
+            law: impact::Law {
+                restitution: value(Quantity::Restitution { event })
+                    .unwrap_or(collision.restitution),
+                friction: value(Quantity::Friction { event }).unwrap_or(collision.friction),
+                tilt_rad: [tilt(0), tilt(1)],
+            },
             body: collision.body,
-            restitution: value(Quantity::Restitution { event }).unwrap_or(collision.restitution),
-            normal: so3::exp(&tilt) * plane_normal,
-            centre_m: point_m,
-            radius_m,
-            plane_point_m,
-            plane_normal,
+            other: match collision.partner {
+                Partner::World => None,
+                Partner::Body(other) => Some(other),
+            },
         })
     }
 
-    /// Where the body touches the plane in that state.
-    pub(super) fn contact(&self, state: &State) -> Contact {
-        let down = state
-            .orientation
-            .inverse_transform_vector(&-self.plane_normal);
-        Contact {
-            point_m: self.centre_m + down * self.radius_m,
-            surface_point_m: self.plane_point_m,
-            surface_normal: self.plane_normal,
-        }
+    /// The states after it, of the body and of the other one if it hits one; `None` where the
+    /// contacts are degenerate in these poses, or a state is missing.
+    pub(super) fn after(
+        &self,
+        body: &State,
+        other: Option<&State>,
+    ) -> Option<(State, Option<State>)> {
+        let side = |index: usize, state| Side {
+            body: &self.scene.bodies[index].body,
+            state,
+        };
+        let partner = match self.other {
+            None => None,
+            Some(index) => Some(side(index, other?)),
+        };
+        let impact = self
+            .meeting
+            .impact(&side(self.body, body), partner.as_ref(), &self.law)
+            .ok()?;
+        let moved = |state: &State, after: &Velocities| State {
+            velocity_m_s: after.velocity_m_s,
+            angular_velocity_rad_s: after.angular_velocity_rad_s,
+            ..*state
+        };
+        Some((
+            moved(body, &impact.after[0]),
+            partner.map(|partner| moved(partner.state, &impact.after[1])),
+        ))
     }
-
-    /// The state after it.
-    pub(super) fn after(&self, body: &Body, before: &State) -> State {
-        let contact = self.contact(before);
-        impact::bounce(body, &contact, &self.normal, self.restitution, before)
-    }
-}
-
-/// The axes about which a normal tilts: across it and the world axis that is least along it,
-/// then across both.
-fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let first = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
-    [first, normal.cross(&first)]
 }

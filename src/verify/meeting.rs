@@ -10,7 +10,7 @@ use crate::physics::contact::Feature;
 use crate::physics::shape::{Closest, Solid};
 
 /// Why a distance between solids of an estimate exists.
-const FINITE: &str = "the arcs are finite";
+pub(super) const FINITE: &str = "the arcs are finite";
 
 /// The scene as solids, with the estimated motion.
 pub(super) struct World<'a> {
@@ -189,14 +189,15 @@ impl Partner<'_> {
         .expect(FINITE)
     }
 
-    /// Distance of a placed solid \[m\]; a body's at that pose, or at its place on its arc.
-    pub(super) fn gap_m(&self, solid: &Solid, at: &Pose, body_at: Option<&Pose>) -> f64 {
+    /// Nearest points of a placed solid and this one; a body's at that pose, or at the end of
+    /// its arc.
+    pub(super) fn closest_to(&self, solid: &Solid, at: &Pose, body_at: Option<&Pose>) -> Closest {
         let pose = match (self, body_at) {
             (Partner::Body { .. }, Some(pose)) => *pose,
             (Partner::Body { arc, .. }, None) => self.pose(arc.end_s),
             (Partner::Plane { .. } | Partner::Obstacle { .. }, _) => self.pose(0.0),
         };
-        self.closest(solid, at, &pose).gap_m
+        self.closest(solid, at, &pose)
     }
 
     fn pose(&self, time_s: f64) -> Pose {

@@ -8,6 +8,7 @@
 
 mod balance;
 mod expected;
+mod gap;
 mod law;
 mod meeting;
 mod overlap;

@@ -1,23 +1,16 @@
 //! The single shot: the whole motion simulated from the first states alone.
 //!
-//! Flights go by [`super::series`], the time of a collision is where parry's distance of the
-//! expected feature from its partner becomes zero, and impacts go by the law of impact with the
-//! estimated parameters. A point that is expected to touch is followed as the ball that it is;
-//! of other features the whole solid. Where the estimate leaves a velocity gap, or the outcome
-//! of a collision does not follow, the simulation goes on from the estimate's own state.
+//! All bodies fly at once, by [`super::series`]; collisions come in the scene's order. Each
+//! happens where the gap of one of its contacts ([`super::gap`]) becomes zero, and goes by the
+//! law of impact with the estimated parameters. Where the estimate leaves a velocity gap, or a
+//! collision does not happen, the simulation goes on from the estimate's own state.
 
-use nalgebra::Point3;
-
+use super::gap::Gaps;
 use super::law::Law;
-use super::meeting::{Partner, World};
+use super::meeting::World;
 use super::series;
-use crate::math::Pose;
-use crate::motion::{
-    Against, Collision, Deviation, EventEstimate, Partner as Hit, SingleShot, Touching,
-};
+use crate::motion::{Deviation, EventEstimate, SingleShot};
 use crate::physics::State;
-use crate::physics::contact::Feature;
-use crate::physics::shape::Solid;
 
 /// Velocity gaps beyond these are bent physics, not rounding.
 const GAP_M_S: f64 = 1e-6;
@@ -62,8 +55,8 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
         result: SingleShot::default(),
     };
     for event in &world.estimate.events {
-        if let Some(collision) = world.scene.events[event.event].kind.collision() {
-            shot.collide(event, collision);
+        if world.scene.events[event.event].kind.collision().is_some() {
+            shot.collide(event);
         }
     }
     shot.end();
@@ -71,9 +64,11 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
 }
 
 impl Shot<'_> {
-    fn collide(&mut self, event: &EventEstimate, collision: &Collision) {
+    fn collide(&mut self, event: &EventEstimate) {
+        let collision = self.world.scene.events[event.event].kind.collision();
         let bodies: Vec<usize> = collision
-            .bodies()
+            .into_iter()
+            .flat_map(|collision| collision.bodies())
             .filter(|&body| self.world.tracks[body].ending_at(event.time_s).is_some())
             .collect();
         if bodies.is_empty() {
@@ -82,7 +77,10 @@ impl Shot<'_> {
         for &body in &bodies {
             self.advance(body, event.time_s);
         }
-        let offset_s = self.contact_offset_s(event, collision);
+        let law = Law::new(self.world.scene, self.world.estimate, event.event);
+        let offset_s = law
+            .as_ref()
+            .and_then(|law| self.contact_offset_s(event, law));
         let time_s = event.time_s + offset_s.unwrap_or(0.0);
         for &body in &bodies {
             self.advance(body, time_s);
@@ -93,21 +91,32 @@ impl Shot<'_> {
         }
         let gap = &event.gap;
         let is_bent = gap.velocity_m_s > GAP_M_S || gap.angular_velocity_rad_s > GAP_RAD_S;
-        let law = Law::new(self.world.scene, self.world.estimate, event.event);
-        match (law, offset_s) {
-            (Some(law), Some(_)) if !is_bent => {
-                let body = &self.world.scene.bodies[law.body].body;
-                if let Some(flight) = &mut self.flights[law.body] {
-                    flight.state = law.after(body, &flight.state);
-                }
-            }
-            _ => {
-                self.result.restarts.push(event.event);
-                for body in bodies {
-                    self.restart(body, event.time_s);
-                }
+        let after = law
+            .filter(|_| offset_s.is_some() && !is_bent)
+            .and_then(|law| self.bounce(&law));
+        if after.is_none() {
+            self.result.restarts.push(event.event);
+            for body in bodies {
+                self.restart(body, event.time_s);
             }
         }
+    }
+
+    /// Changes the velocities of those who meet; `None` where the law has no answer.
+    fn bounce(&mut self, law: &Law) -> Option<()> {
+        let state = |body: usize| Some(self.flights[body]?.state);
+        let other = match law.other {
+            None => None,
+            Some(other) => Some(state(other)?),
+        };
+        let (body, after_of_other) = law.after(&state(law.body)?, other.as_ref())?;
+        let others = law.other.zip(after_of_other);
+        for (index, after) in [(law.body, body)].into_iter().chain(others) {
+            if let Some(flight) = &mut self.flights[index] {
+                flight.state = after;
+            }
+        }
+        Some(())
     }
 
     fn advance(&mut self, body: usize, time_s: f64) {
@@ -131,8 +140,28 @@ impl Shot<'_> {
     }
 
     /// How much later than the flights' time the expected features touch \[s\].
-    fn contact_offset_s(&self, event: &EventEstimate, collision: &Collision) -> Option<f64> {
-        let gap_m = |offset_s: f64| self.gap_m(event, collision, offset_s);
+    fn contact_offset_s(&self, event: &EventEstimate, law: &Law) -> Option<f64> {
+        let pose = |body: usize, offset_s: f64| {
+            let flight = self.flights[body]?;
+            let body = &self.world.scene.bodies[body].body;
+            let gravity = &self.world.estimate.gravity_m_s2;
+            let state = series::advance(body, gravity, &flight.state, offset_s);
+            Some(state.world_from_body())
+        };
+        let poses = |offset_s: f64| {
+            let other = match law.other {
+                None => None,
+                Some(other) => Some(pose(other, offset_s)?),
+            };
+            Some((pose(law.body, offset_s)?, other))
+        };
+        // Just before, so that nearest points are two.
+        let (body, other) = poses(-FIRST_REACH_S)?;
+        let gaps = Gaps::new(self.world, law, event.event, &body, other.as_ref())?;
+        let gap_m = |offset_s: f64| {
+            let (body, other) = poses(offset_s)?;
+            gaps.least_m(&body, other.as_ref())
+        };
         let mut reach_s = FIRST_REACH_S;
         while !(gap_m(-reach_s)? > 0.0 && gap_m(reach_s)? < 0.0) {
             reach_s *= GROWTH;
@@ -153,81 +182,6 @@ impl Shot<'_> {
             }
         }
         Some(0.5 * (apart_s + inside_s))
-    }
-
-    /// Least distance of the expected features from their partners; `None` where the scene
-    /// leaves all of them open.
-    fn gap_m(&self, event: &EventEstimate, collision: &Collision, offset_s: f64) -> Option<f64> {
-        let pose = |body: usize| {
-            let flight = self.flights[body]?;
-            let body = &self.world.scene.bodies[body].body;
-            let gravity = &self.world.estimate.gravity_m_s2;
-            let state = series::advance(body, gravity, &flight.state, offset_s);
-            Some(state.world_from_body())
-        };
-        let world_from_body = pose(collision.body)?;
-        let world_from_other = match collision.partner {
-            Hit::World => None,
-            Hit::Body(other) => Some((other, pose(other)?)),
-        };
-        collision
-            .contacts
-            .iter()
-            .filter_map(|contact| match world_from_other {
-                None => self.gap_from_world_m(collision.body, &world_from_body, contact),
-                Some((other, world_from_other)) => {
-                    let first = (collision.body, &world_from_body, contact.feature);
-                    let second = (other, &world_from_other, contact.other);
-                    self.gap_of_bodies_m(event.time_s, first, second)
-                }
-            })
-            .reduce(f64::min)
-    }
-
-    fn gap_from_world_m(
-        &self,
-        body: usize,
-        world_from_body: &Pose,
-        contact: &Touching,
-    ) -> Option<f64> {
-        let surface = contact.other?;
-        let against = match self.world.scene.surfaces[surface].obstacle {
-            Some(obstacle) => Against::Obstacle(obstacle),
-            None => Against::Surface(surface),
-        };
-        let partner = self.world.partner(against, None)?;
-        Some(match self.ball(body, contact.feature, world_from_body) {
-            Some((ball, pose)) => partner.gap_m(&ball, &pose, None),
-            None => partner.gap_m(&self.world.tracks[body].solid, world_from_body, None),
-        })
-    }
-
-    fn gap_of_bodies_m(
-        &self,
-        time_s: f64,
-        (body, world_from_body, feature): (usize, &Pose, Option<usize>),
-        (other, world_from_other, other_feature): (usize, &Pose, Option<usize>),
-    ) -> Option<f64> {
-        let partner = |index| self.world.partner(Against::Body(index), Some(time_s));
-        let (first, second): (Partner, Partner) = (partner(body)?, partner(other)?);
-        if let Some((ball, pose)) = self.ball(body, feature, world_from_body) {
-            return Some(second.gap_m(&ball, &pose, Some(world_from_other)));
-        }
-        if let Some((ball, pose)) = self.ball(other, other_feature, world_from_other) {
-            return Some(first.gap_m(&ball, &pose, Some(world_from_body)));
-        }
-        let solid = &self.world.tracks[body].solid;
-        Some(second.gap_m(solid, world_from_body, Some(world_from_other)))
-    }
-
-    /// A point feature as the ball that it is.
-    fn ball(&self, body: usize, feature: Option<usize>, pose: &Pose) -> Option<(Solid, Pose)> {
-        let feature = &self.world.scene.bodies[body].features[feature?];
-        let Feature::Point { point_m, radius_m } = feature.geometry else {
-            return None;
-        };
-        let centre_m = pose * Point3::from(point_m);
-        Some((Solid::ball(radius_m), Pose::from(centre_m.coords)))
     }
 
     fn end(&mut self) {

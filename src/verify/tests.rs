@@ -8,8 +8,10 @@ use crate::config::scene_from_toml;
 use crate::motion::{
     Against, ArcEstimate, Counters, Estimate, EventEstimate, Gap, Penetration, Scene, Verdict,
 };
-use crate::physics::impact::{self, Contact};
+use crate::physics::impact::{Law, Side};
 use crate::physics::{State, flow};
+
+mod meetings;
 
 const TABLE: &str = r#"
 [[surface]]
@@ -191,14 +193,32 @@ fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
     before.position_m.z = -(before.orientation * tip).z;
     let body = &scene.bodies[0].body;
     let start = flow::advance(body, &scene.gravity_m_s2, &before, -time_s);
-    let contact = Contact {
-        point_m: tip,
-        surface_point_m: Vector3::zeros(),
-        surface_normal: Vector3::z(),
-    };
-    let after = impact::bounce(body, &contact, &Vector3::z(), 0.6, &before);
+    let after = struck(scene, 0, &Law::frictionless(0.6), &[before]).remove(0);
     let arcs = vec![arc(0, start, 0.0, time_s), arc(0, after, time_s, 0.7)];
     estimate(scene, arcs, &[time_s, 0.7])
+}
+
+/// The states after the collision that an event is.
+fn struck(scene: &Scene, event: usize, law: &Law, before: &[State]) -> Vec<State> {
+    let meeting = scene.meeting(event).unwrap().unwrap();
+    let collision = scene.events[event].kind.collision().unwrap();
+    let bodies = collision.bodies().zip(before);
+    let sides: Vec<Side> = bodies
+        .map(|(body, state)| Side {
+            body: &scene.bodies[body].body,
+            state,
+        })
+        .collect();
+    let impact = meeting.impact(&sides[0], sides.get(1), law).unwrap();
+    assert!(impact.speeds_m_s[0] < -0.1 && !impact.pulls(), "{impact:?}");
+    let after = before.iter().zip(impact.after);
+    after
+        .map(|(state, after)| State {
+            velocity_m_s: after.velocity_m_s,
+            angular_velocity_rad_s: after.angular_velocity_rad_s,
+            ..*state
+        })
+        .collect()
 }
 
 fn leaning(angle_rad: f64) -> State {
@@ -350,7 +370,7 @@ fn a_collision_that_does_not_happen_is_missed() {
 fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
     let more = format!(
         "[[body]]\nname = \"box\"\nshape = {CUBE}\nmass_g = 50\n\
-         features_mm = {{ lid = [0, 0, 50] }}\n\
+         [[body.face]]\nname = \"lid\"\npoint_mm = [0, 0, 50]\nnormal = [0, 0, 1]\n\
          [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"thing\"\nfeature = \"tip\"\n\
          other = \"box\"\nother_feature = \"lid\"\nrestitution = 0.5\n"
     );

@@ -60,6 +60,7 @@ struct BalanceLine {
     flight_momentum: f64,
     flight_angular_momentum: f64,
     impact_energy: f64,
+    impact_momentum: f64,
     impact_angular_momentum: f64,
 }
 
@@ -88,6 +89,7 @@ impl VerificationLine {
                 flight_momentum: balance.flight_momentum,
                 flight_angular_momentum: balance.flight_angular_momentum,
                 impact_energy: balance.impact_energy,
+                impact_momentum: balance.impact_momentum,
                 impact_angular_momentum: balance.impact_angular_momentum,
             },
         }

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::WriteError;
 use crate::math::Pose;
 use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
-use crate::physics::{State, flow};
+use crate::physics::flow::{self, Spin};
 
 /// Most frames that are written: a day at 240 Hz. More is no motion but the trace of an
 /// estimation that ran away, and would fill the disk.
@@ -89,11 +89,16 @@ pub(super) fn estimate_samples(
             times_s.insert(stamp(zero, time_s), time_s);
         }
     }
-    let states = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
-    let mut samples = states
+    let of_scene = &scene.bodies[body].body;
+    let mut flights: Vec<(&ArcEstimate, Spin)> = arcs
+        .into_iter()
+        .map(|arc| (arc, Spin::new(of_scene, &arc.state.angular_velocity_rad_s)))
+        .collect();
+    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let mut samples = poses
         .map(|(stamp, time_s)| {
-            let state = state_at(scene, estimate, &arcs, time_s);
-            PoseSample::from_pose(stamp, &state.world_from_body())
+            let pose = pose_at(&mut flights, &estimate.gravity_m_s2, time_s);
+            PoseSample::from_pose(stamp, &pose)
         })
         .collect();
     make_signs_continuous(&mut samples);
@@ -147,18 +152,16 @@ pub(super) fn sketch_samples(
     samples
 }
 
-/// The state at a physical time within the arcs: on the first that has not ended.
-fn state_at(scene: &Scene, estimate: &Estimate, arcs: &[&ArcEstimate], time_s: f64) -> State {
-    let arc = arcs
-        .iter()
-        .find(|arc| time_s <= arc.end_s)
-        .or(arcs.last())
-        .expect("a body with samples has arcs");
-    flow::advance(
-        &scene.bodies[arc.body].body,
-        &estimate.gravity_m_s2,
-        &arc.state,
-        time_s - arc.epoch_s,
+/// The pose at a physical time within the flights: on the first that has not ended.
+fn pose_at(flights: &mut [(&ArcEstimate, Spin)], gravity_m_s2: &Vector3<f64>, time_s: f64) -> Pose {
+    let at = flights.iter().position(|(arc, _)| time_s <= arc.end_s);
+    let at = at.unwrap_or(flights.len() - 1);
+    let (arc, spin) = &mut flights[at];
+    let duration_s = time_s - arc.epoch_s;
+    let position_m = flow::position(gravity_m_s2, &arc.state, duration_s);
+    Pose::from_parts(
+        position_m.into(),
+        arc.state.orientation * spin.turn(duration_s),
     )
 }
 

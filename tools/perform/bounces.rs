@@ -9,12 +9,13 @@ use enact::motion::{
     ArcEstimate, Collision, Event, EventKind, Feature, Scene, SceneBody, Surface, Timing,
     VelocityGaps, Weights,
 };
-use enact::physics::{Body, Shape, State, contact, impact};
+use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::encounter::{Encounter, still};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
 
 /// Half the cube's side [m].
@@ -174,18 +175,24 @@ impl Cube {
         }
     }
 
-    fn contact(&self, corner: usize) -> impact::Contact {
-        impact::Contact {
-            point_m: self.corners_m[corner],
-            surface_point_m: Vector3::zeros(),
-            surface_normal: Vector3::z(),
-        }
+    fn encounter(&self, corner: usize, restitution: f64) -> Encounter {
+        let (on_table_m, up) = (Vector3::zeros(), Vector3::z());
+        Encounter::of_corner(
+            &self.body,
+            self.corners_m[corner],
+            on_table_m,
+            up,
+            restitution,
+        )
     }
 
     /// Heights of the corners and their indices, lowest first.
     fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
         let mut heights: Vec<_> = (0..8)
-            .map(|corner| (self.contact(corner).gap_m(state), corner))
+            .map(|corner| {
+                let height_m = self.encounter(corner, 1.0).gap_m(state, &still());
+                (height_m, corner)
+            })
             .collect();
         heights.sort_by(|a, b| a.0.total_cmp(&b.0));
         heights
@@ -193,9 +200,8 @@ impl Cube {
 
     fn bounced(&self, hop: &Hop) -> State {
         let before = self.flight().advance(&hop.state, hop.duration_s);
-        let contact = self.contact(hop.corner);
-        let normal = contact.surface_normal;
-        impact::bounce(&self.body, &contact, &normal, hop.restitution, &before)
+        let bounce = self.encounter(hop.corner, hop.restitution);
+        bounce.after(&before, &still()).0
     }
 
     /// The flight from a state, if it is a good one.
@@ -216,7 +222,7 @@ impl Cube {
         let before = flight.advance(state, duration_s);
         let heights = self.heights_m(&before);
         let (corner, next_m) = (heights[0].1, heights[1].0);
-        let approach_m_s = -self.contact(corner).normal_speed_m_s(&before);
+        let approach_m_s = -self.encounter(corner, 1.0).speed_m_s(&before, &still());
         let is_good = duration_s >= SHORTEST_S
             && approach_m_s >= SLOWEST_APPROACH_M_S
             && next_m >= CLEAREST_M;

@@ -64,6 +64,27 @@ impl Inverse {
 }
 
 impl Encounter {
+    /// Of the scene's first body, whose corner hits a face of the static world that pushes
+    /// straight.
+    pub fn of_corner(
+        body: &Body,
+        point_m: Vector3<f64>,
+        face_point_m: Vector3<f64>,
+        face_normal: Vector3<f64>,
+        restitution: f64,
+    ) -> Self {
+        Self {
+            body: 0,
+            other: None,
+            point_m,
+            face_point_m,
+            face_normal,
+            push_normal: face_normal,
+            restitution,
+            inverse: [Inverse::of(body), Inverse::default()],
+        }
+    }
+
     /// The collision that event of the scene is, with these values of the scene's free
     /// parameters; none if the event is no collision of a sharp corner with a face.
     pub fn of(scene: &Scene, parameters: &[f64], event: usize) -> Option<Self> {

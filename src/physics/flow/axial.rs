@@ -123,6 +123,15 @@ impl Precession {
         }
     }
 
+    /// `R(0)⁻¹R(s)`, the same bits as [`Turning::advance`]'s.
+    pub fn turn(&self, duration_s: f64) -> UnitQuaternion<f64> {
+        let first = so3::exp(&(self.alpha * duration_s));
+        if self.turning.excess == 0.0 {
+            return first;
+        }
+        first * so3::exp(&(self.turning.axis * (self.beta * duration_s)))
+    }
+
     /// See [`super::Spin::turn_and_derivative`].
     #[inline]
     pub fn turn_and_derivative(&self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {

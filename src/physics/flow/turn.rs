@@ -62,6 +62,15 @@ impl Spin {
         })
     }
 
+    /// `R(0)⁻¹R(s)` alone; with two or three equal moments, the same bits as
+    /// [`super::advance`]'s.
+    pub fn turn(&mut self, duration_s: f64) -> UnitQuaternion<f64> {
+        match &mut self.0 {
+            Kind::Precession(precession) => precession.turn(duration_s),
+            Kind::Steps(steps) => steps.turn_and_derivative(duration_s).0,
+        }
+    }
+
     /// `R(0)⁻¹R(s)`, and the `K` by which a change of `ω` turns `R(s)` by `s K δω`, seen from
     /// the frame of `R(0)`. Since `ω` turns with the body, `K ω` is `ω(s)` in that frame.
     ///
