@@ -13,6 +13,7 @@ use crate::physics::Shape;
 /// The kinds of shape, each with its keys in the order they are asked for.
 const KINDS: &[(&str, &[&str])] = &[
     ("cuboid", &["size_mm"]),
+    ("rounded_cuboid", &["size_mm", "radius_mm"]),
     ("sphere", &["radius_mm"]),
     ("cylinder", &["length_mm", "radius_mm"]),
     ("capsule", &["length_mm", "radius_mm"]),
@@ -97,15 +98,22 @@ fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
     let length_m = |key: &str, number: &Option<Number>| -> Result<f64, Fault> {
         Ok(positive(key, number.as_ref().ok_or_else(|| missing(key))?)? / 1e3)
     };
-    Ok(match kind {
-        "cuboid" => {
-            let size = raw.size_mm.as_ref().ok_or_else(|| missing("size_mm"))?;
-            let half_extents_m = vector("size_mm", size)? / 2e3;
-            if half_extents_m.min() <= 0.0 {
-                return fault(size.span(), "size_mm has a side that is not positive");
-            }
-            Shape::Cuboid { half_extents_m }
+    let half_extents_m = || -> Result<Vector3<f64>, Fault> {
+        let size = raw.size_mm.as_ref().ok_or_else(|| missing("size_mm"))?;
+        let half_extents_m = vector("size_mm", size)? / 2e3;
+        if half_extents_m.min() <= 0.0 {
+            return fault(size.span(), "size_mm has a side that is not positive");
         }
+        Ok(half_extents_m)
+    };
+    Ok(match kind {
+        "cuboid" => Shape::Cuboid {
+            half_extents_m: half_extents_m()?,
+        },
+        "rounded_cuboid" => Shape::RoundedCuboid {
+            half_extents_m: half_extents_m()?,
+            radius_m: length_m("radius_mm", &raw.radius_mm)?,
+        },
         "sphere" => Shape::Sphere {
             radius_m: length_m("radius_mm", &raw.radius_mm)?,
         },

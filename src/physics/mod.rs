@@ -1,8 +1,9 @@
-//! Rigid bodies: what they are ([`body`], [`shape`]), how they fly ([`flow`]), how they
-//! bounce ([`impact`]); each formula beside its derivatives. All of parry is behind [`shape`].
+//! Rigid bodies: what they are ([`body`], [`shape`]), how they fly ([`flow`]), where
+//! they touch ([`contact`], [`features`]) and how they bounce ([`impact`]); each formula beside its derivatives. All of parry is behind [`shape`].
 
 pub mod body;
 pub mod contact;
+pub mod features;
 pub mod flow;
 pub mod impact;
 pub mod observe;

@@ -32,6 +32,13 @@ pub enum Shape {
         /// Half its sides.
         half_extents_m: Vector3<f64>,
     },
+    /// A box centred at the origin, its edges and corners rounded.
+    RoundedCuboid {
+        /// Half its outer sides, as a calliper measures them.
+        half_extents_m: Vector3<f64>,
+        /// Radius of the rounding, less than the least of them.
+        radius_m: f64,
+    },
     /// A ball centred at the origin.
     Sphere {
         /// Radius.
@@ -76,6 +83,14 @@ pub enum ShapeError {
         name: &'static str,
         /// As given.
         value_m: f64,
+    },
+    /// A rounding that leaves no box.
+    #[error("the rounding of {radius_m} m leaves no box: half the least side is {half_m} m")]
+    Rounding {
+        /// Its radius.
+        radius_m: f64,
+        /// Half the least side.
+        half_m: f64,
     },
     /// A point has a coordinate that is not finite.
     #[error("point {index} of the hull is not finite")]
@@ -136,12 +151,17 @@ impl Shape {
     /// Whether the shape is a solid: lengths positive and finite, hulls not flat.
     pub fn check(&self) -> Result<(), ShapeError> {
         match self {
-            Shape::Cuboid { half_extents_m } => {
-                for (name, half) in ["x size", "y size", "z size"]
-                    .into_iter()
-                    .zip(half_extents_m.iter())
-                {
-                    positive(name, 2.0 * half)?;
+            Shape::Cuboid { half_extents_m } => check_sides(half_extents_m),
+            Shape::RoundedCuboid {
+                half_extents_m,
+                radius_m,
+            } => {
+                check_sides(half_extents_m)?;
+                positive("radius", *radius_m)?;
+                let half_m = half_extents_m.min();
+                if !(*radius_m < half_m) {
+                    let radius_m = *radius_m;
+                    return Err(ShapeError::Rounding { radius_m, half_m });
                 }
                 Ok(())
             }
@@ -172,6 +192,10 @@ impl Shape {
     pub fn radius_m(&self) -> f64 {
         match self {
             Shape::Cuboid { half_extents_m } => half_extents_m.norm(),
+            Shape::RoundedCuboid {
+                half_extents_m,
+                radius_m,
+            } => half_extents_m.add_scalar(-radius_m).norm() + radius_m,
             Shape::Sphere { radius_m } => *radius_m,
             Shape::Cylinder {
                 half_length_m,
@@ -200,6 +224,10 @@ impl Shape {
                 MassProperties::from_cuboid(1.0, to_parry(half_extents_m)),
                 Axes::Same,
             ),
+            Shape::RoundedCuboid {
+                half_extents_m,
+                radius_m,
+            } => return Ok(rounded_mass(half_extents_m, *radius_m)),
             Shape::Sphere { radius_m } => (MassProperties::from_ball(1.0, *radius_m), Axes::Same),
             Shape::Cylinder {
                 half_length_m,
@@ -262,6 +290,16 @@ impl Shape {
         let (shape, shape_from_parry) = match self {
             Shape::Cuboid { half_extents_m: h } => {
                 (SharedShape::cuboid(h.x, h.y, h.z), ParryPose::IDENTITY)
+            }
+            Shape::RoundedCuboid {
+                half_extents_m,
+                radius_m,
+            } => {
+                let core = half_extents_m.add_scalar(-radius_m);
+                (
+                    SharedShape::round_cuboid(core.x, core.y, core.z, *radius_m),
+                    ParryPose::IDENTITY,
+                )
             }
             Shape::Sphere { radius_m } => (SharedShape::ball(*radius_m), ParryPose::IDENTITY),
             Shape::Cylinder {
@@ -356,6 +394,43 @@ fn positive(name: &'static str, value_m: f64) -> Result<(), ShapeError> {
         Ok(())
     } else {
         Err(ShapeError::Length { name, value_m })
+    }
+}
+
+fn check_sides(half_extents_m: &Vector3<f64>) -> Result<(), ShapeError> {
+    for (name, half) in ["x size", "y size", "z size"]
+        .into_iter()
+        .zip(half_extents_m.iter())
+    {
+        positive(name, 2.0 * half)?;
+    }
+    Ok(())
+}
+
+/// Sums the core, the slabs on its faces, the quarters of cylinders on its edges and the octants
+/// of a ball on its corners (parry leaves the rounding out).
+fn rounded_mass(half_extents_m: &Vector3<f64>, radius_m: f64) -> UniformMass {
+    use std::f64::consts::PI;
+    let (core, r) = (half_extents_m.add_scalar(-radius_m), radius_m);
+    let ball_m3 = 4.0 / 3.0 * PI * r.powi(3);
+    let mut volume_m3 = 8.0 * core.product() + ball_m3;
+    // ∫x² dV along each axis.
+    let mut second_m5 = Vector3::zeros();
+    for axis in 0..3 {
+        let (a, b, c) = (core[axis], core[(axis + 1) % 3], core[(axis + 2) % 3]);
+        volume_m3 += 8.0 * r * b * c + 2.0 * PI * a * r * r;
+        // What extends along the axis as the core does, beside the core itself.
+        let along_m3 = 8.0 * a * (b * c + r * (b + c)) + 2.0 * PI * a * r * r;
+        let slabs = 8.0 / 3.0 * b * c * ((a + r).powi(3) - a.powi(3));
+        // ∫(a + |s|)² over a disc, and over a ball.
+        let disc = PI * r * r * a * a + 8.0 / 3.0 * a * r.powi(3) + PI / 4.0 * r.powi(4);
+        let ball = ball_m3 * a * a + PI * a * r.powi(4) + 4.0 / 15.0 * PI * r.powi(5);
+        second_m5[axis] = along_m3 * a * a / 3.0 + slabs + 2.0 * (b + c) * disc + ball;
+    }
+    let moments_m5 = second_m5.map(|own| second_m5.sum() - own);
+    UniformMass {
+        volume_m3,
+        moments_per_mass_m2: moments_m5 / volume_m3,
     }
 }
 

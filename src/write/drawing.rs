@@ -115,7 +115,8 @@ fn entity(at: Timestamp, frame: &str, id: String) -> SceneEntity {
 
 fn add_shape(entity: &mut SceneEntity, shape: &Shape, pose: &Pose, color: Color) {
     match shape {
-        Shape::Cuboid { half_extents_m } => {
+        // Viewers know no rounded boxes: its outer sides are drawn.
+        Shape::Cuboid { half_extents_m } | Shape::RoundedCuboid { half_extents_m, .. } => {
             entity
                 .cubes
                 .push(cube(pose, &(2.0 * half_extents_m), color));

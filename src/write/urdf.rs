@@ -2,7 +2,8 @@
 //!
 //! The root link is the world frame; each body is a link named as its estimate's frame, moved
 //! by the frame transforms, each obstacle a fixed one. URDF knows boxes, cylinders and spheres:
-//! a cone is drawn as a stack of cylinders, a hull as its bounding box.
+//! a cone is drawn as a stack of cylinders, a hull as its bounding box, a rounded box as a sharp
+//! one.
 
 use std::fmt::Write;
 
@@ -65,7 +66,9 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
 fn add_shape(text: &mut String, shape: &Shape, pose: &Pose, rgba: &str) {
     let along_z = |z: f64| pose * Translation3::new(0.0, 0.0, z);
     match shape {
-        Shape::Cuboid { half_extents_m } => add_box(text, pose, &(2.0 * half_extents_m), rgba),
+        Shape::Cuboid { half_extents_m } | Shape::RoundedCuboid { half_extents_m, .. } => {
+            add_box(text, pose, &(2.0 * half_extents_m), rgba);
+        }
         Shape::Sphere { radius_m } => add_sphere(text, pose, *radius_m, rgba),
         Shape::Cylinder {
             half_length_m,

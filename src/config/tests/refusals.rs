@@ -168,7 +168,7 @@ fn bodies_that_cannot_be_are_refused() {
             "kind = \"tube\", length_mm = 190.0",
             13,
             "\"tube\"",
-            "expected one of cuboid, sphere",
+            "expected one of cuboid, rounded_cuboid, sphere",
         ),
         (
             "radius_mm = 3.75",

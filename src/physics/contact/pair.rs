@@ -71,16 +71,18 @@ impl Contact {
     pub fn new(a: Feature, b: Feature) -> Result<Self, ContactError> {
         a.check()?;
         b.check()?;
-        let (pair, mirrored) = match (pair(&a, &b)?, pair(&b, &a)?) {
-            (Some(pair), _) => (pair, false),
-            (None, Some(pair)) => (pair, true),
-            (None, None) => {
-                return Err(ContactError::Pair {
-                    a: a.kind(),
-                    b: b.kind(),
-                    instead: instead(&a, &b),
-                });
-            }
+        let (pair, mirrored) = match pair(&a, &b)? {
+            Some(pair) => (pair, false),
+            None => match pair(&b, &a)? {
+                Some(pair) => (pair, true),
+                None => {
+                    return Err(ContactError::Pair {
+                        a: a.kind(),
+                        b: b.kind(),
+                        instead: instead(&a, &b),
+                    });
+                }
+            },
         };
         let tangents = match b {
             Feature::Face { normal, .. } => Some(tangents(&normal)),

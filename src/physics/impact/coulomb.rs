@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::meeting::Law;
+use super::rows::Change;
 
 /// An impulse by the law, with what its derivatives need.
 pub(super) struct Coulomb {
@@ -24,7 +25,7 @@ pub(super) struct Coulomb {
 
 /// How the share of `D` is found.
 enum Slide {
-    /// It is one.
+    /// The whole: it is one.
     Sticks,
     /// The cone limits it: direction of the tangential part of `D`, and `|T| − μ n·D`.
     Slides(Vector3<f64>, f64),
@@ -33,13 +34,13 @@ enum Slide {
 }
 
 /// Change of the law's inputs.
-pub(super) struct CoulombVariation {
-    pub(super) normal: Vector3<f64>,
-    pub(super) velocity: Vector3<f64>,
+pub(super) struct CoulombChange<const C: usize> {
+    pub(super) normal: Change<C>,
+    pub(super) velocity: Change<C>,
     /// Change of `W`, times `n`.
-    pub(super) mobility_normal: Vector3<f64>,
+    pub(super) mobility_normal: Change<C>,
     /// Change of `W`, times `P_II`.
-    pub(super) mobility_stuck: Vector3<f64>,
+    pub(super) mobility_stuck: Change<C>,
 }
 
 impl Coulomb {
@@ -93,31 +94,44 @@ impl Coulomb {
         matches!(self.slide, Slide::Sticks)
     }
 
+    /// The normal that the law sees.
+    pub(super) fn normal(&self) -> &Vector3<f64> {
+        &self.normal
+    }
+
     /// `P_II`.
     pub(super) fn stuck(&self) -> Vector3<f64> {
         self.to_stick + self.normal * self.plastic
     }
 
-    /// Change of the impulse.
-    pub(super) fn change(&self, by: &CoulombVariation) -> Vector3<f64> {
+    /// Changes of the impulse by those of the relative velocity.
+    pub(super) fn by_velocity<const C: usize>(&self, velocity: Change<C>) -> Change<C> {
+        self.change(&CoulombChange {
+            normal: Change::zeros(),
+            velocity,
+            mobility_normal: Change::zeros(),
+            mobility_stuck: Change::zeros(),
+        })
+    }
+
+    /// Changes of the impulse.
+    pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
         let (n, e) = (&self.normal, self.law.restitution);
-        let speed = by.normal.dot(&self.velocity) + n.dot(&by.velocity);
-        let mobility = 2.0 * by.normal.dot(&(self.mobility * n)) + n.dot(&by.mobility_normal);
-        let plastic = -(speed + self.plastic * mobility) / self.normal_mobility;
+        let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);
+        let mobility = (self.mobility * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.mobility_normal);
+        let plastic = -(speed + mobility * self.plastic) / self.normal_mobility;
         let plastic_vector = n * plastic + by.normal * self.plastic;
         let stuck = -(self.inverse_mobility * (by.velocity + by.mobility_stuck));
         let to_stick = stuck - plastic_vector;
-        let share = match &self.slide {
-            Slide::Slides(direction, margin) => {
-                let pressed = by.normal.dot(&self.to_stick) + n.dot(&to_stick);
-                let size = direction.dot(&(to_stick - by.normal * n.dot(&self.to_stick)));
-                (self.law.friction * (1.0 + e) * plastic
-                    - self.share * (size - self.law.friction * pressed))
-                    / margin
-            }
-            Slide::Sticks | Slide::Free => 0.0,
+        let change = plastic_vector * (1.0 + e) + to_stick * self.share;
+        let Slide::Slides(direction, margin) = &self.slide else {
+            return change;
         };
-        plastic_vector * (1.0 + e) + to_stick * self.share + self.to_stick * share
+        let mu = self.law.friction;
+        let pressed = self.to_stick.tr_mul(&by.normal) + n.tr_mul(&to_stick);
+        let size = direction.tr_mul(&(to_stick - by.normal * n.dot(&self.to_stick)));
+        let share = (plastic * (mu * (1.0 + e)) - (size - pressed * mu) * self.share) / *margin;
+        change + self.to_stick * share
     }
 
     /// Derivative of the impulse by the restitution.

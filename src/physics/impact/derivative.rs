@@ -2,16 +2,20 @@
 
 use nalgebra::{RowSVector, SMatrix, SVector};
 
-use super::assembly::{Assembly, Variation};
-use super::meeting::{Impact, MOST_CONTACTS, Velocities};
+use super::encounter::{Encounter, PoseChange};
+use super::error::ImpactError;
+use super::meeting::MOST_CONTACTS;
+use super::rows::Change;
+use super::solution::Solution;
 use crate::physics::state::part;
 
-/// Derivatives of an [`Impact`]. Columns of a state are those of
+/// Derivatives of an [`Impact`](super::Impact). Columns of a state are those of
 /// [`StateTangent`](crate::physics::state::StateTangent); rows of velocities are `v` [m/s,
-/// world], then `ω` [rad/s, body]. Entries beyond the number of contacts or bodies are zero.
+/// world], then `ω` [rad/s, body].
 ///
 /// Exact on each side of the switches between sticking and sliding and between approaching and
-/// receding; on a switch, that of the reported branch.
+/// receding; on a switch, that of the reported branch. It is large: make one and fill it again
+/// and again ([`Meeting::derivative`](super::Meeting::derivative)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactDerivative {
     /// Gap `[contact]` by the state `[body]` before.
@@ -24,12 +28,14 @@ pub struct ImpactDerivative {
     pub after_by_restitution: [SVector<f64, 6>; 2],
     /// Velocities after by the coefficient of friction.
     pub after_by_friction: [SVector<f64, 6>; 2],
-    /// Velocities after by the two tilts.
+    /// Velocities after by the two tilts; zero where
+    /// [`Meeting::check_tilt`](super::Meeting::check_tilt) refuses them.
     pub after_by_tilt: [SMatrix<f64, 6, 2>; 2],
 }
 
 impl ImpactDerivative {
-    pub(super) fn zeros() -> Self {
+    /// All zero.
+    pub fn zeros() -> Self {
         Self {
             gap: [[RowSVector::zeros(); 2]; MOST_CONTACTS],
             speed: [[RowSVector::zeros(); 2]; MOST_CONTACTS],
@@ -41,99 +47,126 @@ impl ImpactDerivative {
     }
 }
 
-fn stacked(v: &Velocities) -> SVector<f64, 6> {
-    let mut result = SVector::<f64, 6>::zeros();
-    result.fixed_rows_mut::<3>(0).copy_from(&v.velocity_m_s);
-    result
-        .fixed_rows_mut::<3>(3)
-        .copy_from(&v.angular_velocity_rad_s);
-    result
+impl Default for ImpactDerivative {
+    fn default() -> Self {
+        Self::zeros()
+    }
 }
 
-impl Assembly {
-    /// The impact and its derivatives; the assembly must have been made with rates.
-    pub(super) fn derivative(&self) -> (Impact, ImpactDerivative) {
-        let mut derivative = ImpactDerivative::zeros();
-        for body in 0..self.bodies {
-            for column in 0..6 {
-                self.pose_column(body, column, &mut derivative);
-                self.velocity_column(body, column, &mut derivative);
-            }
+impl Solution<'_> {
+    /// Fills the entries for the contacts and bodies that there are.
+    pub(super) fn derivative(&self, derivative: &mut ImpactDerivative) -> Result<(), ImpactError> {
+        let mut rates = [const { None }; MOST_CONTACTS];
+        for (contact, encounter) in self.encounters().enumerate() {
+            let touch = encounter
+                .contact
+                .touch_derivative(&self.frames[0], &self.frames[1])
+                .map_err(|reason| ImpactError::Degenerate { contact, reason })?;
+            rates[contact] = Some(touch.1);
         }
-        let by_restitution = self.kicks(&self.by_restitution());
-        let by_friction = self.kicks(&self.by_friction());
-        let by_tilt = [0, 1].map(|tilt| self.after_change(&self.tilt_variation(tilt)));
-        for body in 0..self.bodies {
-            derivative.after_by_restitution[body] = stacked(&by_restitution[body]);
-            derivative.after_by_friction[body] = stacked(&by_friction[body]);
-            for tilt in 0..2 {
-                derivative.after_by_tilt[body].set_column(tilt, &stacked(&by_tilt[tilt][body]));
+        for body in 0..self.rows.bodies {
+            let mut poses = [const { None }; MOST_CONTACTS];
+            let mut normals = [Change::zeros(); MOST_CONTACTS];
+            for (contact, encounter) in self.encounters().enumerate() {
+                let Some(rates) = &rates[contact] else {
+                    continue;
+                };
+                let by = PoseChange::of_body(body, rates);
+                let gap = &mut derivative.gap[contact][body];
+                gap.fill(0.0);
+                gap.fixed_columns_mut::<6>(part::POSITION)
+                    .copy_from(&rates.gap.fixed_columns::<6>(6 * body));
+                derivative.speed[contact][body] = self.speed_by_state(encounter, body, &by);
+                normals[contact] = encounter.normal_change(&by);
+                poses[contact] = Some(by);
             }
+            self.after_by_pose(body, &normals, &poses, derivative);
+            self.after_by_velocities(body, derivative);
         }
-        (self.impact(), derivative)
+        let by_law = self.rows.kicks_by(&self.impulses_by_law());
+        for body in 0..self.rows.bodies {
+            derivative.after_by_restitution[body] = by_law[body].column(0).into();
+            derivative.after_by_friction[body] = by_law[body].column(1).into();
+        }
+        self.after_by_tilt(derivative);
+        Ok(())
     }
 
-    /// Columns 0 to 5 of a state are its pose's.
-    fn pose_column(&self, body: usize, column: usize, derivative: &mut ImpactDerivative) {
-        let mut variations = [Variation::none(); MOST_CONTACTS];
-        for (contact, encounter) in self.encounters().iter().enumerate() {
-            let rates = encounter.rates();
-            let column_of_touch = 6 * body + column;
-            let mut by = Variation::none();
-            by.arms[0].point = rates.on_a.column(column_of_touch).into();
-            by.arms[1].point = rates.on_b.column(column_of_touch).into();
-            by.normal = rates.normal.column(column_of_touch).into();
-            if column >= part::ORIENTATION {
-                let axis = column - part::ORIENTATION;
-                by.arms[body].turn = encounter.arms[body].rotation.column(axis).into();
-            }
-            derivative.gap[contact][body][column] = rates.gap[column_of_touch];
-            derivative.speed[contact][body][column] =
-                by.normal.dot(&encounter.relative(&self.before))
-                    + encounter
-                        .touch
-                        .normal
-                        .dot(&encounter.relative_change(&self.before, &by));
-            if encounter.is_on_face {
-                // A tilted normal turns with the face as the untilted one does.
-                by.normal = by.arms[1].turn.cross(&encounter.normal);
-            }
-            variations[contact] = by;
+    /// The speed along the untilted normal.
+    fn speed_by_state(
+        &self,
+        encounter: &Encounter,
+        body: usize,
+        by: &PoseChange<6>,
+    ) -> RowSVector<f64, 12> {
+        let normal = &encounter.touch.normal;
+        let [a, b] = &self.before;
+        let mut by_pose = (a.velocity_m_s - b.velocity_m_s).tr_mul(&by.normal);
+        for (side, motion) in self.before.iter().enumerate().take(self.rows.bodies) {
+            let lever = encounter.lever_change(side, normal, Some(&by.normal), by);
+            let sign = [1.0, -1.0][side];
+            by_pose += (motion.angular_velocity_rad_s * sign).tr_mul(&lever);
         }
-        for (i, after) in self.after_change(&variations).iter().enumerate() {
-            if i < self.bodies {
-                derivative.after[i][body].set_column(column, &stacked(after));
-            }
+        let sign = [1.0, -1.0][body];
+        let lever = encounter.levers(normal)[body] * sign;
+        let mut row = RowSVector::<f64, 12>::zeros();
+        row.fixed_columns_mut::<6>(part::POSITION)
+            .copy_from(&by_pose);
+        row.fixed_columns_mut::<3>(part::VELOCITY)
+            .tr_copy_from(&(normal * sign));
+        row.fixed_columns_mut::<3>(part::ANGULAR_VELOCITY)
+            .tr_copy_from(&lever);
+        row
+    }
+
+    fn after_by_pose(
+        &self,
+        body: usize,
+        normals: &[Change<6>; MOST_CONTACTS],
+        poses: &[Option<PoseChange<6>>; MOST_CONTACTS],
+        derivative: &mut ImpactDerivative,
+    ) {
+        let rows = self.rows_change(normals, poses);
+        let impulses = self.impulses_change(normals, &rows);
+        let after = self
+            .rows
+            .kicks_change(self.impulses(), Some(&impulses), &rows);
+        for i in 0..self.rows.bodies {
+            derivative.after[i][body]
+                .fixed_columns_mut::<6>(part::POSITION)
+                .copy_from(&after[i]);
         }
     }
 
-    /// Columns 6 to 11 of a state are its velocities'.
-    fn velocity_column(&self, body: usize, column: usize, derivative: &mut ImpactDerivative) {
-        let mut change = [Velocities::default(); 2];
-        let axis = column % 3;
-        if column < 3 {
-            change[body].velocity_m_s[axis] = 1.0;
-        } else {
-            change[body].angular_velocity_rad_s[axis] = 1.0;
-        }
-        let of_state = part::VELOCITY + column;
-        for (contact, encounter) in self.encounters().iter().enumerate() {
-            derivative.speed[contact][body][of_state] =
-                encounter.touch.normal.dot(&encounter.relative(&change));
-        }
-        let kicks = self.kicks(&self.impulses_by_velocities(&change));
-        for i in 0..self.bodies {
-            let mut after = change[i];
-            after.add_scaled(&kicks[i], 1.0);
-            derivative.after[i][body].set_column(of_state, &stacked(&after));
+    fn after_by_velocities(&self, body: usize, derivative: &mut ImpactDerivative) {
+        let impulses = self.impulses_by_speeds(self.rows.of_body(body));
+        let mut after = self.rows.kicks_by(&impulses);
+        after[body] += SMatrix::<f64, 6, 6>::identity();
+        for i in 0..self.rows.bodies {
+            derivative.after[i][body]
+                .fixed_columns_mut::<6>(part::VELOCITY)
+                .copy_from(&after[i]);
         }
     }
 
-    fn tilt_variation(&self, tilt: usize) -> [Variation; MOST_CONTACTS] {
-        let mut variations = [Variation::none(); MOST_CONTACTS];
-        for (variation, encounter) in variations.iter_mut().zip(self.encounters()) {
-            variation.normal = encounter.normal_by_tilt[tilt];
+    fn after_by_tilt(&self, derivative: &mut ImpactDerivative) {
+        let mut poses = [const { None }; MOST_CONTACTS];
+        let mut normals = [Change::<2>::zeros(); MOST_CONTACTS];
+        for (contact, encounter) in self.encounters().enumerate() {
+            let Some(by_tilt) = &encounter.normal_by_tilt else {
+                for by_tilt in &mut derivative.after_by_tilt[..self.rows.bodies] {
+                    by_tilt.fill(0.0);
+                }
+                return;
+            };
+            normals[contact] = Change::from_columns(by_tilt);
+            poses[contact] = Some(PoseChange::none());
         }
-        variations
+        let rows = self.rows_change(&normals, &poses);
+        let impulses = self.impulses_change(&normals, &rows);
+        let after = self
+            .rows
+            .kicks_change(self.impulses(), Some(&impulses), &rows);
+        derivative.after_by_tilt[..self.rows.bodies].copy_from_slice(&after[..self.rows.bodies]);
     }
 }

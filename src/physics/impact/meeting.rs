@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::assembly::Assembly;
 use super::derivative::ImpactDerivative;
 use super::error::{ImpactError, MeetingError};
 use super::plane;
+use super::solution::Solution;
 use crate::physics::body::Body;
 use crate::physics::contact::Contact;
 use crate::physics::state::State;
@@ -29,7 +29,9 @@ pub(super) const MOST_CONTACTS: usize = 3;
 /// approaching contacts, `0 ≤ e ≤ 1` and `μ ≥ 0`: Newton's rule `u⁺ = −e u` exactly, with
 /// friction as without, since `n·W (P_II − P_I) = 0`; energy lost is
 /// `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`; the impulse is in the
-/// cone and pushes; sticking leaves no tangential velocity; `μ = 0` is the frictionless bounce.
+/// cone and pushes; `μ = 0` is the frictionless bounce. A contact that sticks keeps
+/// `v⁺ = e W P_I`: nothing at `e = 0`, and along the normal only where `W n` is (a ball, a body
+/// that lands above its centre of mass); elsewhere the rebound itself swings it sideways.
 /// Where sticking turns to sliding the velocities are continuous.
 ///
 /// At several contacts, without friction: every normal speed is reversed and scaled at once,
@@ -82,11 +84,6 @@ impl Velocities {
             velocity_m_s: state.velocity_m_s,
             angular_velocity_rad_s: state.angular_velocity_rad_s,
         }
-    }
-
-    pub(super) fn add_scaled(&mut self, other: &Self, scale: f64) {
-        self.velocity_m_s += other.velocity_m_s * scale;
-        self.angular_velocity_rad_s += other.angular_velocity_rad_s * scale;
     }
 }
 
@@ -183,25 +180,29 @@ impl Meeting {
     /// have an answer. Panics where the law has friction or tilt that the meeting has not.
     pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
         self.check_law(law);
-        Ok(Assembly::new(self, a, b, law, false)?.impact())
+        Ok(Solution::new(self, a, b, law)?.impact())
     }
 
-    /// [`Meeting::impact`] and its derivatives.
+    /// [`Meeting::impact`] and its derivatives, into `derivative`: its entries for the contacts
+    /// and bodies that there are, all others stay as they were.
     pub fn derivative(
         &self,
         a: &Side,
         b: Option<&Side>,
         law: &Law,
-    ) -> Result<(Impact, ImpactDerivative), ImpactError> {
+        derivative: &mut ImpactDerivative,
+    ) -> Result<Impact, ImpactError> {
         self.check_law(law);
         if b.is_none()
             && !self.has_friction
             && let [contact] = self.contacts()
             && let Some(point) = plane::PointOnPlane::of(contact)
         {
-            return Ok(point.derivative(a, law));
+            return Ok(point.derivative(a, law, derivative));
         }
-        Ok(Assembly::new(self, a, b, law, true)?.derivative())
+        let solution = Solution::new(self, a, b, law)?;
+        solution.derivative(derivative)?;
+        Ok(solution.impact())
     }
 
     fn check_law(&self, law: &Law) {

@@ -4,15 +4,16 @@
 //! The law at one contact is Chatterjee and Ruina's algebraic one ([`Law`]). [`bounce`] is its
 //! special case of a point on a fixed plane without friction.
 
-mod arm;
-mod assembly;
 mod bounce;
 mod coulomb;
 mod derivative;
+mod encounter;
 mod error;
 mod meeting;
 mod newton;
 mod plane;
+mod rows;
+mod solution;
 
 pub use bounce::{BounceDerivative, Contact, bounce, bounce_derivative};
 pub use derivative::ImpactDerivative;

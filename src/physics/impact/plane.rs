@@ -10,8 +10,8 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::assembly::tilted;
 use super::derivative::ImpactDerivative;
+use super::encounter::tilted;
 use super::meeting::{Impact, Law, Side, Velocities};
 use crate::math::so3;
 use crate::physics::contact::{Contact, Feature};
@@ -47,13 +47,17 @@ impl<'a> PointOnPlane<'a> {
         }
     }
 
-    /// The impact and its derivatives.
-    pub(super) fn derivative(&self, side: &Side, law: &Law) -> (Impact, ImpactDerivative) {
+    /// The impact and its derivatives: all that concern one body and one contact.
+    pub(super) fn derivative(
+        &self,
+        side: &Side,
+        law: &Law,
+        derivative: &mut ImpactDerivative,
+    ) -> Impact {
         let mut impact = Impact::default();
-        let mut derivative = ImpactDerivative::zeros();
-        self.approach(side, &mut impact, &mut derivative);
-        self.bounce(side, law, &mut impact, &mut derivative);
-        (impact, derivative)
+        self.approach(side, &mut impact, derivative);
+        self.bounce(side, law, &mut impact, derivative);
+        impact
     }
 
     /// Gap and speed along the face's own normal; the radius does not turn the body.
@@ -68,6 +72,7 @@ impl<'a> PointOnPlane<'a> {
         impact.speeds_m_s[0] = normal.dot(&state.velocity_m_s) + arm.dot(omega);
 
         let gap = &mut derivative.gap[0][0];
+        gap.fill(0.0);
         gap.fixed_columns_mut::<3>(part::POSITION)
             .tr_copy_from(normal);
         gap.fixed_columns_mut::<3>(part::ORIENTATION)
@@ -75,6 +80,7 @@ impl<'a> PointOnPlane<'a> {
         // δa = c × (Rᵀn × δθ), dotted with ω.
         let by_turn = omega.cross(&self.centre).cross(&in_body);
         let speed = &mut derivative.speed[0][0];
+        speed.fixed_columns_mut::<3>(part::POSITION).fill(0.0);
         speed
             .fixed_columns_mut::<3>(part::ORIENTATION)
             .tr_copy_from(&by_turn);
@@ -123,6 +129,7 @@ impl<'a> PointOnPlane<'a> {
         let impulse_by_turn = arm_by_turn.tr_mul(&impulse_by_arm);
 
         let after = &mut derivative.after[0][0];
+        after.fixed_columns_mut::<3>(part::POSITION).fill(0.0);
         let mut set = |row, column, block: Matrix3<f64>| {
             after.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
         };
@@ -153,6 +160,7 @@ impl<'a> PointOnPlane<'a> {
 
         let kick = |impulse: f64| stacked(&(pushed * impulse), &(turned * impulse));
         derivative.after_by_restitution[0] = kick(-speed / inertia);
+        derivative.after_by_friction[0].fill(0.0);
         for (tilt, normal_change) in by_tilt.iter().enumerate() {
             let arm_change =
                 point.cross(&state.orientation.inverse_transform_vector(normal_change));

@@ -359,3 +359,60 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_rounded_box_lies_between_a_box_and_a_ball() {
+    let rounded = |half_extents_m, radius_m| Shape::RoundedCuboid {
+        half_extents_m,
+        radius_m,
+    };
+    let mass = |shape: &Shape| shape.uniform_mass().expect("a solid");
+    let half = Vector3::new(0.02, 0.03, 0.05);
+    let sharp = mass(&Shape::Cuboid {
+        half_extents_m: half,
+    });
+    let hardly = mass(&rounded(half, 1e-9));
+    assert!((hardly.volume_m3 / sharp.volume_m3 - 1.0).abs() < 1e-7);
+    assert!((hardly.moments_per_mass_m2 - sharp.moments_per_mass_m2).norm() < 1e-9);
+    let radius_m = 0.02;
+    let ball = mass(&Shape::Sphere { radius_m });
+    let nearly = mass(&rounded(Vector3::repeat(radius_m + 1e-10), radius_m));
+    assert!((nearly.volume_m3 / ball.volume_m3 - 1.0).abs() < 1e-7);
+    assert!((nearly.moments_per_mass_m2 - ball.moments_per_mass_m2).norm() < 1e-10);
+    assert_eq!(
+        rounded(half, 0.02).check(),
+        Err(ShapeError::Rounding {
+            radius_m: 0.02,
+            half_m: 0.02
+        })
+    );
+}
+
+/// Against sums over a grid of midpoints.
+#[test]
+fn a_rounded_box_has_the_mass_of_its_points() {
+    const STEPS: usize = 60;
+    let (half, radius_m) = (Vector3::new(0.4, 0.5, 0.7), 0.25);
+    let core = half.add_scalar(-radius_m);
+    let (mut volume_m3, mut second_m5) = (0.0, Vector3::zeros());
+    let cell_m3 = half.product() / (STEPS as f64).powi(3);
+    for index in 0..STEPS.pow(3) {
+        let at = Vector3::new(index % STEPS, index / STEPS % STEPS, index / STEPS / STEPS);
+        let p = at
+            .map(|i| (i as f64 + 0.5) / STEPS as f64)
+            .component_mul(&half);
+        if (p - core).map(|x| x.max(0.0)).norm() <= radius_m {
+            volume_m3 += 8.0 * cell_m3;
+            second_m5 += p.component_mul(&p) * (8.0 * cell_m3);
+        }
+    }
+    let moments_m2 = second_m5.map(|own| second_m5.sum() - own) / volume_m3;
+    let exact = Shape::RoundedCuboid {
+        half_extents_m: half,
+        radius_m,
+    }
+    .uniform_mass()
+    .expect("a solid");
+    assert!((exact.volume_m3 / volume_m3 - 1.0).abs() < 1e-3);
+    assert!((exact.moments_per_mass_m2 - moments_m2).norm() < 1e-3 * moments_m2.norm());
+}

@@ -1,0 +1,148 @@
+//! A contact in the poses at hand, seen from both bodies.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::meeting::{Law, Velocities};
+use super::rows::Change;
+use crate::math::so3;
+use crate::physics::contact::{Contact, Touch, TouchDerivative};
+
+/// A contact, its points and the normal that the impact sees.
+pub(super) struct Encounter<'a> {
+    pub(super) contact: &'a Contact,
+    pub(super) touch: Touch,
+    /// World from body.
+    rotations: [Matrix3<f64>; 2],
+    /// The normal as tilted [world].
+    pub(super) normal: Vector3<f64>,
+    /// Its derivative by the tilts, where it may be tilted.
+    pub(super) normal_by_tilt: Option<[Vector3<f64>; 2]>,
+}
+
+/// How the poses of a contact change.
+pub(super) struct PoseChange<const C: usize> {
+    /// Of the touch.
+    pub(super) normal: Change<C>,
+    /// Of the points [m, body].
+    pub(super) points: [Change<C>; 2],
+    /// Turns [rad, body] of the body that moves.
+    pub(super) turn: Option<(usize, Change<C>)>,
+}
+
+impl PoseChange<6> {
+    /// By position and orientation of one body.
+    pub(super) fn of_body(body: usize, rates: &TouchDerivative) -> Self {
+        let columns = |rate: &SMatrix<f64, 3, 12>| -> Change<6> {
+            rate.fixed_columns::<6>(6 * body).into_owned()
+        };
+        let mut turn = Change::<6>::zeros();
+        turn.fixed_columns_mut::<3>(3).fill_diagonal(1.0);
+        Self {
+            normal: columns(&rates.normal),
+            points: [columns(&rates.on_a), columns(&rates.on_b)],
+            turn: Some((body, turn)),
+        }
+    }
+}
+
+impl<const C: usize> PoseChange<C> {
+    /// No change.
+    pub(super) fn none() -> Self {
+        Self {
+            normal: Change::zeros(),
+            points: [Change::zeros(); 2],
+            turn: None,
+        }
+    }
+}
+
+impl<'a> Encounter<'a> {
+    pub(super) fn new(
+        contact: &'a Contact,
+        touch: Touch,
+        rotations: [Matrix3<f64>; 2],
+        law: &Law,
+    ) -> Self {
+        let (normal, normal_by_tilt) = match contact.tilt_axes() {
+            Some(axes) => {
+                let axes = axes.map(|axis| rotations[1] * axis);
+                let (normal, by_tilt) = tilted(&touch.normal, &axes, law);
+                (normal, Some(by_tilt))
+            }
+            None => (touch.normal, None),
+        };
+        Self {
+            contact,
+            touch,
+            rotations,
+            normal,
+            normal_by_tilt,
+        }
+    }
+
+    fn point(&self, body: usize) -> &Vector3<f64> {
+        [&self.touch.on_a_m, &self.touch.on_b_m][body]
+    }
+
+    /// Speed along the untilted normal [m/s].
+    pub(super) fn speed(&self, motion: &[Velocities; 2]) -> f64 {
+        let normal = &self.touch.normal;
+        let levers = self.levers(normal);
+        normal.dot(&(motion[0].velocity_m_s - motion[1].velocity_m_s))
+            + levers[0].dot(&motion[0].angular_velocity_rad_s)
+            - levers[1].dot(&motion[1].angular_velocity_rad_s)
+    }
+
+    /// Levers of a direction [world] about both centres of mass [m, body].
+    pub(super) fn levers(&self, direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        [0, 1].map(|body| {
+            self.point(body)
+                .cross(&self.rotations[body].tr_mul(direction))
+        })
+    }
+
+    /// Change of the lever about `body` of a direction, which changes too if it is said how.
+    pub(super) fn lever_change<const C: usize>(
+        &self,
+        body: usize,
+        direction: &Vector3<f64>,
+        direction_change: Option<&Change<C>>,
+        by: &PoseChange<C>,
+    ) -> Change<C> {
+        let in_body = self.rotations[body].tr_mul(direction);
+        let arm = so3::hat(self.point(body));
+        let across = so3::hat(&in_body);
+        let mut result = -across * by.points[body];
+        if let Some(change) = direction_change {
+            result += arm * self.rotations[body].transpose() * change;
+        }
+        if let Some((_, turn)) = by.turn.as_ref().filter(|(moved, _)| *moved == body) {
+            result += arm * across * turn;
+        }
+        result
+    }
+
+    /// Change of the normal that the impact sees: a tilted one turns with B's face.
+    pub(super) fn normal_change(&self, by: &PoseChange<6>) -> Change<6> {
+        match (&self.normal_by_tilt, &by.turn) {
+            (Some(_), Some((1, turn))) => -so3::hat(&self.normal) * self.rotations[1] * turn,
+            (Some(_), _) => Change::zeros(),
+            (None, _) => by.normal,
+        }
+    }
+}
+
+/// The normal turned by the law's tilt about these axes [world], and its derivatives.
+pub(super) fn tilted(
+    normal: &Vector3<f64>,
+    axes: &[Vector3<f64>; 2],
+    law: &Law,
+) -> (Vector3<f64>, [Vector3<f64>; 2]) {
+    if law.tilt_rad == [0.0; 2] {
+        return (*normal, axes.map(|axis| axis.cross(normal)));
+    }
+    let tilt = axes[0] * law.tilt_rad[0] + axes[1] * law.tilt_rad[1];
+    let (turn, left) = so3::exp_and_left_jacobian(&tilt);
+    let tilted = turn * normal;
+    (tilted, axes.map(|axis| (left * axis).cross(&tilted)))
+}

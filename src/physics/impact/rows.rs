@@ -1,0 +1,190 @@
+//! Velocities as contacts feel them: three rows from the bodies' velocities to speeds, the
+//! impulses along them, and how both change with the poses.
+//!
+//! A row of a body is a direction `d` [world] and its lever `l = p × Rᵀd` [m, body] about the
+//! centre of mass: the point of contact `p` moves at `d·v + l·ω`. Rows of B are taken negative,
+//! so that their sums `J V` are speeds of A's points relative to B's.
+
+use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
+
+use super::meeting::{Side, Velocities};
+
+/// Changes of a vector, one column for each thing that changes.
+pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;
+
+/// A row of zeros for every contact that is not there.
+pub(super) const ROWS: usize = 3;
+
+/// `J` and `M⁻¹`. The static world is a body of infinite mass at rest.
+pub(super) struct Rows {
+    /// How many bodies move.
+    pub(super) bodies: usize,
+    directions: [Vector3<f64>; ROWS],
+    /// By body, B's negative.
+    levers: [[Vector3<f64>; ROWS]; 2],
+    inverse_mass: [f64; 2],
+    inverse_moments: [Vector3<f64>; 2],
+}
+
+/// How rows change.
+pub(super) struct RowsChange<const C: usize> {
+    /// Of the directions; `None` where they are fixed.
+    pub(super) directions: Option<[Change<C>; ROWS]>,
+    /// Of the levers, by body, B's negative.
+    pub(super) levers: [[Change<C>; ROWS]; 2],
+}
+
+impl Rows {
+    /// Bodies without rows.
+    pub(super) fn new(a: &Side, b: Option<&Side>) -> Self {
+        let inverse_moments = |side: &Side| side.body.moments_kg_m2().map(|moment| 1.0 / moment);
+        Self {
+            bodies: 1 + usize::from(b.is_some()),
+            directions: [Vector3::zeros(); ROWS],
+            levers: [[Vector3::zeros(); ROWS]; 2],
+            inverse_mass: [
+                1.0 / a.body.mass_kg(),
+                b.map_or(0.0, |b| 1.0 / b.body.mass_kg()),
+            ],
+            inverse_moments: [
+                inverse_moments(a),
+                b.map_or_else(Vector3::zeros, inverse_moments),
+            ],
+        }
+    }
+
+    /// Sets a row; the levers are not yet signed.
+    pub(super) fn set(&mut self, row: usize, direction: Vector3<f64>, levers: [Vector3<f64>; 2]) {
+        self.directions[row] = direction;
+        self.levers[0][row] = levers[0];
+        self.levers[1][row] = -levers[1];
+    }
+
+    /// `J V` [m/s].
+    pub(super) fn speeds(&self, motion: &[Velocities; 2]) -> Vector3<f64> {
+        let relative = motion[0].velocity_m_s - motion[1].velocity_m_s;
+        Vector3::from_fn(|row, _| {
+            self.directions[row].dot(&relative)
+                + self.levers[0][row].dot(&motion[0].angular_velocity_rad_s)
+                + self.levers[1][row].dot(&motion[1].angular_velocity_rad_s)
+        })
+    }
+
+    /// The rows of one body, by its `v` and `ω`.
+    pub(super) fn of_body(&self, body: usize) -> SMatrix<f64, ROWS, 6> {
+        let sign = [1.0, -1.0][body];
+        let mut result = SMatrix::<f64, ROWS, 6>::zeros();
+        for row in 0..ROWS {
+            result
+                .fixed_view_mut::<1, 3>(row, 0)
+                .tr_copy_from(&(self.directions[row] * sign));
+            result
+                .fixed_view_mut::<1, 3>(row, 3)
+                .tr_copy_from(&self.levers[body][row]);
+        }
+        result
+    }
+
+    /// `J M⁻¹ Jᵀ` [1/kg].
+    pub(super) fn mobility(&self) -> Matrix3<f64> {
+        let mut result = Matrix3::zeros();
+        for row in 0..ROWS {
+            let impulse = Vector3::ith(row, 1.0);
+            result.set_column(row, &self.speeds(&self.kicks(&impulse)));
+        }
+        result
+    }
+
+    /// `M⁻¹ Jᵀ p`: what impulses `p` along the rows [N s] add to the velocities.
+    pub(super) fn kicks(&self, impulses: &Vector3<f64>) -> [Velocities; 2] {
+        let sum = |rows: &[Vector3<f64>; ROWS]| {
+            rows[0] * impulses[0] + rows[1] * impulses[1] + rows[2] * impulses[2]
+        };
+        let push = sum(&self.directions);
+        [0, 1].map(|body| Velocities {
+            velocity_m_s: push * (self.inverse_mass[body] * [1.0, -1.0][body]),
+            angular_velocity_rad_s: self.inverse_moments[body]
+                .component_mul(&sum(&self.levers[body])),
+        })
+    }
+
+    /// `δJ V`.
+    pub(super) fn speeds_change<const C: usize>(
+        &self,
+        motion: &[Velocities; 2],
+        by: &RowsChange<C>,
+    ) -> Change<C> {
+        let relative = motion[0].velocity_m_s - motion[1].velocity_m_s;
+        let mut result = Change::<C>::zeros();
+        for row in 0..ROWS {
+            let mut speeds = RowSVector::<f64, C>::zeros();
+            for body in 0..self.bodies {
+                speeds += motion[body]
+                    .angular_velocity_rad_s
+                    .tr_mul(&by.levers[body][row]);
+            }
+            if let Some(directions) = &by.directions {
+                speeds += relative.tr_mul(&directions[row]);
+            }
+            result.set_row(row, &speeds);
+        }
+        result
+    }
+
+    /// `δ(J M⁻¹ Jᵀ) p = δJ (M⁻¹ Jᵀ p) + J M⁻¹ (δJᵀ p)`.
+    pub(super) fn mobility_change<const C: usize>(
+        &self,
+        impulses: &Vector3<f64>,
+        by: &RowsChange<C>,
+    ) -> Change<C> {
+        let mut result = self.speeds_change(&self.kicks(impulses), by);
+        let kicks = self.kicks_change(impulses, None, by);
+        for body in 0..self.bodies {
+            result += self.of_body(body) * kicks[body];
+        }
+        result
+    }
+
+    /// `δJᵀ p`, plus `Jᵀ δp` where the impulses change too, times `M⁻¹`: rows `v`, `ω` of each
+    /// body, zero for the world.
+    pub(super) fn kicks_change<const C: usize>(
+        &self,
+        impulses: &Vector3<f64>,
+        change: Option<&Change<C>>,
+        by: &RowsChange<C>,
+    ) -> [SMatrix<f64, 6, C>; 2] {
+        let turned = |rows: &[Change<C>; ROWS]| {
+            rows[0] * impulses[0] + rows[1] * impulses[1] + rows[2] * impulses[2]
+        };
+        let mut result = change.map_or_else(|| [SMatrix::zeros(); 2], |c| self.kicks_by(c));
+        let push = by.directions.as_ref().map(turned);
+        for body in 0..self.bodies {
+            if let Some(push) = &push {
+                let scale = self.inverse_mass[body] * [1.0, -1.0][body];
+                let mut velocity = result[body].fixed_rows_mut::<3>(0);
+                velocity += push * scale;
+            }
+            let torque = turned(&by.levers[body]);
+            let mut spin = result[body].fixed_rows_mut::<3>(3);
+            spin += Matrix3::from_diagonal(&self.inverse_moments[body]) * torque;
+        }
+        result
+    }
+
+    /// `M⁻¹ Jᵀ δp`.
+    pub(super) fn kicks_by<const C: usize>(
+        &self,
+        change: &SMatrix<f64, ROWS, C>,
+    ) -> [SMatrix<f64, 6, C>; 2] {
+        let mut result = [SMatrix::<f64, 6, C>::zeros(); 2];
+        for body in 0..self.bodies {
+            let mut scale = SVector::<f64, 6>::repeat(self.inverse_mass[body]);
+            scale
+                .fixed_rows_mut::<3>(3)
+                .copy_from(&self.inverse_moments[body]);
+            let rows = self.of_body(body);
+            result[body] = SMatrix::from_diagonal(&scale) * rows.transpose() * change;
+        }
+        result
+    }
+}

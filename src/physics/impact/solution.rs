@@ -1,0 +1,199 @@
+//! The impulses that the law gives, and what follows from them.
+
+use nalgebra::Vector3;
+
+use super::coulomb::{Coulomb, CoulombChange};
+use super::encounter::{Encounter, PoseChange};
+use super::error::ImpactError;
+use super::meeting::{Impact, Law, MOST_CONTACTS, Meeting, Side, Velocities};
+use super::newton::Newton;
+use super::rows::{Change, Rows, RowsChange};
+use crate::math::so3;
+use crate::physics::contact::Frame;
+
+/// Which law gave the impulses.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack for one impact; a box would allocate"
+)]
+enum Solved {
+    /// Rows are the world's axes at the one contact.
+    Coulomb(Coulomb),
+    /// Rows are the contacts' normals.
+    Newton(Newton),
+}
+
+/// Bodies, contacts and impulses.
+pub(super) struct Solution<'a> {
+    encounters: [Option<Encounter<'a>>; MOST_CONTACTS],
+    /// A's and B's.
+    pub(super) frames: [Frame; 2],
+    pub(super) rows: Rows,
+    pub(super) before: [Velocities; 2],
+    solved: Solved,
+    /// Along the rows [N s].
+    impulses: Vector3<f64>,
+}
+
+impl<'a> Solution<'a> {
+    pub(super) fn new(
+        meeting: &'a Meeting,
+        a: &Side,
+        b: Option<&Side>,
+        law: &Law,
+    ) -> Result<Self, ImpactError> {
+        let frames = [
+            Frame::of(a.state),
+            b.map_or_else(Frame::world, |b| Frame::of(b.state)),
+        ];
+        let rotations = frames.map(|frame| so3::matrix(&frame.orientation));
+        let before = [
+            Velocities::of(a.state),
+            b.map_or_else(Velocities::default, |b| Velocities::of(b.state)),
+        ];
+        let mut encounters = [const { None }; MOST_CONTACTS];
+        let mut rows = Rows::new(a, b);
+        for (index, contact) in meeting.contacts().iter().enumerate() {
+            let touch = contact.touch(&frames[0], &frames[1]).map_err(|reason| {
+                ImpactError::Degenerate {
+                    contact: index,
+                    reason,
+                }
+            })?;
+            let encounter = Encounter::new(contact, touch, rotations, law);
+            if meeting.has_friction() {
+                for axis in 0..3 {
+                    let direction = Vector3::ith(axis, 1.0);
+                    rows.set(axis, direction, encounter.levers(&direction));
+                }
+            } else {
+                let normal = encounter.normal;
+                rows.set(index, normal, encounter.levers(&normal));
+            }
+            encounters[index] = Some(encounter);
+        }
+        let (speeds, mobility) = (rows.speeds(&before), rows.mobility());
+        let solved = match &encounters[0] {
+            Some(only) if meeting.has_friction() => {
+                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &mobility))
+            }
+            _ => {
+                let count = meeting.contacts().len();
+                Solved::Newton(Newton::new(law.restitution, count, &speeds, &mobility)?)
+            }
+        };
+        let impulses = match &solved {
+            Solved::Coulomb(law) => law.impulse(),
+            Solved::Newton(law) => law.impulses(),
+        };
+        Ok(Self {
+            encounters,
+            frames,
+            rows,
+            before,
+            solved,
+            impulses,
+        })
+    }
+
+    pub(super) fn encounters(&self) -> impl Iterator<Item = &Encounter<'a>> {
+        self.encounters.iter().flatten()
+    }
+
+    pub(super) fn impact(&self) -> Impact {
+        let mut impact = Impact {
+            after: self.before,
+            sticks: matches!(&self.solved, Solved::Coulomb(law) if law.sticks()),
+            ..Impact::default()
+        };
+        for (contact, encounter) in self.encounters().enumerate() {
+            impact.gaps_m[contact] = encounter.touch.gap_m;
+            impact.speeds_m_s[contact] = encounter.speed(&self.before);
+            impact.normal_impulses_n_s[contact] = match &self.solved {
+                Solved::Coulomb(_) => encounter.normal.dot(&self.impulses),
+                Solved::Newton(_) => self.impulses[contact],
+            };
+        }
+        let kicks = self.rows.kicks(&self.impulses);
+        for body in 0..self.rows.bodies {
+            impact.after[body].velocity_m_s += kicks[body].velocity_m_s;
+            impact.after[body].angular_velocity_rad_s += kicks[body].angular_velocity_rad_s;
+        }
+        impact
+    }
+
+    /// Changes of the impulses as the poses change, of the normals too; `normals` are the
+    /// changes of the normals.
+    pub(super) fn impulses_change<const C: usize>(
+        &self,
+        normals: &[Change<C>; MOST_CONTACTS],
+        by: &RowsChange<C>,
+    ) -> Change<C> {
+        let velocity = self.rows.speeds_change(&self.before, by);
+        match &self.solved {
+            Solved::Coulomb(law) => law.change(&CoulombChange {
+                normal: normals[0],
+                velocity,
+                mobility_normal: self.rows.mobility_change(law.normal(), by),
+                mobility_stuck: self.rows.mobility_change(&law.stuck(), by),
+            }),
+            Solved::Newton(law) => {
+                law.change(&velocity, &self.rows.mobility_change(&self.impulses, by))
+            }
+        }
+    }
+
+    /// Impulses along the rows [N s].
+    pub(super) fn impulses(&self) -> &Vector3<f64> {
+        &self.impulses
+    }
+
+    /// Changes of the impulses by those of the rows' speeds.
+    pub(super) fn impulses_by_speeds<const C: usize>(&self, speeds: Change<C>) -> Change<C> {
+        match &self.solved {
+            Solved::Coulomb(law) => law.by_velocity(speeds),
+            Solved::Newton(law) => law.by_speeds(&speeds),
+        }
+    }
+
+    /// Derivatives of the impulses by restitution and friction.
+    pub(super) fn impulses_by_law(&self) -> Change<2> {
+        match &self.solved {
+            Solved::Coulomb(law) => {
+                Change::from_columns(&[law.by_restitution(), law.by_friction()])
+            }
+            Solved::Newton(law) => Change::from_columns(&[law.by_restitution(), Vector3::zeros()]),
+        }
+    }
+
+    /// How the rows change with the encounters, given the changes of their normals.
+    pub(super) fn rows_change<const C: usize>(
+        &self,
+        normals: &[Change<C>; MOST_CONTACTS],
+        poses: &[Option<PoseChange<C>>; MOST_CONTACTS],
+    ) -> RowsChange<C> {
+        let mut levers = [[Change::zeros(); 3]; 2];
+        let is_axes = matches!(self.solved, Solved::Coulomb(_));
+        for (contact, (encounter, by)) in self.encounters().zip(poses.iter().flatten()).enumerate()
+        {
+            for body in 0..self.rows.bodies {
+                let sign = [1.0, -1.0][body];
+                if is_axes {
+                    for axis in 0..3 {
+                        let direction = Vector3::ith(axis, 1.0);
+                        levers[body][axis] =
+                            encounter.lever_change(body, &direction, None, by) * sign;
+                    }
+                } else {
+                    let turned = Some(&normals[contact]);
+                    levers[body][contact] =
+                        encounter.lever_change(body, &encounter.normal, turned, by) * sign;
+                }
+            }
+        }
+        RowsChange {
+            directions: (!is_axes).then_some(*normals),
+            levers,
+        }
+    }
+}
