@@ -5,8 +5,10 @@
 //! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], summed into a
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
 //! (with [`qp`] where there are bounds) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
-//! [`solve`] is the stage as the pipeline sees it.
+//! [`solve`] is the stage as the pipeline sees it, [`mod@bound`] what its search over collision
+//! sequences rests on.
 
+pub mod bound;
 pub mod collision;
 pub mod constraint;
 pub mod covariance;
@@ -26,5 +28,6 @@ pub mod tempo;
 #[cfg(test)]
 mod tests;
 
+pub use bound::bound;
 pub use recipe::Recipe;
 pub use solve::estimate;

@@ -13,7 +13,7 @@ use crate::motion::{
 /// Price of a squared unit of velocity gap against that of a squared residual, per
 /// [`Problem::information`]: a gap is worth a hundred times what a sample's misfit of one unit is,
 /// so that the motion bends to the performance no more than it must.
-const VELOCITY_GAP_WEIGHT: f64 = 100.0;
+pub(super) const VELOCITY_GAP_WEIGHT: f64 = 100.0;
 
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///

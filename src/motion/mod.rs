@@ -5,6 +5,7 @@
 pub mod estimate;
 pub mod guess;
 pub mod observe;
+pub mod open;
 pub mod scene;
 pub mod sketch;
 pub mod take;
@@ -15,6 +16,7 @@ pub use estimate::{
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
+pub use open::Contacts;
 pub use scene::{
     Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
     Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,

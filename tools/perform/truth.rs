@@ -125,6 +125,7 @@ pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth
         let time_s = match kind {
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
+            EventKind::Collisions { .. } => return Err(TruthError::Lacks { what: "a number" }),
             EventKind::Collision(collision) => {
                 let contact =
                     contact_of(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
