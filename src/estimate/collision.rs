@@ -118,7 +118,11 @@ pub fn fill(
     };
     let (a, b) = (side(0).expect("a first body"), side(1));
     let law = collision.law(&point.parameters);
-    let Ok((impact, derivative)) = collision.meeting.derivative(&a, b.as_ref(), &law) else {
+    let mut derivative = ImpactDerivative::default();
+    let impact = collision
+        .meeting
+        .derivative(&a, b.as_ref(), &law, &mut derivative);
+    let Ok(impact) = impact else {
         block.values.fill(f64::NAN);
         gaps.values.fill(f64::NAN);
         return;

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use crate::math::{Pose, so3};
-use crate::motion::{Contacts, Guess, Partner, Scene, Segment, Sketch, Touching};
+use crate::motion::{Contacts, Goal, GoalTarget, Guess, Partner, Scene, Segment, Sketch, Touching};
 use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::shape::Solid;
 use crate::physics::{Shape, State, flow};
@@ -133,6 +133,18 @@ impl View<'_> {
         })
     }
 
+    /// The pose that a goal asks of a body at the event.
+    fn goal(&self, body: usize) -> Option<Frame> {
+        let at = |goal: &&Goal| goal.event == self.event && goal.body == body;
+        match &self.scene.goals.iter().find(at)?.target {
+            GoalTarget::Pose { world_from_body } => Some(Frame {
+                position_m: world_from_body.translation.vector,
+                orientation: world_from_body.rotation,
+            }),
+            GoalTarget::PositionWithin { .. } => None,
+        }
+    }
+
     /// By the fit of an arc, so long after the event.
     fn state(&self, arc: usize, after_s: f64) -> State {
         let fit = &self.guess.arcs[arc];
@@ -150,12 +162,19 @@ impl View<'_> {
         meeting.ok()?.map(|meeting| meeting.contacts()[0])
     }
 
-    /// Gap of contacts with a plane, the lowest of several: the mean by both fits.
+    /// Gap of contacts with a plane, the lowest of several: in the pose of a goal, or the mean by
+    /// both fits.
     fn gap_m(&self, contacts: &Contacts, body: usize) -> Option<f64> {
-        let arcs = [true, false].map(|ends| self.arc(body, ends));
+        let frames = match self.goal(body) {
+            Some(goal) => vec![goal],
+            None => {
+                let arcs = [true, false].map(|ends| self.arc(body, ends));
+                let frame = |arc| Frame::of(&self.state(arc, 0.0));
+                arcs.into_iter().flatten().map(frame).collect()
+            }
+        };
         let mut sum = (0.0, 0.0);
-        for arc in arcs.into_iter().flatten() {
-            let frame = Frame::of(&self.state(arc, 0.0));
+        for frame in frames {
             let gaps = contacts.iter().filter_map(|touching| {
                 let touch = self.contact(touching)?.touch(&frame, &Frame::world());
                 Some(touch.ok()?.gap_m)
@@ -227,6 +246,9 @@ impl View<'_> {
     }
 
     fn spread_of_m(&self, body: usize) -> f64 {
+        if self.goal(body).is_some() {
+            return 0.0;
+        }
         let of_scene = &self.scene.bodies[body];
         let (mut shift_m2, mut turn_rad2, mut count) = (0.0, 0.0, 0.0);
         for arc in [true, false]

@@ -7,6 +7,7 @@ pub mod guess;
 pub mod observe;
 pub mod open;
 pub mod scene;
+pub mod seat;
 pub mod sketch;
 pub mod take;
 
@@ -22,5 +23,6 @@ pub use scene::{
     Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
     Weights,
 };
+pub use seat::SeatError;
 pub use sketch::{BodySketch, DropReason, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};

@@ -91,7 +91,7 @@ impl Scene {
         .collect()
     }
 
-    /// Says what touches at a collision.
+    /// Says what touches at a collision, and puts the goals there in touch where they nearly are.
     ///
     /// # Panics
     /// Where the event is no collision.
@@ -100,6 +100,12 @@ impl Scene {
             panic!("only collisions have contacts");
         };
         collision.contacts = contacts.to_vec();
+        for goal in 0..self.goals.len() {
+            if self.goals[goal].event == event {
+                // A goal that is apart from these contacts is what the estimate will say.
+                let _ = self.seat(goal);
+            }
+        }
     }
 
     /// What touches at a collision, in words: `corner +x +y -z on table`; `None` where that is
