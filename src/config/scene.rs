@@ -48,7 +48,9 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         None => MARKS_TOPIC.into(),
     };
     let bodies = bodies(raw, &marks_topic)?;
-    let surfaces = surfaces(&raw.surface)?;
+    let obstacles = obstacles(&raw.obstacle)?;
+    let mut surfaces = surfaces(&raw.surface)?;
+    add_obstacles(raw, &obstacles, &mut surfaces);
     let events = events(&raw.event, &bodies, &surfaces)?;
     let (parameters, cones) = parameters(&raw.free, &gravity_m_s2, &events)?;
     let mut scene = Scene {
@@ -56,7 +58,7 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         gravity_m_s2,
         timing: timing(&raw.timing)?,
         marks_topic,
-        obstacles: obstacles(&raw.obstacle)?,
+        obstacles,
         goals: goals(&raw.goal, &bodies, &events)?,
         parameters,
         cones,
@@ -191,6 +193,30 @@ fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
         });
     }
     Ok(surfaces)
+}
+
+/// What of the obstacles may be touched, `mug floor/end +z`: the features that events name, or
+/// all where an event leaves open what is hit.
+fn add_obstacles(raw: &RawScene, obstacles: &[Obstacle], surfaces: &mut Vec<Surface>) {
+    let events = || raw.event.iter().map(|spanned| spanned.get_ref());
+    let is_open = events().any(|event| {
+        event.kind.get_ref() == "collision" && event.surface.is_none() && event.other.is_none()
+    });
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        for (feature, geometry) in obstacle.shape.features().unwrap_or_default() {
+            let name = format!("{}/{feature}", obstacle.name);
+            let is_it = |text: &Text| *text.get_ref() == name;
+            let is_named = events().any(|event| event.surface.as_ref().is_some_and(is_it));
+            let is_taken = surfaces.iter().any(|surface| surface.name == name);
+            if (is_open || is_named) && !is_taken {
+                surfaces.push(Surface {
+                    name,
+                    geometry: geometry.placed(&obstacle.world_from_shape),
+                    obstacle: Some(index),
+                });
+            }
+        }
+    }
 }
 
 fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {

@@ -69,7 +69,13 @@ pub fn bound(
         }
     }
     if scene.velocity_gaps == VelocityGaps::Always {
-        problem.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * problem.information());
+        // The price is that of the whole performance.
+        let samples = |of: &[Segment]| {
+            let count: usize = of.iter().map(|segment| segment.samples.len()).sum();
+            count as f64 / of.len() as f64
+        };
+        let information = problem.information() * samples(all) / samples(&part);
+        problem.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * information);
     }
     let layout = Layout::new(&problem);
     let start = Point::new(&problem, guess);

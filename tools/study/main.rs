@@ -20,6 +20,7 @@ mod perform;
 mod phases;
 mod results;
 mod scaling;
+mod sequences;
 mod starts;
 mod statistics;
 mod stopwatch;
@@ -48,6 +49,8 @@ enum Study {
     Covariance,
     /// What more samples and more segments cost.
     Scaling,
+    /// What touches, where scenes leave that open.
+    Sequences,
     /// Where the time goes.
     Phases,
     /// Real tosses of a cube, if they are there.
@@ -63,6 +66,7 @@ fn main() -> anyhow::Result<()> {
         Study::Accuracy,
         Study::Covariance,
         Study::Scaling,
+        Study::Sequences,
         Study::Phases,
         Study::Tosses,
     ];
@@ -78,6 +82,7 @@ fn main() -> anyhow::Result<()> {
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
+            Study::Sequences => sequences::run(&options)?,
             Study::Phases => phases::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::All => {}
