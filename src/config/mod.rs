@@ -5,6 +5,13 @@
 //! SI units that the stages trust without looking again. Whatever is wrong in either step comes
 //! out as a [`SceneError`] that says where (line and column from 1) and what was expected.
 //!
+//! A body has, beside the features it declares, those of its shape (`corner +x -y +z`, `rim -z`,
+//! [`features`](crate::physics::features)); of an obstacle these are surfaces, as in
+//! `surface = "mug floor/end +z"`. What a collision does not name is inferred: among what may touch
+//! are the features a body declares, or all of its shape's if it declares none, and every surface
+//! and obstacle. `count = 6` or `count = [4, 8]` makes one entry stand for as many collisions as
+//! there are marks: `bounce` becomes `bounce 1`, `bounce 2`, ….
+//!
 //! Defaults, all of them:
 //!
 //! | key | default |
@@ -15,6 +22,8 @@
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
 //! | `body.topic` | `"/tracker/<name>/pose"` |
 //! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
+//! | `event.feature`, `event.surface`, `event.other_feature` | inferred from the performance |
+//! | `event.count` | one collision |
 //! | `free.initial…` | the scene's value; 0 for a tilt |
 //! | `free.lower…`, `free.upper…` | −∞, +∞; 0 and 1 for a restitution |
 

@@ -16,8 +16,11 @@ use crate::physics::{Shape, State, flow};
 /// Longest flight by which two solids are led back \[s\], and steps of the bisection.
 const BACK_S: f64 = 0.25;
 const HALVINGS: usize = 16;
-/// How far a touching point may lie off a solid, relative to the solid's radius.
+/// How far a touching point may lie off a solid beyond what fits are off, relative to the solid's
+/// radius.
 const SLACK: f64 = 0.02;
+/// Candidates further from touching than the first by more spreads than this are none.
+const SPREADS_MAX: f64 = 4.0;
 
 /// A candidate, and how far the performance is from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,10 +98,13 @@ pub fn rank(
         }
     }
     candidates.sort_by(|a, b| a.reach_m.total_cmp(&b.reach_m));
+    let spread_m = view.spread_m();
+    let first_m = candidates.first().map_or(0.0, |first| first.reach_m);
+    candidates.retain(|candidate| candidate.reach_m - first_m <= SPREADS_MAX * spread_m);
     Ranking {
         event,
         candidates,
-        spread_m: view.spread_m(),
+        spread_m,
     }
 }
 
@@ -145,16 +151,21 @@ impl View<'_> {
         }
     }
 
-    /// By the fit of an arc, so long after the event.
+    /// By the fit of an arc, so long after the event; through the pose of a goal there.
     fn state(&self, arc: usize, after_s: f64) -> State {
         let fit = &self.guess.arcs[arc];
-        let time_s = self.guess.event_times_s[self.event] + after_s;
-        flow::advance(
-            &self.scene.bodies[self.segments[arc].body].body,
-            &self.scene.gravity_m_s2,
-            &fit.state,
-            time_s - fit.epoch_s,
-        )
+        let body = self.segments[arc].body;
+        let advance = |state: &State, duration_s: f64| {
+            let moved = &self.scene.bodies[body].body;
+            flow::advance(moved, &self.scene.gravity_m_s2, state, duration_s)
+        };
+        let duration_s = self.guess.event_times_s[self.event] - fit.epoch_s;
+        let mut at_event = advance(&fit.state, duration_s);
+        if let Some(goal) = self.goal(body) {
+            at_event.position_m = goal.position_m;
+            at_event.orientation = goal.orientation;
+        }
+        advance(&at_event, after_s)
     }
 
     fn contact(&self, touching: &Touching) -> Option<Contact> {
@@ -162,19 +173,12 @@ impl View<'_> {
         meeting.ok()?.map(|meeting| meeting.contacts()[0])
     }
 
-    /// Gap of contacts with a plane, the lowest of several: in the pose of a goal, or the mean by
-    /// both fits.
+    /// Gap of contacts with a plane, the lowest of several: the mean by both fits.
     fn gap_m(&self, contacts: &Contacts, body: usize) -> Option<f64> {
-        let frames = match self.goal(body) {
-            Some(goal) => vec![goal],
-            None => {
-                let arcs = [true, false].map(|ends| self.arc(body, ends));
-                let frame = |arc| Frame::of(&self.state(arc, 0.0));
-                arcs.into_iter().flatten().map(frame).collect()
-            }
-        };
+        let arcs = [true, false].map(|ends| self.arc(body, ends));
         let mut sum = (0.0, 0.0);
-        for frame in frames {
+        for arc in arcs.into_iter().flatten() {
+            let frame = Frame::of(&self.state(arc, 0.0));
             let gaps = contacts.iter().filter_map(|touching| {
                 let touch = self.contact(touching)?.touch(&frame, &Frame::world());
                 Some(touch.ok()?.gap_m)
@@ -286,6 +290,8 @@ struct Solids<'a> {
     arcs: (usize, Option<usize>),
     /// Where the second stands otherwise.
     standing: Pose,
+    /// How far the fits are off \[m\].
+    spread_m: f64,
 }
 
 impl<'a> Solids<'a> {
@@ -313,6 +319,7 @@ impl<'a> Solids<'a> {
             point: point.solid().ok()?,
             arcs: (view.arc(first, true)?, arc),
             standing,
+            spread_m: view.spread_m(),
         })
     }
 
@@ -363,7 +370,7 @@ impl<'a> Solids<'a> {
             None => self.standing.inverse() * Pose::from(touch.on_b_m),
         };
         let is_on = |which: usize, at: &Pose| {
-            let slack_m = SLACK * self.shapes[which].radius_m();
+            let slack_m = SLACK * self.shapes[which].radius_m() + self.spread_m;
             let distance = self.solids[which].distance_m(&Pose::identity(), &self.point, at);
             distance.is_ok_and(|distance_m| distance_m <= slack_m)
         };

@@ -67,7 +67,8 @@ pub(super) fn infer(
             );
             leader.is_none()
         });
-        if estimate.verdict != Verdict::Failed && is_clear || observer.should_stop() {
+        let is_good = estimate.verdict != Verdict::Failed && is_clear;
+        if is_good || events.is_empty() || observer.should_stop() {
             return Ok(Inferred {
                 scene: understood,
                 estimate,

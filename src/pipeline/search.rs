@@ -14,6 +14,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::infer::leads;
+use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe};
 use crate::motion::{
     Contacts, Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
@@ -70,6 +71,15 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
     let mut search = Search::new(field, recipe);
     search.run(observer);
     Some(search.conclude(observer))
+}
+
+/// Whether no sequence can do without velocity gaps.
+fn is_overconstrained(field: &Field) -> bool {
+    let mut scene = field.scene.clone();
+    for (event, candidates) in field.open {
+        scene.set_contacts(*event, &candidates[0]);
+    }
+    Problem::new(&scene, field.sketch, field.segments).is_overconstrained()
 }
 
 /// A partial sequence.
@@ -147,7 +157,11 @@ impl<'a> Search<'a> {
     fn new(field: &'a Field<'a>, recipe: &'a Recipe) -> Self {
         let mut scene = field.scene.clone();
         if scene.velocity_gaps == VelocityGaps::WhenNeeded {
-            scene.velocity_gaps = VelocityGaps::Never;
+            scene.velocity_gaps = if is_overconstrained(field) {
+                VelocityGaps::Always
+            } else {
+                VelocityGaps::Never
+            };
         }
         let counts = field.open.iter().map(|(_, all)| all.len() as f64);
         let mut search = Self {
