@@ -161,7 +161,7 @@ fn assert_exact(case: &Case) {
 
 #[test]
 fn two_bounces_of_a_cube_are_those_that_all_64_sequences_give() {
-    for (seed, distortion) in [(0, 0.25), (1, 1.0), (2, 1.0), (3, 2.0)] {
+    for (seed, distortion) in [(0, 0.25), (1, 1.0)] {
         let acting = Acting {
             distortion,
             ..Acting::timing_known()

@@ -3,7 +3,8 @@
 //! Against a plane the lowest feature touches first, so that candidates are ranked by their gaps
 //! where the fits before and after say the body is at the event. Two solids are first led back
 //! along their flights to where they begin to overlap; there the pair of features that touches
-//! is the nearest whose points lie on both (as geometry features are endless).
+//! is the nearest, counting how far its points are beside either (as geometry features are
+//! endless).
 
 use nalgebra::Vector3;
 
@@ -16,8 +17,7 @@ use crate::physics::{Shape, State, flow};
 /// Longest flight by which two solids are led back \[s\], and steps of the bisection.
 const BACK_S: f64 = 0.25;
 const HALVINGS: usize = 16;
-/// How far a touching point may lie off a solid beyond what fits are off, relative to the solid's
-/// radius.
+/// How far a touching point may lie off a solid, relative to the solid's radius.
 const SLACK: f64 = 0.02;
 /// Candidates further from touching than the first by more spreads than this are none.
 const SPREADS_MAX: f64 = 4.0;
@@ -290,8 +290,6 @@ struct Solids<'a> {
     arcs: (usize, Option<usize>),
     /// Where the second stands otherwise.
     standing: Pose,
-    /// How far the fits are off \[m\].
-    spread_m: f64,
 }
 
 impl<'a> Solids<'a> {
@@ -319,7 +317,6 @@ impl<'a> Solids<'a> {
             point: point.solid().ok()?,
             arcs: (view.arc(first, true)?, arc),
             standing,
-            spread_m: view.spread_m(),
         })
     }
 
@@ -352,8 +349,8 @@ impl<'a> Solids<'a> {
         apart_s
     }
 
-    /// Size of a contact's gap at that moment \[m\]; `None` where its points are not on the solids,
-    /// or where it recedes.
+    /// Size of a contact's gap at that moment, and how far its points are beside the solids \[m\];
+    /// `None` where it recedes from what stands still.
     fn nearness_m(&self, contact: &Contact, after_s: f64) -> Option<f64> {
         let (first, second) = self.states(after_s);
         let there = second.map_or_else(Frame::world, |state| Frame::of(&state));
@@ -369,14 +366,18 @@ impl<'a> Solids<'a> {
             Some(_) => Pose::from(touch.on_b_m),
             None => self.standing.inverse() * Pose::from(touch.on_b_m),
         };
-        let is_on = |which: usize, at: &Pose| {
-            let slack_m = SLACK * self.shapes[which].radius_m() + self.spread_m;
+        // What fits are off by may put a point beside its solid.
+        let off_m = |which: usize, at: &Pose| {
+            let slack_m = SLACK * self.shapes[which].radius_m();
             let distance = self.solids[which].distance_m(&Pose::identity(), &self.point, at);
-            distance.is_ok_and(|distance_m| distance_m <= slack_m)
+            distance
+                .ok()
+                .map(|distance_m| (distance_m - slack_m).max(0.0))
         };
-        let meets =
-            speed_m_s < 0.0 && is_on(0, &Pose::from(touch.on_a_m)) && is_on(1, &on_second_m);
-        meets.then_some(touch.gap_m.abs())
+        let beside_m = off_m(0, &Pose::from(touch.on_a_m))? + off_m(1, &on_second_m)?;
+        // The far sides of what stands still; two bodies may push each other ahead.
+        let meets = second.is_some() || speed_m_s < 0.0;
+        meets.then_some(touch.gap_m.abs() + beside_m)
     }
 }
 

@@ -290,9 +290,7 @@ impl<'a> Search<'a> {
     fn advance(&mut self, mut node: Node, observer: &mut dyn Observer) {
         let depth = node.choice.len();
         if node.stage == Stage::Made {
-            let arcs: Vec<usize> = (0..=depth).flat_map(|from| self.group(from)).collect();
-            let known: Vec<(usize, usize)> = node.choice.iter().copied().enumerate().collect();
-            let own = self.bound(&known, &arcs, true).max(node.before[0]);
+            let own = self.prefix(&node.choice).max(node.before[0]);
             node.before = [own, node.before[0]];
             node.cost = node.cost.max(own + self.tails[depth + 1]);
             node.stage = Stage::Bounded;
@@ -393,17 +391,41 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The longest sequence that was looked into, completed by what suits each pair best.
-    fn likeliest(&self) -> Vec<usize> {
+    /// The longest sequence that was looked into, completed one by one: by the least bound among
+    /// what suits each next pair of arcs best.
+    fn likeliest(&mut self) -> Vec<usize> {
+        const LOOKED_INTO: usize = 3;
         let deepest = self.queue.iter().min_by(|Reverse(a), Reverse(b)| {
             b.choice.len().cmp(&a.choice.len()).then_with(|| a.cmp(b))
         });
         let mut choice = deepest.map_or_else(Vec::new, |Reverse(node)| node.choice.clone());
         for place in choice.len()..self.field.open.len() {
-            let pairs = self.pairs[place].as_deref().unwrap_or(&[]);
-            let best = (0..pairs.len()).min_by(|a, b| pairs[*a].total_cmp(&pairs[*b]));
-            choice.push(best.unwrap_or(0));
+            let mut next: Vec<usize> = (0..self.field.open[place].1.len()).collect();
+            if let Some(pairs) = &self.pairs[place] {
+                next.sort_by(|a, b| pairs[*a].total_cmp(&pairs[*b]));
+            }
+            next.truncate(LOOKED_INTO);
+            let bounds: Vec<(f64, usize)> = next
+                .into_iter()
+                .map(|candidate| {
+                    (
+                        self.prefix(&[&choice[..], &[candidate]].concat()),
+                        candidate,
+                    )
+                })
+                .collect();
+            let best = bounds.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            choice.push(best.map_or(0, |(_, candidate)| *candidate));
         }
         choice
+    }
+
+    /// Bound of the arcs up to the first collision that is open still.
+    fn prefix(&mut self, choice: &[usize]) -> f64 {
+        let arcs: Vec<usize> = (0..=choice.len())
+            .flat_map(|from| self.group(from))
+            .collect();
+        let known: Vec<(usize, usize)> = choice.iter().copied().enumerate().collect();
+        self.bound(&known, &arcs, true)
     }
 }

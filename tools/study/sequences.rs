@@ -193,7 +193,13 @@ fn recordings() -> Result<()> {
         let recording = Recording::open(&path)?;
         let text = std::str::from_utf8(recording.scene_toml().context("no scene")?)?;
         let (named, named_s) = timed(&recording, text)?;
-        let (open, open_s) = timed(&recording, &without_contacts(text))?;
+        let (open, open_s) = match timed(&recording, &without_contacts(text)) {
+            Ok(run) => run,
+            Err(error) => {
+                println!("{name}: {error}");
+                continue;
+            }
+        };
         let work = open.search.unwrap_or_default();
         let words = open
             .inferred
