@@ -8,7 +8,7 @@ mod perform;
 
 use std::path::Path;
 
-use case::{Case, estimated};
+use case::{Case, another_leads, estimated};
 use enact::config::scene_from_toml;
 use enact::ingest::{Recording, Source};
 use enact::motion::{EventKind, Scene, Touching, Verdict};
@@ -19,9 +19,6 @@ const OPEN: Touching = Touching {
     feature: None,
     other: None,
 };
-
-/// Not even told: another feature would be inside by more than this [m].
-const LEAD_M: f64 = 1e-3;
 
 fn of_recording(name: &str, edit: impl Fn(&str) -> String) -> Outcome {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -94,37 +91,6 @@ fn opened(scene: &Scene) -> Scene {
     scene
 }
 
-/// Lowest corner less the corner that touches, at every collision [m].
-fn leads(outcome: &Outcome) -> bool {
-    let scene = &outcome.scene;
-    let mut leads = false;
-    for (event, of_scene) in scene.events.iter().enumerate() {
-        let Some(collision) = of_scene.kind.collision() else {
-            continue;
-        };
-        let time_s = outcome.estimate.events[event].time_s;
-        let arc = outcome.estimate.arcs.iter().find(|arc| arc.end_s == time_s);
-        let arc = arc.unwrap();
-        let state = enact::physics::flow::advance(
-            &scene.bodies[0].body,
-            &outcome.estimate.gravity_m_s2,
-            &arc.state,
-            time_s - arc.epoch_s,
-        );
-        let height_m = |feature: &enact::motion::Feature| match feature.geometry {
-            enact::physics::contact::Feature::Point { point_m, .. } => {
-                (state.position_m + state.orientation * point_m).z
-            }
-            _ => f64::INFINITY,
-        };
-        let features = &scene.bodies[0].features;
-        let own_m = height_m(&features[collision.contacts[0].feature.unwrap()]);
-        let lowest_m = features.iter().map(height_m).fold(f64::INFINITY, f64::min);
-        leads |= own_m - lowest_m > LEAD_M;
-    }
-    leads
-}
-
 /// All sequences, each solved; the objective of the best that is a motion.
 fn enumerated(scene: &Scene, case: &Case) -> Option<(f64, Scene)> {
     let events: Vec<usize> = (0..scene.events.len())
@@ -143,7 +109,7 @@ fn enumerated(scene: &Scene, case: &Case) -> Option<(f64, Scene)> {
         }
         let outcome = estimated(&named, &case.performance.events, &mut ()).unwrap();
         let objective = outcome.estimate.objective;
-        let is_sound = outcome.estimate.verdict == Verdict::Physical && !leads(&outcome);
+        let is_sound = outcome.estimate.verdict == Verdict::Physical && !another_leads(&outcome);
         if is_sound && best.as_ref().is_none_or(|(known, _)| objective < *known) {
             best = Some((objective, outcome.scene));
         }

@@ -7,7 +7,7 @@ use crate::initialise::contact;
 use crate::motion::{
     Contacts, Estimate, Guess, Observer, Partner, Scene, Segment, Sketch, Touching, Verdict,
 };
-use crate::physics::contact::Frame;
+use crate::physics::contact::{Feature, Frame};
 use crate::physics::flow;
 
 /// By how much another feature may lead one that touches \[m\]: as much as solids may overlap.
@@ -58,13 +58,7 @@ pub(super) fn infer(
     if !rankings.iter().any(contact::Ranking::is_ambiguous) {
         let estimate = solve(&understood, observer);
         let is_clear = rankings.iter().all(|ranking| {
-            let leader = leads(
-                &understood,
-                segments,
-                &estimate,
-                ranking.event,
-                &all(ranking),
-            );
+            let leader = leads(&understood, &estimate, ranking.event, &all(ranking));
             leader.is_none()
         });
         let is_good = estimate.verdict != Verdict::Failed && is_clear;
@@ -102,7 +96,7 @@ pub(super) fn infer(
         understood.set_contacts(*event, &candidates[*chosen]);
     }
     for (event, candidates) in &open {
-        if let Some(lead) = leads(&understood, segments, &estimate, *event, candidates) {
+        if let Some(lead) = leads(&understood, &estimate, *event, candidates) {
             object(&understood, &lead, *event, &mut estimate);
         }
     }
@@ -147,50 +141,53 @@ pub(super) struct Lead {
     pub(super) by_m: f64,
 }
 
-/// The candidate that is deepest inside the surface that is hit when the contacts of the scene
-/// touch it, if any is beyond the tolerance. Planes only: whether solids are inside one another
-/// is for a verification to say.
+/// The candidate that is deepest inside what is hit when the contacts of the scene touch it, if
+/// any is beyond the tolerance. Planes and faces of bodies only: whether solids are inside one
+/// another is for a verification to say.
 pub(super) fn leads(
     scene: &Scene,
-    segments: &[Segment],
     estimate: &Estimate,
     event: usize,
     candidates: &[Contacts],
 ) -> Option<Lead> {
     let collision = scene.events[event].kind.collision()?;
-    let surface = collision.contacts.first()?.other?;
-    if collision.partner != Partner::World || scene.surfaces[surface].obstacle.is_some() {
+    let other = collision.contacts.first()?.other?;
+    let (geometry, there) = match collision.partner {
+        Partner::World if scene.surfaces[other].obstacle.is_some() => return None,
+        Partner::World => (scene.surfaces[other].geometry, Frame::world()),
+        Partner::Body(body) => (
+            scene.bodies[body].features[other].geometry,
+            frame_at(scene, estimate, event, body)?,
+        ),
+    };
+    if !matches!(geometry, Feature::Face { .. }) {
         return None;
     }
-    let is_before =
-        |segment: &&Segment| segment.body == collision.body && segment.end_event == Some(event);
-    segments.iter().find(is_before)?;
-    let time_s = estimate.events[event].time_s;
-    let ends =
-        |arc: &&crate::motion::ArcEstimate| arc.body == collision.body && arc.end_s == time_s;
-    let arc = estimate.arcs.iter().find(ends)?;
-    let state = flow::advance(
-        &scene.bodies[arc.body].body,
-        &estimate.gravity_m_s2,
-        &arc.state,
-        time_s - arc.epoch_s,
-    );
-    let frame = Frame::of(&state);
+    let frame = frame_at(scene, estimate, event, collision.body)?;
     let gap_m = |touching: &Touching| {
         let meeting = scene.meeting_of(event, &[*touching]).ok()??;
-        let touch = meeting.contacts()[0].touch(&frame, &Frame::world());
-        Some(touch.ok()?.gap_m)
+        Some(meeting.contacts()[0].touch(&frame, &there).ok()?.gap_m)
     };
     let lowest_m = |contacts: &Contacts| {
         let gaps = contacts.iter().filter_map(gap_m);
         gaps.fold(f64::INFINITY, f64::min)
     };
-    let on_it = candidates.iter().filter(|c| c[0].other == Some(surface));
+    let on_it = candidates.iter().filter(|c| c[0].other == Some(other));
     let lowest = on_it.min_by(|a, b| lowest_m(a).total_cmp(&lowest_m(b)))?;
-    let own_m = lowest_m(&collision.contacts);
-    let by_m = own_m - lowest_m(lowest);
+    let by_m = lowest_m(&collision.contacts) - lowest_m(lowest);
     (by_m > LEAD_M).then(|| Lead {
         contacts: lowest.clone(),
         by_m,
     })
+}
+
+/// Where a body is just before an event.
+fn frame_at(scene: &Scene, estimate: &Estimate, event: usize, body: usize) -> Option<Frame> {
+    let time_s = estimate.events[event].time_s;
+    let mut arcs = estimate.arcs.iter();
+    let arc = arcs.find(|arc| arc.body == body && arc.end_s == time_s)?;
+    let gravity = &estimate.gravity_m_s2;
+    let of_scene = &scene.bodies[body].body;
+    let state = flow::advance(of_scene, gravity, &arc.state, time_s - arc.epoch_s);
+    Some(Frame::of(&state))
 }

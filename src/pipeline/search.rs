@@ -325,7 +325,7 @@ impl<'a> Search<'a> {
         let estimate = self.estimate(&scene, observer);
         observer.phase(Phase::Sequence);
         let is_leading = |(event, candidates): &(usize, Vec<Contacts>)| {
-            leads(&scene, self.field.segments, &estimate, *event, candidates).is_none()
+            leads(&scene, &estimate, *event, candidates).is_none()
         };
         let is_motion = estimate.verdict != Verdict::Failed;
         let is_sound = is_motion && self.field.open.iter().all(is_leading);
