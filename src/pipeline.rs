@@ -4,9 +4,14 @@
 //! [`Pipeline::finish`] when the take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events alone; clocks,
 //! files and threads are the driver's. The same take gives the same [`Outcome`] bit for bit.
 
+mod infer;
+mod search;
+
 use thiserror::Error;
 
-use crate::estimate::{self, Recipe};
+use self::infer::{Inferred, NoContact, infer};
+pub use self::search::SearchWork;
+use crate::estimate::Recipe;
 use crate::initialise;
 use crate::motion::{
     DropReason, Estimate, EventKind, Observer, Phase, SampleCounts, Scene, Segment, Settled,
@@ -26,6 +31,12 @@ pub struct Pipeline {
 /// What a take became.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
+    /// The scene as it was understood: repeated collisions written out, contacts filled in.
+    pub scene: Scene,
+    /// Collisions whose contacts were inferred (indices into `scene.events`).
+    pub inferred: Vec<usize>,
+    /// The search for them, if there was one.
+    pub search: Option<SearchWork>,
     /// The performance as it was estimated from.
     pub sketch: Sketch,
     /// What became of its samples.
@@ -45,6 +56,14 @@ pub enum PipelineError {
     /// It makes no sketch of the scene.
     #[error(transparent)]
     Segment(#[from] SegmentError),
+    /// A collision that leaves open what touches, where nothing may.
+    #[error(
+        "nothing can touch at `{event}`: expected a feature and a surface, or shapes that meet there"
+    )]
+    NoContact {
+        /// Its name.
+        event: String,
+    },
 }
 
 impl Pipeline {
@@ -70,7 +89,10 @@ impl Pipeline {
     /// of the scene, or of `count` on each body, and its start and end at the first and the last
     /// sample.
     pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
-        let scene = &self.scene;
+        let marks = count.map_or(self.marks(), |count| {
+            count + self.scene.events.len().max(1) - 1
+        });
+        let scene = &self.scene.with_marks(marks);
         let sketch = segment::clean::unmarked(scene, &self.events)?;
         let collisions = segment::propose(scene, &sketch, count).into_iter();
         let mut marks: Vec<MarkProposal> = collisions
@@ -93,7 +115,7 @@ impl Pipeline {
             let stamp = match event.kind {
                 EventKind::Start => stamps().min(),
                 EventKind::End => stamps().max(),
-                EventKind::Collision(_) => None,
+                EventKind::Collision(_) | EventKind::Collisions { .. } => None,
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
                 body: None,
@@ -112,7 +134,7 @@ impl Pipeline {
     /// means that there is nothing to estimate from.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let mut outcome = self.solved(observer)?;
-        let scene = &self.scene;
+        let scene = &outcome.scene;
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
             let verification = verify(scene, &outcome.estimate);
@@ -136,15 +158,25 @@ impl Pipeline {
 
     fn solved(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         observer.phase(Phase::Clean);
-        let (mut sketch, mut counts) = segment::clean::clean(&self.scene, &self.events)?;
-        let estimate = solve(&self.scene, &mut sketch, &mut counts, observer)?;
+        let scene = self.scene.with_marks(self.marks());
+        let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
+        let inferred = solve(&scene, &mut sketch, &mut counts, observer)?;
         Ok(Outcome {
+            scene: inferred.scene,
+            inferred: inferred.events,
+            search: inferred.search,
             sketch,
             counts,
-            estimate,
+            estimate: inferred.estimate,
             verification: None,
             settled: None,
         })
+    }
+
+    /// Marks that were pushed: by these repeated collisions are counted.
+    fn marks(&self) -> usize {
+        let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
+        self.events.iter().filter(is_mark).count()
     }
 }
 
@@ -212,7 +244,7 @@ fn solve(
     sketch: &mut Sketch,
     counts: &mut SampleCounts,
     observer: &mut dyn Observer,
-) -> Result<Estimate, PipelineError> {
+) -> Result<Inferred, PipelineError> {
     observer.phase(Phase::Marks);
     let mut rounds = segment::refine(scene, sketch);
     counts.marks.moved = segment::reseat(scene, sketch);
@@ -224,17 +256,21 @@ fn solve(
     observer.phase(Phase::ArcFits);
     let guessed = initialise::guess(scene, sketch, &segments);
     let recipe = Recipe::default();
-    let mut estimate = estimate::estimate(
+    let mut inferred = infer(
         scene,
         sketch,
         &segments,
         &guessed.guesses,
         &recipe,
         observer,
-    );
-    estimate.counters.fit_iterations = guessed.fit_iterations;
-    estimate.counters.assignment_rounds = rounds;
-    Ok(estimate)
+    )
+    .map_err(|NoContact { event }| PipelineError::NoContact {
+        event: scene.events[event].name.clone(),
+    })?;
+    let counters = &mut inferred.estimate.counters;
+    counters.fit_iterations = guessed.fit_iterations;
+    counters.assignment_rounds = rounds;
+    Ok(inferred)
 }
 
 /// Counts the samples that segments use; what lies between segments is near a collision.

@@ -81,7 +81,23 @@ fn events(report: &Report) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    table("  ", &["event", "kind", "acted", "physical", ""], &rows) + &largest_gaps(report)
+    table("  ", &["event", "kind", "acted", "physical", ""], &rows)
+        + &inferred(report)
+        + &largest_gaps(report)
+}
+
+/// What touches where the scene leaves that open.
+fn inferred(report: &Report) -> String {
+    let words: Vec<String> = report
+        .events
+        .iter()
+        .filter(|event| event.contact_inferred)
+        .filter_map(|event| Some(format!("{} {}", event.name, event.contact.as_ref()?)))
+        .collect();
+    if words.is_empty() {
+        return String::new();
+    }
+    format!("  inferred  {}\n", words.join(", "))
 }
 
 /// The largest gap of each kind, with the event where it is.

@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
@@ -39,13 +40,15 @@ pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
         )?,
         None => Pose::identity(),
     };
+    let mut features = features(raw)?;
+    add_own(&shape, &mut features);
     Ok(SceneBody {
         name,
         topic,
         body,
         shape,
         body_from_tracker,
-        features: features(raw)?,
+        features,
     })
 }
 
@@ -69,6 +72,47 @@ fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
         features.push(Feature { name, geometry });
     }
     Ok(features)
+}
+
+/// The shape's own features after those that are declared, but for what has a name already.
+fn add_own(shape: &Shape, features: &mut Vec<Feature>) {
+    let own = shape.features().unwrap_or_default();
+    let own = own
+        .into_iter()
+        .map(|(name, geometry)| Feature { name, geometry });
+    for feature in own {
+        let is_known = |known: &Feature| {
+            known.name == feature.name || is_same(&known.geometry, &feature.geometry)
+        };
+        if !features.iter().any(is_known) {
+            features.push(feature);
+        }
+    }
+}
+
+/// Whether two features are one, as far as typed digits tell.
+fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
+    const DIGITS: f64 = 1e-7;
+    let numbers = |feature: &contact::Feature| match *feature {
+        contact::Feature::Point { point_m, radius_m } => (point_m, Vector3::zeros(), radius_m),
+        contact::Feature::Line {
+            point_m,
+            direction,
+            radius_m,
+        } => (point_m, direction, radius_m),
+        contact::Feature::Rim {
+            centre_m,
+            axis,
+            radius_m,
+        } => (centre_m, axis, radius_m),
+        // Any of its points is as good.
+        contact::Feature::Face { point_m, normal } => (normal * normal.dot(&point_m), normal, 0.0),
+    };
+    let (a_numbers, b_numbers) = (numbers(a), numbers(b));
+    a.kind() == b.kind()
+        && (a_numbers.0 - b_numbers.0).norm() < DIGITS
+        && (a_numbers.1 - b_numbers.1).norm() < DIGITS
+        && (a_numbers.2 - b_numbers.2).abs() < DIGITS
 }
 
 /// Exactly one of the three keys for mass; moments from the shape unless they are given.

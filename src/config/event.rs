@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::number::{finite, index_of, name, pose, unique};
-use super::raw::{Number, RawEvent, RawGoal, Text};
+use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
 use crate::motion::{
     Collision, Event, EventKind, Goal, GoalTarget, Partner, SceneBody, Surface, Touching,
 };
@@ -46,7 +46,7 @@ pub(super) fn events(
             }
             "start" => plain(event, EventKind::Start)?,
             "end" => plain(event, EventKind::End)?,
-            "collision" => EventKind::Collision(collision(spanned, bodies, surfaces)?),
+            "collision" => repeated(event, collision(spanned, bodies, surfaces)?, &events)?,
             other => {
                 return fault(
                     event.kind.span(),
@@ -59,6 +59,34 @@ pub(super) fn events(
         events.push(Event { name, kind });
     }
     Ok(events)
+}
+
+/// Collisions of one scene that a count may stand for.
+const COUNT_MAX: usize = 1000;
+
+/// A collision, or as many of it as there are marks.
+fn repeated(event: &RawEvent, each: Collision, before: &[Event]) -> Result<EventKind, Fault> {
+    let Some(count) = &event.count else {
+        return Ok(EventKind::Collision(each));
+    };
+    let (least, most) = match *count.get_ref() {
+        RawCount::Exact(count) => (count, count),
+        RawCount::Range([least, most]) => (least, most),
+    };
+    if !(1..=most).contains(&least) || most > COUNT_MAX {
+        return fault(
+            count.span(),
+            format!("count is {least} to {most}, expected 1 to {COUNT_MAX}, the least first"),
+        );
+    }
+    let is_repeat = |event: &Event| matches!(event.kind, EventKind::Collisions { .. });
+    if before.iter().any(is_repeat) {
+        return fault(
+            count.span(),
+            "a second count, expected one: by marks only one can be told",
+        );
+    }
+    Ok(EventKind::Collisions { each, least, most })
 }
 
 fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
@@ -74,6 +102,7 @@ fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
         ),
         ("restitution", event.restitution.as_ref().map(Spanned::span)),
         ("friction", event.friction.as_ref().map(Spanned::span)),
+        ("count", event.count.as_ref().map(Spanned::span)),
     ] {
         if let Some(span) = span {
             return fault(
@@ -210,6 +239,15 @@ pub(super) fn goals(
         let event = index_of("event", &goal.event, events.iter().map(|e| e.name.as_str()))?;
         let body = index_of("body", &goal.body, bodies.iter().map(|b| b.name.as_str()))?;
         let target = target(spanned)?;
+        if matches!(events[event].kind, EventKind::Collisions { .. }) {
+            return fault(
+                goal.event.span(),
+                format!(
+                    "a goal at {:?}, which stands for several, expected an event of its own",
+                    events[event].name
+                ),
+            );
+        }
         if goals.iter().any(|g| g.event == event && g.body == body) {
             return fault(
                 spanned.span(),

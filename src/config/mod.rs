@@ -15,6 +15,13 @@
 //! A body's corners are in `features_mm`, its flat faces in `[[body.face]]` (`name`, `point_mm`,
 //! `normal` out of the body).
 //!
+//! A body has, beside the features it declares, those of its shape (`corner +x -y +z`, `rim -z`,
+//! [`features`](crate::physics::features)); of an obstacle these are surfaces, as in
+//! `surface = "mug floor/end +z"`. What a collision does not name is inferred: among what may touch
+//! are the features a body declares, or all of its shape's if it declares none, and every surface
+//! and obstacle. `count = 6` or `count = [4, 8]` makes one entry stand for as many collisions as
+//! there are marks: `bounce` becomes `bounce 1`, `bounce 2`, ….
+//!
 //! Defaults, all of them:
 //!
 //! | key | default |
@@ -27,6 +34,8 @@
 //! | `body.topic` | `"/tracker/<name>/pose"` |
 //! | `velocity_gaps` | `"when needed"` |
 //! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
+//! | `event.feature`, `event.surface`, `event.other_feature` | inferred from the performance |
+//! | `event.count` | one collision |
 //! | `free.initial…` | the scene's value; 0 for a tilt |
 //! | `free.lower…`, `free.upper…` | −∞, +∞; 0 and 1 for a restitution |
 

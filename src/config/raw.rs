@@ -122,6 +122,15 @@ pub(super) struct RawEvent {
     pub(super) other_feature: Option<Text>,
     pub(super) restitution: Option<Number>,
     pub(super) friction: Option<Number>,
+    pub(super) count: Option<Spanned<RawCount>>,
+}
+
+/// How often: a number, or the least and the greatest.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a number such as 6, or a range such as [4, 8]")]
+pub(super) enum RawCount {
+    Exact(usize),
+    Range([usize; 2]),
 }
 
 #[derive(Deserialize)]

@@ -9,9 +9,7 @@ use super::number::{direction, name, pose, positive, topic, unique, vector, vect
 use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::solid::{SizeLimits, shape};
-use crate::motion::{
-    Goal, GoalTarget, Obstacle, Partner, Scene, SceneBody, Surface, Timing, VelocityGaps, Weights,
-};
+use crate::motion::{Obstacle, Scene, SceneBody, Surface, Timing, VelocityGaps, Weights};
 use crate::physics::contact;
 
 const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
@@ -24,9 +22,6 @@ const WEIGHTS: Weights = Weights {
 
 /// Gravity above which the unit must be wrong [m/s²].
 const GRAVITY_LIMIT_M_S2: f64 = 1e3;
-
-/// How far from touching the goal of a collision may be typed \[m\].
-const SEAT_M: f64 = 1e-3;
 
 /// What has not come to rest after so long will not \[s\].
 const SETTLE_LIMIT_S: f64 = 60.0;
@@ -56,7 +51,9 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         None => MARKS_TOPIC.into(),
     };
     let bodies = bodies(raw, &marks_topic)?;
-    let surfaces = surfaces(&raw.surface)?;
+    let obstacles = obstacles(&raw.obstacle)?;
+    let mut surfaces = surfaces(&raw.surface)?;
+    add_obstacles(raw, &obstacles, &mut surfaces);
     let events = events(&raw.event, &bodies, &surfaces)?;
     let (parameters, cones) = parameters(&raw.free, &gravity_m_s2, &events)?;
     let mut scene = Scene {
@@ -64,7 +61,7 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         gravity_m_s2,
         timing: timing(&raw.timing)?,
         marks_topic,
-        obstacles: obstacles(&raw.obstacle)?,
+        obstacles,
         goals: goals(&raw.goal, &bodies, &events)?,
         parameters,
         cones,
@@ -82,61 +79,11 @@ fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         })?;
     }
     for (goal, spanned) in raw.goal.iter().enumerate() {
-        if let Err(message) = seat(&mut scene, goal) {
-            return fault(spanned.span(), message);
+        if let Err(error) = scene.seat(goal) {
+            return fault(spanned.span(), error.to_string());
         }
     }
     Ok(scene)
-}
-
-/// Puts the pose that a goal asks for at a collision in touch with what it touches there: typed
-/// digits leave a gap that no motion could close.
-fn seat(scene: &mut Scene, goal: usize) -> Result<(), String> {
-    let Goal {
-        event,
-        body,
-        target,
-    } = scene.goals[goal].clone();
-    let hits_world = scene.events[event]
-        .kind
-        .collision()
-        .is_some_and(|c| c.body == body && c.partner == Partner::World);
-    let (
-        true,
-        GoalTarget::Pose {
-            mut world_from_body,
-        },
-    ) = (hits_world, target)
-    else {
-        return Ok(());
-    };
-    let Ok(Some(meeting)) = scene.meeting(event) else {
-        return Ok(());
-    };
-    for (index, contact) in meeting.contacts().iter().enumerate() {
-        let frame = contact::Frame {
-            position_m: world_from_body.translation.vector,
-            orientation: world_from_body.rotation,
-        };
-        let touch = contact
-            .touch(&frame, &contact::Frame::world())
-            .map_err(|degenerate| degenerate.to_string())?;
-        let (gap_m, limit_m) = (touch.gap_m, if index == 0 { SEAT_M } else { 1e-9 });
-        if !(gap_m.abs() <= limit_m) {
-            return Err(format!(
-                "the goal leaves {} mm between {:?} and what it touches at {:?}, expected at most {} mm",
-                1e3 * gap_m,
-                scene.bodies[body].name,
-                scene.events[event].name,
-                1e3 * limit_m
-            ));
-        }
-        if index == 0 {
-            world_from_body.translation.vector -= touch.normal * gap_m;
-        }
-    }
-    scene.goals[goal].target = GoalTarget::Pose { world_from_body };
-    Ok(())
 }
 
 fn gravity_m_s2(raw: &RawScene) -> Result<Vector3<f64>, Fault> {
@@ -264,6 +211,30 @@ fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
         });
     }
     Ok(surfaces)
+}
+
+/// What of the obstacles may be touched, `mug floor/end +z`: the features that events name, or
+/// all where an event leaves open what is hit.
+fn add_obstacles(raw: &RawScene, obstacles: &[Obstacle], surfaces: &mut Vec<Surface>) {
+    let events = || raw.event.iter().map(|spanned| spanned.get_ref());
+    let is_open = events().any(|event| {
+        event.kind.get_ref() == "collision" && event.surface.is_none() && event.other.is_none()
+    });
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        for (feature, geometry) in obstacle.shape.features().unwrap_or_default() {
+            let name = format!("{}/{feature}", obstacle.name);
+            let is_it = |text: &Text| *text.get_ref() == name;
+            let is_named = events().any(|event| event.surface.as_ref().is_some_and(is_it));
+            let is_taken = surfaces.iter().any(|surface| surface.name == name);
+            if (is_open || is_named) && !is_taken {
+                surfaces.push(Surface {
+                    name,
+                    geometry: geometry.placed(&obstacle.world_from_shape),
+                    obstacle: Some(index),
+                });
+            }
+        }
+    }
 }
 
 fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {

@@ -138,7 +138,9 @@ fn the_example_becomes_a_scene_in_si_units() {
     assert!((turn.norm() - 1.0).abs() < 1e-15);
     assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-7);
     let names: Vec<&str> = body.features.iter().map(|f| f.name.as_str()).collect();
-    assert_eq!(names, ["eraser", "tip"]);
+    assert_eq!(names[..2], ["eraser", "tip"]);
+    assert_eq!(names[2..], ["rim +z", "rim -z", "side", "end +z", "end -z"]);
+    assert_eq!(body.candidate_features(), [0, 1]);
     let tip = contact::Feature::corner(Vector3::new(0.0, 0.0, -0.095));
     assert_eq!(body.features[1].geometry, tip);
     let table = contact::Feature::face(Vector3::new(0.0, 0.0, 0.01), Vector3::z());
@@ -338,4 +340,58 @@ fn motions_settle_where_the_scene_says_so() {
     assert_eq!(scene_from_toml(PENCIL).unwrap().settle_s, None);
     let settling = PENCIL.replace("[timing]", "settle_s = 2.5\n[timing]");
     assert_eq!(scene_from_toml(&settling).unwrap().settle_s, Some(2.5));
+}
+
+#[test]
+fn what_scenes_leave_open_is_what_may_touch() {
+    let open = with("feature = \"tip\"\nsurface = \"table\"\n", "");
+    let scene = scene_from_toml(&open).unwrap();
+    assert_eq!(scene.open_events(), [1]);
+    let obstacle = |name: &str| scene.surfaces.iter().find(|s| s.name == name).unwrap();
+    let top = obstacle("mug floor/end +z");
+    assert_eq!(top.obstacle, Some(0));
+    let at = contact::Feature::face(Vector3::new(0.3, 0.0, 0.004), Vector3::z());
+    assert_eq!(top.geometry, at);
+    // Two sharp points against the table, the floor's two ends and its round side.
+    assert_eq!(scene.candidates(1).len(), 2 * 4);
+
+    let named = with("surface = \"table\"", "surface = \"mug floor/end +z\"");
+    let scene = scene_from_toml(&named).unwrap();
+    assert_eq!(scene.open_events(), [0; 0]);
+    assert_eq!(scene.contact_words(1).unwrap(), "tip on mug floor/end +z");
+    assert_eq!(scene.surfaces.len(), 2);
+
+    let own = with("feature = \"tip\"", "feature = \"rim -z\"");
+    let scene = scene_from_toml(&own).unwrap();
+    assert_eq!(scene.contact_words(1).unwrap(), "rim -z on table");
+}
+
+#[test]
+fn counts_become_collisions_by_the_marks() {
+    let counted = PENCIL
+        .replace("restitution = 0.6", "restitution = 0.6\ncount = [2, 4]")
+        .replace("[[free]]\nquantity = \"bounce.restitution\"\n", "")
+        .replace(
+            "[[free]]\nquantity = \"bounce.tilt.1\"\nlower_deg = -6\nupper_deg = 6\n",
+            "",
+        );
+    let scene = scene_from_toml(&counted).unwrap();
+    assert!(scene.has_repeats());
+    for (marks, bounces) in [(0, 2), (4, 2), (5, 3), (6, 4), (9, 4)] {
+        let scene = scene.with_marks(marks);
+        assert_eq!(scene.events.len(), bounces + 2, "{marks} marks");
+        assert_eq!(scene.events[bounces].name, format!("bounce {bounces}"));
+        assert_eq!(scene.events[bounces + 1].kind, EventKind::End);
+        assert_eq!(scene.goals[0].event, bounces + 1);
+    }
+    for (count, complaint) in [
+        ("0", "count is 0 to 0, expected 1 to 1000, the least first"),
+        (
+            "[4, 2]",
+            "count is 4 to 2, expected 1 to 1000, the least first",
+        ),
+    ] {
+        let wrong = counted.replace("[2, 4]", count);
+        assert_eq!(error_of(&wrong).message, complaint);
+    }
 }

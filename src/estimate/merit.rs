@@ -80,6 +80,16 @@ impl Price {
                 .sum::<f64>()
     }
 
+    /// The augmented Lagrangian less `½ Σ ν²/w`: at its least it is at most the objective at any
+    /// point where the constraints hold.
+    pub fn dual(&self, system: &System) -> f64 {
+        let rows = self.rows(system).zip(&self.multipliers);
+        let shift = |((weight, ..), multiplier): ((f64, f64, Option<f64>), &f64)| {
+            0.5 * multiplier * multiplier / weight
+        };
+        self.merit(system) - rows.map(shift).sum::<f64>()
+    }
+
     /// What the rows contribute, into `acting`.
     pub fn act(&self, system: &System, acting: &mut Acting) {
         acting.weights.clear();

@@ -4,10 +4,12 @@
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
 //! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], summed into a
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
-//! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop. What is said of it: [`covariance`], [`outcome`].
-//! [`solve`] is the stage as the pipeline sees it.
+//! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop.
+//! What is said of it: [`covariance`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
+//! [`mod@bound`] what its search over collision sequences rests on.
 
 pub mod acting;
+pub mod bound;
 pub mod collision;
 pub mod constraint;
 pub mod covariance;
@@ -27,5 +29,6 @@ pub mod tempo;
 #[cfg(test)]
 mod tests;
 
+pub use bound::bound;
 pub use recipe::Recipe;
 pub use solve::estimate;

@@ -25,7 +25,7 @@ pub mod unit {
 /// Price of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
 /// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
 /// faces, and leaves the performance by four times as far.
-const VELOCITY_GAP_WEIGHT: f64 = 1.0;
+pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
 
 /// One sample of an arc.
 #[derive(Clone, Copy, Debug)]

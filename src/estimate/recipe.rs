@@ -72,7 +72,7 @@ impl Recipe {
     }
 
     /// The recipe for a problem with that much [`Problem::information`].
-    fn scaled(&self, information: f64) -> Self {
+    pub(super) fn scaled(&self, information: f64) -> Self {
         Self {
             sweep_weights: self.sweep_weights.iter().map(|w| w * information).collect(),
             gain: self.gain * information,
@@ -249,7 +249,7 @@ fn tighten(
 
 /// What leads the sweep: contacts approach at least at three tenths of the speed that the arc
 /// fits say, or an impulse could die while the penalty is loose.
-fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Guidance {
+pub(super) fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Guidance {
     let mut guidance = Guidance::none(problem);
     guidance.event_times_s = guess.event_times_s.clone();
     let (mut block, mut gaps) = (Block::default(), Block::default());

@@ -6,7 +6,9 @@
 pub mod estimate;
 pub mod guess;
 pub mod observe;
+pub mod open;
 pub mod scene;
+pub mod seat;
 pub mod settled;
 pub mod sketch;
 pub mod take;
@@ -18,11 +20,13 @@ pub use estimate::{
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
+pub use open::Contacts;
 pub use scene::{
     Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
     Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
     Weights,
 };
+pub use seat::SeatError;
 pub use settled::{Settled, SettledBody};
 pub use sketch::{BodySketch, DropReason, MarkChanges, Sample, SampleCounts, Segment, Sketch};
 pub use take::{Mark, PoseSample, Stamp, TakeEvent};

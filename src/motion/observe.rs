@@ -9,6 +9,8 @@ pub enum Phase {
     Marks,
     /// Fit each arc by itself.
     ArcFits,
+    /// Search for what touches at each collision.
+    Sequence,
     /// Bring the constraints in as a growing penalty.
     Sweep,
     /// Tighten them by multipliers.
@@ -32,6 +34,7 @@ impl Phase {
             Phase::Clean => "clean",
             Phase::Marks => "marks",
             Phase::ArcFits => "arc_fits",
+            Phase::Sequence => "sequence",
             Phase::Sweep => "sweep",
             Phase::Multipliers => "multipliers",
             Phase::Finish => "finish",

@@ -62,11 +62,23 @@ impl Scene {
     ///
     /// Fails where features never touch, or where no impact is known for them.
     pub fn meeting(&self, event: usize) -> Result<Option<Meeting>, CollisionError> {
+        match self.events[event].kind.collision() {
+            Some(collision) => self.meeting_of(event, &collision.contacts),
+            None => Ok(None),
+        }
+    }
+
+    /// [`Scene::meeting`] as if those were the collision's contacts.
+    pub fn meeting_of(
+        &self,
+        event: usize,
+        touchings: &[Touching],
+    ) -> Result<Option<Meeting>, CollisionError> {
         let Some(collision) = self.events[event].kind.collision() else {
             return Ok(None);
         };
         let mut contacts = Vec::new();
-        for touching in &collision.contacts {
+        for touching in touchings {
             let (Some(feature), Some(other)) = (touching.feature, touching.other) else {
                 return Ok(None);
             };
@@ -220,6 +232,16 @@ pub enum EventKind {
     Start,
     /// A body hits something.
     Collision(Collision),
+    /// It does so as often as there are marks; each hit becomes an event of its own before a
+    /// take is read ([`Scene::with_marks`]).
+    Collisions {
+        /// What each of them is.
+        each: Collision,
+        /// At least so many, at least one.
+        least: usize,
+        /// At most so many.
+        most: usize,
+    },
     /// The performance ends; samples after it are not used. Only as the last event. Its time
     /// is estimated when a goal holds there, otherwise it stays at the mark.
     End,
@@ -230,7 +252,7 @@ impl EventKind {
     pub fn word(&self) -> &'static str {
         match self {
             EventKind::Start => "start",
-            EventKind::Collision(_) => "collision",
+            EventKind::Collision(_) | EventKind::Collisions { .. } => "collision",
             EventKind::End => "end",
         }
     }
@@ -239,7 +261,7 @@ impl EventKind {
     pub fn collision(&self) -> Option<&Collision> {
         match self {
             EventKind::Collision(collision) => Some(collision),
-            EventKind::Start | EventKind::End => None,
+            EventKind::Start | EventKind::Collisions { .. } | EventKind::End => None,
         }
     }
 
@@ -398,6 +420,25 @@ pub enum Quantity {
         /// Tangent, 0 or 1.
         tangent: usize,
     },
+}
+
+impl Quantity {
+    /// The same at another event, if it is of one.
+    pub fn at_event(self, moved: impl Fn(usize) -> usize) -> Self {
+        match self {
+            Quantity::Gravity { .. } => self,
+            Quantity::Restitution { event } => Quantity::Restitution {
+                event: moved(event),
+            },
+            Quantity::Friction { event } => Quantity::Friction {
+                event: moved(event),
+            },
+            Quantity::Tilt { event, tangent } => Quantity::Tilt {
+                event: moved(event),
+                tangent,
+            },
+        }
+    }
 }
 
 /// Two parameters within a circle about zero.

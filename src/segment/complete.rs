@@ -66,7 +66,7 @@ fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<
         .map(|event| match scene.events[event].kind {
             EventKind::Start => stamps().min(),
             EventKind::End => stamps().max(),
-            EventKind::Collision(_) => {
+            EventKind::Collision(_) | EventKind::Collisions { .. } => {
                 let proposal = proposals.iter().find(|p| p.event == Some(event))?;
                 Some(proposal.stamp(sketch))
             }

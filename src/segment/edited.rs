@@ -59,7 +59,7 @@ pub(super) fn join(
                 stamps.push(Stamp(mark_ns));
                 last_ns = mark_ns;
             }
-            EventKind::End => {}
+            EventKind::Collisions { .. } | EventKind::End => {}
         }
     }
     let ends = tracks.iter_mut().map(|track| track.place());

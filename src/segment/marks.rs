@@ -94,7 +94,7 @@ pub(super) fn check_extents(
     for (event, stamp) in scene.events.iter().zip(stamps) {
         let (extent, slack_ns) = match &event.kind {
             EventKind::Collision(collision) => (shared(bodies, collision), 0),
-            EventKind::Start | EventKind::End => (whole, slack_ns),
+            EventKind::Start | EventKind::Collisions { .. } | EventKind::End => (whole, slack_ns),
         };
         let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)
             && stamp.0 <= extent.last.0.saturating_add(slack_ns);

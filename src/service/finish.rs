@@ -108,7 +108,7 @@ pub(super) fn finish(
         &EstimateFile {
             input: recording.container(),
             input_path: Some(recording.path()),
-            scene: &opened.scene,
+            scene: &outcome.scene,
             scene_toml: &opened.scene_toml,
             sketch: &outcome.sketch,
             counts: &outcome.counts,
@@ -134,7 +134,7 @@ pub(super) fn finish(
         lost: lost(take),
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
-    Ok(Report::new(&opened.scene, &outcome, circumstances))
+    Ok(Report::new(&outcome, circumstances))
 }
 
 /// The frame in which poses are given, if they agree on one with a name.

@@ -75,6 +75,10 @@ pub struct EventLine {
     pub acted_s: f64,
     /// Whom it concerns.
     pub bodies: Vec<String>,
+    /// What touches, at a collision.
+    pub contact: Option<String>,
+    /// Whether that was inferred: the scene leaves it open.
+    pub contact_inferred: bool,
     /// Largest position gap.
     pub gap_m: f64,
     /// Largest orientation gap.
@@ -159,7 +163,8 @@ pub(super) struct Circumstances {
 }
 
 impl Report {
-    pub(super) fn new(scene: &Scene, outcome: &Outcome, circumstances: Circumstances) -> Self {
+    pub(super) fn new(outcome: &Outcome, circumstances: Circumstances) -> Self {
+        let scene = &outcome.scene;
         let estimate = &outcome.estimate;
         let (residual_mm, residual_deg) = whole_residual(estimate);
         Self {
@@ -180,7 +185,7 @@ impl Report {
             ),
             acted_s: acted_s(&outcome.sketch),
             physical_s: physical_s(estimate),
-            events: event_lines(scene, estimate),
+            events: event_lines(outcome),
             parameters: parameter_lines(scene, estimate),
             residual_mm,
             residual_deg,
@@ -231,7 +236,10 @@ fn whole_residual(estimate: &Estimate) -> (f64, f64) {
     )
 }
 
-fn event_lines(scene: &Scene, estimate: &Estimate) -> Vec<EventLine> {
+fn event_lines(outcome: &Outcome) -> Vec<EventLine> {
+    let Outcome {
+        scene, estimate, ..
+    } = outcome;
     let all = || scene.bodies.iter().map(|b| b.name.clone()).collect();
     estimate
         .events
@@ -251,6 +259,8 @@ fn event_lines(scene: &Scene, estimate: &Estimate) -> Vec<EventLine> {
                         .collect(),
                     None => all(),
                 },
+                contact: scene.contact_words(event.event),
+                contact_inferred: outcome.inferred.contains(&event.event),
                 gap_m: event.gap.position_m,
                 gap_rad: event.gap.orientation_rad,
                 gap_m_s: event.gap.velocity_m_s,

@@ -123,6 +123,7 @@ struct Arc {
 struct Event {
     name: String,
     kind: &'static str,
+    contact: Option<String>,
     time_s: f64,
     sd_s: Option<f64>,
     acted_s: f64,
@@ -260,6 +261,7 @@ impl Event {
         Self {
             name: event.name.clone(),
             kind: event.kind.word(),
+            contact: scene.contact_words(estimate.event),
             time_s: estimate.time_s,
             sd_s: estimate.sd_s,
             acted_s: estimate.acted_s,

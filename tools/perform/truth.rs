@@ -142,6 +142,7 @@ pub fn simulate(
         now_s = match kind {
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
+            EventKind::Collisions { .. } => return Err(TruthError::Lacks { what: "a number" }),
             EventKind::Collision(_) => {
                 let encounter = Encounter::of(scene, parameters, event)
                     .ok_or(TruthError::Lacks { what: "a contact" })?;

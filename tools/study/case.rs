@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use enact::estimate::layout::Layout;
 use enact::estimate::problem::Problem;
 use enact::initialise;
-use enact::motion::{ArcGuess, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent};
-use enact::physics::{State, flow};
+use enact::motion::{ArcGuess, Feature, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent};
+use enact::physics::{State, contact, flow};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::segment;
 
@@ -139,6 +139,36 @@ pub fn estimated(
         pipeline.push(event.clone());
     }
     pipeline.estimate(observer)
+}
+
+/// Whether another point than the one that touches would be inside a table at z = 0 by more than
+/// a millimetre, at any collision of the first body.
+pub fn another_leads(outcome: &Outcome) -> bool {
+    const LEAD_M: f64 = 1e-3;
+    let (scene, estimate) = (&outcome.scene, &outcome.estimate);
+    let features = &scene.bodies[0].features;
+    let collisions = scene.events.iter().zip(&estimate.events);
+    let mut collisions = collisions.filter_map(|(of_scene, event)| {
+        let feature = of_scene.kind.collision()?.contacts[0].feature?;
+        let arc = estimate.arcs.iter().find(|arc| arc.end_s == event.time_s)?;
+        Some((feature, event.time_s, arc))
+    });
+    collisions.any(|(feature, time_s, arc)| {
+        let state = flow::advance(
+            &scene.bodies[0].body,
+            &estimate.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        );
+        let height_m = |feature: &Feature| match feature.geometry {
+            contact::Feature::Point { point_m, .. } => {
+                (state.position_m + state.orientation * point_m).z
+            }
+            _ => f64::INFINITY,
+        };
+        let lowest_m = features.iter().map(height_m).fold(f64::INFINITY, f64::min);
+        height_m(&features[feature]) - lowest_m > LEAD_M
+    })
 }
 
 /// The problem that the pipeline solved, and where it started from.

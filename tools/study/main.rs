@@ -22,6 +22,7 @@ mod phases;
 mod results;
 mod scaling;
 mod scenes;
+mod sequences;
 mod starts;
 mod statistics;
 mod stopwatch;
@@ -52,6 +53,8 @@ enum Study {
     Covariance,
     /// What more samples and more segments cost.
     Scaling,
+    /// What touches, where scenes leave that open.
+    Sequences,
     /// Where the time goes.
     Phases,
     /// Real tosses of a cube, if they are there.
@@ -70,6 +73,7 @@ fn main() -> anyhow::Result<()> {
         Study::Accuracy,
         Study::Covariance,
         Study::Scaling,
+        Study::Sequences,
         Study::Phases,
         Study::Tosses,
         Study::Damage,
@@ -87,6 +91,7 @@ fn main() -> anyhow::Result<()> {
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
+            Study::Sequences => sequences::run(&options)?,
             Study::Phases => phases::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::Damage => damage::run(&options)?,

@@ -1,8 +1,9 @@
 //! The features of solids that may touch.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::error::ContactError;
+use crate::math::Pose;
 
 /// How far a direction's length may be off one: what rounding leaves of a normalised one.
 const UNIT_TOLERANCE: f64 = 1e-9;
@@ -59,6 +60,40 @@ impl Feature {
     /// The face through a point \[m\] with that unit normal.
     pub fn face(point_m: Vector3<f64>, normal: Vector3<f64>) -> Self {
         Feature::Face { point_m, normal }
+    }
+
+    /// The same in the axes in which its solid has that pose.
+    pub fn placed(&self, pose: &Pose) -> Self {
+        let place = |point_m: Vector3<f64>| (pose * Point3::from(point_m)).coords;
+        let turn = |direction: Vector3<f64>| pose.rotation * direction;
+        match *self {
+            Feature::Point { point_m, radius_m } => Feature::Point {
+                point_m: place(point_m),
+                radius_m,
+            },
+            Feature::Line {
+                point_m,
+                direction,
+                radius_m,
+            } => Feature::Line {
+                point_m: place(point_m),
+                direction: turn(direction),
+                radius_m,
+            },
+            Feature::Rim {
+                centre_m,
+                axis,
+                radius_m,
+            } => Feature::Rim {
+                centre_m: place(centre_m),
+                axis: turn(axis),
+                radius_m,
+            },
+            Feature::Face { point_m, normal } => Feature::Face {
+                point_m: place(point_m),
+                normal: turn(normal),
+            },
+        }
     }
 
     /// What kind it is, in a word.

@@ -1,0 +1,396 @@
+//! Which features touch at a collision (paper §5.1): read off the pose that the arc fits say.
+//!
+//! Against a plane the lowest feature touches first, so that candidates are ranked by their gaps
+//! where the fits before and after say the body is at the event. Two solids are first led back
+//! along their flights to where they begin to overlap; there the pair of features that touches
+//! is the nearest, counting how far its points are beside either (as geometry features are
+//! endless).
+
+use nalgebra::Vector3;
+
+use crate::math::{Pose, so3};
+use crate::motion::{Contacts, Goal, GoalTarget, Guess, Partner, Scene, Segment, Sketch, Touching};
+use crate::physics::contact::{Contact, Frame, Touch};
+use crate::physics::shape::Solid;
+use crate::physics::{Shape, State, flow};
+
+/// Longest flight by which two solids are led back \[s\], and steps of the bisection.
+const BACK_S: f64 = 0.25;
+const HALVINGS: usize = 16;
+/// How far a touching point may lie off a solid, relative to the solid's radius.
+const SLACK: f64 = 0.02;
+/// Candidates further from touching than the first by more spreads than this are none.
+const SPREADS_MAX: f64 = 4.0;
+
+/// A candidate, and how far the performance is from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// What touches.
+    pub contacts: Contacts,
+    /// How far the pose must change for it to be what touches first \[m\].
+    pub reach_m: f64,
+}
+
+/// The candidates of one collision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranking {
+    /// The collision (index into `Scene::events`).
+    pub event: usize,
+    /// What touches first comes first.
+    pub candidates: Vec<Reach>,
+    /// How far the surface of the bodies is off, root mean square \[m\]: of fits from samples.
+    pub spread_m: f64,
+}
+
+impl Ranking {
+    /// Whether the second is as good as the first, as far as the performance tells.
+    pub fn is_ambiguous(&self) -> bool {
+        const SPREADS: f64 = 2.0;
+        let reach_m = |index: usize| self.candidates.get(index).map(|c| c.reach_m);
+        match (reach_m(0), reach_m(1)) {
+            (Some(first_m), Some(second_m)) => second_m - first_m < SPREADS * self.spread_m,
+            _ => false,
+        }
+    }
+}
+
+/// Ranks what may touch at an open collision by the arc fits on both sides of it.
+///
+/// Empty where no pair of features may touch there.
+pub fn rank(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    guess: &Guess,
+    event: usize,
+) -> Ranking {
+    let view = View {
+        scene,
+        sketch,
+        segments,
+        guess,
+        event,
+    };
+    let mut candidates: Vec<Reach> = Vec::new();
+    let all = scene.candidates(event);
+    let Some(collision) = scene.events[event].kind.collision() else {
+        return Ranking {
+            event,
+            candidates,
+            spread_m: 0.0,
+        };
+    };
+    match collision.partner {
+        Partner::Body(_) => candidates.extend(view.against_solid(&all, None)),
+        Partner::World => {
+            for surface in 0..scene.surfaces.len() {
+                let of_it = with_surfaces(&all, |other| other == surface);
+                if scene.surfaces[surface].obstacle.is_none() {
+                    candidates.extend(view.against_plane(&of_it));
+                }
+            }
+            for obstacle in 0..scene.obstacles.len() {
+                let of_it = with_surfaces(&all, |other| {
+                    scene.surfaces[other].obstacle == Some(obstacle)
+                });
+                candidates.extend(view.against_solid(&of_it, Some(obstacle)));
+            }
+        }
+    }
+    candidates.sort_by(|a, b| a.reach_m.total_cmp(&b.reach_m));
+    let spread_m = view.spread_m();
+    let first_m = candidates.first().map_or(0.0, |first| first.reach_m);
+    candidates.retain(|candidate| candidate.reach_m - first_m <= SPREADS_MAX * spread_m);
+    Ranking {
+        event,
+        candidates,
+        spread_m,
+    }
+}
+
+fn with_surfaces(all: &[Contacts], is_wanted: impl Fn(usize) -> bool) -> Vec<Contacts> {
+    let wanted = |contacts: &&Contacts| contacts[0].other.is_some_and(&is_wanted);
+    all.iter().filter(wanted).cloned().collect()
+}
+
+struct View<'a> {
+    scene: &'a Scene,
+    sketch: &'a Sketch,
+    segments: &'a [Segment],
+    guess: &'a Guess,
+    event: usize,
+}
+
+impl View<'_> {
+    fn bodies(&self) -> Vec<usize> {
+        let collision = self.scene.events[self.event].kind.collision();
+        collision.map_or_else(Vec::new, |collision| collision.bodies().collect())
+    }
+
+    /// The body's arcs that end (or begin) at the event.
+    fn arc(&self, body: usize, ends: bool) -> Option<usize> {
+        self.segments.iter().position(|segment| {
+            let event = if ends {
+                segment.end_event
+            } else {
+                segment.start_event
+            };
+            segment.body == body && event == Some(self.event)
+        })
+    }
+
+    /// The pose that a goal asks of a body at the event.
+    fn goal(&self, body: usize) -> Option<Frame> {
+        let at = |goal: &&Goal| goal.event == self.event && goal.body == body;
+        match &self.scene.goals.iter().find(at)?.target {
+            GoalTarget::Pose { world_from_body } => Some(Frame {
+                position_m: world_from_body.translation.vector,
+                orientation: world_from_body.rotation,
+            }),
+            GoalTarget::PositionWithin { .. } => None,
+        }
+    }
+
+    /// By the fit of an arc, so long after the event; through the pose of a goal there.
+    fn state(&self, arc: usize, after_s: f64) -> State {
+        let fit = &self.guess.arcs[arc];
+        let body = self.segments[arc].body;
+        let advance = |state: &State, duration_s: f64| {
+            let moved = &self.scene.bodies[body].body;
+            flow::advance(moved, &self.scene.gravity_m_s2, state, duration_s)
+        };
+        let duration_s = self.guess.event_times_s[self.event] - fit.epoch_s;
+        let mut at_event = advance(&fit.state, duration_s);
+        if let Some(goal) = self.goal(body) {
+            at_event.position_m = goal.position_m;
+            at_event.orientation = goal.orientation;
+        }
+        advance(&at_event, after_s)
+    }
+
+    fn contact(&self, touching: &Touching) -> Option<Contact> {
+        let meeting = self.scene.meeting_of(self.event, &[*touching]);
+        meeting.ok()?.map(|meeting| meeting.contacts()[0])
+    }
+
+    /// Gap of contacts with a plane, the lowest of several: the mean by both fits.
+    fn gap_m(&self, contacts: &Contacts, body: usize) -> Option<f64> {
+        let arcs = [true, false].map(|ends| self.arc(body, ends));
+        let mut sum = (0.0, 0.0);
+        for arc in arcs.into_iter().flatten() {
+            let frame = Frame::of(&self.state(arc, 0.0));
+            let gaps = contacts.iter().filter_map(|touching| {
+                let touch = self.contact(touching)?.touch(&frame, &Frame::world());
+                Some(touch.ok()?.gap_m)
+            });
+            let lowest_m = gaps.fold(f64::INFINITY, f64::min);
+            sum = (sum.0 + lowest_m, sum.1 + 1.0);
+        }
+        (sum.1 > 0.0 && sum.0.is_finite()).then_some(sum.0 / sum.1)
+    }
+
+    fn against_plane(&self, candidates: &[Contacts]) -> Vec<Reach> {
+        let Some(body) = self.bodies().first().copied() else {
+            return Vec::new();
+        };
+        let gaps: Vec<(&Contacts, f64)> = candidates
+            .iter()
+            .filter_map(|contacts| Some((contacts, self.gap_m(contacts, body)?)))
+            .collect();
+        let lowest_m = gaps
+            .iter()
+            .map(|(_, gap_m)| *gap_m)
+            .fold(f64::INFINITY, f64::min);
+        let reach = |(contacts, gap_m): (&Contacts, f64)| Reach {
+            contacts: contacts.clone(),
+            reach_m: lowest_m.abs() + gap_m - lowest_m,
+        };
+        gaps.into_iter().map(reach).collect()
+    }
+
+    /// Against an obstacle, or against the other body.
+    fn against_solid(&self, candidates: &[Contacts], obstacle: Option<usize>) -> Vec<Reach> {
+        let Some(pair) = Solids::new(self, obstacle) else {
+            return Vec::new();
+        };
+        let distance_m = pair.distance_m(0.0);
+        let moment_s = pair.first_overlap_s();
+        let gaps: Vec<(&Contacts, f64)> = candidates
+            .iter()
+            .filter_map(|contacts| {
+                let gaps = contacts.iter().map(|touching| {
+                    let contact = self.contact(touching)?;
+                    pair.nearness_m(&contact, moment_s)
+                });
+                let farthest_m = gaps
+                    .collect::<Option<Vec<f64>>>()?
+                    .into_iter()
+                    .fold(0.0, f64::max);
+                Some((contacts, farthest_m))
+            })
+            .collect();
+        let nearest_m = gaps
+            .iter()
+            .map(|(_, gap_m)| *gap_m)
+            .fold(f64::INFINITY, f64::min);
+        let reach = |(contacts, gap_m): (&Contacts, f64)| Reach {
+            contacts: contacts.clone(),
+            reach_m: distance_m.abs() + gap_m - nearest_m,
+        };
+        gaps.into_iter().map(reach).collect()
+    }
+
+    /// Root mean square distance of fits from samples beside the event, plus the angle's times
+    /// the radius; of the worse body \[m\].
+    fn spread_m(&self) -> f64 {
+        let bodies = self.bodies().into_iter();
+        bodies
+            .map(|body| self.spread_of_m(body))
+            .fold(0.0, f64::max)
+    }
+
+    fn spread_of_m(&self, body: usize) -> f64 {
+        if self.goal(body).is_some() {
+            return 0.0;
+        }
+        let of_scene = &self.scene.bodies[body];
+        let (mut shift_m2, mut turn_rad2, mut count) = (0.0, 0.0, 0.0);
+        for arc in [true, false]
+            .map(|ends| self.arc(body, ends))
+            .into_iter()
+            .flatten()
+        {
+            let samples = &self.sketch.bodies[body].samples[self.segments[arc].samples.clone()];
+            let fit = &self.guess.arcs[arc];
+            for (sample, time_s) in samples.iter().zip(&fit.sample_times_s) {
+                let gravity = &self.scene.gravity_m_s2;
+                let duration_s = time_s - fit.epoch_s;
+                let state = flow::advance(&of_scene.body, gravity, &fit.state, duration_s);
+                shift_m2 += (state.position_m - sample.position_m).norm_squared();
+                let turn = so3::log(&(sample.orientation.inverse() * state.orientation));
+                turn_rad2 += turn.norm_squared();
+                count += 1.0;
+            }
+        }
+        if count == 0.0 {
+            return 0.0;
+        }
+        let radius_m = of_scene.shape.radius_m();
+        (shift_m2 / count).sqrt() + radius_m * (turn_rad2 / count).sqrt()
+    }
+}
+
+/// Two solids that meet, on the flights by which they do.
+struct Solids<'a> {
+    view: &'a View<'a>,
+    shapes: [&'a Shape; 2],
+    solids: [Solid; 2],
+    point: Solid,
+    /// Arc of the first, and of the second if it moves.
+    arcs: (usize, Option<usize>),
+    /// Where the second stands otherwise.
+    standing: Pose,
+}
+
+impl<'a> Solids<'a> {
+    fn new(view: &'a View<'a>, obstacle: Option<usize>) -> Option<Self> {
+        let bodies = view.bodies();
+        let first = *bodies.first()?;
+        let scene = view.scene;
+        let (shape, arc, standing) = match obstacle {
+            Some(obstacle) => {
+                let obstacle = &scene.obstacles[obstacle];
+                (&obstacle.shape, None, obstacle.world_from_shape)
+            }
+            None => {
+                let second = *bodies.get(1)?;
+                let arc = view.arc(second, true)?;
+                (&scene.bodies[second].shape, Some(arc), Pose::identity())
+            }
+        };
+        let shapes = [&scene.bodies[first].shape, shape];
+        let point = Shape::Sphere { radius_m: 1e-6 };
+        Some(Self {
+            view,
+            shapes,
+            solids: [shapes[0].solid().ok()?, shape.solid().ok()?],
+            point: point.solid().ok()?,
+            arcs: (view.arc(first, true)?, arc),
+            standing,
+        })
+    }
+
+    fn states(&self, after_s: f64) -> (State, Option<State>) {
+        let second = self.arcs.1.map(|arc| self.view.state(arc, after_s));
+        (self.view.state(self.arcs.0, after_s), second)
+    }
+
+    fn distance_m(&self, after_s: f64) -> f64 {
+        let (first, second) = self.states(after_s);
+        let there = second.map_or(self.standing, |state| pose(&state));
+        let distance = self.solids[0].distance_m(&pose(&first), &self.solids[1], &there);
+        distance.unwrap_or(f64::INFINITY)
+    }
+
+    /// When they begin to overlap, relative to the event \[s\]; zero where they do not by then.
+    fn first_overlap_s(&self) -> f64 {
+        if self.distance_m(0.0) >= 0.0 || self.distance_m(-BACK_S) < 0.0 {
+            return 0.0;
+        }
+        let (mut apart_s, mut inside_s) = (-BACK_S, 0.0);
+        for _ in 0..HALVINGS {
+            let middle_s = 0.5 * (apart_s + inside_s);
+            if self.distance_m(middle_s) < 0.0 {
+                inside_s = middle_s;
+            } else {
+                apart_s = middle_s;
+            }
+        }
+        apart_s
+    }
+
+    /// Size of a contact's gap at that moment, and how far its points are beside the solids \[m\];
+    /// `None` where it recedes from what stands still.
+    fn nearness_m(&self, contact: &Contact, after_s: f64) -> Option<f64> {
+        let (first, second) = self.states(after_s);
+        let there = second.map_or_else(Frame::world, |state| Frame::of(&state));
+        let touch = contact.touch(&Frame::of(&first), &there).ok()?;
+        let still = State {
+            velocity_m_s: Vector3::zeros(),
+            angular_velocity_rad_s: Vector3::zeros(),
+            ..first
+        };
+        let speed_m_s = approach_m_s(&touch, &first, second.as_ref().unwrap_or(&still));
+        // A feature of the static world is in world axes.
+        let on_second_m = match second {
+            Some(_) => Pose::from(touch.on_b_m),
+            None => self.standing.inverse() * Pose::from(touch.on_b_m),
+        };
+        // What fits are off by may put a point beside its solid.
+        let off_m = |which: usize, at: &Pose| {
+            let slack_m = SLACK * self.shapes[which].radius_m();
+            let distance = self.solids[which].distance_m(&Pose::identity(), &self.point, at);
+            distance
+                .ok()
+                .map(|distance_m| (distance_m - slack_m).max(0.0))
+        };
+        let beside_m = off_m(0, &Pose::from(touch.on_a_m))? + off_m(1, &on_second_m)?;
+        // The far sides of what stands still; two bodies may push each other ahead.
+        let meets = second.is_some() || speed_m_s < 0.0;
+        meets.then_some(touch.gap_m.abs() + beside_m)
+    }
+}
+
+fn pose(state: &State) -> Pose {
+    Pose::from_parts(state.position_m.into(), state.orientation)
+}
+
+/// Rate of the gap [m/s]; negative approaching. Where the second stands still its point does not
+/// matter.
+fn approach_m_s(touch: &Touch, first: &State, second: &State) -> f64 {
+    let velocity = |state: &State, point_m: &Vector3<f64>| {
+        state.velocity_m_s + state.orientation * state.angular_velocity_rad_s.cross(point_m)
+    };
+    let apart = velocity(first, &touch.on_a_m) - velocity(second, &touch.on_b_m);
+    touch.normal.dot(&apart)
+}

@@ -1,0 +1,180 @@
+//! What a scene leaves open: features that touch at a collision, and how often one repeats.
+//!
+//! A collision that names no feature, or no surface, is open: what touches is inferred from the
+//! performance. Among what may touch are the features that the scene declares for a body; of a
+//! body without any, all of its shape's.
+
+use super::scene::{Collision, Event, EventKind, Partner, Scene, SceneBody, Touching};
+
+/// What may touch at a collision: one [`Touching`] per contact.
+pub type Contacts = Vec<Touching>;
+
+impl SceneBody {
+    /// Features that may touch where a scene leaves that open (indices into `features`): those
+    /// that it declares besides its shape's own, or else all.
+    pub fn candidate_features(&self) -> Vec<usize> {
+        let own = self.shape.features().unwrap_or_default();
+        let all = 0..self.features.len();
+        let is_declared = |index: &usize| {
+            let feature = &self.features[*index];
+            !own.iter().any(|(name, _)| *name == feature.name)
+        };
+        let declared: Vec<usize> = all.clone().filter(is_declared).collect();
+        if declared.is_empty() {
+            all.collect()
+        } else {
+            declared
+        }
+    }
+}
+
+impl Scene {
+    /// Whether a collision leaves open what touches.
+    pub fn is_open(&self, event: usize) -> bool {
+        let collision = self.events[event].kind.collision();
+        collision.is_some_and(|collision| {
+            let is_open =
+                |touching: &Touching| touching.feature.is_none() || touching.other.is_none();
+            collision.contacts.iter().any(is_open)
+        })
+    }
+
+    /// Collisions that leave open what touches (indices into `events`).
+    pub fn open_events(&self) -> Vec<usize> {
+        (0..self.events.len())
+            .filter(|event| self.is_open(*event))
+            .collect()
+    }
+
+    /// Everything that may touch at an open collision, in the order of the features: pairs for
+    /// which contact and impact are known. At several contacts all hit the same surface.
+    pub fn candidates(&self, event: usize) -> Vec<Contacts> {
+        let Some(collision) = self.events[event].kind.collision() else {
+            return Vec::new();
+        };
+        let features = |given: Option<usize>, body: usize| match given {
+            Some(feature) => vec![feature],
+            None => self.bodies[body].candidate_features(),
+        };
+        let others = match (collision.contacts[0].other, collision.partner) {
+            (Some(other), _) => vec![other],
+            (None, Partner::World) => (0..self.surfaces.len()).collect(),
+            (None, Partner::Body(body)) => features(None, body),
+        };
+        let mut choices: Vec<Contacts> = vec![Vec::new()];
+        for touching in &collision.contacts {
+            let features = features(touching.feature, collision.body);
+            choices = choices
+                .iter()
+                .flat_map(|chosen| {
+                    features
+                        .iter()
+                        .map(|f| [&chosen[..], &[touch(*f)]].concat())
+                })
+                .collect();
+        }
+        let with = |other: usize| {
+            choices.iter().map(move |chosen| {
+                let set = |touching: &Touching| Touching {
+                    other: Some(other),
+                    ..*touching
+                };
+                chosen.iter().map(set).collect()
+            })
+        };
+        let all = others.into_iter().flat_map(with);
+        all.filter(|contacts: &Contacts| {
+            let is_new = |index: usize| !contacts[..index].contains(&contacts[index]);
+            (0..contacts.len()).all(is_new)
+                && matches!(self.meeting_of(event, contacts), Ok(Some(_)))
+        })
+        .collect()
+    }
+
+    /// Says what touches at a collision, and puts the goals there in touch where they nearly are.
+    ///
+    /// # Panics
+    /// Where the event is no collision.
+    pub fn set_contacts(&mut self, event: usize, contacts: &[Touching]) {
+        let EventKind::Collision(collision) = &mut self.events[event].kind else {
+            panic!("only collisions have contacts");
+        };
+        collision.contacts = contacts.to_vec();
+        for goal in 0..self.goals.len() {
+            if self.goals[goal].event == event {
+                // A goal that is apart from these contacts is what the estimate will say.
+                let _ = self.seat(goal);
+            }
+        }
+    }
+
+    /// What touches at a collision, in words: `corner +x +y -z on table`; `None` where that is
+    /// open.
+    pub fn contact_words(&self, event: usize) -> Option<String> {
+        let collision = self.events[event].kind.collision()?;
+        let words = collision.contacts.iter().map(|touching| {
+            let feature = &self.bodies[collision.body].features[touching.feature?].name;
+            let other = match collision.partner {
+                Partner::World => &self.surfaces[touching.other?].name,
+                Partner::Body(body) => &self.bodies[body].features[touching.other?].name,
+            };
+            Some(format!("{feature} on {other}"))
+        });
+        Some(words.collect::<Option<Vec<_>>>()?.join(", "))
+    }
+
+    /// Whether a collision stands for several.
+    pub fn has_repeats(&self) -> bool {
+        let is_repeat = |event: &Event| matches!(event.kind, EventKind::Collisions { .. });
+        self.events.iter().any(is_repeat)
+    }
+
+    /// The scene with its repeated collision written out, so that there are as many events as
+    /// marks, as far as its range allows: `bounce` becomes `bounce 1`, `bounce 2`, ….
+    pub fn with_marks(&self, marks: usize) -> Scene {
+        let mut scene = self.clone();
+        let Some((event, (each, least, most))) =
+            self.events.iter().enumerate().find_map(|(index, event)| {
+                let EventKind::Collisions { each, least, most } = &event.kind else {
+                    return None;
+                };
+                Some((index, (each, *least, *most)))
+            })
+        else {
+            return scene;
+        };
+        let count = (marks + 1)
+            .saturating_sub(self.events.len())
+            .clamp(least, most);
+        let copies = (1..=count).map(|number| Event {
+            name: repeat_name(&self.events[event].name, number),
+            kind: EventKind::Collision(Collision::clone(each)),
+        });
+        scene.events.splice(event..=event, copies);
+        for goal in scene.goals.iter_mut().filter(|goal| goal.event > event) {
+            goal.event = goal.event + count - 1;
+        }
+        for free in &mut scene.parameters {
+            free.quantity = free.quantity.at_event(|other| {
+                if other > event {
+                    other + count - 1
+                } else {
+                    other
+                }
+            });
+        }
+        scene
+    }
+}
+
+/// Name of one of a repeated collision's events, counted from one.
+pub fn repeat_name(name: &str, number: usize) -> String {
+    format!("{name} {number}")
+}
+
+fn touch(feature: usize) -> Touching {
+    Touching {
+        feature: Some(feature),
+        other: None,
+    }
+}

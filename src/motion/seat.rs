@@ -1,0 +1,84 @@
+//! Goals at collisions: a pose that must hold where a body touches something.
+
+use thiserror::Error;
+
+use super::scene::{Goal, GoalTarget, Partner, Scene};
+use crate::physics::contact::{Degenerate, Frame};
+
+/// How far from touching the goal of a collision may be typed \[m\].
+const SEAT_M: f64 = 1e-3;
+/// The same of further contacts, which the first one's correction leaves as they are \[m\].
+const FURTHER_M: f64 = 1e-9;
+
+/// Why a goal cannot hold at its collision.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SeatError {
+    /// In its pose the features make no contact.
+    #[error(transparent)]
+    Degenerate(#[from] Degenerate),
+    /// In its pose the features are apart, or inside one another.
+    #[error(
+        "the goal leaves {} mm between {body:?} and what it touches at {event:?}, expected at most {} mm",
+        1e3 * .gap_m, 1e3 * .limit_m
+    )]
+    Apart {
+        /// Name of the body.
+        body: String,
+        /// Name of the event.
+        event: String,
+        /// Gap in the goal's pose.
+        gap_m: f64,
+        /// Largest gap that is corrected.
+        limit_m: f64,
+    },
+}
+
+impl Scene {
+    /// Puts the pose that a goal asks for at a collision in touch with what it touches there: typed
+    /// digits leave a gap that no motion could close. Other goals stay, and those at collisions
+    /// that are open.
+    pub fn seat(&mut self, goal: usize) -> Result<(), SeatError> {
+        let Goal {
+            event,
+            body,
+            target,
+        } = self.goals[goal].clone();
+        let hits_world = self.events[event]
+            .kind
+            .collision()
+            .is_some_and(|c| c.body == body && c.partner == Partner::World);
+        let (
+            true,
+            GoalTarget::Pose {
+                mut world_from_body,
+            },
+        ) = (hits_world, target)
+        else {
+            return Ok(());
+        };
+        let Ok(Some(meeting)) = self.meeting(event) else {
+            return Ok(());
+        };
+        for (index, contact) in meeting.contacts().iter().enumerate() {
+            let frame = Frame {
+                position_m: world_from_body.translation.vector,
+                orientation: world_from_body.rotation,
+            };
+            let touch = contact.touch(&frame, &Frame::world())?;
+            let limit_m = if index == 0 { SEAT_M } else { FURTHER_M };
+            if !(touch.gap_m.abs() <= limit_m) {
+                return Err(SeatError::Apart {
+                    body: self.bodies[body].name.clone(),
+                    event: self.events[event].name.clone(),
+                    gap_m: touch.gap_m,
+                    limit_m,
+                });
+            }
+            if index == 0 {
+                world_from_body.translation.vector -= touch.normal * touch.gap_m;
+            }
+        }
+        self.goals[goal].target = GoalTarget::Pose { world_from_body };
+        Ok(())
+    }
+}

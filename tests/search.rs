@@ -1,0 +1,184 @@
+//! What touches is inferred where a scene does not say it: the same estimate as of a scene that
+//! does, and the same sequence of collisions as by trying them all.
+
+#[path = "../tools/study/case.rs"]
+mod case;
+#[path = "../tools/perform/mod.rs"]
+mod perform;
+
+use std::path::Path;
+
+use case::{Case, another_leads, estimated};
+use enact::config::scene_from_toml;
+use enact::ingest::{Recording, Source};
+use enact::motion::{EventKind, Scene, Touching, Verdict};
+use enact::pipeline::{Outcome, Pipeline};
+use perform::{Acting, bounces};
+
+const OPEN: Touching = Touching {
+    feature: None,
+    other: None,
+};
+
+fn of_recording(name: &str, edit: impl Fn(&str) -> String) -> Outcome {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let recording = Recording::open(&root.join(format!("recordings/{name}.mcap"))).unwrap();
+    let text = edit(std::str::from_utf8(recording.scene_toml().unwrap()).unwrap());
+    let scene = scene_from_toml(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let mut pipeline = Pipeline::new(scene.clone());
+    let mut source = recording.source(&scene).unwrap();
+    while let Some((_, event)) = source.next().unwrap() {
+        pipeline.push(event);
+    }
+    pipeline.finish(&mut ()).unwrap()
+}
+
+/// A scene file without what touches.
+fn without_contacts(text: &str) -> String {
+    let says = |line: &&str| {
+        ["feature =", "surface =", "other_feature ="]
+            .iter()
+            .all(|key| !line.starts_with(key))
+    };
+    text.lines().filter(says).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn scenes_that_name_no_contact_give_the_same_estimate() {
+    for name in [
+        "pencil_tip",
+        "pencil_eraser",
+        "hat_box",
+        "hat_box_bent",
+        "die",
+    ] {
+        let named = of_recording(name, str::to_owned);
+        let open = of_recording(name, without_contacts);
+        assert!(named.inferred.is_empty());
+        assert_eq!(open.inferred, named.scene_collisions(), "{name}");
+        for event in &open.inferred {
+            let words = [&named, &open].map(|o| o.scene.contact_words(*event).unwrap());
+            assert_eq!(words[1], words[0], "{name}");
+        }
+        assert_eq!(open.estimate.arcs, named.estimate.arcs, "{name}");
+        assert_eq!(open.estimate.verdict, named.estimate.verdict, "{name}");
+        assert_eq!(open.estimate.objective, named.estimate.objective, "{name}");
+    }
+}
+
+trait Collisions {
+    fn scene_collisions(&self) -> Vec<usize>;
+}
+
+impl Collisions for Outcome {
+    fn scene_collisions(&self) -> Vec<usize> {
+        let events = self.scene.events.iter().enumerate();
+        events
+            .filter(|(_, event)| event.kind.collision().is_some())
+            .map(|(index, _)| index)
+            .collect()
+    }
+}
+
+/// A scene that says nothing of what touches.
+fn opened(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for event in 0..scene.events.len() {
+        if scene.events[event].kind.collision().is_some() {
+            scene.set_contacts(event, &[OPEN]);
+        }
+    }
+    scene
+}
+
+/// All sequences, each solved; the objective of the best that is a motion.
+fn enumerated(scene: &Scene, case: &Case) -> Option<(f64, Scene)> {
+    let events: Vec<usize> = (0..scene.events.len())
+        .filter(|event| scene.is_open(*event))
+        .collect();
+    let candidates: Vec<_> = events.iter().map(|e| scene.candidates(*e)).collect();
+    let count: usize = candidates.iter().map(Vec::len).product();
+    assert_eq!(count, 64);
+    let mut best: Option<(f64, Scene)> = None;
+    for number in 0..count {
+        let mut rest = number;
+        let mut named = scene.clone();
+        for (event, candidates) in events.iter().zip(&candidates) {
+            named.set_contacts(*event, &candidates[rest % candidates.len()]);
+            rest /= candidates.len();
+        }
+        let outcome = estimated(&named, &case.performance.events, &mut ()).unwrap();
+        let objective = outcome.estimate.objective;
+        let is_sound = outcome.estimate.verdict == Verdict::Physical && !another_leads(&outcome);
+        if is_sound && best.as_ref().is_none_or(|(known, _)| objective < *known) {
+            best = Some((objective, outcome.scene));
+        }
+    }
+    best
+}
+
+fn assert_exact(case: &Case) {
+    let scene = opened(case.scene());
+    let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
+    let (objective, best) = enumerated(&scene, case).expect("some sequence is a motion");
+    assert_eq!(found.scene.events, best.events);
+    assert_eq!(found.estimate.objective, objective);
+}
+
+#[test]
+fn two_bounces_of_a_cube_are_those_that_all_64_sequences_give() {
+    for (seed, distortion) in [(0, 0.25), (1, 1.0)] {
+        let acting = Acting {
+            distortion,
+            ..Acting::timing_known()
+        };
+        assert_exact(&Case::new(&bounces(2, seed).unwrap(), &acting, seed));
+    }
+}
+
+#[test]
+fn six_bounces_of_a_cube_are_found_without_trying_them_all() {
+    for seed in 0..3 {
+        let acting = Acting {
+            distortion: 0.25,
+            ..Acting::timing_known()
+        };
+        let case = Case::new(&bounces(6, seed).unwrap(), &acting, seed);
+        let found = estimated(&opened(case.scene()), &case.performance.events, &mut ()).unwrap();
+        assert_eq!(found.scene.events, case.scene().events, "seed {seed}");
+        if let Some(work) = found.search {
+            assert!(work.is_proven);
+            assert_eq!(work.sequences, 8f64.powi(6));
+            assert!(work.solves <= 10, "{} solves", work.solves);
+        }
+    }
+}
+
+#[test]
+fn a_count_becomes_as_many_bounces_as_there_are_marks() {
+    let truth = bounces(3, 4).unwrap();
+    let case = Case::new(&truth, &Acting::timing_known(), 4);
+    let mut scene = case.scene().clone();
+    let EventKind::Collision(mut each) = scene.events[0].kind.clone() else {
+        panic!("the first event is a bounce");
+    };
+    each.contacts = vec![OPEN];
+    each.restitution = 1.0;
+    let kind = EventKind::Collisions {
+        each,
+        least: 1,
+        most: 5,
+    };
+    scene.events.splice(
+        0..3,
+        [enact::motion::Event {
+            name: "bounce".into(),
+            kind,
+        }],
+    );
+    let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
+    let names: Vec<&str> = found.scene.events.iter().map(|e| e.name.as_str()).collect();
+    assert_eq!(names, ["bounce 1", "bounce 2", "bounce 3", "end"]);
+    assert!(!found.scene.has_repeats());
+    assert!(found.scene.open_events().is_empty());
+}

@@ -1,0 +1,262 @@
+//! Whether what touches is inferred rightly, and what that costs: scenes that name no contact,
+//! and cubes of whose bounces only the number is known.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use enact::config::scene_from_toml;
+use enact::ingest::{Recording, Source};
+use enact::motion::{Scene, Touching, Verdict};
+use enact::pipeline::{Outcome, Pipeline};
+use serde::Serialize;
+
+use crate::case::{Case, another_leads, estimated};
+use crate::perform::{Acting, bounces};
+use crate::results::Options;
+use crate::statistics::median;
+use crate::table::{Table, number, percent};
+
+/// Recordings that come with the project.
+const RECORDINGS: [&str; 5] = [
+    "pencil_tip",
+    "pencil_eraser",
+    "hat_box",
+    "hat_box_bent",
+    "die",
+];
+/// Runs of each; the fastest counts.
+const RUNS: usize = 9;
+/// Bounces and distortions.
+const BOUNCES: [usize; 5] = [2, 4, 6, 12, 20];
+const DISTORTIONS: [f64; 2] = [0.25, 1.0];
+/// Objectives this near are one [relative].
+const SAME: f64 = 1e-6;
+
+/// One searched performance.
+#[derive(Serialize)]
+struct Row {
+    bounces: usize,
+    distortion: f64,
+    timing_known: bool,
+    seed: u64,
+    verdict: &'static str,
+    is_true: bool,
+    is_proven: bool,
+    /// Objective over that of the true sequence.
+    relative: f64,
+    /// Whether the estimate of the true sequence is a motion in which no other corner leads.
+    truth_holds: bool,
+    is_searched: bool,
+    sequences: f64,
+    nodes: usize,
+    bounds: usize,
+    solves: usize,
+    seconds: f64,
+    named_seconds: f64,
+}
+
+/// Runs it.
+pub fn run(options: &Options) -> Result<()> {
+    recordings()?;
+    let mut rows = Vec::new();
+    let mut table = Table::new(
+        "Sequences of a cube's bounces",
+        &[
+            "bounces",
+            "timing",
+            "distortion",
+            "true sequence found",
+            "as good or better",
+            "or the true one is no motion",
+            "searched",
+            "not proven",
+            "bounds",
+            "solves",
+            "of",
+            "time, median [s]",
+            "max [s]",
+            "named [s]",
+        ],
+    );
+    for count in BOUNCES {
+        for known in [true, false] {
+            for distortion in DISTORTIONS {
+                let acting = Acting {
+                    distortion,
+                    ..if known {
+                        Acting::timing_known()
+                    } else {
+                        Acting::default()
+                    }
+                };
+                let seeds = 0..options.seeds;
+                let block: Vec<Row> = seeds
+                    .filter_map(|seed| searched(count, &acting, seed))
+                    .collect();
+                table.row(cells(&block));
+                eprintln!("{}", cells(&block).join(" | "));
+                rows.extend(block);
+            }
+        }
+    }
+    println!("{table}");
+    options.write_json("sequences", &rows)
+}
+
+fn cells(block: &[Row]) -> Vec<String> {
+    let of = |value: fn(&Row) -> f64| block.iter().map(value).collect::<Vec<f64>>();
+    let share =
+        |is: fn(&Row) -> bool| percent(block.iter().filter(|row| is(row)).count(), block.len());
+    let first = &block[0];
+    let most = of(|row| row.seconds).into_iter().fold(0.0, f64::max);
+    vec![
+        first.bounces.to_string(),
+        if first.timing_known {
+            "known"
+        } else {
+            "unknown"
+        }
+        .to_owned(),
+        format!("{}×", first.distortion),
+        share(|row| row.is_true),
+        share(|row| row.relative <= 1.0 + SAME),
+        share(|row| row.relative <= 1.0 + SAME || !row.truth_holds),
+        share(|row| row.is_searched),
+        share(|row| row.is_searched && !row.is_proven),
+        number(median(&of(|row| row.bounds as f64))),
+        number(median(&of(|row| row.solves as f64))),
+        number(first.sequences),
+        number(median(&of(|row| row.seconds))),
+        number(most),
+        number(median(&of(|row| row.named_seconds))),
+    ]
+}
+
+/// The scene with nothing said of what touches.
+fn opened(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for event in 0..scene.events.len() {
+        if scene.events[event].kind.collision().is_some() {
+            let open = Touching {
+                feature: None,
+                other: None,
+            };
+            scene.set_contacts(event, &[open]);
+        }
+    }
+    scene
+}
+
+fn searched(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
+    let truth = bounces(count, seed).ok()?;
+    let case = Case::new(&truth, acting, seed);
+    let scene = opened(case.scene());
+    let started = Instant::now();
+    let named = case.estimated(&mut ()).ok()?;
+    let named_seconds = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let found = estimated(&scene, &case.performance.events, &mut ()).ok()?;
+    let seconds = started.elapsed().as_secs_f64();
+    let work = found.search.unwrap_or_default();
+    Some(Row {
+        bounces: count,
+        distortion: acting.distortion,
+        timing_known: acting.is_timing_known(),
+        seed,
+        verdict: found.estimate.verdict.word(),
+        is_true: found.scene.events == named.scene.events,
+        is_proven: work.is_proven,
+        relative: found.estimate.objective / named.estimate.objective,
+        truth_holds: named.estimate.verdict == Verdict::Physical && !another_leads(&named),
+        is_searched: found.search.is_some(),
+        sequences: 8f64.powi(count as i32),
+        nodes: work.nodes,
+        bounds: work.bounds,
+        solves: work.solves,
+        seconds,
+        named_seconds,
+    })
+}
+
+fn recordings() -> Result<()> {
+    let mut table = Table::new(
+        "Scenes that name no contact",
+        &[
+            "recording",
+            "inferred",
+            "same estimate",
+            "bounds",
+            "solves",
+            "named [ms]",
+            "open [ms]",
+            "ratio",
+        ],
+    );
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for name in RECORDINGS {
+        let path = root.join(format!("recordings/{name}.mcap"));
+        let recording = Recording::open(&path)?;
+        let text = std::str::from_utf8(recording.scene_toml().context("no scene")?)?;
+        let (named, named_s) = timed(&recording, text)?;
+        let (open, open_s) = match timed(&recording, &without_contacts(text)) {
+            Ok(run) => run,
+            Err(error) => {
+                println!("{name}: {error}");
+                continue;
+            }
+        };
+        let work = open.search.unwrap_or_default();
+        let words = open
+            .inferred
+            .iter()
+            .filter_map(|event| open.scene.contact_words(*event));
+        let is_same = open.estimate.arcs == named.estimate.arcs;
+        table.row([
+            name.to_owned(),
+            words.collect::<Vec<_>>().join("; "),
+            if is_same {
+                "bit for bit".into()
+            } else {
+                format!(
+                    "objective {} against {}",
+                    open.estimate.objective, named.estimate.objective
+                )
+            },
+            work.bounds.to_string(),
+            work.solves.to_string(),
+            number(1e3 * named_s),
+            number(1e3 * open_s),
+            number(open_s / named_s),
+        ]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+/// The scene file without what touches.
+fn without_contacts(text: &str) -> String {
+    let says = |line: &&str| {
+        ["feature =", "surface =", "other_feature ="]
+            .iter()
+            .all(|key| !line.starts_with(key))
+    };
+    text.lines().filter(says).collect::<Vec<_>>().join("\n")
+}
+
+fn timed(recording: &Recording, text: &str) -> Result<(Outcome, f64)> {
+    let mut pipeline = Pipeline::new(scene_from_toml(text)?);
+    let scene = pipeline.scene().clone();
+    let mut source = recording.source(&scene)?;
+    while let Some((_, event)) = source.next()? {
+        pipeline.push(event);
+    }
+    let mut fastest_s = f64::INFINITY;
+    let mut outcome = None;
+    for _ in 0..RUNS {
+        let started = Instant::now();
+        outcome = Some(pipeline.finish(&mut ())?);
+        fastest_s = fastest_s.min(started.elapsed().as_secs_f64());
+    }
+    Ok((outcome.context("no run")?, fastest_s))
+}
