@@ -74,9 +74,8 @@
 //!
 //! # Limits
 //!
-//! Free rigid bodies with two or three equal principal moments, colliding at named points with
-//! fixed planes, without friction. Joints, friction and collisions between bodies are not
-//! modelled.
+//! Free rigid bodies, colliding at named points with fixed planes, without friction. Joints,
+//! friction and collisions between bodies are not modelled.
 
 #![forbid(unsafe_code)]
 

@@ -201,6 +201,23 @@ fn density_and_moments_may_be_given() {
 }
 
 #[test]
+fn three_different_moments_make_an_asymmetric_body() {
+    for (old, new) in [
+        (
+            "mass_g = 6.0",
+            "mass_g = 6.0\nmoments_kg_m2 = [1e-5, 1.1e-5, 1.2e-5]",
+        ),
+        (
+            "kind = \"cylinder\", length_mm = 190.0, radius_mm = 3.75",
+            "kind = \"cuboid\", size_mm = [10, 20, 30]",
+        ),
+    ] {
+        let scene = scene_from_toml(&with(old, new)).unwrap();
+        assert_eq!(scene.bodies[0].body.symmetry(), Symmetry::Asymmetric);
+    }
+}
+
+#[test]
 fn an_error_names_its_file() {
     let error = error_of("name = 3").in_file("config/drop.toml");
     assert!(

@@ -148,7 +148,7 @@ impl Arrival {
             duration_s,
             by_orientation: turn.orientation_by_orientation,
             turn_by_spin: turn.orientation_by_angular_velocity,
-            spin_by_spin: flow::angular_velocity_by_angular_velocity(body, omega, duration_s),
+            spin_by_spin: turn.angular_velocity_by_angular_velocity,
         }
     }
 

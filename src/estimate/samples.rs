@@ -129,15 +129,19 @@ pub fn known_times(
     times_s: &[f64],
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
-    let spin = Spin::new(&problem.bodies[arc.body], &state.angular_velocity_rad_s);
+    let mut spin = Spin::new(&problem.bodies[arc.body], &state.angular_velocity_rad_s);
     let unit = problem.orientation_unit_rad;
     let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
     let weight = arc.samples.len() as f64 / (readings.len() as f64 * unit * unit);
     for sample in readings {
         let s = times_s[sample.node] - epoch_s;
-        terms
-            .turn
-            .add(&spin, &state.orientation, &sample.orientation, s, weight);
+        terms.turn.add(
+            &mut spin,
+            &state.orientation,
+            &sample.orientation,
+            s,
+            weight,
+        );
     }
     sums.add_to(&mut terms, state, gravity_m_s2, problem.position_unit_m);
     terms
@@ -154,13 +158,13 @@ pub fn unknown_times(
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     let body: &Body = &problem.bodies[arc.body];
-    let spin = Spin::new(body, &state.angular_velocity_rad_s);
+    let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
     let turn_weight = 1.0 / (problem.orientation_unit_rad * problem.orientation_unit_rad);
     let weight = 1.0 / (problem.position_unit_m * problem.position_unit_m);
     for sample in &arc.samples {
         let s = times_s[sample.node] - epoch_s;
         let (k, error) = terms.turn.add(
-            &spin,
+            &mut spin,
             &state.orientation,
             &sample.orientation,
             s,

@@ -4,8 +4,12 @@ use nalgebra::Vector3;
 use thiserror::Error;
 
 /// Moments closer than this, relative to the largest, are one moment: further apart than
-/// rounding leaves them, far closer than any scale can weigh.
-const EQUAL_MOMENTS: f64 = 1e-9;
+/// rounding leaves them, and so close that a turn of a hundred radians with the mean of two
+/// differs by less than 2e-13 rad.
+const EQUAL_MOMENTS: f64 = 8.0 * f64::EPSILON;
+/// By how much the largest moment may exceed the sum of the others, relative: a flat body's
+/// moments are typed with few digits.
+const TRIANGLE_SLACK: f64 = 1e-9;
 
 /// Mass and principal moments of inertia at the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +29,8 @@ pub enum Symmetry {
         /// Body axis of symmetry.
         axis: usize,
     },
+    /// All different: an asymmetric top, such as a brick or a phone.
+    Asymmetric,
 }
 
 /// Why mass and moments make no body.
@@ -47,17 +53,12 @@ pub enum BodyError {
     /// No distribution of mass has such moments.
     #[error("moments {0} + {1} < {2} kg m²: the sum of any two is at least the third")]
     Triangle(f64, f64, f64),
-    /// Three different moments: their flow is not implemented.
-    #[error(
-        "moments {0}, {1}, {2} kg m² are all different: only bodies with two or three equal moments are supported"
-    )]
-    ThreeDifferent(f64, f64, f64),
 }
 
 impl Body {
     /// A body from its mass \[kg\] and principal moments [kg m²] about body axes 0, 1, 2.
     ///
-    /// Fails where no distribution of mass has these, or where all three moments differ.
+    /// Fails where no distribution of mass has these.
     pub fn new(mass_kg: f64, moments_kg_m2: Vector3<f64>) -> Result<Self, BodyError> {
         if !(mass_kg > 0.0 && mass_kg.is_finite()) {
             return Err(BodyError::Mass { mass_kg });
@@ -75,7 +76,7 @@ impl Body {
                 moments_kg_m2[(axis + 2) % 3],
                 moments_kg_m2[axis],
             );
-            if a + b < c * (1.0 - EQUAL_MOMENTS) {
+            if a + b < c * (1.0 - TRIANGLE_SLACK) {
                 return Err(BodyError::Triangle(a, b, c));
             }
         }
@@ -86,19 +87,14 @@ impl Body {
         let symmetry = if equal(0, 1) && equal(1, 2) && equal(0, 2) {
             moments_kg_m2.fill(moments_kg_m2.mean());
             Symmetry::Spherical
-        } else {
-            let axis = (0..3)
-                .find(|axis| equal((axis + 1) % 3, (axis + 2) % 3))
-                .ok_or(BodyError::ThreeDifferent(
-                    moments_kg_m2[0],
-                    moments_kg_m2[1],
-                    moments_kg_m2[2],
-                ))?;
+        } else if let Some(axis) = (0..3).find(|axis| equal((axis + 1) % 3, (axis + 2) % 3)) {
             let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
             let mean = 0.5 * (moments_kg_m2[i] + moments_kg_m2[j]);
             moments_kg_m2[i] = mean;
             moments_kg_m2[j] = mean;
             Symmetry::Axial { axis }
+        } else {
+            Symmetry::Asymmetric
         };
         Ok(Self {
             mass_kg,
@@ -120,5 +116,29 @@ impl Body {
     /// How many of the moments are equal.
     pub fn symmetry(&self) -> Symmetry {
         self.symmetry
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symmetry_is_told_to_rounding() {
+        let symmetry = |moments: [f64; 3]| Body::new(1.0, moments.into()).unwrap().symmetry();
+        assert_eq!(symmetry([1.0, 2.0, 2.5]), Symmetry::Asymmetric);
+        assert_eq!(symmetry([1.0, 2.0, 2.0 + 1e-14]), Symmetry::Asymmetric);
+        let last = 2.0 + f64::EPSILON;
+        assert_eq!(symmetry([1.0, 2.0, last]), Symmetry::Axial { axis: 0 });
+        assert_eq!(symmetry([2.0, last, 2.0]), Symmetry::Spherical);
+        let body = Body::new(1.0, Vector3::new(1.0, 2.0, last)).unwrap();
+        assert_eq!(body.moments_kg_m2().y, body.moments_kg_m2().z);
+    }
+
+    #[test]
+    fn flat_bodies_may_miss_the_triangle_by_rounding() {
+        assert!(Body::new(1.0, Vector3::new(1.0, 2.0, 3.0 + 1e-10)).is_ok());
+        let refused = Body::new(1.0, Vector3::new(1.0, 2.0, 3.001));
+        assert!(matches!(refused, Err(BodyError::Triangle(..))));
     }
 }

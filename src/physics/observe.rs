@@ -33,7 +33,7 @@ impl TurnTerms {
     #[inline]
     pub fn add(
         &mut self,
-        spin: &Spin,
+        spin: &mut Spin,
         orientation: &UnitQuaternion<f64>,
         measured: &UnitQuaternion<f64>,
         s: f64,
@@ -71,11 +71,11 @@ mod tests {
         };
         for offset in [0.0, 0.9] {
             let cost = |d: &[f64]| {
-                let spin = Spin::new(&body, &(omega + Vector3::new(d[3], d[4], d[5])));
+                let mut spin = Spin::new(&body, &(omega + Vector3::new(d[3], d[4], d[5])));
                 let turned = orientation * so3::exp(&Vector3::new(d[0], d[1], d[2]));
                 let mut terms = TurnTerms::default();
                 for s in [-0.2, 0.0, 0.3] {
-                    terms.add(&spin, &turned, &measured(offset, s), s, 2.5);
+                    terms.add(&mut spin, &turned, &measured(offset, s), s, 2.5);
                 }
                 terms
             };

@@ -1,0 +1,352 @@
+//! The turn of a body with three different moments, by Taylor series step after step
+//! ([`super::series`]).
+//!
+//! It has a closed form in elliptic functions, which loses its derivatives' digits where
+//! moments are nearly equal or the body turns about a principal axis, and costs more where one
+//! arc is asked for at many times (`tools/flows`). Steps know no such cases, serve all times
+//! within them, and their derivatives are those of the flow itself.
+//!
+//! Time is counted in units of the first angular speed, down to a power of two so that nothing
+//! is rounded: slow turns and fast ones are the same steps.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+use super::series::{self, Columns, Series, Variables};
+use crate::math::so3;
+use crate::physics::body::Body;
+
+/// Turns beyond this angle \[rad\], or half of it, are not computed: their steps would be too
+/// many to keep.
+pub const ANGLE_MAX_RAD: f64 = 2e4;
+
+/// `c_i = (I_j − I_k)/I_i` of Euler's equations `ω̇_i = c_i ω_j ω_k`.
+pub fn couplings(body: &Body) -> [f64; 3] {
+    let moments = body.moments_kg_m2();
+    [0, 1, 2].map(|i| (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i])
+}
+
+/// A turn with its derivatives, in the units of the state.
+#[derive(Clone, Debug)]
+pub struct Turned {
+    /// `R(0)⁻¹R(s)`.
+    pub rotation: UnitQuaternion<f64>,
+    /// `ω(s)` [rad/s, body].
+    pub omega_rad_s: Vector3<f64>,
+    /// Left perturbation of the rotation \[rad\] by `ω(0)` [rad/s].
+    pub turn_by_spin: Matrix3<f64>,
+    /// `∂ω(s)/∂ω(0)`.
+    pub spin_by_spin: Matrix3<f64>,
+}
+
+/// Where steps meet, seen from the epoch's frame and in units of the speed.
+#[derive(Clone, Debug)]
+struct Node {
+    rotation: UnitQuaternion<f64>,
+    variables: [f64; 3],
+    /// Left perturbation of the rotation by `ω(0)`.
+    turn_by_spin: Matrix3<f64>,
+    /// Change of the variables by `ω(0)`.
+    variables_by_spin: Matrix3<f64>,
+}
+
+/// What all steps of one turn share.
+#[derive(Clone, Debug)]
+struct Motion {
+    couplings: [f64; 3],
+    moments: [f64; 3],
+    variables: Variables,
+    /// Of the variables.
+    invariant: f64,
+    speed_rad_s: f64,
+    start: Node,
+}
+
+impl Motion {
+    fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
+        let couplings = couplings(body);
+        let speed_rad_s = match power_of_two_below(omega_rad_s.norm()) {
+            0.0 => 1.0,
+            speed_rad_s => speed_rad_s,
+        };
+        let omega = (omega_rad_s / speed_rad_s).into();
+        let variables = Variables::of(&couplings, &omega);
+        let moments = body.moments_kg_m2().into();
+        let start = variables.from_omega(&omega);
+        Self {
+            couplings,
+            moments,
+            invariant: variables.invariant(&moments, &start),
+            speed_rad_s,
+            start: Node {
+                rotation: UnitQuaternion::identity(),
+                variables: start,
+                turn_by_spin: Matrix3::zeros(),
+                variables_by_spin: variables.variables_by_omega(),
+            },
+            variables,
+        }
+    }
+
+    /// A duration in units of the speed; none where it is too long.
+    fn angle(&self, duration_s: f64) -> Option<f64> {
+        let angle = self.speed_rad_s * duration_s;
+        (angle.abs() <= ANGLE_MAX_RAD).then_some(angle)
+    }
+
+    /// Variables at the end of a step, scaled to their invariant: else its rounding would gather
+    /// over many steps, and what gathers in the speed gathers twice in the angle.
+    fn kept(&self, variables: [f64; 3]) -> [f64; 3] {
+        let invariant = self.variables.invariant(&self.moments, &variables);
+        if invariant == 0.0 {
+            return variables;
+        }
+        let excess = (self.invariant - invariant) / invariant;
+        variables.map(|variable| variable + variable * (0.5 * excess))
+    }
+
+    fn omega_rad_s(&self, node: &Node) -> Vector3<f64> {
+        Vector3::from(self.variables.omega(&node.variables)) * self.speed_rad_s
+    }
+}
+
+/// The power of two at or below a number that is not negative; zero for the subnormal.
+fn power_of_two_below(number: f64) -> f64 {
+    f64::from_bits(number.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// Series of the variables, of `ω` and of the turn from a node.
+struct Values {
+    variables: Series<3>,
+    omega: Series<3>,
+    turn: Series<4>,
+    reach: f64,
+}
+
+impl Values {
+    fn new(motion: &Motion, start: &Node) -> Self {
+        let (variables, omega) = motion.variables.series(&motion.couplings, &start.variables);
+        let turn = series::turn(&omega);
+        Self {
+            reach: series::reach(&motion.variables, &variables, &turn),
+            variables,
+            omega,
+            turn,
+        }
+    }
+
+    /// The node at `angle` from the start, its derivatives as they were.
+    fn node(&self, motion: &Motion, start: &Node, angle: f64) -> Node {
+        let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
+        Node {
+            rotation: UnitQuaternion::new_normalize(turned),
+            variables: motion.kept(series::value(&self.variables, angle)),
+            ..start.clone()
+        }
+    }
+}
+
+fn quaternion([x, y, z, w]: [f64; 4]) -> Quaternion<f64> {
+    Quaternion::new(w, x, y, z)
+}
+
+/// One step: the turn near a node, to both sides.
+///
+/// A turn twice as fast is the same turn in half the time. So a change along the variables `z`
+/// themselves changes them by `z + t ż`, and the turn by `η = t ω`; only for two of them are
+/// there series.
+#[derive(Clone, Debug)]
+struct Step {
+    start: Node,
+    reach: f64,
+    variables: Series<3>,
+    turn: Series<4>,
+    /// Change of the variables, and `η`, by two of the variables at the start.
+    variables_by_start: Columns,
+    eta: Columns,
+    /// A change of `ω(0)` in parts: along the variables, then by the two.
+    parts: Matrix3<f64>,
+    /// The variables to go along where all are zero.
+    stand_in: Vector3<f64>,
+}
+
+impl Step {
+    fn new(motion: &Motion, start: Node) -> Self {
+        let values = Values::new(motion, &start);
+        let z = &start.variables;
+        let largest = Vector3::from(*z).iamax();
+        let by = [(largest + 1) % 3, (largest + 2) % 3];
+        let (variables_by_start, w) =
+            motion
+                .variables
+                .derivatives(&motion.couplings, &values.variables, by);
+        let eta = series::turn_derivatives(&values.omega, &w);
+        let changes = &start.variables_by_spin;
+        let mut stand_in = Vector3::zeros();
+        if z[largest] == 0.0 {
+            stand_in[largest] = 1.0;
+        }
+        let along = changes.row(largest) / (z[largest] + stand_in[largest]);
+        let parts = Matrix3::from_rows(&[
+            along,
+            changes.row(by[0]) - along * z[by[0]],
+            changes.row(by[1]) - along * z[by[1]],
+        ]);
+        Self {
+            reach: values.reach.min(series::derivatives_reach(&eta)),
+            variables: values.variables,
+            turn: values.turn,
+            variables_by_start,
+            eta,
+            parts,
+            stand_in,
+            start,
+        }
+    }
+
+    /// Rotation and its left perturbation by `ω(0)`, and the variables, at `angle` from the start.
+    #[inline]
+    fn turn(&self, motion: &Motion, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>, [f64; 3]) {
+        let turned = quaternion(series::value(&self.turn, angle));
+        let rotation = UnitQuaternion::new_unchecked(self.start.rotation.into_inner() * turned);
+        let variables = series::value(&self.variables, angle);
+        let along = Vector3::from(variables) + self.stand_in;
+        let along = Vector3::from(motion.variables.omega(&along.into())) * angle;
+        let [first, second] = series::columns(&self.eta, angle);
+        let eta = Matrix3::from_columns(&[along, first, second]) * self.parts;
+        let by_spin = self.start.turn_by_spin + so3::matrix(&rotation) * eta;
+        (rotation, by_spin, variables)
+    }
+
+    fn node(&self, motion: &Motion, angle: f64) -> Node {
+        let (rotation, turn_by_spin, variables) = self.turn(motion, angle);
+        let rate = motion.variables.rate(&motion.couplings, &variables);
+        let along = Vector3::from(variables) + self.stand_in + Vector3::from(rate) * angle;
+        let [first, second] = series::columns(&self.variables_by_start, angle);
+        Node {
+            rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
+            variables: motion.kept(variables),
+            turn_by_spin,
+            variables_by_spin: Matrix3::from_columns(&[along, first, second]) * self.parts,
+        }
+    }
+}
+
+/// `R(0)⁻¹R(s)` and `ω(s)` [rad/s, body] alone.
+pub fn advance(
+    body: &Body,
+    omega_rad_s: &Vector3<f64>,
+    duration_s: f64,
+) -> (UnitQuaternion<f64>, Vector3<f64>) {
+    let motion = Motion::new(body, omega_rad_s);
+    let Some(angle) = motion.angle(duration_s) else {
+        let unknown = unknown();
+        return (unknown.rotation, unknown.omega_rad_s);
+    };
+    let mut node = motion.start.clone();
+    let mut left = angle;
+    while left != 0.0 {
+        let values = Values::new(&motion, &node);
+        let step = left.clamp(-values.reach, values.reach);
+        node = values.node(&motion, &node, step);
+        left -= step;
+    }
+    (node.rotation, motion.omega_rad_s(&node))
+}
+
+/// The turn with its derivatives.
+pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned {
+    let motion = Motion::new(body, omega_rad_s);
+    let Some(angle) = motion.angle(duration_s) else {
+        return unknown();
+    };
+    let mut node = motion.start.clone();
+    let mut left = angle;
+    while left != 0.0 {
+        let series = Step::new(&motion, node);
+        let step = left.clamp(-series.reach, series.reach);
+        node = series.node(&motion, step);
+        left -= step;
+    }
+    Turned {
+        rotation: node.rotation,
+        omega_rad_s: motion.omega_rad_s(&node),
+        turn_by_spin: node.turn_by_spin / motion.speed_rad_s,
+        spin_by_spin: motion.variables.omega_by_variables() * node.variables_by_spin,
+    }
+}
+
+/// Not a number, throughout.
+fn unknown() -> Turned {
+    let unknown = Vector3::repeat(f64::NAN);
+    Turned {
+        rotation: UnitQuaternion::new_unchecked(Quaternion::from_parts(f64::NAN, unknown)),
+        omega_rad_s: unknown,
+        turn_by_spin: Matrix3::repeat(f64::NAN),
+        spin_by_spin: Matrix3::repeat(f64::NAN),
+    }
+}
+
+/// The turn of one angular velocity: its steps, made when a time is first asked for.
+#[derive(Clone, Debug)]
+pub struct Steps {
+    motion: Motion,
+    /// After the epoch, and before it.
+    sides: [Side; 2],
+}
+
+/// Steps in one direction, and the distance of each one's start from the epoch.
+#[derive(Clone, Debug, Default)]
+struct Side {
+    starts: Vec<f64>,
+    steps: Vec<Step>,
+}
+
+impl Steps {
+    /// The turn that begins with `ω` [rad/s, body].
+    pub fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
+        Self {
+            motion: Motion::new(body, omega_rad_s),
+            sides: [Side::default(), Side::default()],
+        }
+    }
+
+    /// See [`super::Spin::turn_and_derivative`].
+    pub fn turn_and_derivative(&mut self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+        let Some(angle) = self.motion.angle(duration_s) else {
+            let unknown = unknown();
+            return (unknown.rotation, unknown.turn_by_spin);
+        };
+        if angle == 0.0 {
+            return (UnitQuaternion::identity(), Matrix3::identity());
+        }
+        let side = &mut self.sides[usize::from(angle < 0.0)];
+        let distance = angle.abs();
+        while side.end() < distance {
+            side.extend(&self.motion, angle.signum());
+        }
+        let at = side.starts.partition_point(|start| *start < distance) - 1;
+        let step = &side.steps[at];
+        let (rotation, by_spin, _) =
+            step.turn(&self.motion, (distance - side.starts[at]).copysign(angle));
+        (rotation, by_spin / angle)
+    }
+}
+
+impl Side {
+    /// How far from the epoch the steps reach.
+    fn end(&self) -> f64 {
+        match (self.starts.last(), self.steps.last()) {
+            (Some(start), Some(step)) => start + step.reach,
+            _ => 0.0,
+        }
+    }
+
+    fn extend(&mut self, motion: &Motion, direction: f64) {
+        let node = match self.steps.last() {
+            Some(step) => step.node(motion, step.reach * direction),
+            None => motion.start.clone(),
+        };
+        self.starts.push(self.end());
+        self.steps.push(Step::new(motion, node));
+    }
+}

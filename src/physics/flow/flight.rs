@@ -1,0 +1,51 @@
+//! The flight of a whole state.
+
+use nalgebra::Vector3;
+
+use super::asymmetric;
+use super::axial::Turning;
+use crate::physics::body::{Body, Symmetry};
+use crate::physics::state::{State, StateTangent, part};
+
+/// State after `duration_s` of free flight (negative: before).
+///
+/// Its turn is not a number where it would be more than [`super::ANGLE_MAX_RAD`] of a body
+/// with three different moments.
+pub fn advance(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> State {
+    let omega = &state.angular_velocity_rad_s;
+    let (rotation, angular_velocity_rad_s) = match body.symmetry() {
+        Symmetry::Asymmetric => asymmetric::advance(body, omega, duration_s),
+        _ => Turning::of(body).advance(omega, duration_s),
+    };
+    State {
+        position_m: position(gravity_m_s2, state, duration_s),
+        orientation: state.orientation * rotation,
+        velocity_m_s: state.velocity_m_s + gravity_m_s2 * duration_s,
+        angular_velocity_rad_s,
+    }
+}
+
+/// Centre of mass after `duration_s` [m, world].
+pub fn position(gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> Vector3<f64> {
+    state.position_m + (state.velocity_m_s + gravity_m_s2 * (0.5 * duration_s)) * duration_s
+}
+
+/// Time derivative of the state under free flight, in its own tangent space.
+pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
+    let omega = &state.angular_velocity_rad_s;
+    let [a, b, c] = asymmetric::couplings(body);
+    let euler = Vector3::new(
+        a * omega.y * omega.z,
+        b * omega.z * omega.x,
+        c * omega.x * omega.y,
+    );
+    let mut rate = StateTangent::zeros();
+    rate.fixed_rows_mut::<3>(part::POSITION)
+        .copy_from(&state.velocity_m_s);
+    rate.fixed_rows_mut::<3>(part::ORIENTATION).copy_from(omega);
+    rate.fixed_rows_mut::<3>(part::VELOCITY)
+        .copy_from(gravity_m_s2);
+    rate.fixed_rows_mut::<3>(part::ANGULAR_VELOCITY)
+        .copy_from(&euler);
+    rate
+}

@@ -1,0 +1,77 @@
+//! The free turn: at one time, or at many.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::asymmetric::{self, Steps};
+use super::axial::{Precession, Turning};
+use crate::math::so3;
+use crate::physics::body::{Body, Symmetry};
+
+/// Orientation and angular velocity after a free turn, with their derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// `R(s)`.
+    pub orientation: UnitQuaternion<f64>,
+    /// `ω(s)` [rad/s, body].
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Change of `R(s)` \[rad\] per change of `R(0)` \[rad\].
+    pub orientation_by_orientation: Matrix3<f64>,
+    /// Change of `R(s)` \[rad\] per change of `ω(0)` [rad/s].
+    pub orientation_by_angular_velocity: Matrix3<f64>,
+    /// Change of `ω(s)` per change of `ω(0)`.
+    pub angular_velocity_by_angular_velocity: Matrix3<f64>,
+}
+
+/// Free turn for `duration_s`, with derivatives; not a number where [`super::advance`] is not.
+pub fn turn(
+    body: &Body,
+    orientation: &UnitQuaternion<f64>,
+    angular_velocity_rad_s: &Vector3<f64>,
+    duration_s: f64,
+) -> Turn {
+    if body.symmetry() != Symmetry::Asymmetric {
+        return Turning::of(body).turn(orientation, angular_velocity_rad_s, duration_s);
+    }
+    let end = asymmetric::turn(body, angular_velocity_rad_s, duration_s);
+    let back = so3::matrix(&end.rotation).transpose();
+    Turn {
+        orientation: orientation * end.rotation,
+        angular_velocity_rad_s: end.omega_rad_s,
+        orientation_by_orientation: back,
+        orientation_by_angular_velocity: back * end.turn_by_spin,
+        angular_velocity_by_angular_velocity: end.spin_by_spin,
+    }
+}
+
+/// The free turn of one angular velocity, for many durations.
+#[derive(Clone, Debug)]
+pub struct Spin(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Precession(Precession),
+    Steps(Box<Steps>),
+}
+
+impl Spin {
+    /// The turn that begins with `ω` [rad/s, body].
+    pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
+        Self(match body.symmetry() {
+            Symmetry::Asymmetric => Kind::Steps(Box::new(Steps::new(body, angular_velocity_rad_s))),
+            _ => Kind::Precession(Precession::new(body, angular_velocity_rad_s)),
+        })
+    }
+
+    /// `R(0)⁻¹R(s)`, and the `K` by which a change of `ω` turns `R(s)` by `s K δω`, seen from
+    /// the frame of `R(0)`. Since `ω` turns with the body, `K ω` is `ω(s)` in that frame.
+    ///
+    /// What it returns is the same in whatever order durations are asked for; steps made for one
+    /// serve the next.
+    #[inline]
+    pub fn turn_and_derivative(&mut self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
+        match &mut self.0 {
+            Kind::Precession(precession) => precession.turn_and_derivative(duration_s),
+            Kind::Steps(steps) => steps.turn_and_derivative(duration_s),
+        }
+    }
+}
