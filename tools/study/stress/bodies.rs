@@ -1,0 +1,49 @@
+//! Hard bodies: thin rods, moments that are nearly equal, fast spin.
+
+use enact::physics::Body;
+use nalgebra::Vector3;
+
+use super::flights::spinning;
+use super::{Trouble, add_both};
+use crate::case::Case;
+use crate::perform::{Style, Truth};
+
+/// Adds them.
+pub fn add(all: &mut Vec<Trouble>) {
+    for ratio in [1e-2, 1e-4, 1e-6] {
+        let name = format!("1 : {ratio:.0e}");
+        add_both(all, "inertia ratio", &name, move |acting, seed| {
+            let truth = with_moments([1.0, 1.0, ratio])?;
+            Ok(Case::new(&truth, acting, seed))
+        });
+    }
+    for power in [3, 6, 8, 9, 10, 12, 15] {
+        let delta = 10f64.powi(-power);
+        let name = format!("pencil, 1e-{power}");
+        add_both(all, "nearly equal moments", &name, move |acting, seed| {
+            let truth = with_moments([1.0, 1.0 + delta, 2.3e-3])?;
+            Ok(Case::new(&truth, acting, seed))
+        });
+        let name = format!("sphere, 1e-{power}");
+        add_both(all, "nearly equal moments", &name, move |acting, seed| {
+            let truth = with_moments([1.0, 1.0 + delta, 1.0 - delta])?;
+            Ok(Case::new(&truth, acting, seed))
+        });
+    }
+    for spin_rad_s in [0.0, 50.0, 200.0, 1000.0] {
+        let name = format!("{spin_rad_s} rad/s about the pencil");
+        add_both(all, "spin", &name, move |acting, seed| {
+            Ok(Case::new(&spinning(spin_rad_s)?, acting, seed))
+        });
+    }
+}
+
+/// The tip-first motion of a pencil with other moments, of the same size.
+pub fn with_moments(shares: [f64; 3]) -> Result<Truth, String> {
+    let mut scene = Style::Tip.truth().scene;
+    let body = scene.bodies[0].body;
+    let moments_kg_m2 = Vector3::from(shares) * body.moments_kg_m2().x;
+    scene.bodies[0].body =
+        Body::new(body.mass_kg(), moments_kg_m2).map_err(|error| error.to_string())?;
+    Style::Tip.truth_in(&scene).map_err(|error| error.to_string())
+}
