@@ -66,6 +66,7 @@ fn take(folder: &Path, toss: &Toss) -> Vec<TakeEvent> {
         last = Stamp((t * 1e9_f64).round() as i64);
         events.push(TakeEvent::Pose {
             body: 0,
+            stream: 0,
             sample: PoseSample {
                 stamp: last,
                 position_m: Vector3::new(x, y, z),

@@ -39,7 +39,7 @@ fn main() -> Result<()> {
     recording.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
     for (event, &arrival) in performance.events.iter().zip(&performance.arrivals) {
         match event {
-            TakeEvent::Pose { body, sample } => {
+            TakeEvent::Pose { body, sample, .. } => {
                 let topic = &scene.bodies[*body].topic;
                 recording.pose(topic, DEFAULT_WORLD_FRAME, arrival, sample)?;
             }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
-use super::number::{name, pose, positive, topic, vector, vector_from_mm};
+use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::raw::{RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
 use crate::math::Pose;
@@ -49,16 +49,26 @@ pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
     })
 }
 
+/// The corners in alphabetical order, then the faces as they are written.
 fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
-    raw.features_mm
-        .iter()
-        .map(|(text, point)| {
-            let name = name("feature", text)?;
-            let point_m = vector_from_mm(&format!("feature {name:?}"), point)?;
-            let geometry = contact::Feature::corner(point_m);
-            Ok(Feature { name, geometry })
-        })
-        .collect()
+    let mut features: Vec<Feature> = Vec::new();
+    for (text, point) in &raw.features_mm {
+        let name = name("feature", text)?;
+        let point_m = vector_from_mm(&format!("feature {name:?}"), point)?;
+        let geometry = contact::Feature::corner(point_m);
+        features.push(Feature { name, geometry });
+    }
+    for face in &raw.face {
+        let name = name("face", &face.name)?;
+        let taken = features.iter().map(|feature| feature.name.as_str());
+        unique("feature", &face.name, &name, taken)?;
+        let geometry = contact::Feature::face(
+            vector_from_mm("point_mm", &face.point_mm)?,
+            direction("normal", &face.normal)?,
+        );
+        features.push(Feature { name, geometry });
+    }
+    Ok(features)
 }
 
 /// Exactly one of the three keys for mass; moments from the shape unless they are given.

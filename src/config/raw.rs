@@ -60,6 +60,8 @@ pub(super) struct RawBody {
     pub(super) tracker: Option<RawTracker>,
     #[serde(default)]
     pub(super) features_mm: BTreeMap<Text, Triple>,
+    #[serde(default)]
+    pub(super) face: Vec<RawSurface>,
 }
 
 #[derive(Deserialize)]
@@ -87,7 +89,10 @@ pub(super) struct RawShape {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a surface")]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table with `name`, `point_mm` and `normal`"
+)]
 pub(super) struct RawSurface {
     pub(super) name: Text,
     pub(super) point_mm: Triple,

@@ -42,6 +42,25 @@ pub enum IngestError {
         /// The topics that are there.
         present: BTreeSet<String>,
     },
+    /// An edited sketch has not as many segments as the scene's events make.
+    #[error(
+        "{}: {} segments of body {body:?}, expected {expected}, which is one more than its collisions, on {topic}/1{}; the recording has {}",
+        path.display(), found.len(),
+        if *.expected > 1 { format!(" to {topic}/{expected}") } else { String::new() },
+        listed(found)
+    )]
+    SegmentCount {
+        /// The recording.
+        path: PathBuf,
+        /// The body.
+        body: String,
+        /// The scene's topic of it.
+        topic: String,
+        /// One more than its collisions.
+        expected: usize,
+        /// The topics of segments that are there.
+        found: BTreeSet<String>,
+    },
     /// The marks topic is not in the recording.
     #[error(
         "{}: no marks: topic {topic} is not in the recording, which has {}",

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::IngestError;
-use crate::motion::Scene;
+use crate::motion::{Scene, Timing};
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 
@@ -25,9 +25,13 @@ pub(super) enum Format {
     Marks(MarkFormat),
 }
 
-/// One body's claim to a topic. Routes are numbered as `TakeReport::topics`.
+/// One stream's claim to a topic. Routes are numbered as `TakeReport::topics`.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
+    /// Index into `Scene::bodies`; that of the marks is one past the last.
+    pub(super) body: usize,
+    /// Which of the body's streams.
+    pub(super) stream: usize,
     /// As the scene writes it.
     pub(super) topic: String,
     /// The child that is meant, where the scene says.
@@ -36,7 +40,8 @@ pub(super) struct Route {
     pub(super) seen: BTreeSet<String>,
 }
 
-/// The routes of a scene's bodies, then the one of its marks, and the feeds by channel.
+/// The routes of a scene's bodies, stream by stream, then the one of its marks, and the feeds by
+/// channel. An edited sketch needs no marks.
 pub(super) fn routes(
     path: &Path,
     container: &Container,
@@ -45,30 +50,40 @@ pub(super) fn routes(
     let mut routes = Vec::new();
     let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
     let present = || container.topics().into_iter().map(str::to_owned).collect();
-    for body in &scene.bodies {
-        let (topic, child) =
-            resolve(container, &body.topic).ok_or_else(|| IngestError::TopicAbsent {
-                path: path.to_owned(),
-                body: body.name.clone(),
-                topic: body.topic.clone(),
-                present: present(),
-            })?;
-        let format = |name: &str, encoding: &str| PoseFormat::of(name, encoding).map(Format::Poses);
-        for (id, format) in formats(path, container, topic, format, POSE_SCHEMAS)? {
-            let feed = feeds.entry(id).or_insert_with(|| Feed {
-                format,
-                routes: Vec::new(),
+    for (index, body) in scene.bodies.iter().enumerate() {
+        check_streams(path, container, scene, index)?;
+        for stream in 0..scene.streams(index) {
+            let wanted = scene.stream_topic(index, stream);
+            let (topic, child) =
+                resolve(container, &wanted).ok_or_else(|| IngestError::TopicAbsent {
+                    path: path.to_owned(),
+                    body: body.name.clone(),
+                    topic: wanted.clone(),
+                    present: present(),
+                })?;
+            let format =
+                |name: &str, encoding: &str| PoseFormat::of(name, encoding).map(Format::Poses);
+            for (id, format) in formats(path, container, topic, format, POSE_SCHEMAS)? {
+                let feed = feeds.entry(id).or_insert_with(|| Feed {
+                    format,
+                    routes: Vec::new(),
+                });
+                feed.routes.push(routes.len());
+            }
+            routes.push(Route {
+                body: index,
+                stream,
+                child: child.map(str::to_owned),
+                seen: BTreeSet::new(),
+                topic: wanted,
             });
-            feed.routes.push(routes.len());
         }
-        routes.push(Route {
-            topic: body.topic.clone(),
-            child: child.map(str::to_owned),
-            seen: BTreeSet::new(),
-        });
     }
     let marks = scene.marks_topic.as_str();
     if !container.topics().contains(marks) {
+        if scene.timing == Timing::Edited {
+            return Ok((routes, feeds));
+        }
         return Err(IngestError::MarksAbsent {
             path: path.to_owned(),
             topic: marks.to_owned(),
@@ -86,11 +101,48 @@ pub(super) fn routes(
         );
     }
     routes.push(Route {
+        body: scene.bodies.len(),
+        stream: 0,
         topic: marks.to_owned(),
         child: None,
         seen: BTreeSet::new(),
     });
     Ok((routes, feeds))
+}
+
+/// The segments of an edited sketch must be as many as the scene's events make.
+fn check_streams(
+    path: &Path,
+    container: &Container,
+    scene: &Scene,
+    body: usize,
+) -> Result<(), IngestError> {
+    let topic = &scene.bodies[body].topic;
+    // Frames on one topic are known only when they come.
+    if scene.timing != Timing::Edited || topic.contains(CHILD_SEPARATOR) {
+        return Ok(());
+    }
+    let numbered = |present: &&str| {
+        let number = present.strip_prefix(topic.as_str())?.strip_prefix('/')?;
+        number.parse::<usize>().ok()
+    };
+    let present = container.topics();
+    let found: Vec<&str> = present
+        .into_iter()
+        .filter(|t| numbered(t).is_some())
+        .collect();
+    let expected = scene.streams(body);
+    let is_wanted = |number: usize| (1..=expected).contains(&number);
+    if found.len() == expected && found.iter().filter_map(numbered).all(is_wanted) {
+        return Ok(());
+    }
+    Err(IngestError::SegmentCount {
+        path: path.to_owned(),
+        body: scene.bodies[body].name.clone(),
+        topic: topic.clone(),
+        expected,
+        found: found.into_iter().map(str::to_owned).collect(),
+    })
 }
 
 /// The recording's topic and the child on it that a scene's topic means.

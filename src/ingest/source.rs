@@ -114,17 +114,17 @@ impl RecordingSource {
                 topic.first_error.get_or_insert_with(|| error.clone());
             }
         } else if matches!(feed.format, Format::Poses(_)) {
-            for body in routes {
-                self.route_poses(body, log_time)?;
+            for route in routes {
+                self.route_poses(route, log_time)?;
             }
         }
         Ok(true)
     }
 
-    /// Hands the body what it claims of the last message's poses.
-    fn route_poses(&mut self, body: usize, log_time: Stamp) -> Result<(), IngestError> {
-        let route = &mut self.routes[body];
-        let topic = &mut self.report.topics[body];
+    /// Hands a body's stream what it claims of the last message's poses.
+    fn route_poses(&mut self, route: usize, log_time: Stamp) -> Result<(), IngestError> {
+        let topic = &mut self.report.topics[route];
+        let route = &mut self.routes[route];
         for pose in &self.poses {
             if !route.seen.contains(&pose.child) {
                 route.seen.insert(pose.child.clone());
@@ -152,8 +152,12 @@ impl RecordingSource {
             let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
             let least = self.report.log_offset_ns.get_or_insert(offset_ns);
             *least = offset_ns.min(*least);
-            self.ready
-                .push_back((log_time, TakeEvent::Pose { body, sample }));
+            let event = TakeEvent::Pose {
+                body: route.body,
+                stream: route.stream,
+                sample,
+            };
+            self.ready.push_back((log_time, event));
         }
         Ok(())
     }

@@ -129,7 +129,14 @@ fn recording_and_memory_deliver_the_same() {
         writer
             .pose("/pose", "map", log_time, &sample)
             .expect("pose");
-        events.push((log_time, TakeEvent::Pose { body: 0, sample }));
+        events.push((
+            log_time,
+            TakeEvent::Pose {
+                body: 0,
+                stream: 0,
+                sample,
+            },
+        ));
         if k % 20 == 10 {
             let mark = Mark {
                 stamp: sample.stamp,
@@ -220,7 +227,7 @@ fn a_child_of_many_is_picked_by_name_and_several_bodies_share_a_topic() {
         .events
         .iter()
         .filter_map(|event| match event {
-            TakeEvent::Pose { body, sample } => Some((*body, sample.position_m.z)),
+            TakeEvent::Pose { body, sample, .. } => Some((*body, sample.position_m.z)),
             TakeEvent::Mark(_) => None,
         })
         .collect();

@@ -42,6 +42,29 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Streams of poses that a body has: one; in an edited sketch one per segment, and its
+    /// collisions part its segments.
+    pub fn streams(&self, body: usize) -> usize {
+        let is_cut = |event: &&Event| {
+            let collision = event.kind.collision();
+            collision.is_some_and(|collision| collision.concerns(body))
+        };
+        match self.timing {
+            Timing::Edited => 1 + self.events.iter().filter(is_cut).count(),
+            Timing::Known | Timing::Unknown { .. } => 1,
+        }
+    }
+
+    /// Topic of one of a body's streams: the body's own; in an edited sketch that with `/1`,
+    /// `/2`, … after it.
+    pub fn stream_topic(&self, body: usize, stream: usize) -> String {
+        let topic = &self.bodies[body].topic;
+        match self.timing {
+            Timing::Edited => format!("{topic}/{}", stream + 1),
+            Timing::Known | Timing::Unknown { .. } => topic.clone(),
+        }
+    }
+
     /// Where the bodies of a collision touch and by which law; `None` where the scene leaves a
     /// feature open, or where the event is no collision.
     ///
@@ -98,7 +121,7 @@ pub enum Timing {
     /// Stamps are physical times.
     Known,
     /// An edited sketch: every segment has a stream and physical times of its own; where one
-    /// ends another need not begin.
+    /// ends another need not begin. Collisions are where segments meet: marks are not read.
     Edited,
     /// The performer's tempo is unknown and smooth: the logarithm of its rate wanders as
     /// Brownian motion of this strength [1/√s of acted time].
@@ -113,7 +136,7 @@ pub enum Timing {
 pub struct SceneBody {
     /// Unique name.
     pub name: String,
-    /// Topic that carries its tracker's poses.
+    /// Topic that carries its tracker's poses; see [`Scene::stream_topic`].
     pub topic: String,
     /// Mass and principal moments; body axes are principal axes at the centre of mass.
     pub body: Body,

@@ -52,6 +52,8 @@ pub enum TakeEvent {
     Pose {
         /// Index into `Scene::bodies`.
         body: usize,
+        /// Which of the body's streams it is on, from 0: see `Scene::streams`.
+        stream: usize,
         /// The reading.
         sample: PoseSample,
     },

@@ -1,15 +1,17 @@
 //! From readings in any order to poses of bodies in order of time, with an account of both.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
+use super::edited::join;
 use super::error::SegmentError;
 use super::marks::{Extent, check_extents, matched, seconds, union};
 use crate::math::Pose;
 use crate::motion::{
     BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
-    Sketch, Stamp, TakeEvent,
+    Sketch, Stamp, TakeEvent, Timing,
 };
 
 /// How far the norm of a quaternion may be off 1 for the reading to be used.
@@ -32,7 +34,7 @@ const SPAN_LIMIT_S: f64 = 86_400.0;
 /// samples of the sketch.
 pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCounts), SegmentError> {
     let mut counts = SampleCounts::default();
-    let (mut streams, marks) = sorted(scene, events, &mut counts)?;
+    let (streams, marks) = sorted(scene, events, &mut counts)?;
     if counts.read == 0 {
         let topics: Vec<String> = scene
             .bodies
@@ -43,13 +45,17 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
             topics: topics.join(", "),
         });
     }
+    if scene.timing == Timing::Edited {
+        return clean_edited(scene, streams, counts);
+    }
+    let mut streams = streams.concat();
     let mut extents = Vec::new();
     for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         let extent = extent(stream);
         drop_unusable(stream, &mut dropped);
-        extents.push(extent.ok_or_else(|| no_samples_of(body, read, &dropped))?);
+        extents.push(extent.ok_or_else(|| no_samples_of(body, &body.topic, read, &dropped))?);
         merge(&mut counts, &dropped);
     }
     let whole = union(&extents).expect("a scene has bodies");
@@ -68,40 +74,80 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         let mut dropped = SampleCounts::default();
         drop_outside(scene, &stamps, stream, &mut dropped);
         if stream.is_empty() {
-            return Err(no_samples_of(body, read, &dropped));
+            return Err(no_samples_of(body, &body.topic, read, &dropped));
         }
         merge(&mut counts, &dropped);
     }
     Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
 }
 
-/// Readings by body and the marks, in an order that arrival does not change.
+/// The same of an edited sketch: every segment by itself, then one after the other. Marks are
+/// not looked at.
+fn clean_edited(
+    scene: &Scene,
+    mut streams: Vec<Vec<Vec<PoseSample>>>,
+    mut counts: SampleCounts,
+) -> Result<(Sketch, SampleCounts), SegmentError> {
+    for (index, body) in scene.bodies.iter().enumerate() {
+        for (number, stream) in streams[index].iter_mut().enumerate() {
+            let read = stream.len();
+            let mut dropped = SampleCounts::default();
+            drop_unusable(stream, &mut dropped);
+            if stream.is_empty() {
+                let topic = scene.stream_topic(index, number);
+                return Err(no_samples_of(body, &topic, read, &dropped));
+            }
+            merge(&mut counts, &dropped);
+        }
+    }
+    let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
+    Ok((sketch(scene, &streams, &stamps, &mut counts), counts))
+}
+
+/// Readings by body and stream, and the marks, in an order that arrival does not change.
 fn sorted(
     scene: &Scene,
     events: &[TakeEvent],
     counts: &mut SampleCounts,
-) -> Result<(Vec<Vec<PoseSample>>, Vec<Mark>), SegmentError> {
-    let mut streams: Vec<Vec<PoseSample>> = vec![Vec::new(); scene.bodies.len()];
-    let mut latest: Vec<Option<Stamp>> = vec![None; scene.bodies.len()];
+) -> Result<(Vec<Vec<Vec<PoseSample>>>, Vec<Mark>), SegmentError> {
+    let bodies = 0..scene.bodies.len();
+    let mut streams: Vec<Vec<Vec<PoseSample>>> = bodies
+        .map(|body| vec![Vec::new(); scene.streams(body)])
+        .collect();
+    let mut latest: BTreeMap<(usize, usize), Stamp> = BTreeMap::new();
     let mut marks = Vec::new();
     for event in events {
         match event {
             TakeEvent::Mark(mark) => marks.push(mark.clone()),
-            TakeEvent::Pose { body, sample } => {
-                let Some(stream) = streams.get_mut(*body) else {
+            TakeEvent::Pose {
+                body,
+                stream,
+                sample,
+            } => {
+                let Some(of_body) = streams.get_mut(*body) else {
                     return Err(SegmentError::NoSuchBody {
                         body: *body,
                         bodies: scene.bodies.len(),
                     });
                 };
+                let count = of_body.len();
+                let samples =
+                    of_body
+                        .get_mut(*stream)
+                        .ok_or_else(|| SegmentError::NoSuchStream {
+                            body: scene.bodies[*body].name.clone(),
+                            stream: stream.saturating_add(1),
+                            streams: count,
+                        })?;
                 counts.read += 1;
-                counts.reordered += usize::from(latest[*body] > Some(sample.stamp));
-                latest[*body] = latest[*body].max(Some(sample.stamp));
-                stream.push(*sample);
+                let latest = latest.entry((*body, *stream)).or_insert(sample.stamp);
+                counts.reordered += usize::from(*latest > sample.stamp);
+                *latest = sample.stamp.max(*latest);
+                samples.push(*sample);
             }
         }
     }
-    for stream in &mut streams {
+    for stream in streams.iter_mut().flatten() {
         stream.sort_by(by_stamp_then_numbers);
     }
     Ok((streams, marks))
@@ -208,7 +254,12 @@ fn extent(stream: &[PoseSample]) -> Option<Extent> {
     })
 }
 
-fn no_samples_of(body: &SceneBody, read: usize, dropped: &SampleCounts) -> SegmentError {
+fn no_samples_of(
+    body: &SceneBody,
+    topic: &str,
+    read: usize,
+    dropped: &SampleCounts,
+) -> SegmentError {
     let reasons: Vec<String> = dropped
         .dropped
         .iter()
@@ -216,7 +267,7 @@ fn no_samples_of(body: &SceneBody, read: usize, dropped: &SampleCounts) -> Segme
         .collect();
     SegmentError::NoSamplesOfBody {
         body: body.name.clone(),
-        topic: body.topic.clone(),
+        topic: topic.to_owned(),
         read,
         dropped: reasons.concat(),
     }

@@ -1,7 +1,7 @@
 //! Marks cut each body's stream into segments.
 
 use super::error::SegmentError;
-use crate::motion::{EventKind, Scene, Segment, Sketch};
+use crate::motion::{EventKind, Scene, Segment, Sketch, Timing};
 
 /// Samples closer to a collision's mark than this many median intervals are left out: they may
 /// belong to either side, and a sample that changed sides would make the objective jump.
@@ -29,7 +29,13 @@ fn cut_body(
     segments: &mut Vec<Segment>,
 ) -> Result<(), SegmentError> {
     let samples = &sketch.bodies[body].samples;
-    let window_s = NEAR_COLLISION_INTERVALS * median_interval_s(sketch, body);
+    // In an edited sketch no sample belongs to either side.
+    let window_s = match scene.timing {
+        Timing::Edited => 0.0,
+        Timing::Known | Timing::Unknown { .. } => {
+            NEAR_COLLISION_INTERVALS * median_interval_s(sketch, body)
+        }
+    };
     let mut start_event = None;
     let mut first = 0;
     let cuts = (0..scene.events.len()).filter(|event| scene.events[*event].kind.concerns(body));

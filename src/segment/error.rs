@@ -31,6 +31,16 @@ pub enum SegmentError {
         /// How many the scene has.
         bodies: usize,
     },
+    /// A sample on a stream that the scene's events do not make.
+    #[error("a sample on stream {stream} of body {body:?}, expected 1 to {streams}")]
+    NoSuchStream {
+        /// The body's name.
+        body: String,
+        /// As delivered, from 1.
+        stream: usize,
+        /// How many the scene makes.
+        streams: usize,
+    },
     /// Stamps that cannot be of one take.
     #[error("the samples span {span_s} s, expected at most {limit_s} s: are two clocks mixed?")]
     Span {

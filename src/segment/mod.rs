@@ -1,5 +1,5 @@
 //! Stage 2: clean the streams, cut them at the marks, and move marks that reaction time has put
-//! beside their collision.
+//! beside their collision. The segments of an edited sketch are joined instead.
 //!
 //! [`clean`](clean::clean) sorts what the trackers said by stamp, leaves out what cannot be
 //! used and counts it by reason, moves poses from the tracker to the body, and matches the
@@ -9,6 +9,7 @@
 
 pub mod clean;
 pub mod cut;
+mod edited;
 pub mod error;
 mod marks;
 pub mod refine;

@@ -23,11 +23,15 @@ enum Role {
     Noise,
     Jitter,
     Dropouts,
+    Phase,
 }
 
-fn stream(seed: u64, role: Role, body: usize) -> ChaCha8Rng {
+/// Streams of random numbers per body: more than an edited sketch has segments.
+const STREAMS: usize = 64;
+
+fn stream(seed: u64, role: Role, channel: usize) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(role as u64 + 16 * body as u64);
+    rng.set_stream(role as u64 + 16 * channel as u64);
     rng
 }
 
@@ -58,33 +62,34 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
         &mut stream(seed, Role::Tempo, 0),
     );
     let mut truth = truth.clone();
-    if acting.is_timing_known() {
+    let is_edited = truth.scene.timing == Timing::Edited;
+    if acting.is_timing_known() && !is_edited {
         truth.scene.timing = Timing::Known;
     }
-    let latency_ns = (acting.latency_s * 1e9).round() as i64;
-    let mut arrivals: Vec<(Stamp, TakeEvent)> = marks(&truth, acting, &tempo, seed)
-        .into_iter()
-        .map(|mark| (Stamp(mark.stamp.0 + latency_ns), TakeEvent::Mark(mark)))
-        .collect();
-    let mut sample_times_s = Vec::new();
+    let mut deliveries: Vec<Delivery> = Vec::new();
+    if !is_edited {
+        let marks = marks(&truth, acting, &tempo, seed).into_iter();
+        deliveries.extend(marks.map(|mark| (mark.stamp, TakeEvent::Mark(mark), None)));
+    }
     for body in 0..truth.scene.bodies.len() {
-        let mut times_s = Vec::new();
-        for shot in track(&truth, acting, &tempo, seed, body) {
-            let arrival = Stamp(acting.stamp(shot.acted_s).0 + latency_ns);
-            arrivals.push((
-                arrival,
-                TakeEvent::Pose {
-                    body,
-                    sample: shot.sample,
-                },
-            ));
-            times_s.push(tempo.physical_s(shot.acted_s));
+        if is_edited {
+            deliveries.append(&mut edit(&truth, acting, seed, body));
+        } else {
+            deliveries.append(&mut track(&truth, acting, &tempo, seed, body));
         }
-        sample_times_s.push(times_s);
     }
     // Stable: simultaneous arrivals stay in the order marks, then bodies.
-    arrivals.sort_by_key(|(arrival, _)| *arrival);
-    let (arrivals, events) = arrivals.into_iter().unzip();
+    deliveries.sort_by_key(|(measured, ..)| *measured);
+    let latency_ns = (acting.latency_s * 1e9).round() as i64;
+    let mut sample_times_s = vec![Vec::new(); truth.scene.bodies.len()];
+    let (mut events, mut arrivals) = (Vec::new(), Vec::new());
+    for (measured, event, time_s) in deliveries {
+        if let (TakeEvent::Pose { body, .. }, Some(time_s)) = (&event, time_s) {
+            sample_times_s[*body].push(time_s);
+        }
+        events.push(event);
+        arrivals.push(Stamp(measured.0 + latency_ns));
+    }
     Performance {
         truth,
         acting: *acting,
@@ -95,6 +100,9 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
         sample_times_s,
     }
 }
+
+/// When it was measured, what was delivered, and the hidden physical time of a sample [s].
+type Delivery = (Stamp, TakeEvent, Option<f64>);
 
 fn marks(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64) -> Vec<Mark> {
     let mut rng = stream(seed, Role::Marks, 0);
@@ -110,38 +118,109 @@ fn marks(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64) -> Vec<Mark> 
         .collect()
 }
 
-/// One reading, and when it was really taken [s, acted].
-struct Shot {
-    acted_s: f64,
-    sample: PoseSample,
+/// What the tracker makes of a body's whole motion.
+fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) -> Vec<Delivery> {
+    // Trackers are not in step: the others fall anywhere between two samples of the first.
+    let late = if body == 0 {
+        0.0
+    } else {
+        stream(seed, Role::Phase, body).random()
+    };
+    let phase_s = late / acting.rate_hz;
+    let whole_s = acting.hold_before_s + tempo.acted_duration_s() + acting.hold_after_s;
+    let film = Film {
+        acting,
+        seed,
+        channel: body,
+        begin_s: phase_s - acting.hold_before_s,
+        length_s: whole_s - phase_s,
+    };
+    let mount = truth.scene.bodies[body].body_from_tracker;
+    let poses = |acted_s: f64| truth.world_from_body(body, tempo.physical_s(acted_s));
+    let shots = film.shots(&mount, poses).into_iter();
+    let delivery = |(acted_s, sample)| {
+        let pose = TakeEvent::Pose {
+            body,
+            stream: 0,
+            sample,
+        };
+        (acting.stamp(acted_s), pose, Some(tempo.physical_s(acted_s)))
+    };
+    shots.map(delivery).collect()
 }
 
-fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) -> Vec<Shot> {
-    let hand = Hand::draw(acting, seed, body);
-    let mut noise = stream(seed, Role::Noise, body);
-    let mut jitter = stream(seed, Role::Jitter, body);
-    let mut sight = Sight::new(acting, stream(seed, Role::Dropouts, body));
-    let body_from_tracker = truth.scene.bodies[body].body_from_tracker;
-    let whole_s = acting.hold_before_s + tempo.acted_duration_s() + acting.hold_after_s;
-    // A sample that rounding would put just past the end still belongs to it.
-    let count = (whole_s * acting.rate_hz + 1e-9).floor() as usize + 1;
-    let most_s = 0.45 / acting.rate_hz;
-    let mut shots = Vec::new();
-    for index in 0..count {
-        let acted_s = index as f64 / acting.rate_hz - acting.hold_before_s;
-        let true_pose = truth.world_from_body(body, tempo.physical_s(acted_s));
-        let seen = acting.measured(
-            &(hand.led_astray(&true_pose, acted_s) * body_from_tracker),
-            &mut noise,
-        );
-        let late_s = (acting.stamp_jitter_s * normal(&mut jitter)).clamp(-most_s, most_s);
-        // The first sample, zero of all times, is never lost.
-        if sight.is_kept() || index == 0 {
-            let sample = PoseSample::from_pose(acting.stamp(acted_s + late_s), &seen);
-            shots.push(Shot { acted_s, sample });
+/// What an editor makes of a body's flights, one by one: each begins at the same stamp, wanders
+/// by itself, and takes a little more or less than its time.
+fn edit(truth: &Truth, acting: &Acting, seed: u64, body: usize) -> Vec<Delivery> {
+    let mount = truth.scene.bodies[body].body_from_tracker;
+    let flights = truth.arcs.iter().filter(|arc| arc.body == body);
+    let mut deliveries = Vec::new();
+    for (number, arc) in flights.enumerate() {
+        let channel = body + STREAMS * number;
+        let pace = normal(&mut stream(seed, Role::Tempo, channel));
+        let slowdown = acting.slowdown * (acting.tempo_variation * pace).exp();
+        let time_s = |acted_s: f64| arc.start_s + acted_s / slowdown;
+        let film = Film {
+            acting,
+            seed,
+            channel,
+            begin_s: 0.0,
+            length_s: (arc.end_s - arc.start_s) * slowdown,
+        };
+        let poses = |acted_s: f64| truth.flown(arc, time_s(acted_s)).world_from_body();
+        for (acted_s, sample) in film.shots(&mount, poses) {
+            let pose = TakeEvent::Pose {
+                body,
+                stream: number,
+                sample,
+            };
+            deliveries.push((acting.stamp(acted_s), pose, Some(time_s(acted_s))));
         }
     }
-    shots
+    deliveries
+}
+
+/// A stretch of acted time before one tracker.
+struct Film<'a> {
+    acting: &'a Acting,
+    seed: u64,
+    channel: usize,
+    begin_s: f64,
+    length_s: f64,
+}
+
+impl Film<'_> {
+    /// Readings, and when they were really taken [s, acted].
+    fn shots(
+        &self,
+        body_from_tracker: &Pose,
+        world_from_body: impl Fn(f64) -> Pose,
+    ) -> Vec<(f64, PoseSample)> {
+        let (acting, seed, channel) = (self.acting, self.seed, self.channel);
+        let hand = Hand::draw(acting, seed, channel);
+        let mut noise = stream(seed, Role::Noise, channel);
+        let mut jitter = stream(seed, Role::Jitter, channel);
+        let mut sight = Sight::new(acting, stream(seed, Role::Dropouts, channel));
+        // A sample that rounding would put just past the end still belongs to it.
+        let count = (self.length_s * acting.rate_hz + 1e-9).floor() as usize + 1;
+        let most_s = 0.45 / acting.rate_hz;
+        let mut shots = Vec::new();
+        for index in 0..count {
+            let acted_s = index as f64 / acting.rate_hz + self.begin_s;
+            let true_pose = world_from_body(acted_s);
+            let seen = acting.measured(
+                &(hand.led_astray(&true_pose, acted_s) * body_from_tracker),
+                &mut noise,
+            );
+            let late_s = (acting.stamp_jitter_s * normal(&mut jitter)).clamp(-most_s, most_s);
+            // The first sample, zero of all times, is never lost.
+            if sight.is_kept() || index == 0 {
+                let sample = PoseSample::from_pose(acting.stamp(acted_s + late_s), &seen);
+                shots.push((acted_s, sample));
+            }
+        }
+        shots
+    }
 }
 
 /// The wander of one body.

@@ -97,6 +97,16 @@ impl Acting {
         }
     }
 
+    /// As an editing interface leaves it: at full speed, with stamps of a clock and no tracker
+    /// that loses sight; each segment's time is off by a few per cent.
+    pub fn edited() -> Self {
+        Self {
+            tempo_variation: 0.05,
+            latency_s: 0.0,
+            ..Self::timing_known()
+        }
+    }
+
     /// The truth itself, at full speed, through a perfect tracker.
     pub fn exact() -> Self {
         Self {

@@ -258,6 +258,8 @@ impl Cube {
         }
         Truth {
             scene: self.scene(events),
+            is_physical: true,
+            parameters: Vec::new(),
             arcs,
             event_times_s,
             duration_s: start_s,

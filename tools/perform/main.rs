@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Parser, ValueEnum};
 use enact::motion::Stamp;
-use perform::{Acting, Style, bounces, perform};
+use perform::{Acting, Style, Truth, bounces, die, hat_box, perform};
 
 /// Make recordings of acted motions whose truth is known.
 #[derive(Parser)]
@@ -31,9 +31,9 @@ struct Arguments {
     /// The recording, or the folder with --all
     #[arg(short, long)]
     output: PathBuf,
-    /// What the knobs are where they are not given
-    #[arg(long, value_enum, default_value = "acted")]
-    preset: Preset,
+    /// What the knobs are where they are not given [default: edited for the die, else acted]
+    #[arg(long, value_enum)]
+    preset: Option<Preset>,
     #[command(flatten)]
     knobs: Knobs,
 }
@@ -44,6 +44,25 @@ enum Motion {
     Tip,
     /// Pencil, eraser first, half a tumble
     Eraser,
+    /// A hat catches a box in mid-air
+    HatBox,
+    /// The same with more goals than physics meets
+    HatBoxBent,
+    /// A die that shows a given face at each of six bounces: an edited sketch
+    Die,
+}
+
+impl Motion {
+    /// The motion and its scene file.
+    fn truth(self) -> (Truth, &'static str) {
+        match self {
+            Motion::Tip => (Style::Tip.truth(), Style::Tip.scene_toml()),
+            Motion::Eraser => (Style::Eraser.truth(), Style::Eraser.scene_toml()),
+            Motion::HatBox => (hat_box::truth(), hat_box::SCENE_TOML),
+            Motion::HatBoxBent => (hat_box::bent_reference(), hat_box::BENT_TOML),
+            Motion::Die => (die::reference(), die::SCENE_TOML),
+        }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -52,6 +71,8 @@ enum Preset {
     Acted,
     /// At full speed: stamps are physical times, marks are within a sample
     TimingKnown,
+    /// As an editing interface leaves it: for the die
+    Edited,
     /// At full speed, without any error
     Exact,
 }
@@ -171,10 +192,11 @@ fn main() -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    let base = match arguments.preset {
-        Preset::Acted => Acting::default(),
-        Preset::TimingKnown => Acting::timing_known(),
-        Preset::Exact => Acting::exact(),
+    let base = match (arguments.preset, arguments.style) {
+        (Some(Preset::Edited), _) | (None, Some(Motion::Die)) => Acting::edited(),
+        (Some(Preset::Acted) | None, _) => Acting::default(),
+        (Some(Preset::TimingKnown), _) => Acting::timing_known(),
+        (Some(Preset::Exact), _) => Acting::exact(),
     };
     let acting = arguments.knobs.acting(base);
     acting.check().map_err(anyhow::Error::msg)?;
@@ -184,10 +206,10 @@ fn main() -> anyhow::Result<()> {
             let scene_toml = perform::bounces::scene_toml(&truth);
             (truth, scene_toml)
         }
-        (None, Some(Motion::Eraser)) => {
-            (Style::Eraser.truth(), Style::Eraser.scene_toml().to_owned())
+        (None, style) => {
+            let (truth, scene_toml) = style.unwrap_or(Motion::Tip).truth();
+            (truth, scene_toml.to_owned())
         }
-        (None, _) => (Style::Tip.truth(), Style::Tip.scene_toml().to_owned()),
     };
     if acting.is_timing_known() {
         scene_toml = scene_toml.replace("stamps = \"tempo\"", "stamps = \"physical\"");

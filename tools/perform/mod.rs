@@ -1,6 +1,6 @@
 //! The performance maker: recordings of acted motions whose truth is known.
 //!
-//! A true physical motion ([`truth`], [`styles`], [`bounces`]) is performed as a person would
+//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`bounces`]; [`die`] is none) is performed as a person would
 //! ([`act`]): slowly, in a wavering [`tempo`], with a hand that wanders ([`wander`]), before a
 //! tracker that is noisy, jitters and loses sight. A seed and the knobs in [`acting`] determine
 //! every byte.
@@ -13,6 +13,9 @@
 pub mod act;
 pub mod acting;
 pub mod bounces;
+pub mod die;
+pub mod encounter;
+pub mod hat_box;
 pub mod performance;
 pub mod styles;
 pub mod tempo;

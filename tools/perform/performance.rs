@@ -1,6 +1,6 @@
 //! A performance: what the tracker delivered, and what only its maker knows.
 
-use enact::motion::{BodySketch, Sample, Sketch, Stamp, TakeEvent};
+use enact::motion::{BodySketch, Sample, Sketch, Stamp, TakeEvent, Timing};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::acting::Acting;
@@ -29,8 +29,9 @@ pub struct Performance {
 
 impl Performance {
     /// The sketch that a perfect reader of the recording would make: mount undone, signs made
-    /// continuous, every mark at its event, nothing dropped.
+    /// continuous, every mark at its event, nothing dropped. Not for edited sketches.
     pub fn sketch(&self) -> Sketch {
+        assert_ne!(self.truth.scene.timing, Timing::Edited, "it has no marks");
         let stamps = self.events.iter().filter_map(|event| match event {
             TakeEvent::Pose { sample, .. } => Some(sample.stamp),
             TakeEvent::Mark(_) => None,
@@ -41,7 +42,7 @@ impl Performance {
         for event in &self.events {
             match event {
                 TakeEvent::Mark(mark) => marks_s.push(mark.stamp.seconds_since(origin)),
-                TakeEvent::Pose { body, sample } => {
+                TakeEvent::Pose { body, sample, .. } => {
                     let [x, y, z, w] = sample.quaternion_xyzw;
                     let world_from_tracker = enact::math::Pose::from_parts(
                         sample.position_m.into(),

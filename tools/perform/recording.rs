@@ -3,13 +3,14 @@
 //! Beside `mod.rs` and not in it, for only the tool and the tests write files: they declare
 //! `mod perform;` and `mod recording;` both.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use enact::motion::TakeEvent;
 use enact::write::{RecordingWriter, WriteError};
 use serde::Serialize;
 
-use crate::perform::{Acting, Performance, Style, perform};
+use crate::perform::{Acting, Performance, Style, Truth, die, hat_box, perform};
 
 /// Frame of all poses.
 const WORLD: &str = "world";
@@ -19,7 +20,9 @@ pub struct Kept {
     /// File name.
     pub name: &'static str,
     /// What is performed.
-    pub style: Style,
+    pub truth: fn() -> Truth,
+    /// Its scene file.
+    pub scene_toml: &'static str,
     /// How.
     pub acting: Acting,
     /// Of the random numbers.
@@ -27,7 +30,7 @@ pub struct Kept {
 }
 
 /// The recordings in `recordings/`. The performer's hand rests after the landing.
-pub fn kept() -> [Kept; 2] {
+pub fn kept() -> [Kept; 5] {
     let acting = Acting {
         hold_after_s: 0.3,
         ..Acting::default()
@@ -35,15 +38,38 @@ pub fn kept() -> [Kept; 2] {
     [
         Kept {
             name: "pencil_tip.mcap",
-            style: Style::Tip,
+            truth: || Style::Tip.truth(),
+            scene_toml: Style::Tip.scene_toml(),
             acting,
             seed: 7,
         },
         Kept {
             name: "pencil_eraser.mcap",
-            style: Style::Eraser,
+            truth: || Style::Eraser.truth(),
+            scene_toml: Style::Eraser.scene_toml(),
             acting,
             seed: 8,
+        },
+        Kept {
+            name: "hat_box.mcap",
+            truth: hat_box::truth,
+            scene_toml: hat_box::SCENE_TOML,
+            acting,
+            seed: 10,
+        },
+        Kept {
+            name: "hat_box_bent.mcap",
+            truth: hat_box::bent_reference,
+            scene_toml: hat_box::BENT_TOML,
+            acting,
+            seed: 11,
+        },
+        Kept {
+            name: "die.mcap",
+            truth: die::reference,
+            scene_toml: die::SCENE_TOML,
+            acting: Acting::edited(),
+            seed: 9,
         },
     ]
 }
@@ -51,8 +77,8 @@ pub fn kept() -> [Kept; 2] {
 impl Kept {
     /// Writes it.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
-        let performance = perform(&self.style.truth(), &self.acting, self.seed);
-        write(&performance, self.style.scene_toml(), path)
+        let performance = perform(&(self.truth)(), &self.acting, self.seed);
+        write(&performance, self.scene_toml, path)
     }
 }
 
@@ -63,8 +89,13 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
     writer.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
     for (event, arrival) in performance.events.iter().zip(&performance.arrivals) {
         match event {
-            TakeEvent::Pose { body, sample } => {
-                writer.pose(&scene.bodies[*body].topic, WORLD, *arrival, sample)?;
+            TakeEvent::Pose {
+                body,
+                stream,
+                sample,
+            } => {
+                let topic = scene.stream_topic(*body, *stream);
+                writer.pose(&topic, WORLD, *arrival, sample)?;
             }
             TakeEvent::Mark(mark) => writer.mark(&scene.marks_topic, *arrival, mark)?,
         }
@@ -77,6 +108,14 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
     writer.finish()
 }
 
+const TRUTH: &str = "The hidden truth of this made-up performance, for comparison only. Times are physical \
+     seconds since the start of the motion; acted_s are acted seconds since then; \
+     states are at start_s, centre of mass, angular velocity in body axes.";
+
+const INTENTION: &str = "What the maker of this performance had in mind, which physics does not allow: flights \
+     that no impacts join. Times are physical seconds since the start of the motion; \
+     states are at start_s, centre of mass, angular velocity in body axes.";
+
 /// What was really performed. Rounded to 1e-9 of every unit, so that the last bits, which differ
 /// between platforms, do not reach the file.
 #[derive(Serialize)]
@@ -88,6 +127,8 @@ struct Record<'a> {
     acting: &'a Acting,
     duration_s: f64,
     acted_duration_s: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parameters: Vec<ParameterRecord<'a>>,
     events: Vec<EventRecord<'a>>,
     arcs: Vec<ArcRecord<'a>>,
     samples: Vec<SamplesRecord<'a>>,
@@ -98,6 +139,12 @@ struct EventRecord<'a> {
     name: &'a str,
     time_s: f64,
     acted_s: f64,
+}
+
+#[derive(Serialize)]
+struct ParameterRecord<'a> {
+    name: &'a str,
+    value: f64,
 }
 
 #[derive(Serialize)]
@@ -114,6 +161,9 @@ struct ArcRecord<'a> {
 #[derive(Serialize)]
 struct SamplesRecord<'a> {
     body: &'a str,
+    /// Where the body has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    topic: Option<String>,
     stamps_ns: Vec<i64>,
     times_s: Vec<f64>,
 }
@@ -123,15 +173,24 @@ pub fn truth_json(performance: &Performance) -> String {
     let truth = &performance.truth;
     let name = |body: usize| truth.scene.bodies[body].name.as_str();
     let record = Record {
-        note: "The hidden truth of this made-up performance, for comparison only. Times are physical \
-               seconds since the start of the motion; acted_s are acted seconds since then; \
-               states are at start_s, centre of mass, angular velocity in body axes.",
+        note: if truth.is_physical { TRUTH } else { INTENTION },
         scene: &truth.scene.name,
         seed: performance.seed,
         start_ns: performance.acting.start.0,
         acting: &performance.acting,
         duration_s: rounded(truth.duration_s),
         acted_duration_s: rounded(performance.tempo.acted_duration_s()),
+        parameters: truth
+            .scene
+            .parameters
+            .iter()
+            .zip(&truth.parameters)
+            .filter(|_| truth.is_physical)
+            .map(|(parameter, value)| ParameterRecord {
+                name: &parameter.name,
+                value: rounded(*value),
+            })
+            .collect(),
         events: truth
             .scene
             .events
@@ -167,27 +226,36 @@ pub fn truth_json(performance: &Performance) -> String {
 }
 
 fn samples(performance: &Performance) -> Vec<SamplesRecord<'_>> {
-    let bodies = performance
-        .truth
-        .scene
-        .bodies
+    let scene = &performance.truth.scene;
+    let mut records: BTreeMap<(usize, usize), SamplesRecord> = BTreeMap::new();
+    let mut times_s: Vec<_> = performance
+        .sample_times_s
         .iter()
-        .zip(&performance.sample_times_s);
-    bodies
-        .enumerate()
-        .map(|(index, (body, times_s))| SamplesRecord {
-            body: &body.name,
-            stamps_ns: performance
-                .events
-                .iter()
-                .filter_map(|event| match event {
-                    TakeEvent::Pose { body, sample } if *body == index => Some(sample.stamp.0),
-                    _ => None,
-                })
-                .collect(),
-            times_s: times_s.iter().copied().map(rounded).collect(),
-        })
-        .collect()
+        .map(|s| s.iter())
+        .collect();
+    for event in &performance.events {
+        let TakeEvent::Pose {
+            body,
+            stream,
+            sample,
+        } = event
+        else {
+            continue;
+        };
+        let record = records
+            .entry((*body, *stream))
+            .or_insert_with(|| SamplesRecord {
+                body: &scene.bodies[*body].name,
+                topic: (scene.streams(*body) > 1).then(|| scene.stream_topic(*body, *stream)),
+                stamps_ns: Vec::new(),
+                times_s: Vec::new(),
+            });
+        record.stamps_ns.push(sample.stamp.0);
+        record
+            .times_s
+            .extend(times_s[*body].next().copied().map(rounded));
+    }
+    records.into_values().collect()
 }
 
 fn rounded(value: f64) -> f64 {

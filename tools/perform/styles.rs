@@ -4,10 +4,11 @@
 //! to the bounce, through the inverted impact, back to the start. Then it is simulated forward.
 
 use enact::motion::{GoalTarget, Scene};
-use enact::physics::{State, impact};
+use enact::physics::State;
 use nalgebra::Vector3;
 
-use super::truth::{Flight, Truth, TruthError, contact_of, simulate};
+use super::encounter::{Encounter, still};
+use super::truth::{Flight, SCAN_S, Truth, TruthError, crossing_s, simulate};
 
 /// How far back a bounce is looked for [s].
 const LONGEST_ARC_S: f64 = 2.0;
@@ -82,24 +83,21 @@ impl Style {
 
     /// The true motion in a scene of one body, one bounce and a pose goal at the end.
     pub fn truth_in(self, scene: &Scene) -> Result<Truth, TruthError> {
-        let [moving] = scene.bodies.as_slice() else {
+        if scene.bodies.len() != 1 {
             return Err(TruthError::Bodies {
                 count: scene.bodies.len(),
+                expected: 1,
             });
-        };
+        }
         let lacks = |what| TruthError::Lacks { what };
         let goal = scene.goals.iter().find_map(|goal| match &goal.target {
             GoalTarget::Pose { world_from_body } => Some(*world_from_body),
             GoalTarget::PositionWithin { .. } => None,
         });
         let goal = goal.ok_or(lacks("a pose goal"))?;
-        let (contact, restitution) = scene
-            .events
-            .iter()
-            .find_map(|event| {
-                let restitution = event.kind.collision()?.restitution;
-                Some((contact_of(scene, &event.kind)?, restitution))
-            })
+        let parameters: Vec<f64> = scene.parameters.iter().map(|p| p.initial).collect();
+        let bounce = (0..scene.events.len())
+            .find_map(|event| Encounter::of(scene, &parameters, event))
             .ok_or(lacks("a collision"))?;
 
         let chosen = self.landing();
@@ -112,17 +110,15 @@ impl Style {
             velocity_m_s: chosen.velocity_m_s,
             angular_velocity_rad_s,
         };
-        let flight = Flight {
-            body: &moving.body,
-            gravity_m_s2: &scene.gravity_m_s2,
-        };
-        let after_bounce_s = flight
-            .since_contact_s(&landing, &contact, LONGEST_ARC_S)
-            .ok_or(lacks("a bounce before the landing"))?;
+        let flight = Flight::of(scene, 0);
+        let after_bounce_s = crossing_s(SCAN_S, LONGEST_ARC_S, |time_s| {
+            bounce.gap_m(&flight.advance(&landing, -time_s), &still())
+        })
+        .ok_or(lacks("a bounce before the landing"))?;
         let after = flight.advance(&landing, -after_bounce_s);
-        let normal = contact.surface_normal;
-        let before = impact::bounce(&moving.body, &contact, &normal, 1.0 / restitution, &after);
+        let (before, _) = bounce.before(&after, &still());
         let initial = flight.advance(&before, -chosen.before_bounce_s);
-        simulate(scene, &initial, chosen.before_bounce_s + after_bounce_s)
+        let duration_s = chosen.before_bounce_s + after_bounce_s;
+        simulate(scene, &parameters, &[initial], duration_s)
     }
 }

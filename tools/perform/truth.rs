@@ -1,21 +1,31 @@
-//! True motions: one body in free flight between bounces, to rounding.
+//! True motions: bodies in free flight between collisions, to rounding.
 
-use enact::math::Pose;
-use enact::motion::{ArcEstimate, EventKind, GoalTarget, Scene};
-use enact::physics::{Body, State, contact, flow, impact};
+use std::f64::consts::TAU;
+
+use enact::math::{Pose, so3};
+use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, Scene};
+use enact::physics::{Body, State, flow};
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use super::encounter::{Encounter, still};
+
 /// Contacts are looked for at this spacing [s]: no feature of an object one throws dips under a
 /// surface and comes out again within it, except to graze.
-const SCAN_S: f64 = 2.5e-4;
+pub(super) const SCAN_S: f64 = 2.5e-4;
 
-/// A motion that obeys physics exactly.
+/// A motion that obeys physics exactly; or, where no motion can, flights through what the scene
+/// wants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// What it happens in.
     pub scene: Scene,
-    /// Body by body, in order of time; physical time is zero at the start of the motion.
+    /// Whether collisions change velocities as physics has it. Where they do not, no motion is
+    /// true, and this one is only what the performer had in mind.
+    pub is_physical: bool,
+    /// True values of the scene's free parameters, in the scene's order.
+    pub parameters: Vec<f64>,
+    /// In order of their ends, then of bodies; physical time is zero at the start of the motion.
     pub arcs: Vec<ArcEstimate>,
     /// Physical time of each of the scene's events [s].
     pub event_times_s: Vec<f64>,
@@ -26,11 +36,13 @@ pub struct Truth {
 /// Why there is no such motion.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TruthError {
-    /// Only scenes with one body can be simulated.
-    #[error("the scene has {count} bodies, expected one")]
+    /// More or fewer bodies than there should be.
+    #[error("the scene has {count} bodies, expected {expected}")]
     Bodies {
-        /// As given.
+        /// The scene's.
         count: usize,
+        /// As many as there are initial states.
+        expected: usize,
     },
     /// A collision does not happen.
     #[error("event {event}: no contact between {from_s} and {to_s} s")]
@@ -70,12 +82,7 @@ impl Truth {
             .take_while(|arc| arc.start_s <= time_s)
             .last()
             .unwrap_or(first);
-        flow::advance(
-            &self.scene.bodies[body].body,
-            &self.scene.gravity_m_s2,
-            &arc.state,
-            time_s - arc.epoch_s,
-        )
+        self.flown(arc, time_s)
     }
 
     /// Where a body is at a physical time.
@@ -85,12 +92,12 @@ impl Truth {
 
     /// The largest miss of a pose goal, metres and radians alike.
     pub fn goal_miss(&self) -> f64 {
-        let miss = |goal: &enact::motion::Goal| match &goal.target {
+        let miss = |goal: &Goal| match &goal.target {
             GoalTarget::Pose { world_from_body } => {
                 let pose = self.world_from_body(goal.body, self.event_times_s[goal.event]);
                 let turn = world_from_body.rotation.inverse() * pose.rotation;
                 let shift = pose.translation.vector - world_from_body.translation.vector;
-                shift.norm().max(enact::math::so3::log(&turn).norm())
+                shift.norm().max(so3::log(&turn).norm())
             }
             GoalTarget::PositionWithin { lower_m, upper_m } => {
                 let x = self
@@ -103,93 +110,131 @@ impl Truth {
     }
 }
 
-/// Simulates a scene of one body through all its collisions, up to `duration_s`.
-pub fn simulate(scene: &Scene, initial: &State, duration_s: f64) -> Result<Truth, TruthError> {
-    let [moving] = scene.bodies.as_slice() else {
+/// Simulates a scene through all its collisions in the scene's order, up to `duration_s`, with
+/// these values of its free parameters and one initial state per body.
+pub fn simulate(
+    scene: &Scene,
+    parameters: &[f64],
+    initial: &[State],
+    duration_s: f64,
+) -> Result<Truth, TruthError> {
+    if initial.len() != scene.bodies.len() {
         return Err(TruthError::Bodies {
             count: scene.bodies.len(),
+            expected: initial.len(),
         });
-    };
-    let flight = Flight {
-        body: &moving.body,
-        gravity_m_s2: &scene.gravity_m_s2,
-    };
+    }
     let mut truth = Truth {
         scene: scene.clone(),
+        is_physical: true,
+        parameters: parameters.to_vec(),
         arcs: Vec::new(),
         event_times_s: Vec::new(),
         duration_s,
     };
-    let (mut start_s, mut state) = (0.0, *initial);
+    let mut flights: Vec<ArcEstimate> = initial
+        .iter()
+        .enumerate()
+        .map(|(body, state)| arc(body, *state, 0.0))
+        .collect();
+    let mut now_s = 0.0;
     for (event, kind) in scene.events.iter().map(|event| &event.kind).enumerate() {
-        let time_s = match kind {
+        now_s = match kind {
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
-            EventKind::Collision(collision) => {
-                let contact =
-                    contact_of(scene, kind).ok_or(TruthError::Lacks { what: "a contact" })?;
-                let flown_s = flight
-                    .until_contact_s(&state, &contact, duration_s - start_s)
-                    .ok_or(TruthError::NoContact {
-                        event,
-                        from_s: start_s,
-                        to_s: duration_s,
-                    })?;
-                let end_s = start_s + flown_s;
-                truth.arcs.push(ArcEstimate {
-                    body: 0,
-                    epoch_s: start_s,
-                    state,
-                    start_s,
-                    end_s,
-                });
-                // From the time as it is recorded, so that the record is what was simulated.
-                let before = flight.advance(&state, end_s - start_s);
-                let normal = contact.surface_normal;
-                state = impact::bounce(
-                    &moving.body,
-                    &contact,
-                    &normal,
-                    collision.restitution,
-                    &before,
-                );
-                start_s = end_s;
-                end_s
+            EventKind::Collision(_) => {
+                let encounter = Encounter::of(scene, parameters, event)
+                    .ok_or(TruthError::Lacks { what: "a contact" })?;
+                truth.collide(&encounter, &mut flights, now_s, event)?
             }
         };
-        truth.event_times_s.push(time_s);
+        truth.event_times_s.push(now_s);
     }
-    truth.arcs.push(ArcEstimate {
-        body: 0,
-        epoch_s: start_s,
-        state,
-        start_s,
-        end_s: duration_s,
-    });
+    for flight in &mut flights {
+        flight.end_s = duration_s;
+    }
+    truth.arcs.append(&mut flights);
     Ok(truth)
 }
 
-/// The contact of a collision; none for other events.
-pub fn contact_of(scene: &Scene, kind: &EventKind) -> Option<impact::Contact> {
-    let collision = kind.collision()?;
-    let [touching] = collision.contacts[..] else {
-        return None;
-    };
-    let feature = scene.bodies[collision.body].features[touching.feature?].geometry;
-    let surface = scene.surfaces[touching.other?].geometry;
-    match (feature, surface) {
-        (
-            contact::Feature::Point { point_m, .. },
-            contact::Feature::Face {
-                point_m: surface_point_m,
-                normal,
-            },
-        ) => Some(impact::Contact {
-            point_m,
-            surface_point_m,
-            surface_normal: normal,
-        }),
-        _ => None,
+/// An arc that begins, and has not ended.
+pub(super) fn arc(body: usize, state: State, start_s: f64) -> ArcEstimate {
+    ArcEstimate {
+        body,
+        epoch_s: start_s,
+        state,
+        start_s,
+        end_s: f64::INFINITY,
+    }
+}
+
+impl Truth {
+    /// Ends the flights of who meets after `from_s`, and begins the next ones. Returns when.
+    fn collide(
+        &mut self,
+        encounter: &Encounter,
+        flights: &mut [ArcEstimate],
+        from_s: f64,
+        event: usize,
+    ) -> Result<f64, TruthError> {
+        let states_at = |time_s: f64| {
+            let b = encounter.other.map(|b| self.flown(&flights[b], time_s));
+            let a = self.flown(&flights[encounter.body], time_s);
+            (a, b.unwrap_or_else(still))
+        };
+        let flown_s = crossing_s(SCAN_S, self.duration_s - from_s, |time_s| {
+            let (a, b) = states_at(from_s + time_s);
+            encounter.gap_m(&a, &b)
+        })
+        .ok_or(TruthError::NoContact {
+            event,
+            from_s,
+            to_s: self.duration_s,
+        })?;
+        let time_s = from_s + flown_s;
+        let (a, b) = states_at(time_s);
+        let (a, b) = encounter.after(&a, &b);
+        for (body, state) in [(encounter.body, a)]
+            .into_iter()
+            .chain(encounter.other.map(|other| (other, b)))
+        {
+            let mut ended = std::mem::replace(&mut flights[body], arc(body, state, time_s));
+            ended.end_s = time_s;
+            self.arcs.push(ended);
+        }
+        self.sort_arcs();
+        Ok(time_s)
+    }
+
+    /// Adds a body's flights from pose to pose, from time zero on.
+    pub(super) fn fly_through(&mut self, body: usize, poses: &[Pose], flights_s: &[f64]) {
+        let mut start_s = 0.0;
+        for (pair, duration_s) in poses.windows(2).zip(flights_s) {
+            let flight = Flight::of(&self.scene, body);
+            let state = flight.between(&pair[0], &pair[1], *duration_s, 0.0);
+            let mut flown = arc(body, state, start_s);
+            start_s += duration_s;
+            flown.end_s = start_s;
+            self.arcs.push(flown);
+        }
+        self.sort_arcs();
+        self.duration_s = self.duration_s.max(start_s);
+    }
+
+    /// In order of ends, then of bodies, as segments are.
+    fn sort_arcs(&mut self) {
+        self.arcs
+            .sort_by(|x, y| x.end_s.total_cmp(&y.end_s).then(x.body.cmp(&y.body)));
+    }
+
+    /// The state at a time on an arc or beyond.
+    pub(super) fn flown(&self, arc: &ArcEstimate, time_s: f64) -> State {
+        flow::advance(
+            &self.scene.bodies[arc.body].body,
+            &self.scene.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        )
     }
 }
 
@@ -202,34 +247,32 @@ pub struct Flight<'a> {
     pub gravity_m_s2: &'a Vector3<f64>,
 }
 
-impl Flight<'_> {
+impl<'a> Flight<'a> {
+    /// That body's of the scene.
+    pub fn of(scene: &'a Scene, body: usize) -> Self {
+        Self {
+            body: &scene.bodies[body].body,
+            gravity_m_s2: &scene.gravity_m_s2,
+        }
+    }
+
     /// The state `duration_s` later, or earlier.
     pub fn advance(&self, state: &State, duration_s: f64) -> State {
         flow::advance(self.body, self.gravity_m_s2, state, duration_s)
     }
 
-    /// Time until a contact point next goes through its surface, inward, to rounding.
-    pub fn until_contact_s(
-        &self,
-        state: &State,
-        contact: &impact::Contact,
-        limit_s: f64,
-    ) -> Option<f64> {
-        crossing_s(SCAN_S, limit_s, |time_s| {
-            contact.gap_m(&self.advance(state, time_s))
-        })
-    }
-
-    /// How long ago a contact point last left its surface, to rounding.
-    pub fn since_contact_s(
-        &self,
-        state: &State,
-        contact: &impact::Contact,
-        limit_s: f64,
-    ) -> Option<f64> {
-        crossing_s(SCAN_S, limit_s, |time_s| {
-            contact.gap_m(&self.advance(state, -time_s))
-        })
+    /// The flight from one pose to another, spinning as little as it can and `turns` whole turns
+    /// more about the same axis. For bodies with three equal moments only, whose spin is steady.
+    pub fn between(&self, from: &Pose, to: &Pose, duration_s: f64, turns: f64) -> State {
+        let way_m = to.translation.vector - from.translation.vector;
+        let turn = so3::log(&(from.rotation.inverse() * to.rotation));
+        let more = turn.try_normalize(1e-9).unwrap_or_else(Vector3::z) * (TAU * turns);
+        State {
+            position_m: from.translation.vector,
+            orientation: from.rotation,
+            velocity_m_s: way_m / duration_s - self.gravity_m_s2 * (0.5 * duration_s),
+            angular_velocity_rad_s: (turn + more) / duration_s,
+        }
     }
 }
 

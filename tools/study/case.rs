@@ -35,7 +35,7 @@ impl Case {
         let mut hidden_s = BTreeMap::new();
         let mut next = vec![0; performance.sample_times_s.len()];
         for event in &performance.events {
-            if let TakeEvent::Pose { body, sample } = event {
+            if let TakeEvent::Pose { body, sample, .. } = event {
                 let time_s = performance.sample_times_s[*body][next[*body]];
                 next[*body] += 1;
                 hidden_s.insert((*body, sample.stamp), time_s);

@@ -4,7 +4,8 @@
 #![allow(dead_code)]
 
 use enact::math::so3;
-use enact::motion::{ArcEstimate, Estimate, GoalTarget};
+use enact::motion::{Estimate, GoalTarget};
+use enact::physics::{State, flow};
 use enact::pipeline::Outcome;
 
 use super::case::{Case, Posed};
@@ -106,34 +107,49 @@ pub fn sample_time_errors_s(case: &Case, outcome: &Outcome) -> (f64, f64) {
 
 /// How far an estimate's last arcs miss the pose goals, by flying them there [m, rad].
 pub fn goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
-    let truth = Truth {
+    misses(&flown(case, estimate))
+}
+
+/// The same by an independent simulation from the first states through all collisions; infinite
+/// where a collision does not happen.
+pub fn simulated_goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::INFINITY);
+    let scene = case.scene();
+    let starts_s = estimate.arcs.iter().map(|arc| arc.start_s);
+    let start_s = starts_s.fold(f64::INFINITY, f64::min);
+    let initial: Option<Vec<State>> = (0..scene.bodies.len())
+        .map(|body| {
+            let first = estimate.arcs.iter().find(|arc| arc.body == body)?;
+            let flight = &scene.bodies[body].body;
+            let since_s = start_s - first.epoch_s;
+            Some(flow::advance(
+                flight,
+                &estimate.gravity_m_s2,
+                &first.state,
+                since_s,
+            ))
+        })
+        .collect();
+    let (Some(initial), Some(last)) = (initial, estimate.events.last()) else {
+        return none;
+    };
+    let values = parameters(estimate);
+    simulate(scene, &values, &initial, last.time_s - start_s).map_or(none, |t| misses(&t))
+}
+
+fn flown(case: &Case, estimate: &Estimate) -> Truth {
+    Truth {
         scene: case.scene().clone(),
+        is_physical: true,
+        parameters: parameters(estimate),
         arcs: estimate.arcs.clone(),
         event_times_s: estimate.events.iter().map(|event| event.time_s).collect(),
         duration_s: 0.0,
-    };
-    misses(&truth)
+    }
 }
 
-/// The same by an independent simulation from the first state through all collisions; infinite
-/// where a collision does not happen.
-pub fn simulated_goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
-    let (Some(first), Some(last)) = (estimate.arcs.first(), estimate.events.last()) else {
-        return (f64::INFINITY, f64::INFINITY);
-    };
-    let scene = case.scene();
-    let ArcEstimate {
-        body,
-        epoch_s,
-        state,
-        start_s,
-        ..
-    } = first;
-    let duration_s = last.time_s - start_s;
-    let gravity = &estimate.gravity_m_s2;
-    let body = &scene.bodies[*body].body;
-    let initial = enact::physics::flow::advance(body, gravity, state, start_s - epoch_s);
-    simulate(scene, &initial, duration_s).map_or((f64::INFINITY, f64::INFINITY), |t| misses(&t))
+fn parameters(estimate: &Estimate) -> Vec<f64> {
+    estimate.parameters.iter().map(|p| p.value).collect()
 }
 
 fn misses(truth: &Truth) -> (f64, f64) {

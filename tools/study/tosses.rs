@@ -146,6 +146,7 @@ fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
     let mut events: Vec<TakeEvent> = poses
         .map(|(index, (position_m, q))| TakeEvent::Pose {
             body: 0,
+            stream: 0,
             sample: PoseSample {
                 stamp: stamp(index),
                 position_m: *position_m,

@@ -90,6 +90,7 @@ fn take(scene: &Scene) -> Vec<TakeEvent> {
         for body in 0..2 {
             take.push(TakeEvent::Pose {
                 body,
+                stream: 0,
                 sample: sample(scene, body, index),
             });
         }
@@ -102,7 +103,11 @@ fn take(scene: &Scene) -> Vec<TakeEvent> {
 fn change(take: &mut [TakeEvent], body: usize, index: i64, change: impl Fn(&mut PoseSample)) {
     let stamp = Stamp(START + index * STEP);
     for event in take {
-        if let TakeEvent::Pose { body: of, sample } = event
+        if let TakeEvent::Pose {
+            body: of,
+            stream: 0,
+            sample,
+        } = event
             && *of == body
             && sample.stamp == stamp
         {
@@ -171,6 +176,7 @@ fn each_fault_is_dropped_once_and_counted() {
     }
     take.push(TakeEvent::Pose {
         body: 0,
+        stream: 0,
         sample: sample(&scene, 0, 30),
     });
     let (sketch, counts) = clean(&scene, &take).unwrap();
@@ -330,7 +336,7 @@ fn what_has_no_samples_is_refused() {
     );
     let mut early = take(&scene);
     early.retain(|event| {
-        !matches!(event, TakeEvent::Pose { body: 1, sample } if sample.stamp.0 > START + 4 * STEP)
+        !matches!(event, TakeEvent::Pose { body: 1, stream: 0, sample } if sample.stamp.0 > START + 4 * STEP)
     });
     assert_eq!(
         failure(&early).to_string(),
@@ -348,6 +354,7 @@ fn stamps_of_two_clocks_and_bodies_out_of_range_are_refused() {
     let mut third = take(&scene);
     third.push(TakeEvent::Pose {
         body: 2,
+        stream: 0,
         sample: sample(&scene, 0, 3),
     });
     assert_eq!(
@@ -387,6 +394,7 @@ fn any_reading() -> impl Strategy<Value = TakeEvent> {
     )
         .prop_map(|(body, index, position, quaternion_xyzw)| TakeEvent::Pose {
             body,
+            stream: 0,
             sample: PoseSample {
                 stamp: Stamp(START + index * STEP),
                 position_m: Vector3::from(position),

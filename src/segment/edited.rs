@@ -1,0 +1,124 @@
+//! The segments of an edited sketch, one after the other on one time line.
+//!
+//! Every segment comes with physical times of its own, from any zero. The first segment of every
+//! body begins at zero of the line. At a collision the segments of all bodies that take part end,
+//! half a median interval before the mark or, where another's is longer, earlier; their next
+//! ones begin half a median interval after it. So with one body the next segment's first sample
+//! is one median interval after the last one's last, and the mark is in the middle. Marks keep
+//! the order of the scene's events.
+
+use super::error::SegmentError;
+use super::marks::seconds;
+use crate::motion::{EventKind, PoseSample, Scene, Stamp};
+
+/// Interval of a body whose segments have one sample each \[ns\]; the cut refuses them.
+const INTERVAL_NS: i64 = 1_000_000;
+
+/// One body's way along the line \[ns\].
+struct Track<'a> {
+    segments: std::slice::Iter<'a, Vec<PoseSample>>,
+    /// Where the next segment begins.
+    begin_ns: i64,
+    /// Median interval, at least 2.
+    interval_ns: i64,
+    joined: Vec<PoseSample>,
+}
+
+/// The streams of all bodies and the stamps of all events on one line, whose zero is the least
+/// stamp of any first segment. `segments` are by body, as many as [`Scene::streams`] says, sorted,
+/// none empty. Fails where they are longer than `limit_s`, each or together.
+pub(super) fn join(
+    scene: &Scene,
+    segments: &[Vec<Vec<PoseSample>>],
+    limit_s: f64,
+) -> Result<(Vec<Vec<PoseSample>>, Vec<Stamp>), SegmentError> {
+    check_spans(segments, limit_s)?;
+    let limit_ns = (limit_s * 1e9) as i64;
+    let firsts = segments.iter().filter_map(|body| body.first()?.first());
+    let zero = firsts.map(|sample| sample.stamp.0).min().unwrap_or(0);
+    // All of the line is within a few limits of its zero.
+    let zero = zero.min(i64::MAX - 4 * limit_ns);
+    let mut tracks: Vec<Track> = segments.iter().map(|body| Track::new(body, zero)).collect();
+    let mut stamps = Vec::new();
+    let mut last_ns = zero;
+    for event in &scene.events {
+        match &event.kind {
+            EventKind::Start => stamps.push(Stamp(zero)),
+            EventKind::Collision(collision) => {
+                let mut mark_ns = last_ns;
+                for body in collision.bodies() {
+                    let track = &mut tracks[body];
+                    mark_ns = mark_ns.max(last_ns + track.interval_ns);
+                    mark_ns = mark_ns.max(track.place() + track.interval_ns / 2);
+                }
+                for body in collision.bodies() {
+                    let track = &mut tracks[body];
+                    track.begin_ns = mark_ns + (track.interval_ns - track.interval_ns / 2);
+                }
+                check_span(Stamp(mark_ns), Stamp(zero), limit_s)?;
+                stamps.push(Stamp(mark_ns));
+                last_ns = mark_ns;
+            }
+            EventKind::End => {}
+        }
+    }
+    let ends = tracks.iter_mut().map(|track| track.place());
+    let end_ns = ends.fold(last_ns + 1, i64::max);
+    check_span(Stamp(end_ns), Stamp(zero), limit_s)?;
+    if scene.events.len() > stamps.len() {
+        stamps.push(Stamp(end_ns));
+    }
+    let streams = tracks.into_iter().map(|track| track.joined).collect();
+    Ok((streams, stamps))
+}
+
+fn check_spans(segments: &[Vec<Vec<PoseSample>>], limit_s: f64) -> Result<(), SegmentError> {
+    for segment in segments.iter().flatten() {
+        if let (Some(first), Some(last)) = (segment.first(), segment.last()) {
+            check_span(last.stamp, first.stamp, limit_s)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_span(last: Stamp, first: Stamp, limit_s: f64) -> Result<(), SegmentError> {
+    let span_s = seconds(last, first);
+    if span_s > limit_s {
+        return Err(SegmentError::Span { span_s, limit_s });
+    }
+    Ok(())
+}
+
+impl<'a> Track<'a> {
+    fn new(segments: &'a [Vec<PoseSample>], zero_ns: i64) -> Self {
+        let mut intervals: Vec<i64> = segments
+            .iter()
+            .flat_map(|segment| segment.windows(2))
+            .map(|pair| pair[1].stamp.0 - pair[0].stamp.0)
+            .collect();
+        intervals.sort_unstable();
+        let median_ns = intervals.get(intervals.len() / 2);
+        Self {
+            segments: segments.iter(),
+            begin_ns: zero_ns,
+            interval_ns: median_ns.copied().unwrap_or(INTERVAL_NS).max(2),
+            joined: Vec::new(),
+        }
+    }
+
+    /// Puts the next segment where it begins; returns where it ends.
+    fn place(&mut self) -> i64 {
+        let Some(segment) = self.segments.next() else {
+            return self.begin_ns;
+        };
+        // Stamps of one segment are near one another; those of two need not be.
+        let since_ns = |sample: &PoseSample| sample.stamp.0 - segment[0].stamp.0;
+        self.joined.extend(segment.iter().map(|sample| PoseSample {
+            stamp: Stamp(self.begin_ns + since_ns(sample)),
+            ..*sample
+        }));
+        self.joined
+            .last()
+            .map_or(self.begin_ns, |last| last.stamp.0)
+    }
+}

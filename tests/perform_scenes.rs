@@ -1,0 +1,358 @@
+//! The hat and the box obey physics, meet their goals and touch nothing but what they should;
+//! the bent scene and the die ask for more than physics can do.
+
+#[path = "../tools/perform/mod.rs"]
+mod perform;
+
+use std::f64::consts::TAU;
+
+use enact::math::{Pose, so3};
+use enact::motion::{GoalTarget, Quantity, Scene};
+use enact::physics::contact::Feature::Point;
+use enact::physics::{State, flow};
+use nalgebra::{Point3, Vector3};
+use perform::encounter::{Encounter, still};
+use perform::truth::Flight;
+use perform::{Truth, die, hat_box, simulate};
+
+const HAT: usize = 0;
+const BOX: usize = 1;
+
+fn advance(truth: &Truth, body: usize, state: &State, duration_s: f64) -> State {
+    let body = &truth.scene.bodies[body].body;
+    flow::advance(body, &truth.scene.gravity_m_s2, state, duration_s)
+}
+
+/// A body's states just before and just after an event that concerns it.
+fn around(truth: &Truth, body: usize, event: usize) -> (State, State) {
+    let time_s = truth.event_times_s[event];
+    let mut arcs = truth.arcs.iter().filter(|arc| arc.body == body);
+    let ended = arcs.find(|arc| arc.end_s == time_s).unwrap();
+    let begun = arcs.next().unwrap();
+    assert_eq!(begun.start_s, time_s);
+    (
+        advance(truth, body, &ended.state, ended.end_s - ended.epoch_s),
+        begun.state,
+    )
+}
+
+/// Kinetic energy [J], momentum [N s] and angular momentum about the origin [N m s].
+fn balance(truth: &Truth, body: usize, state: &State) -> (f64, Vector3<f64>, Vector3<f64>) {
+    let body = &truth.scene.bodies[body].body;
+    let omega = state.angular_velocity_rad_s;
+    let spin = body.moments_kg_m2().component_mul(&omega);
+    let momentum = state.velocity_m_s * body.mass_kg();
+    (
+        0.5 * momentum.dot(&state.velocity_m_s) + 0.5 * spin.dot(&omega),
+        momentum,
+        state.orientation * spin + state.position_m.cross(&momentum),
+    )
+}
+
+fn moments(truth: &Truth) -> impl Iterator<Item = f64> {
+    let duration_s = truth.duration_s;
+    let steps = (duration_s / 5e-4) as usize;
+    (0..=steps).map(move |step| duration_s * step as f64 / steps as f64)
+}
+
+fn corners(scene: &Scene, body: usize) -> Vec<Point3<f64>> {
+    let features = scene.bodies[body].features.iter();
+    let corners = features.filter_map(|feature| match feature.geometry {
+        Point { point_m, .. } => Some(point_m.into()),
+        _ => None,
+    });
+    corners.collect()
+}
+
+fn value(truth: &Truth, wanted: impl Fn(Quantity) -> bool) -> f64 {
+    let parameters = truth.scene.parameters.iter().zip(&truth.parameters);
+    let mut found = parameters.filter(|(parameter, _)| wanted(parameter.quantity));
+    *found.next().unwrap().1
+}
+
+#[test]
+fn the_hat_and_the_box_end_where_they_should() {
+    let truth = hat_box::truth();
+    let equalities = truth
+        .scene
+        .goals
+        .iter()
+        .filter(|goal| matches!(goal.target, GoalTarget::Pose { .. }));
+    assert_eq!((equalities.count(), truth.scene.goals.len()), (2, 3));
+    assert!(truth.goal_miss() < 1e-12, "{}", truth.goal_miss());
+    let initial = [HAT, BOX].map(|body| truth.state(body, 0.0));
+    let again = simulate(&truth.scene, &truth.parameters, &initial, truth.duration_s);
+    assert_eq!(again.unwrap(), truth);
+    let arcs = |body| truth.arcs.iter().filter(move |arc| arc.body == body);
+    assert_eq!((arcs(HAT).count(), arcs(BOX).count()), (2, 3));
+    for arc in &truth.arcs {
+        assert!((0.25..0.6).contains(&(arc.end_s - arc.start_s)));
+        assert!(arc.state.velocity_m_s.norm() < 5.0);
+        assert!(arc.state.angular_velocity_rad_s.norm() < 8.0);
+    }
+}
+
+#[test]
+fn every_parameter_is_within_its_bounds_and_none_is_what_the_scene_begins_with() {
+    let truth = hat_box::truth();
+    for (parameter, value) in truth.scene.parameters.iter().zip(&truth.parameters) {
+        assert!(
+            (parameter.lower..=parameter.upper).contains(value),
+            "{}",
+            parameter.name
+        );
+        assert!((value - parameter.initial).abs() > 0.005);
+    }
+    let [cone] = truth.scene.cones[..] else {
+        panic!("one cone");
+    };
+    let tilt_rad = cone.parameters.map(|p| truth.parameters[p]);
+    let tilt_rad = tilt_rad[0].hypot(tilt_rad[1]);
+    assert!((cone.limit.to_degrees() - 6.0).abs() < 1e-12);
+    assert!((3.0..4.0).contains(&tilt_rad.to_degrees()));
+    let meeting = Encounter::of(&truth.scene, &truth.parameters, 1).unwrap();
+    let angle_rad = meeting.push_normal.angle(&meeting.face_normal);
+    assert!((angle_rad - tilt_rad).abs() < 1e-12);
+}
+
+#[test]
+fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
+    let truth = hat_box::truth();
+    for (event, bodies) in [(0, vec![BOX]), (1, vec![BOX, HAT])] {
+        let encounter = Encounter::of(&truth.scene, &truth.parameters, event).unwrap();
+        let pairs: Vec<(State, State)> = bodies.iter().map(|b| around(&truth, *b, event)).collect();
+        let other = pairs.get(1).copied().unwrap_or((still(), still()));
+        let (before, after) = ((pairs[0].0, other.0), (pairs[0].1, other.1));
+        assert!(encounter.gap_m(&before.0, &before.1).abs() < 1e-15);
+        for (before, after) in &pairs {
+            assert!((after.position_m - before.position_m).norm() < 1e-13);
+            assert!(before.orientation.angle_to(&after.orientation) < 1e-13);
+        }
+        let speed = encounter.speed_m_s(&before.0, &before.1);
+        let parted = encounter.speed_m_s(&after.0, &after.1);
+        let restitution = value(&truth, |q| q == Quantity::Restitution { event });
+        assert!(speed < -1.0, "they meet at {speed} m/s");
+        assert!((parted + restitution * speed).abs() < 1e-13);
+
+        let total = |of: fn(&(State, State)) -> &State| {
+            let balances = pairs
+                .iter()
+                .zip(&bodies)
+                .map(|(pair, body)| balance(&truth, *body, of(pair)));
+            balances.fold((0.0, Vector3::zeros(), Vector3::zeros()), |a, b| {
+                (a.0 + b.0, a.1 + b.1, a.2 + b.2)
+            })
+        };
+        let (energy, momentum, spin) = total(|pair| &pair.0);
+        let (energy_after, momentum_after, spin_after) = total(|pair| &pair.1);
+        let lost = 0.5
+            * (1.0 - restitution * restitution)
+            * speed
+            * speed
+            * encounter.mass_kg(&before.0, &before.1);
+        assert!((energy - energy_after - lost).abs() < 1e-13 && lost > 0.01);
+        if bodies.len() == 2 {
+            assert!((momentum_after - momentum).norm() < 1e-14);
+            assert!((spin_after - spin).norm() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn they_touch_nothing_but_what_they_should() {
+    let truth = hat_box::truth();
+    let scene = &truth.scene;
+    let solids = [HAT, BOX].map(|body| scene.bodies[body].shape.solid().unwrap());
+    let (board_m, board) = scene.surfaces[1].plane().unwrap();
+    let (bounce_s, meeting_s) = (truth.event_times_s[0], truth.event_times_s[1]);
+    for time_s in moments(&truth) {
+        let [hat, cube] = [HAT, BOX].map(|body| truth.world_from_body(body, time_s));
+        // A corner approaches at 1 m/s or more, and parts at a tenth of that.
+        let apart = |event_s: f64| {
+            (time_s - event_s)
+                .abs()
+                .min((truth.duration_s - time_s).abs())
+        };
+        let distance_m = solids[HAT].distance_m(&hat, &solids[BOX], &cube).unwrap();
+        let least_m = if apart(meeting_s) < 0.01 { -1e-7 } else { 1e-4 };
+        assert!(distance_m > least_m, "{distance_m} m at {time_s} s");
+        for corner in corners(scene, BOX) {
+            let corner = cube * corner;
+            assert!(corner.z > 1e-3);
+            let off_m = board.dot(&(corner.coords - board_m));
+            let least_m = if apart(bounce_s) < 0.01 { -1e-12 } else { 1e-4 };
+            assert!(off_m > least_m, "{off_m} m off the board at {time_s} s");
+            // Side and brim are cloth, and no box goes through cloth.
+            let in_hat = hat.inverse_transform_point(&corner);
+            let beside_m = in_hat.coords.xy().norm();
+            let is_level = (-0.055..0.041).contains(&in_hat.z);
+            let is_through = is_level && (0.1..0.14).contains(&beside_m);
+            assert!(!is_through, "{beside_m} m at {time_s} s");
+        }
+        // The plate, and the rim of the brim.
+        for (height_m, radius_m) in [(0.045, 0.1), (-0.055, 0.14)] {
+            let centre = hat * Point3::new(0.0, 0.0, height_m);
+            let axis = hat.rotation * Vector3::z();
+            let lowest = |normal: &Vector3<f64>| radius_m * normal.cross(&axis).norm();
+            assert!(centre.z - lowest(&Vector3::z()) > -1e-12, "{time_s} s");
+            assert!(board.dot(&(centre.coords - board_m)) > lowest(&board));
+        }
+    }
+    let last = [HAT, BOX].map(|body| truth.world_from_body(body, truth.duration_s));
+    let gap_m = solids[HAT]
+        .distance_m(&last[HAT], &solids[BOX], &last[BOX])
+        .unwrap();
+    assert!(
+        (gap_m - 2e-4).abs() < 1e-6,
+        "the box ends {gap_m} m above the crown"
+    );
+}
+
+#[test]
+fn the_bent_scene_is_the_same_with_two_more_goals() {
+    let (truth, bent) = (hat_box::truth(), hat_box::bent_reference());
+    let mut scene = bent.scene.clone();
+    assert_eq!(scene.goals.split_off(truth.scene.goals.len()).len(), 2);
+    scene.name.clone_from(&truth.scene.name);
+    assert_eq!(scene, truth.scene);
+    assert!(!bent.is_physical && bent.goal_miss() < 1e-12);
+    let bounce = Encounter::of(&bent.scene, &bent.parameters, 0).unwrap();
+    let gap_m = bounce.gap_m(&around(&bent, BOX, 0).0, &still());
+    assert!(gap_m.abs() < 1e-14, "{gap_m}");
+}
+
+/// What no push at a corner accounts for: `I Δω − p × Rᵀ m Δv`, relative to `I` [rad/s], at a
+/// collision of a cube between two flights. Any push at `p` has a remainder of zero, along
+/// whatever normal and with whatever friction.
+fn unaccounted_rad_s(
+    truth: &Truth,
+    body: usize,
+    corner: &Vector3<f64>,
+    pair: (State, State),
+) -> f64 {
+    let cube = &truth.scene.bodies[body].body;
+    let (before, after) = pair;
+    let push = after
+        .orientation
+        .inverse_transform_vector(&(after.velocity_m_s - before.velocity_m_s))
+        * cube.mass_kg();
+    let turn = after.angular_velocity_rad_s - before.angular_velocity_rad_s;
+    (turn - corner.cross(&push) / cube.moments_kg_m2().x).norm()
+}
+
+/// The least remainder over durations of 0.1 to 0.8 s of both flights and a turn more or less.
+fn least_unaccounted_rad_s(
+    truth: &Truth,
+    body: usize,
+    corner: &Vector3<f64>,
+    poses: [&Pose; 3],
+) -> f64 {
+    let flight = Flight::of(&truth.scene, body);
+    let mut least = f64::INFINITY;
+    for (t, u) in (10..=80).flat_map(|t| (10..=80).map(move |u| (t, u))) {
+        let (t, u) = (f64::from(t) / 100.0, f64::from(u) / 100.0);
+        for turns in [-1.0, 0.0, 1.0] {
+            for more in [-1.0, 0.0, 1.0] {
+                let before = flight.between(poses[0], poses[1], t, turns);
+                let before = flight.advance(&before, t);
+                let after = flight.between(poses[1], poses[2], u, more);
+                least = least.min(unaccounted_rad_s(truth, body, corner, (before, after)));
+            }
+        }
+    }
+    least
+}
+
+#[test]
+fn no_push_makes_the_bent_flights_of_the_box() {
+    let bent = hat_box::bent_reference();
+    let meeting = Encounter::of(&bent.scene, &bent.parameters, 1).unwrap();
+    let times_s = &bent.event_times_s;
+    let poses = [0, 1, 2].map(|event| bent.world_from_body(BOX, times_s[event]));
+    let [a, b, c] = &poses;
+    let least = least_unaccounted_rad_s(&bent, BOX, &meeting.point_m, [a, b, c]);
+    assert!(least > 1.0, "{least} rad/s");
+    // The measure is right: it leaves nothing of the true motion's.
+    let truth = hat_box::truth();
+    let pair = around(&truth, BOX, 1);
+    assert!(unaccounted_rad_s(&truth, BOX, &meeting.point_m, pair) < 1e-12);
+}
+
+#[test]
+fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
+    let reference = die::reference();
+    let scene = &reference.scene;
+    assert_eq!(
+        (scene.goals.len(), scene.cones.len(), reference.arcs.len()),
+        (6, 6, 7)
+    );
+    assert!(reference.goal_miss() < 1e-12 && !reference.is_physical);
+    let faces = [
+        (1, Vector3::z()),
+        (6, -Vector3::z()),
+        (2, Vector3::x()),
+        (5, -Vector3::x()),
+        (3, Vector3::y()),
+        (4, -Vector3::y()),
+    ];
+    let mut shown = Vec::new();
+    for goal in &scene.goals {
+        let GoalTarget::Pose { world_from_body } = &goal.target else {
+            panic!("a pose");
+        };
+        let up = |face: &Vector3<f64>| (world_from_body.rotation * face).z;
+        let top = faces
+            .iter()
+            .max_by(|a, b| up(&a.1).total_cmp(&up(&b.1)))
+            .unwrap();
+        let lean_deg = up(&top.1).acos().to_degrees();
+        assert!((10.0..25.0).contains(&lean_deg));
+        shown.push(top.0);
+        // The named corner is the lowest, and exactly on the table.
+        let encounter = Encounter::of(scene, &reference.parameters, goal.event).unwrap();
+        let mut heights: Vec<f64> = corners(scene, 0)
+            .iter()
+            .map(|c| (world_from_body * c).z)
+            .collect();
+        heights.sort_by(f64::total_cmp);
+        let touching = (world_from_body * Point3::from(encounter.point_m)).z;
+        assert!(touching.abs() < 1e-16 && heights[0] == touching && heights[1] > 0.004);
+        // It comes down and goes up.
+        let (before, after) = around(&reference, 0, goal.event);
+        assert!(encounter.speed_m_s(&before, &still()) < -1.0);
+        assert!(encounter.speed_m_s(&after, &still()) > 0.5);
+        assert!(after.angular_velocity_rad_s.norm() < TAU * 2.0);
+    }
+    assert_eq!(shown, [1, 3, 6, 4, 2, 5]);
+    let goals: Vec<Pose> = scene
+        .goals
+        .iter()
+        .map(|goal| reference.world_from_body(0, reference.event_times_s[goal.event]))
+        .collect();
+    let mut least = f64::INFINITY;
+    for event in 1..5 {
+        let encounter = Encounter::of(scene, &reference.parameters, event).unwrap();
+        let poses = [&goals[event - 1], &goals[event], &goals[event + 1]];
+        least = least.min(least_unaccounted_rad_s(
+            &reference,
+            0,
+            &encounter.point_m,
+            poses,
+        ));
+    }
+    assert!(least > 0.5, "{least} rad/s");
+}
+
+#[test]
+fn a_flight_between_poses_leads_from_one_to_the_other() {
+    let reference = die::reference();
+    let flight = Flight::of(&reference.scene, 0);
+    let pose = |event: usize| reference.world_from_body(0, reference.event_times_s[event]);
+    for turns in [-1.0, 0.0, 2.0] {
+        let begun = flight.between(&pose(0), &pose(1), 0.4, turns);
+        let ended = flight.advance(&begun, 0.4);
+        assert!((ended.position_m - pose(1).translation.vector).norm() < 1e-14);
+        let left = so3::log(&(ended.orientation.inverse() * pose(1).rotation));
+        assert!(left.norm() < 1e-12, "{turns} {}", left.norm());
+    }
+}
