@@ -23,6 +23,8 @@ mod scaling;
 mod starts;
 mod statistics;
 mod stopwatch;
+mod stress;
+mod stress_table;
 mod table;
 mod tosses;
 
@@ -50,6 +52,8 @@ enum Study {
     Scaling,
     /// Where the time goes.
     Phases,
+    /// Where methods fail: what is said then.
+    Stress,
     /// Real tosses of a cube, if they are there.
     Tosses,
     /// All of them.
@@ -64,6 +68,7 @@ fn main() -> anyhow::Result<()> {
         Study::Covariance,
         Study::Scaling,
         Study::Phases,
+        Study::Stress,
         Study::Tosses,
     ];
     let one = [study];
@@ -79,6 +84,7 @@ fn main() -> anyhow::Result<()> {
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
             Study::Phases => phases::run(&options)?,
+            Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::All => {}
         }

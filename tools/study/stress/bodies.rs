@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::flights::spinning;
 use super::{Trouble, add_both};
 use crate::case::Case;
-use crate::perform::{Style, Truth};
+use crate::perform::{Style, Truth, hat_box};
 
 /// Adds them.
 pub fn add(all: &mut Vec<Trouble>) {
@@ -16,6 +16,14 @@ pub fn add(all: &mut Vec<Trouble>) {
             let truth = with_moments([1.0, 1.0, ratio])?;
             Ok(Case::new(&truth, acting, seed))
         });
+    }
+    for (heavy, name) in [(0, "hat : box"), (1, "box : hat")] {
+        for ratio in [1e3, 1e6] {
+            let name = format!("{name}, {ratio:.0e} : 1");
+            add_both(all, "mass ratio", &name, move |acting, seed| {
+                Ok(Case::new(&heavier(heavy, ratio)?, acting, seed))
+            });
+        }
     }
     for power in [3, 6, 8, 9, 10, 12, 15] {
         let delta = 10f64.powi(-power);
@@ -45,5 +53,19 @@ pub fn with_moments(shares: [f64; 3]) -> Result<Truth, String> {
     let moments_kg_m2 = Vector3::from(shares) * body.moments_kg_m2().x;
     scene.bodies[0].body =
         Body::new(body.mass_kg(), moments_kg_m2).map_err(|error| error.to_string())?;
-    Style::Tip.truth_in(&scene).map_err(|error| error.to_string())
+    Style::Tip
+        .truth_in(&scene)
+        .map_err(|error| error.to_string())
+}
+
+/// Hat and box, one of them so many times heavier than the other.
+pub fn heavier(heavy: usize, ratio: f64) -> Result<Truth, String> {
+    let mut scene = hat_box::truth().scene;
+    let bodies = &mut scene.bodies;
+    let now = bodies[heavy].body.mass_kg() / bodies[1 - heavy].body.mass_kg();
+    let factor = ratio / now;
+    let body = &mut bodies[heavy].body;
+    *body = Body::new(factor * body.mass_kg(), factor * body.moments_kg_m2())
+        .map_err(|error| error.to_string())?;
+    hat_box::truth_in(&scene).map_err(|error| error.to_string())
 }

@@ -76,7 +76,10 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
     let features = &scene.bodies[0].features;
     let named = |name: &str| features.iter().position(|f| f.name == name);
-    let (tip, eraser) = (named("tip").ok_or("no tip")?, named("eraser").ok_or("none")?);
+    let (tip, eraser) = (
+        named("tip").ok_or("no tip")?,
+        named("eraser").ok_or("none")?,
+    );
     let bounce = |name: &str, feature: usize| Event {
         name: name.to_owned(),
         kind: EventKind::Collision(Collision::bounce(0, feature, 0, 0.7)),
@@ -97,12 +100,9 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
             velocity_m_s: Vector3::new(0.2, 0.1, -2.5),
             angular_velocity_rad_s: Vector3::zeros(),
         };
-        let flight = Flight {
-            body: &scene.bodies[0].body,
-            gravity_m_s2: &scene.gravity_m_s2,
-        };
+        let flight = Flight::of(&scene, 0);
         let initial = flight.advance(&state, -0.3);
-        let truth = simulate(&scene, &initial, 0.6).map_err(|error| error.to_string())?;
+        let truth = simulate(&scene, &[], &[initial], 0.6).map_err(|error| error.to_string())?;
         let found_s = truth.event_times_s[1] - truth.event_times_s[0];
         if (found_s / between_s - 1.0).abs() < 1e-3 {
             let turn = so3::exp(&(Vector3::z() * normal3(&mut rng).x));

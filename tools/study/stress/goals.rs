@@ -124,10 +124,7 @@ fn gaining_ball() -> Truth {
         (times_s[1], times_s[2]),
         (times_s[2], end_s),
     ];
-    let flight = Flight {
-        body: &scene.bodies[0].body,
-        gravity_m_s2: &scene.gravity_m_s2,
-    };
+    let flight = Flight::of(&scene, 0);
     let mut orientation = UnitQuaternion::identity();
     let mut arcs = Vec::new();
     for (index, (state, (start_s, end_s))) in starts.iter().zip(spans).enumerate() {
@@ -147,6 +144,8 @@ fn gaining_ball() -> Truth {
     }
     Truth {
         scene,
+        is_physical: false,
+        parameters: Vec::new(),
         arcs,
         event_times_s: vec![times_s[0], times_s[1], times_s[2], end_s],
         duration_s: end_s,
@@ -161,7 +160,7 @@ fn ball_scene() -> Scene {
     ball.name = "ball".to_owned();
     ball.body = Body::new(0.05, Vector3::repeat(0.4 * 0.05 * RADIUS_M * RADIUS_M))
         .expect("a ball is a body");
-    ball.shape = Shape::Ball { radius_m: RADIUS_M };
+    ball.shape = Shape::Sphere { radius_m: RADIUS_M };
     ball.body_from_tracker = Pose::translation(0.0, 0.0, RADIUS_M);
     ball.features = vec![Feature {
         name: "surface".to_owned(),

@@ -2,13 +2,14 @@
 
 use enact::math::so3;
 use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, Scene, Surface};
-use enact::physics::{State, contact, impact};
+use enact::physics::{State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::perform::truth::{Flight, contact_of};
+use crate::perform::encounter::{Encounter, still};
+use crate::perform::truth::Flight;
 use crate::perform::{Style, Truth, simulate};
 
 /// The random numbers of a seed, apart from those of the performance.
@@ -32,17 +33,10 @@ pub fn direction(rng: &mut impl Rng) -> Vector3<f64> {
 /// becomes the only goal. An error where a simulation says that the contact is earlier.
 pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Truth, String> {
     let mut scene = scene.clone();
-    let body = &scene.bodies[0].body;
-    let bounce = scene.events.iter().find(|e| e.kind.collision().is_some());
-    let kind = bounce.map(|event| &event.kind).ok_or("no bounce")?;
-    let contact = contact_of(&scene, kind).ok_or("no contact of a point with a plane")?;
-    let restitution = kind.collision().map_or(0.0, |c| c.restitution);
-    let flight = Flight {
-        body,
-        gravity_m_s2: &scene.gravity_m_s2,
-    };
+    let meet = Encounter::of(&scene, &[], 0).ok_or("no bounce of a corner")?;
+    let flight = Flight::of(&scene, 0);
     let initial = flight.advance(at, -before_s);
-    let after = impact::bounce(body, &contact, &contact.surface_normal, restitution, at);
+    let (after, _) = meet.after(at, &still());
     let end = flight.advance(&after, after_s);
     let duration_s = before_s + after_s;
     let end_event = scene.events.iter().position(|e| e.kind == EventKind::End);
@@ -60,12 +54,15 @@ pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Tru
         start_s,
         end_s,
     };
-    let simulated = simulate(&scene, &initial, duration_s).map_err(|error| error.to_string())?;
+    let simulated =
+        simulate(&scene, &[], &[initial], duration_s).map_err(|error| error.to_string())?;
     if (simulated.event_times_s[0] - before_s).abs() > 1e-6 {
         return Err("the contact point goes through the surface earlier".into());
     }
     Ok(Truth {
         scene,
+        is_physical: true,
+        parameters: Vec::new(),
         arcs: vec![
             arc(initial, 0.0, before_s),
             arc(after, before_s, duration_s),
@@ -78,11 +75,7 @@ pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Tru
 /// The state in which the pencil of a style hits the table.
 pub fn at_impact(truth: &Truth) -> State {
     let arc = &truth.arcs[0];
-    Flight {
-        body: &truth.scene.bodies[0].body,
-        gravity_m_s2: &truth.scene.gravity_m_s2,
-    }
-    .advance(&arc.state, truth.event_times_s[0] - arc.epoch_s)
+    Flight::of(&truth.scene, 0).advance(&arc.state, truth.event_times_s[0] - arc.epoch_s)
 }
 
 /// A pencil thrown up along a wall, its tip towards the wall, which it meets at that speed along
@@ -112,11 +105,7 @@ pub fn wall(approach_m_s: f64, restitution: f64, seed: u64) -> Result<Truth, Str
         velocity_m_s: Vector3::new(0.0, 0.2, 1.0),
         angular_velocity_rad_s: normal3(&mut rng).component_mul(&Vector3::new(1.0, 1.0, 6.0)),
     };
-    let contact = impact::Contact {
-        point_m: tip_m,
-        surface_point_m: Vector3::zeros(),
-        surface_normal: Vector3::x(),
-    };
-    state.velocity_m_s.x = -approach_m_s - contact.normal_speed_m_s(&state);
+    let meet = Encounter::of(&scene, &[], 0).ok_or("no bounce of a corner")?;
+    state.velocity_m_s.x = -approach_m_s - meet.speed_m_s(&state, &still());
     hit(&scene, &state, 0.35, 0.4)
 }

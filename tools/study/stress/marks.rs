@@ -41,7 +41,10 @@ pub fn add(all: &mut Vec<Trouble>) {
     });
     add_both(all, "marks", "one too many", |acting, seed| {
         let mut case = Case::pencil(Style::Tip, acting, seed);
-        let stamps = marks(&mut case).iter().map(|mark| mark.stamp.0).collect::<Vec<i64>>();
+        let stamps = marks(&mut case)
+            .iter()
+            .map(|mark| mark.stamp.0)
+            .collect::<Vec<i64>>();
         let share = rng(seed).random::<f64>();
         let extra = stamps[0] + (share * (stamps[1] - stamps[0]) as f64) as i64;
         case.performance.events.push(TakeEvent::Mark(Mark {

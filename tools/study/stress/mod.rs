@@ -1,8 +1,8 @@
 //! Where methods fail: what is done to performances, and how the answer is judged.
 //!
 //! A [`Trouble`] makes a performance from a seed; [`judge`] asks the program and holds what it
-//! says against an independent check ([`check`]). The runner is `stress/table.rs`; tests include
-//! this folder too, hence the allowance.
+//! says against an independent check ([`check`]). The runner is `stress_table.rs` beside this
+//! folder; tests include the folder too, hence the allowance.
 #![allow(dead_code)]
 
 mod bodies;
@@ -19,7 +19,7 @@ use crate::case::Case;
 use crate::perform::Acting;
 
 pub use check::{Finding, check};
-pub use judge::{Answer, Judged, answer, judged};
+pub use judge::{Judged, asked, judged};
 
 /// Something that goes wrong, or is hard.
 pub struct Trouble {

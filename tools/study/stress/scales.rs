@@ -40,13 +40,18 @@ pub fn add(all: &mut Vec<Trouble>) {
         case.performance.truth.scene.gravity_m_s2 *= 1e3;
         Ok(case)
     });
-    add_both(all, "units", "mass in g, moments in g mm²", |acting, seed| {
-        let mut case = Case::pencil(Style::Tip, acting, seed);
-        let body = &mut case.performance.truth.scene.bodies[0].body;
-        let (mass_kg, moments_kg_m2) = (body.mass_kg(), body.moments_kg_m2());
-        *body = Body::new(1e3 * mass_kg, 1e9 * moments_kg_m2).map_err(|e| e.to_string())?;
-        Ok(case)
-    });
+    add_both(
+        all,
+        "units",
+        "mass in g, moments in g mm²",
+        |acting, seed| {
+            let mut case = Case::pencil(Style::Tip, acting, seed);
+            let body = &mut case.performance.truth.scene.bodies[0].body;
+            let (mass_kg, moments_kg_m2) = (body.mass_kg(), body.moments_kg_m2());
+            *body = Body::new(1e3 * mass_kg, 1e9 * moments_kg_m2).map_err(|e| e.to_string())?;
+            Ok(case)
+        },
+    );
     for style in Style::ALL {
         all.push(Trouble {
             theme: "tempo",
