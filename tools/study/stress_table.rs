@@ -47,9 +47,14 @@ pub fn run(options: &Options) -> Result<()> {
     panic::set_hook(Box::new(|_| {}));
     let mut rows = Vec::new();
     for trouble in &chosen {
+        let begin = std::time::Instant::now();
         let row = row(trouble, options.seeds);
-        eprintln!("{}", row.cells().join(" | "));
+        let took_s = begin.elapsed().as_secs();
+        eprintln!("{} | {took_s} s", row.cells().join(" | "));
         rows.push(row);
+        if options.only.is_none() {
+            write(options, &rows)?;
+        }
     }
     let _ = panic::take_hook();
     let mut table = Table::new("Where methods fail", &HEADER);
@@ -57,13 +62,15 @@ pub fn run(options: &Options) -> Result<()> {
         table.row(row.cells());
     }
     println!("{table}");
-    if options.only.is_some() {
-        return Ok(());
-    }
+    Ok(())
+}
+
+/// All that was measured so far; of single seeds those where something was amiss.
+fn write(options: &Options, rows: &[Row]) -> Result<()> {
     options.write_json("stress", &rows)?;
     let header = "theme,name,timing,seed,best,objective,lowest,lowest_start,iterations,off_m,\
                   finding,said,reason";
-    let lines: Vec<String> = rows.into_iter().flat_map(|row| row.lines).collect();
+    let lines: Vec<String> = rows.iter().flat_map(|row| row.lines.clone()).collect();
     options.write_csv("stress", header, &lines)
 }
 
@@ -160,6 +167,9 @@ impl Row {
         let (lowest, start) = judged.lowest.clone().unwrap_or((f64::NAN, String::new()));
         if is_physical && !judged.is_best {
             self.above_best.push((seed, judged.objective / lowest));
+        }
+        if judged.is_best && finding.is_empty() && !judged.has_nan {
+            return;
         }
         self.lines.push(format!(
             "{},{},{},{seed},{},{:.6e},{lowest:.6e},{},{},{:.3e},{},{},{}",

@@ -16,7 +16,7 @@ const GAP: [f64; 4] = [2e-9, 2e-9, 2e-8, 2e-7];
 const SIMULATED: f64 = 1e-7;
 const NUDGE: f64 = 1e-9;
 /// A named contact point this deep in its surface is inside [m].
-const DIP_M: f64 = 1e-3;
+const DIP_M: f64 = 1e-6;
 /// Spacing at which depth is looked at [s].
 const DIP_STEP_S: f64 = 1e-3;
 

@@ -2,7 +2,7 @@
 
 use enact::math::so3;
 use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, Scene, Surface};
-use enact::physics::{State, contact};
+use enact::physics::{Body, State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -78,10 +78,21 @@ pub fn at_impact(truth: &Truth) -> State {
     Flight::of(&truth.scene, 0).advance(&arc.state, truth.event_times_s[0] - arc.epoch_s)
 }
 
+/// Moments of a pencil, in parts of that about its middle.
+pub const PENCIL: [f64; 3] = [1.0, 1.0, 2.3e-3];
+
 /// A pencil thrown up along a wall, its tip towards the wall, which it meets at that speed along
-/// the wall's normal.
-pub fn wall(approach_m_s: f64, restitution: f64, seed: u64) -> Result<Truth, String> {
+/// the wall's normal; of these moments, in parts of the pencil's own.
+pub fn wall(
+    approach_m_s: f64,
+    restitution: f64,
+    moments: [f64; 3],
+    seed: u64,
+) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
+    let body = &mut scene.bodies[0].body;
+    let moments_kg_m2 = Vector3::from(moments) * body.moments_kg_m2().x;
+    *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|error| error.to_string())?;
     scene.obstacles.clear();
     scene.surfaces = vec![Surface {
         name: "wall".to_owned(),

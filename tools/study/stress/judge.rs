@@ -124,11 +124,22 @@ pub fn asked(case: &Case) -> Judged {
     judged
 }
 
-/// The lowest optimum, and how far the estimate is from the truth.
+/// The lowest optimum, and how far the estimate is from the truth. Some twenty starts at known
+/// times of up to three segments, fewer of what is larger.
 fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f64) {
     let posed = Posed::new(case.scene(), &outcome.sketch);
     let guess = case.true_guess(&posed, &outcome.sketch);
-    let known = lowest(&posed, &starts(&posed, &guess, seed));
+    let mut starts = starts(&posed, &guess, seed);
+    // The truth, swept too, the program's own and the truth shaken come first.
+    starts.truncate(
+        match (posed.segments.len(), posed.problem.times_are_unknown()) {
+            (..=3, false) => starts.len(),
+            (..=3, true) => 10,
+            (_, false) => 8,
+            (_, true) => 4,
+        },
+    );
+    let known = lowest(&posed, &starts);
     let offset_s = case.offset_s(&posed, &outcome.sketch);
     (known, off_m(case, &outcome.estimate, offset_s))
 }
