@@ -1,86 +1,97 @@
 //! Where methods fail: every trouble at all seeds, and what the program says then.
 
 use std::collections::BTreeMap;
-use std::panic;
+use std::time::Instant;
+use std::{fs, panic};
 
 use anyhow::Result;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::results::Options;
-use crate::stress::{Finding, Judged, Timing, Trouble, all, judged};
+use crate::stress::{Finding, Judged, Trouble, all, judged};
 use crate::table::{Table, percent};
 
 /// Reasons shown in a row of the table.
 const SHOWN: usize = 3;
 
 /// One trouble at all seeds.
-#[derive(Serialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 struct Row {
-    theme: &'static str,
+    theme: String,
     name: String,
-    timing: &'static str,
+    timing: String,
     performances: usize,
     best: usize,
     physical: usize,
     /// Physical by its gaps, with a named contact point inside its surface at some other time.
-    dips: usize,
+    through_a_surface: usize,
+    /// Physical by its gaps, with a collision that has no impact.
+    without_an_impact: usize,
     /// Physical by its own account only.
     false_physical: usize,
     panics: usize,
     not_finite: usize,
+    /// Something is reported as undetermined.
     undetermined: usize,
-    /// What it says and how often.
-    said: BTreeMap<String, usize>,
-    /// The first seed of each.
-    first_seeds: BTreeMap<String, u64>,
-    /// Seeds of the physical ones that are not the best known optimum, with the ratio.
-    above_best: Vec<(u64, f64)>,
-    #[serde(skip)]
-    lines: Vec<String>,
+    /// Median over seeds of the largest distance of an arc's middle from the truth [m].
+    off_m: Option<f64>,
+    /// What it says, how often, and at which seed first.
+    said: BTreeMap<String, (usize, u64)>,
+    /// Seeds with an estimate that is not the best known, or not what it says.
+    amiss: Vec<Amiss>,
 }
 
-/// Runs those whose description holds `options.only`.
+/// A performance whose estimate is not as one would wish.
+#[derive(Clone, Serialize, Deserialize)]
+struct Amiss {
+    seed: u64,
+    said: String,
+    objective: Option<f64>,
+    lowest: Option<f64>,
+    lowest_start: Option<String>,
+    finding: Option<String>,
+    iterations: usize,
+    off_m: Option<f64>,
+}
+
+/// Runs those whose description holds `options.only`; the others stay as they were measured.
 pub fn run(options: &Options) -> Result<()> {
+    let path = options.results.join("stress.json");
+    let known = fs::read_to_string(path)
+        .ok()
+        .filter(|_| options.only.is_some());
+    let known = known.and_then(|text| serde_json::from_str::<Vec<Row>>(&text).ok());
+    let mut known = known.unwrap_or_default();
     let all = all();
-    let chosen: Vec<&Trouble> = all.iter().filter(|t| is_chosen(t, options)).collect();
+    let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
-    let mut rows = Vec::new();
-    for trouble in &chosen {
-        let begin = std::time::Instant::now();
+    for trouble in all.iter().filter(|t| is_chosen(t, options)) {
+        let begin = Instant::now();
         let row = row(trouble, options.seeds);
         let took_s = begin.elapsed().as_secs();
         eprintln!("{} | {took_s} s", row.cells().join(" | "));
-        rows.push(row);
-        if options.only.is_none() {
-            write(options, &rows)?;
-        }
+        known.retain(|known| !known.is_of(trouble));
+        known.push(row);
+        options.write_json("stress", &in_order(&all, &known))?;
     }
-    let _ = panic::take_hook();
+    panic::set_hook(hook);
     let mut table = Table::new("Where methods fail", &HEADER);
-    for row in &rows {
+    for row in in_order(&all, &known) {
         table.row(row.cells());
     }
     println!("{table}");
     Ok(())
 }
 
-/// All that was measured so far; of single seeds those where something was amiss.
-fn write(options: &Options, rows: &[Row]) -> Result<()> {
-    options.write_json("stress", &rows)?;
-    let header = "theme,name,timing,seed,best,objective,lowest,lowest_start,iterations,off_m,\
-                  finding,said,reason";
-    let lines: Vec<String> = rows.iter().flat_map(|row| row.lines.clone()).collect();
-    options.write_csv("stress", header, &lines)
+fn in_order(all: &[Trouble], rows: &[Row]) -> Vec<Row> {
+    let row_of = |trouble| rows.iter().find(|row| row.is_of(trouble)).cloned();
+    all.iter().filter_map(row_of).collect()
 }
 
 fn is_chosen(trouble: &Trouble, options: &Options) -> bool {
-    let described = format!(
-        "{}: {}, {}",
-        trouble.theme,
-        trouble.name,
-        trouble.timing.word()
-    );
+    let (theme, name) = (trouble.theme, &trouble.name);
+    let described = format!("{theme}: {name}, {}", trouble.timing.word());
     let only = options.only.as_ref();
     only.is_none_or(|only| described.contains(only.as_str()))
 }
@@ -91,121 +102,107 @@ fn row(trouble: &Trouble, seeds: u64) -> Row {
         .map(|seed| (seed, (trouble.make)(seed).map(|case| judged(&case, seed))))
         .collect();
     let mut row = Row {
-        theme: trouble.theme,
+        theme: trouble.theme.to_owned(),
         name: trouble.name.clone(),
-        timing: match trouble.timing {
-            Timing::Known => "known",
-            Timing::Unknown => "unknown",
-        },
-        performances: 0,
-        best: 0,
-        physical: 0,
-        dips: 0,
-        false_physical: 0,
-        panics: 0,
-        not_finite: 0,
-        undetermined: 0,
-        said: BTreeMap::new(),
-        first_seeds: BTreeMap::new(),
-        above_best: Vec::new(),
-        lines: Vec::new(),
+        timing: trouble.timing.word().to_owned(),
+        ..Row::default()
     };
-    for (seed, judged) in each {
-        match judged {
-            Ok(judged) => row.add(seed, &judged),
-            Err(error) => row.lines.push(format!(
-                "{},{},{},{seed},,,,,,,,{},",
-                row.theme,
-                quoted(&row.name),
-                row.timing,
-                quoted(&format!("no such motion: {error}"))
-            )),
+    let mut off_m = Vec::new();
+    for (seed, judged) in &each {
+        // A seed without a motion is no performance.
+        if let Ok(judged) = judged {
+            row.add(*seed, judged);
+            off_m.push(judged.off_m);
         }
     }
+    off_m.retain(|off_m| off_m.is_finite());
+    row.off_m = finite(crate::statistics::median(&off_m));
     row
 }
 
-/// A field of a CSV.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "'"))
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
-const HEADER: [&str; 9] = [
+const HEADER: [&str; 10] = [
     "case",
     "timing",
     "n",
     "best",
     "physical",
     "of these through a surface",
+    "without an impact",
     "false physical",
     "panics, not finite",
     "otherwise says (first seed)",
 ];
 
 impl Row {
+    fn is_of(&self, trouble: &Trouble) -> bool {
+        (self.theme.as_str(), &self.name) == (trouble.theme, &trouble.name)
+            && self.timing == trouble.timing.word()
+    }
+
     fn add(&mut self, seed: u64, judged: &Judged) {
-        let is_physical = judged.said == "physical";
         self.performances += 1;
         self.best += usize::from(judged.is_best);
-        self.physical += usize::from(is_physical);
+        self.physical += usize::from(judged.said == "physical");
         self.panics += usize::from(judged.said.starts_with("panic"));
         self.not_finite += usize::from(judged.has_nan);
         self.undetermined += usize::from(judged.undetermined > 0);
         let finding = match &judged.finding {
-            None | Some(Finding::Agrees) => String::new(),
+            None | Some(Finding::Agrees) => None,
             Some(Finding::Dips) => {
-                self.dips += 1;
-                "through a surface".to_owned()
+                self.through_a_surface += 1;
+                Some("through a surface".to_owned())
+            }
+            Some(Finding::Grazes) => {
+                self.without_an_impact += 1;
+                Some("without an impact".to_owned())
             }
             Some(Finding::Disagrees(what)) => {
                 self.false_physical += 1;
-                what.clone()
+                Some(what.clone())
             }
         };
-        *self.said.entry(judged.said.clone()).or_default() += 1;
-        self.first_seeds.entry(judged.said.clone()).or_insert(seed);
-        let (lowest, start) = judged.lowest.clone().unwrap_or((f64::NAN, String::new()));
-        if is_physical && !judged.is_best {
-            self.above_best.push((seed, judged.objective / lowest));
+        let said = self.said.entry(judged.said.clone()).or_insert((0, seed));
+        said.0 += 1;
+        let is_amiss = !judged.is_best || finding.is_some() || judged.has_nan;
+        if is_amiss && !judged.said.starts_with("refused") {
+            let (lowest, start) = judged.lowest.clone().unzip();
+            self.amiss.push(Amiss {
+                seed,
+                said: judged.said.clone(),
+                objective: finite(judged.objective),
+                lowest,
+                lowest_start: start,
+                finding,
+                iterations: judged.iterations,
+                off_m: finite(judged.off_m),
+            });
         }
-        if judged.is_best && finding.is_empty() && !judged.has_nan {
-            return;
-        }
-        self.lines.push(format!(
-            "{},{},{},{seed},{},{:.6e},{lowest:.6e},{},{},{:.3e},{},{},{}",
-            self.theme,
-            quoted(&self.name),
-            self.timing,
-            judged.is_best,
-            judged.objective,
-            quoted(&start),
-            judged.iterations,
-            judged.off_m,
-            quoted(&finding),
-            quoted(&judged.said),
-            quoted(&judged.reason),
-        ));
     }
 
-    fn cells(&self) -> [String; 9] {
-        let mut others: Vec<(&String, &usize)> = self.said.iter().collect();
+    fn cells(&self) -> [String; 10] {
+        let mut others: Vec<_> = self.said.iter().collect();
         others.retain(|(said, _)| *said != "physical");
-        others.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-        let more: usize = others.iter().skip(SHOWN).map(|(_, count)| **count).sum();
+        others.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
+        let more: usize = others.iter().skip(SHOWN).map(|(_, (count, _))| count).sum();
         let shown = others.iter().take(SHOWN);
         let mut said: Vec<String> = shown
-            .map(|(said, count)| format!("{count} {said} ({})", self.first_seeds[*said]))
+            .map(|(said, (count, seed))| format!("{count} {said} ({seed})"))
             .collect();
         if more > 0 {
             said.push(format!("{more} more"));
         }
         [
             format!("{}: {}", self.theme, self.name),
-            self.timing.to_owned(),
+            self.timing.clone(),
             self.performances.to_string(),
             percent(self.best, self.performances),
             percent(self.physical, self.performances),
-            self.dips.to_string(),
+            self.through_a_surface.to_string(),
+            self.without_an_impact.to_string(),
             self.false_physical.to_string(),
             format!("{}, {}", self.panics, self.not_finite),
             said.join("; "),

@@ -15,8 +15,12 @@ const GAP: [f64; 4] = [2e-9, 2e-9, 2e-8, 2e-7];
 /// [`NUDGE`] makes of it.
 const SIMULATED: f64 = 1e-7;
 const NUDGE: f64 = 1e-9;
+/// As many events are simulated.
+const SIMULATED_EVENTS: usize = 8;
 /// A named contact point this deep in its surface is inside [m].
 const DIP_M: f64 = 1e-6;
+/// Slower than this is no approach [m/s].
+const NO_SPEED_M_S: f64 = 1e-4;
 /// Spacing at which depth is looked at [s].
 const DIP_STEP_S: f64 = 1e-3;
 
@@ -28,6 +32,9 @@ pub enum Finding {
     /// Gaps close, but a named contact point is inside its surface at another time than that of
     /// its collision, so that the motion is one through the table.
     Dips,
+    /// Gaps close, but a collision touches without speed, so that nothing bounces: its impulse
+    /// is none. A simulation cannot see it.
+    Grazes,
     /// It is not what it says.
     Disagrees(String),
 }
@@ -37,12 +44,13 @@ pub fn check(scene: &Scene, estimate: &Estimate) -> Finding {
     if let Some(what) = gap(scene, estimate) {
         return Finding::Disagrees(what);
     }
-    let dips = dips(scene, estimate);
-    match simulated(scene, estimate) {
-        Some(what) if !dips => Finding::Disagrees(what),
-        _ if dips => Finding::Dips,
-        _ => Finding::Agrees,
+    if dips(scene, estimate) {
+        return Finding::Dips;
     }
+    if grazes(scene, estimate) {
+        return Finding::Grazes;
+    }
+    simulated(scene, estimate).map_or(Finding::Agrees, Finding::Disagrees)
 }
 
 /// A body's arcs, in order.
@@ -191,7 +199,23 @@ fn dips(scene: &Scene, estimate: &Estimate) -> bool {
     })
 }
 
-/// What a simulation from the first states has otherwise; nothing where it cannot tell.
+/// Whether a collision happens without speed.
+fn grazes(scene: &Scene, estimate: &Estimate) -> bool {
+    (0..scene.events.len()).any(|event| {
+        let Some(meet) = Encounter::of(scene, &parameters(estimate), event) else {
+            return false;
+        };
+        let arrived = |body: usize| {
+            let arc = arcs(estimate, body)[collisions_before(scene, body, event)];
+            flown(scene, estimate, arc, estimate.events[event].time_s)
+        };
+        let b = meet.other.map_or_else(still, arrived);
+        meet.speed_m_s(&arrived(meet.body), &b).abs() < NO_SPEED_M_S
+    })
+}
+
+/// What a simulation from the first states has otherwise; nothing where it cannot tell. Of many
+/// collisions only the first are simulated: beyond, rounding has grown too large.
 fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
     let sharp = |event: usize| {
         scene.events[event].kind.collision().is_none()
@@ -202,7 +226,17 @@ fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
     }
     let starts_s = estimate.arcs.iter().map(|arc| arc.start_s);
     let start_s = starts_s.fold(f64::INFINITY, f64::min);
-    let duration_s = estimate.events.last()?.time_s - start_s;
+    let times_s: Vec<f64> = estimate.events.iter().map(|e| e.time_s - start_s).collect();
+    let mut scene = scene.clone();
+    scene.goals.clear();
+    let duration_s = match times_s.get(SIMULATED_EVENTS..SIMULATED_EVENTS + 1) {
+        Some([next_s]) => {
+            scene.events.truncate(SIMULATED_EVENTS);
+            0.5 * (times_s[SIMULATED_EVENTS - 1] + next_s)
+        }
+        _ => *times_s.last()?,
+    };
+    let scene = &scene;
     let initial: Vec<State> = (0..scene.bodies.len())
         .map(|body| flown(scene, estimate, arcs(estimate, body)[0], start_s))
         .collect();
@@ -225,11 +259,12 @@ fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
         }
     }
     let estimated = End {
-        times_s: estimate.events.iter().map(|e| e.time_s - start_s).collect(),
-        positions_m: (0..initial.len())
-            .filter_map(|body| {
-                let arc = *arcs(estimate, body).last()?;
-                Some(flown(scene, estimate, arc, start_s + duration_s))
+        times_s: times_s[..scene.events.len()].to_vec(),
+        states: (0..initial.len())
+            .map(|body| {
+                let flown_by = collisions_before(scene, body, scene.events.len());
+                let arc = arcs(estimate, body)[flown_by];
+                flown(scene, estimate, arc, start_s + duration_s)
             })
             .collect(),
     };
@@ -240,7 +275,7 @@ fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
 /// Where a motion leads.
 struct End {
     times_s: Vec<f64>,
-    positions_m: Vec<State>,
+    states: Vec<State>,
 }
 
 impl End {
@@ -248,7 +283,7 @@ impl End {
         let bodies = 0..truth.scene.bodies.len();
         Self {
             times_s: truth.event_times_s.clone(),
-            positions_m: bodies
+            states: bodies
                 .map(|body| truth.state(body, truth.duration_s))
                 .collect(),
         }
@@ -258,7 +293,7 @@ impl End {
     fn off(&self, other: &Self) -> f64 {
         let times = self.times_s.iter().zip(&other.times_s);
         let times = times.map(|(a, b)| (a - b).abs());
-        let places = self.positions_m.iter().zip(&other.positions_m);
+        let places = self.states.iter().zip(&other.states);
         let places = places.map(|(a, b)| (a.position_m - b.position_m).norm());
         times.chain(places).fold(0.0, f64::max)
     }

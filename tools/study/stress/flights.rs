@@ -2,7 +2,7 @@
 
 use enact::math::so3;
 use enact::motion::{Collision, Event, EventKind};
-use enact::physics::State;
+use enact::physics::{Body, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::hit::{PENCIL, at_impact, hit, normal3, rng, wall};
@@ -83,15 +83,20 @@ pub fn vertical_drop() -> Result<Truth, String> {
     hit(&scene, &state, 0.35, 0.4)
 }
 
-/// A pencil that falls nearly flat: its tip, then about so much later its eraser, hit the table.
+/// A stick with heavy ends that falls nearly flat: its tip, then so much later its eraser, hit the
+/// table. One end's impact does not move the other, or they would rattle.
 fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
-    let features = &scene.bodies[0].features;
+    let features = scene.bodies[0].features.clone();
     let named = |name: &str| features.iter().position(|f| f.name == name);
     let (tip, eraser) = (
         named("tip").ok_or("no tip")?,
         named("eraser").ok_or("none")?,
     );
+    let body = &mut scene.bodies[0].body;
+    let heavy_ends = body.mass_kg() * 0.095 * 0.095;
+    let moments_kg_m2 = Vector3::new(heavy_ends, heavy_ends, body.moments_kg_m2().z);
+    *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|e| e.to_string())?;
     let bounce = |name: &str, feature: usize| Event {
         name: name.to_owned(),
         kind: EventKind::Collision(Collision::bounce(0, feature, 0, 0.7)),
@@ -114,15 +119,31 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
         };
         let flight = Flight::of(&scene, 0);
         let initial = flight.advance(&state, -0.3);
-        let truth = simulate(&scene, &[], &[initial], 0.45).map_err(|error| error.to_string())?;
+        let mut truth = simulate(&scene, &[], &[initial], 0.45).map_err(|e| e.to_string())?;
         let found_s = truth.event_times_s[1] - truth.event_times_s[0];
         if (found_s / between_s - 1.0).abs() < 1e-3 {
+            end_above_the_table(&mut truth);
             let turn = so3::exp(&(Vector3::z() * normal3(&mut rng).x));
             return Ok(turned(&truth, &turn));
         }
         speed_m_s *= between_s / found_s;
     }
     Err("no such fall".into())
+}
+
+/// Ends it before either end of the pencil is in the table.
+fn end_above_the_table(truth: &mut Truth) {
+    let lowest_m = |time_s: f64| {
+        let state = truth.state(0, time_s);
+        state.position_m.z - 0.095 * (state.orientation * Vector3::z()).z.abs()
+    };
+    let mut end_s = truth.event_times_s[1] + 0.01;
+    while end_s + 0.01 < truth.duration_s && lowest_m(end_s + 0.01) > 0.0 {
+        end_s += 0.01;
+    }
+    truth.duration_s = end_s;
+    truth.event_times_s[2] = end_s;
+    truth.arcs[2].end_s = end_s;
 }
 
 /// The motion turned about the vertical.

@@ -62,9 +62,10 @@ fn message(panic: &(dyn std::any::Any + Send)) -> String {
 
 /// Asks the program, checks what it says, and looks for the best optimum from many starts.
 pub fn judged(case: &Case, seed: u64) -> Judged {
-    let mut judged = asked(case);
-    if let Answer::Outcome(outcome) = answer(case) {
-        let found = catch_unwind(AssertUnwindSafe(|| best_known(case, &outcome, seed)));
+    let answer = answer(case);
+    let mut judged = weighed(case, &answer);
+    if let Answer::Outcome(outcome) = &answer {
+        let found = catch_unwind(AssertUnwindSafe(|| best_known(case, outcome, seed)));
         match found {
             Ok((known, off_m)) => {
                 let is_physical = outcome.estimate.verdict == Verdict::Physical;
@@ -83,6 +84,10 @@ pub fn judged(case: &Case, seed: u64) -> Judged {
 
 /// Asks the program and checks what it says.
 pub fn asked(case: &Case) -> Judged {
+    weighed(case, &answer(case))
+}
+
+fn weighed(case: &Case, answer: &Answer) -> Judged {
     let mut judged = Judged {
         said: String::new(),
         reason: String::new(),
@@ -95,10 +100,10 @@ pub fn asked(case: &Case) -> Judged {
         iterations: 0,
         off_m: f64::NAN,
     };
-    match answer(case) {
+    match answer {
         Answer::Panicked(message) => {
-            judged.said = format!("panic: {}", without_numbers(&message));
-            judged.reason = message;
+            judged.said = format!("panic: {}", without_numbers(message));
+            judged.reason.clone_from(message);
         }
         Answer::Refused(error) => {
             judged.reason = error.to_string();
@@ -108,7 +113,7 @@ pub fn asked(case: &Case) -> Judged {
             let estimate = &outcome.estimate;
             judged.reason.clone_from(&estimate.reason);
             judged.objective = estimate.objective;
-            judged.has_nan = has_nan(&outcome);
+            judged.has_nan = has_nan(outcome);
             judged.undetermined = estimate.undetermined.len();
             judged.iterations = estimate.counters.iterations;
             judged.said = if estimate.verdict == Verdict::Physical {
@@ -124,8 +129,8 @@ pub fn asked(case: &Case) -> Judged {
     judged
 }
 
-/// The lowest optimum, and how far the estimate is from the truth. Some twenty starts at known
-/// times of up to three segments, fewer of what is larger.
+/// The lowest optimum, and how far the estimate is from the truth. Eight starts at known times
+/// of up to three segments, fewer of what is larger.
 fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f64) {
     let posed = Posed::new(case.scene(), &outcome.sketch);
     let guess = case.true_guess(&posed, &outcome.sketch);
@@ -133,10 +138,10 @@ fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f6
     // The truth, swept too, the program's own and the truth shaken come first.
     starts.truncate(
         match (posed.segments.len(), posed.problem.times_are_unknown()) {
-            (..=3, false) => starts.len(),
-            (..=3, true) => 10,
-            (_, false) => 8,
-            (_, true) => 4,
+            (..=3, false) => 8,
+            (..=3, true) => 6,
+            (_, false) => 6,
+            (_, true) => 3,
         },
     );
     let known = lowest(&posed, &starts);

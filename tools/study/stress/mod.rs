@@ -73,13 +73,13 @@ impl Timing {
 /// All of them, in the order of the table.
 pub fn all() -> Vec<Trouble> {
     let mut all = Vec::new();
+    flights::add_bounces(&mut all);
+    flights::add(&mut all);
+    bodies::add(&mut all);
     marks::add(&mut all);
     tracking::add(&mut all);
     goals::add(&mut all);
     scales::add(&mut all);
-    flights::add(&mut all);
-    bodies::add(&mut all);
-    flights::add_bounces(&mut all);
     all
 }
 

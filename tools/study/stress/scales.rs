@@ -40,18 +40,18 @@ pub fn add(all: &mut Vec<Trouble>) {
         case.performance.truth.scene.gravity_m_s2 *= 1e3;
         Ok(case)
     });
-    add_both(
-        all,
-        "units",
-        "mass in g, moments in g mm²",
-        |acting, seed| {
+    for (name, mass, moments) in [
+        ("mass and moments × 1000", 1e3, 1e3),
+        ("moments in g mm²", 1.0, 1e9),
+    ] {
+        add_both(all, "units", name, move |acting, seed| {
             let mut case = Case::pencil(Style::Tip, acting, seed);
             let body = &mut case.performance.truth.scene.bodies[0].body;
-            let (mass_kg, moments_kg_m2) = (body.mass_kg(), body.moments_kg_m2());
-            *body = Body::new(1e3 * mass_kg, 1e9 * moments_kg_m2).map_err(|e| e.to_string())?;
+            *body = Body::new(mass * body.mass_kg(), moments * body.moments_kg_m2())
+                .map_err(|error| error.to_string())?;
             Ok(case)
-        },
-    );
+        });
+    }
     for style in Style::ALL {
         all.push(Trouble {
             theme: "tempo",

@@ -12,7 +12,7 @@ use crate::perform::Style;
 
 /// Adds them.
 pub fn add(all: &mut Vec<Trouble>) {
-    for degrees in [150.0_f64, 165.0, 175.0, 180.0] {
+    for degrees in [150.0_f64, 165.0, 180.0] {
         for (which, arc) in [("before the bounce", Some(0)), ("throughout", None)] {
             let name = format!("off by {degrees}° {which}");
             add_both(all, "orientation", &name, move |acting, seed| {
