@@ -194,3 +194,21 @@ fn units_that_are_wrong_by_a_thousand_show() {
         );
     }
 }
+
+/// Wander of 2 cm and an approach of 3 cm/s: the best fit has the bounce before the first sample.
+#[test]
+fn a_bounce_before_the_first_sample_is_not_called_physical() {
+    let mut troubles = all().into_iter();
+    let trouble = troubles
+        .find(|t| t.name == "0.03 m/s against a wall" && t.timing == Timing::Known)
+        .expect("a trouble");
+    let judged = asked(&(trouble.make)(95).expect("a motion"));
+    assert_honest(&judged, "approach, seed 95");
+    assert!(
+        judged
+            .said
+            .starts_with("failed: a flight of `pencil` would end at # s, before"),
+        "{}",
+        judged.said
+    );
+}
