@@ -15,7 +15,7 @@ mod stress;
 use case::Case;
 use perform::Style;
 use starts::SAME;
-use stress::{Finding, Judged, Timing, all, asked};
+use stress::{Finding, Judged, Timing, all, asked, judged};
 
 /// What must hold whatever happens.
 #[track_caller]
@@ -192,6 +192,19 @@ fn units_that_are_wrong_by_a_thousand_show() {
             judged.said,
             judged.objective
         );
+    }
+}
+
+#[test]
+fn a_spin_of_a_quarter_turn_per_sample_is_found() {
+    let mut troubles = all().into_iter();
+    let trouble = troubles
+        .find(|t| t.name == "200 rad/s about the pencil" && t.timing == Timing::Known)
+        .expect("a trouble");
+    for seed in 0..3 {
+        let found = judged(&(trouble.make)(seed).expect("a motion"), seed);
+        let (objective, lowest) = (found.objective, found.lowest);
+        assert!(found.is_best, "seed {seed}: {objective} above {lowest:?}");
     }
 }
 
