@@ -133,7 +133,13 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
 /// of up to three segments, fewer of what is larger.
 fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f64) {
     let posed = Posed::new(case.scene(), &outcome.sketch);
-    let guess = case.true_guess(&posed, &outcome.sketch);
+    let mut guess = case.true_guess(&posed, &outcome.sketch);
+    if !posed.problem.times_are_unknown() {
+        // Where stamps are called physical by mistake, the true times are those of another problem.
+        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
+            arc.sample_times_s.clone_from(&own.sample_times_s);
+        }
+    }
     let mut starts = starts(&posed, &guess, seed);
     // The truth, swept too, the program's own and the truth shaken come first.
     starts.truncate(
