@@ -35,10 +35,11 @@ pub fn estimate(
     let errors = errors(problem, frame, point);
     let covariance = Covariance::new(frame, &solution.system, &solution.multipliers, &errors);
     let events = events(scene, sketch, frame, solution, covariance.as_ref());
+    let arcs = arcs(problem, frame, point, &events);
     let (verdict, reason) = judge(
         scene,
         solution,
-        &events,
+        (&events, &arcs),
         problem.velocity_gap_weight.is_some(),
     );
     let parameters: Vec<ParameterEstimate> = problem
@@ -71,7 +72,7 @@ pub fn estimate(
         reason,
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity(&point.parameters),
-        arcs: arcs(problem, frame, point, &events),
+        arcs,
         residuals: residuals(problem, &errors),
         sample_times: sample_times(sketch, segments, problem, point),
         events,
@@ -145,7 +146,7 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
 fn judge(
     scene: &Scene,
     solution: &Solution,
-    events: &[EventEstimate],
+    (events, arcs): (&[EventEstimate], &[ArcEstimate]),
     is_bent: bool,
 ) -> (Verdict, String) {
     let finished = &solution.finished;
@@ -170,6 +171,15 @@ fn judge(
             );
             return (Verdict::Failed, reason);
         }
+    }
+    // A flight that no event begins or ends has its samples' extent.
+    if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
+        let reason = format!(
+            "a flight of `{}` would end at {:.3} s, before it begins at {:.3} s: relax the physics \
+             or change the order of collisions",
+            scene.bodies[arc.body].name, arc.end_s, arc.start_s
+        );
+        return (Verdict::Failed, reason);
     }
     let joins = |event: &EventEstimate| {
         event.gap.position_m <= PHYSICAL.position_m

@@ -14,6 +14,8 @@ const SCOUTS: usize = 14;
 /// Root mean square angle below which a fit from the mean rate is the only one: no other start
 /// found another in any performance.
 const CLEAR_RMS_RAD: f64 = 0.2;
+/// Neighbours that a mean rate is taken from are no further apart than this.
+const NEIGHBOURS_RAD: f64 = 2.0;
 /// Readings of the first window of [`grow`].
 const FIRST_WINDOW: usize = 8;
 /// Iterations of one fit at most.
@@ -165,8 +167,14 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
         Symmetry::Spherical | Symmetry::Asymmetric => Vector3::zeros(),
         Symmetry::Axial { axis } => Vector3::ith(axis, 1.0),
     };
-    // Neighbours far enough apart that noise is small beside the turn between them.
-    let stride = (readings.len() / 8).max(1);
+    // Neighbours far enough apart that noise is small beside the turn between them, and near
+    // enough that it is less than half a turn: more would be taken for less the other way.
+    let steps = readings.windows(2);
+    let turned_rad: f64 = steps.map(|pair| pair[0].1.angle_to(&pair[1].1)).sum();
+    let per_step_rad = turned_rad / readings.len().saturating_sub(1).max(1) as f64;
+    let stride = (readings.len() / 8)
+        .min((NEIGHBOURS_RAD / per_step_rad) as usize)
+        .max(1);
     let (mut about_axis, mut across, mut pairs) = (0.0, Vector3::zeros(), 0.0);
     for (from, to) in readings.iter().zip(readings.iter().skip(stride)) {
         let rate = so3::log(&(from.1.inverse() * to.1)) / (to.0 - from.0);

@@ -26,6 +26,8 @@ mod sequences;
 mod starts;
 mod statistics;
 mod stopwatch;
+mod stress;
+mod stress_table;
 mod table;
 mod tosses;
 
@@ -57,6 +59,8 @@ enum Study {
     Sequences,
     /// Where the time goes.
     Phases,
+    /// Where methods fail: what is said then.
+    Stress,
     /// Real tosses of a cube, if they are there.
     Tosses,
     /// Outliers, wrong units, marks that are off or absent.
@@ -75,6 +79,7 @@ fn main() -> anyhow::Result<()> {
         Study::Scaling,
         Study::Sequences,
         Study::Phases,
+        Study::Stress,
         Study::Tosses,
         Study::Damage,
     ];
@@ -93,6 +98,7 @@ fn main() -> anyhow::Result<()> {
             Study::Scaling => scaling::run(&options)?,
             Study::Sequences => sequences::run(&options)?,
             Study::Phases => phases::run(&options)?,
+            Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::Damage => damage::run(&options)?,
             Study::All => {}

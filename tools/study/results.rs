@@ -14,6 +14,10 @@ pub struct Options {
     /// Performances per row of a table.
     #[arg(long, global = true, default_value_t = 200)]
     pub seeds: u64,
+    /// Only the rows of `stress` whose description (`theme: name, timing`) holds this; the
+    /// others stay as they were measured.
+    #[arg(long, global = true)]
+    pub only: Option<String>,
     /// Folder for the raw numbers.
     #[arg(long, global = true, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/study/results"))]
     pub results: PathBuf,

@@ -3,6 +3,7 @@
 //! Tests include this file too, beside `mod case;`.
 #![allow(dead_code)]
 
+use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Guess;
 use enact::physics::state::{StateTangent, part};
@@ -161,10 +162,26 @@ pub fn optimum(posed: &Posed, start: &Start) -> Option<Optimum> {
         &start.recipe,
         &mut (),
     );
-    let in_order = solution.point.event_times_s.is_sorted();
+    let in_order = solution.point.event_times_s.is_sorted() && is_forward(posed, &solution.point);
     (solution.finished.converged && in_order).then(|| Optimum {
         objective: 2.0 * solution.system.cost,
         start: start.name.clone(),
+    })
+}
+
+/// Whether no flight ends before it begins; one that no event begins or ends has its samples'
+/// extent.
+fn is_forward(posed: &Posed, point: &Point) -> bool {
+    posed.problem.arcs.iter().all(|arc| {
+        let times_s = || arc.samples.iter().map(|s| point.node_times_s[s.node]);
+        let at = |event: usize| point.event_times_s[event];
+        let start_s = arc
+            .start
+            .map_or_else(|| times_s().fold(f64::INFINITY, f64::min), at);
+        let end_s = arc
+            .end
+            .map_or_else(|| times_s().fold(f64::NEG_INFINITY, f64::max), at);
+        start_s <= end_s
     })
 }
 

@@ -1,0 +1,211 @@
+//! Where methods fail: every trouble at all seeds, and what the program says then.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+use std::{fs, panic};
+
+use anyhow::Result;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::results::Options;
+use crate::stress::{Finding, Judged, Trouble, all, judged};
+use crate::table::{Table, percent};
+
+/// Reasons shown in a row of the table.
+const SHOWN: usize = 3;
+
+/// One trouble at all seeds.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Row {
+    theme: String,
+    name: String,
+    timing: String,
+    performances: usize,
+    best: usize,
+    physical: usize,
+    /// Physical by its gaps, with a named contact point inside its surface at some other time.
+    through_a_surface: usize,
+    /// Physical by its gaps, with a collision that has no impact.
+    without_an_impact: usize,
+    /// Physical by its own account only.
+    false_physical: usize,
+    panics: usize,
+    not_finite: usize,
+    /// Something is reported as undetermined.
+    undetermined: usize,
+    /// Median over seeds of the largest distance of an arc's middle from the truth [m].
+    off_m: Option<f64>,
+    /// What it says, how often, and at which seed first.
+    said: BTreeMap<String, (usize, u64)>,
+    /// Seeds with an estimate that is not the best known, or not what it says.
+    amiss: Vec<Amiss>,
+}
+
+/// A performance whose estimate is not as one would wish.
+#[derive(Clone, Serialize, Deserialize)]
+struct Amiss {
+    seed: u64,
+    said: String,
+    objective: Option<f64>,
+    lowest: Option<f64>,
+    lowest_start: Option<String>,
+    finding: Option<String>,
+    iterations: usize,
+    off_m: Option<f64>,
+}
+
+/// Runs those whose description holds `options.only`; the others stay as they were measured.
+pub fn run(options: &Options) -> Result<()> {
+    let path = options.results.join("stress.json");
+    let known = fs::read_to_string(path)
+        .ok()
+        .filter(|_| options.only.is_some());
+    let known = known.and_then(|text| serde_json::from_str::<Vec<Row>>(&text).ok());
+    let mut known = known.unwrap_or_default();
+    let all = all();
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    for trouble in all.iter().filter(|t| is_chosen(t, options)) {
+        let begin = Instant::now();
+        let row = row(trouble, options.seeds);
+        let took_s = begin.elapsed().as_secs();
+        eprintln!("{} | {took_s} s", row.cells().join(" | "));
+        known.retain(|known| !known.is_of(trouble));
+        known.push(row);
+        options.write_json("stress", &in_order(&all, &known))?;
+    }
+    panic::set_hook(hook);
+    let mut table = Table::new("Where methods fail", &HEADER);
+    for row in in_order(&all, &known) {
+        table.row(row.cells());
+    }
+    println!("{table}");
+    Ok(())
+}
+
+fn in_order(all: &[Trouble], rows: &[Row]) -> Vec<Row> {
+    let row_of = |trouble| rows.iter().find(|row| row.is_of(trouble)).cloned();
+    all.iter().filter_map(row_of).collect()
+}
+
+fn is_chosen(trouble: &Trouble, options: &Options) -> bool {
+    let (theme, name) = (trouble.theme, &trouble.name);
+    let described = format!("{theme}: {name}, {}", trouble.timing.word());
+    let only = options.only.as_ref();
+    only.is_none_or(|only| described.contains(only.as_str()))
+}
+
+fn row(trouble: &Trouble, seeds: u64) -> Row {
+    let each: Vec<(u64, Result<Judged, String>)> = (0..seeds)
+        .into_par_iter()
+        .map(|seed| (seed, (trouble.make)(seed).map(|case| judged(&case, seed))))
+        .collect();
+    let mut row = Row {
+        theme: trouble.theme.to_owned(),
+        name: trouble.name.clone(),
+        timing: trouble.timing.word().to_owned(),
+        ..Row::default()
+    };
+    let mut off_m = Vec::new();
+    for (seed, judged) in &each {
+        // A seed without a motion is no performance.
+        if let Ok(judged) = judged {
+            row.add(*seed, judged);
+            off_m.push(judged.off_m);
+        }
+    }
+    off_m.retain(|off_m| off_m.is_finite());
+    row.off_m = finite(crate::statistics::median(&off_m));
+    row
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+const HEADER: [&str; 10] = [
+    "case",
+    "timing",
+    "n",
+    "best",
+    "physical",
+    "of these through a surface",
+    "without an impact",
+    "false physical",
+    "panics, not finite",
+    "otherwise says (first seed)",
+];
+
+impl Row {
+    fn is_of(&self, trouble: &Trouble) -> bool {
+        (self.theme.as_str(), &self.name) == (trouble.theme, &trouble.name)
+            && self.timing == trouble.timing.word()
+    }
+
+    fn add(&mut self, seed: u64, judged: &Judged) {
+        self.performances += 1;
+        self.best += usize::from(judged.is_best);
+        self.physical += usize::from(judged.said == "physical");
+        self.panics += usize::from(judged.said.starts_with("panic"));
+        self.not_finite += usize::from(judged.has_nan);
+        self.undetermined += usize::from(judged.undetermined > 0);
+        let finding = match &judged.finding {
+            None | Some(Finding::Agrees) => None,
+            Some(Finding::Dips) => {
+                self.through_a_surface += 1;
+                Some("through a surface".to_owned())
+            }
+            Some(Finding::Grazes) => {
+                self.without_an_impact += 1;
+                Some("without an impact".to_owned())
+            }
+            Some(Finding::Disagrees(what)) => {
+                self.false_physical += 1;
+                Some(what.clone())
+            }
+        };
+        let said = self.said.entry(judged.said.clone()).or_insert((0, seed));
+        said.0 += 1;
+        let is_amiss = !judged.is_best || finding.is_some() || judged.has_nan;
+        if is_amiss && !judged.said.starts_with("refused") {
+            let (lowest, start) = judged.lowest.clone().unzip();
+            self.amiss.push(Amiss {
+                seed,
+                said: judged.said.clone(),
+                objective: finite(judged.objective),
+                lowest,
+                lowest_start: start,
+                finding,
+                iterations: judged.iterations,
+                off_m: finite(judged.off_m),
+            });
+        }
+    }
+
+    fn cells(&self) -> [String; 10] {
+        let mut others: Vec<_> = self.said.iter().collect();
+        others.retain(|(said, _)| *said != "physical");
+        others.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
+        let more: usize = others.iter().skip(SHOWN).map(|(_, (count, _))| count).sum();
+        let shown = others.iter().take(SHOWN);
+        let mut said: Vec<String> = shown
+            .map(|(said, (count, seed))| format!("{count} {said} ({seed})"))
+            .collect();
+        if more > 0 {
+            said.push(format!("{more} more"));
+        }
+        [
+            format!("{}: {}", self.theme, self.name),
+            self.timing.clone(),
+            self.performances.to_string(),
+            percent(self.best, self.performances),
+            percent(self.physical, self.performances),
+            self.through_a_surface.to_string(),
+            self.without_an_impact.to_string(),
+            self.false_physical.to_string(),
+            format!("{}, {}", self.panics, self.not_finite),
+            said.join("; "),
+        ]
+    }
+}
