@@ -85,6 +85,13 @@ mod after {
     }
 
     #[divan::bench]
+    fn verify_hat_and_box(bencher: divan::Bencher) {
+        let case = Case::new(&perform::hat_box::truth(), &Acting::timing_known(), SEED);
+        let (scene, estimate) = of(&case);
+        bencher.bench_local(|| verify(&scene, &estimate));
+    }
+
+    #[divan::bench]
     fn settle_pencil_tip(bencher: divan::Bencher) {
         let (scene, estimate) = of(&known(Style::Tip));
         bencher.bench_local(|| settle(&scene, &estimate, SETTLE_S));
