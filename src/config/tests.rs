@@ -94,7 +94,7 @@ fn faces_of_bodies_come_after_their_corners() {
         )
     };
     let scene = scene_from_toml(&PENCIL.replace("[[surface]]", &face("end"))).unwrap();
-    let [_, _, end] = &scene.bodies[0].features[..] else {
+    let [_, _, end, ..] = &scene.bodies[0].features[..] else {
         panic!("{:?}", scene.bodies[0].features);
     };
     let point_m = Vector3::new(0.0, 0.003, 0.095);

@@ -10,18 +10,22 @@ use super::scene::{Collision, Event, EventKind, Partner, Scene, SceneBody, Touch
 pub type Contacts = Vec<Touching>;
 
 impl SceneBody {
-    /// Features that may touch where a scene leaves that open (indices into `features`): those
-    /// that it declares besides its shape's own, or else all.
-    pub fn candidate_features(&self) -> Vec<usize> {
+    /// Features that the scene declares besides the shape's own (indices into `features`).
+    pub fn declared_features(&self) -> Vec<usize> {
         let own = self.shape.features().unwrap_or_default();
-        let all = 0..self.features.len();
         let is_declared = |index: &usize| {
             let feature = &self.features[*index];
             !own.iter().any(|(name, _)| *name == feature.name)
         };
-        let declared: Vec<usize> = all.clone().filter(is_declared).collect();
+        (0..self.features.len()).filter(is_declared).collect()
+    }
+
+    /// Features that may touch where a scene leaves that open (indices into `features`): those
+    /// that are declared, or else all.
+    pub fn candidate_features(&self) -> Vec<usize> {
+        let declared = self.declared_features();
         if declared.is_empty() {
-            all.collect()
+            (0..self.features.len()).collect()
         } else {
             declared
         }

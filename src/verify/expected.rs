@@ -91,19 +91,26 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
     distance_m(feature, point_m) < ON_M
 }
 
-/// The named feature that a point of the body's surface belongs to: the nearest, an expected
-/// one where several are; `None` where none is near.
+/// The feature that a point of the body's surface belongs to: the nearest of those that are
+/// declared or expected, else the nearest of the shape's own; an expected one where several are as
+/// near; `None` where none is near.
 pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
     let near_m = NEAR * body.shape.radius_m();
+    let declared = body.declared_features();
     (0..body.features.len())
         .map(|feature| {
             let distance_m = distance_m(&body.features[feature].geometry, point_m);
             let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
-            (distance_m, !expected.contains(&feature), feature)
+            let is_expected = expected.contains(&feature);
+            let is_own = !is_expected && !declared.contains(&feature);
+            (is_own, distance_m, !is_expected, feature)
         })
-        .filter(|(distance_m, _, _)| *distance_m <= near_m)
-        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        .map(|(_, _, feature)| feature)
+        .filter(|(_, distance_m, _, _)| *distance_m <= near_m)
+        .min_by(|a, b| {
+            let nearer = a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+            nearer.then(a.2.cmp(&b.2))
+        })
+        .map(|(_, _, _, feature)| feature)
 }
 
 #[cfg(test)]
