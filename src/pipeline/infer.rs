@@ -2,10 +2,12 @@
 //! where the fits do not tell or the check fails.
 
 use super::search::{Field, Found, SearchWork, search};
+use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe};
 use crate::initialise::contact;
 use crate::motion::{
-    Contacts, Estimate, Guess, Observer, Partner, Scene, Segment, Sketch, Touching, Verdict,
+    Contacts, Estimate, Guess, Observer, Partner, Scene, Segment, Sketch, Touching, VelocityGaps,
+    Verdict,
 };
 use crate::physics::contact::{Feature, Frame};
 use crate::physics::flow;
@@ -54,8 +56,12 @@ pub(super) fn infer(
     for ranking in &rankings {
         understood.set_contacts(ranking.event, &ranking.candidates[0].contacts);
     }
+    // Where physics is bent a wrong contact costs little, and the objective says less than the
+    // pose.
+    let is_bent = scene.velocity_gaps == VelocityGaps::Always
+        || Problem::new(&understood, sketch, segments).is_overconstrained();
     let mut first = None;
-    if !rankings.iter().any(contact::Ranking::is_ambiguous) {
+    if is_bent || !rankings.iter().any(contact::Ranking::is_ambiguous) {
         let estimate = solve(&understood, observer);
         let is_clear = rankings.iter().all(|ranking| {
             let leader = leads(&understood, &estimate, ranking.event, &all(ranking));
@@ -81,6 +87,7 @@ pub(super) fn infer(
         sketch,
         segments,
         guesses,
+        is_bent,
         open: &open,
     };
     let Found {

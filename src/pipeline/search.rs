@@ -14,7 +14,6 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::infer::leads;
-use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe};
 use crate::motion::{
     Contacts, Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
@@ -31,6 +30,8 @@ pub(super) struct Field<'a> {
     pub(super) sketch: &'a Sketch,
     pub(super) segments: &'a [Segment],
     pub(super) guesses: &'a [Guess],
+    /// Whether no sequence can do without velocity gaps.
+    pub(super) is_bent: bool,
     /// Open collisions in order of time, each with what may touch, likeliest first.
     pub(super) open: &'a [(usize, Vec<Contacts>)],
 }
@@ -48,6 +49,15 @@ pub struct SearchWork {
     pub solves: usize,
     /// Whether no other sequence can be better, as far as bounds are.
     pub is_proven: bool,
+}
+
+impl SearchWork {
+    /// Adds what another search of the same field took.
+    fn add(&mut self, other: &Self) {
+        self.nodes += other.nodes;
+        self.bounds += other.bounds;
+        self.solves += other.solves;
+    }
 }
 
 /// What a search found.
@@ -68,18 +78,18 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
         return None;
     }
     observer.phase(Phase::Sequence);
-    let mut search = Search::new(field, recipe);
+    let mut search = Search::new(field, recipe, field.is_bent);
     search.run(observer);
-    Some(search.conclude(observer))
-}
-
-/// Whether no sequence can do without velocity gaps.
-fn is_overconstrained(field: &Field) -> bool {
-    let mut scene = field.scene.clone();
-    for (event, candidates) in field.open {
-        scene.set_contacts(*event, &candidates[0]);
+    let may_bend = field.scene.velocity_gaps == VelocityGaps::WhenNeeded && !field.is_bent;
+    if search.best().is_none() && may_bend && !observer.should_stop() {
+        // No sequence does without: then the best that bends physics.
+        let (work, counters) = (search.work, search.counters);
+        search = Search::new(field, recipe, true);
+        search.work.add(&work);
+        search.counters.add(&counters);
+        search.run(observer);
     }
-    Problem::new(&scene, field.sketch, field.segments).is_overconstrained()
+    Some(search.conclude(observer))
 }
 
 /// A partial sequence.
@@ -154,10 +164,10 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(field: &'a Field<'a>, recipe: &'a Recipe) -> Self {
+    fn new(field: &'a Field<'a>, recipe: &'a Recipe, is_bent: bool) -> Self {
         let mut scene = field.scene.clone();
         if scene.velocity_gaps == VelocityGaps::WhenNeeded {
-            scene.velocity_gaps = if is_overconstrained(field) {
+            scene.velocity_gaps = if is_bent {
                 VelocityGaps::Always
             } else {
                 VelocityGaps::Never
@@ -277,7 +287,7 @@ impl<'a> Search<'a> {
                 self.work.is_proven = true;
                 return;
             }
-            let is_enough = self.work.bounds >= BOUNDS_MAX || self.work.solves >= SOLVES_MAX;
+            let is_enough = self.work.bounds >= BOUNDS_MAX || self.solutions.len() >= SOLVES_MAX;
             if is_enough || observer.should_stop() {
                 return;
             }
@@ -353,6 +363,14 @@ impl<'a> Search<'a> {
             ..
         } = self.field;
         estimate::estimate(scene, sketch, segments, guesses, self.recipe, observer)
+    }
+
+    /// The best sound solution: the one that came up first, or else of those that wait.
+    fn best(&self) -> Option<usize> {
+        let sound = (0..self.solutions.len()).filter(|index| self.solutions[*index].is_sound);
+        let objective = |index: &usize| self.solutions[*index].estimate.objective;
+        self.best
+            .or_else(|| sound.min_by(|a, b| objective(a).total_cmp(&objective(b))))
     }
 
     /// The best that was found, or the best that is known where none is sound.
