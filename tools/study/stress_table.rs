@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::results::Options;
-use crate::stress::{Finding, Judged, Trouble, all, judged};
-use crate::table::{Table, percent};
+use crate::stress::{Finding, Judged, Timing, Trouble, all, judged};
+use crate::table::Table;
 
 /// Reasons shown in a row of the table.
 const SHOWN: usize = 3;
@@ -70,17 +70,23 @@ pub fn run(options: &Options) -> Result<()> {
         let begin = Instant::now();
         let row = row(trouble, options.seeds);
         let took_s = begin.elapsed().as_secs();
-        eprintln!("{} | {took_s} s", row.cells().join(" | "));
+        eprintln!(
+            "{}: {}, {} | {} | {} false | {}, {} | {} | {took_s} s",
+            row.theme,
+            row.name,
+            row.timing,
+            row.shares(),
+            row.false_physical,
+            row.panics,
+            row.not_finite,
+            row.says()
+        );
         known.retain(|known| !known.is_of(trouble));
         known.push(row);
         options.write_json("stress", &in_order(&all, &known))?;
     }
     panic::set_hook(hook);
-    let mut table = Table::new("Where methods fail", &HEADER);
-    for row in in_order(&all, &known) {
-        table.row(row.cells());
-    }
-    println!("{table}");
+    println!("{}", table(&in_order(&all, &known)));
     Ok(())
 }
 
@@ -124,18 +130,58 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-const HEADER: [&str; 10] = [
-    "case",
-    "timing",
-    "n",
-    "best",
-    "physical",
-    "of these through a surface",
-    "without an impact",
-    "false physical",
-    "panics, not finite",
-    "otherwise says (first seed)",
-];
+/// One row per case, both timings side by side.
+fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new(
+        "Where methods fail (of physical ones: s through a surface, i without an impact)",
+        &[
+            "case",
+            "n",
+            "known: best, physical %",
+            "unknown: best, physical %",
+            "false physical, panics, not finite",
+            "otherwise says, known",
+            "otherwise says, unknown",
+        ],
+    );
+    let mut cases: Vec<(&str, &str)> = Vec::new();
+    for row in rows {
+        let case = (row.theme.as_str(), row.name.as_str());
+        if !cases.contains(&case) {
+            cases.push(case);
+        }
+    }
+    for (theme, name) in cases {
+        let of = |timing: Timing| {
+            let mut rows = rows.iter();
+            rows.find(|r| r.theme == theme && r.name == name && r.timing == timing.word())
+        };
+        let both = [of(Timing::Known), of(Timing::Unknown)];
+        let some = || both.iter().flatten();
+        let sum = |value: fn(&Row) -> usize| some().map(|row| value(row)).sum::<usize>();
+        let says = |row: &Option<&Row>| row.map_or_else(String::new, Row::says);
+        let shares = |row: &Option<&Row>| row.map_or_else(String::new, Row::shares);
+        table.row([
+            format!("{theme}: {name}"),
+            some()
+                .map(|row| row.performances)
+                .max()
+                .unwrap_or(0)
+                .to_string(),
+            shares(&both[0]),
+            shares(&both[1]),
+            format!(
+                "{}, {}, {}",
+                sum(|row| row.false_physical),
+                sum(|row| row.panics),
+                sum(|row| row.not_finite)
+            ),
+            says(&both[0]),
+            says(&both[1]),
+        ]);
+    }
+    table
+}
 
 impl Row {
     fn is_of(&self, trouble: &Trouble) -> bool {
@@ -183,7 +229,20 @@ impl Row {
         }
     }
 
-    fn cells(&self) -> [String; 10] {
+    /// Best and physical in per cent, and what is amiss with the physical ones.
+    fn shares(&self) -> String {
+        let share = |count: usize| 100 * count / self.performances.max(1);
+        let mut text = format!("{}, {}", share(self.best), share(self.physical));
+        for (count, mark) in [(self.through_a_surface, "s"), (self.without_an_impact, "i")] {
+            if count > 0 {
+                text += &format!(" ({count} {mark})");
+            }
+        }
+        text
+    }
+
+    /// What it says where it does not say `physical`: the commonest first, with the first seed.
+    fn says(&self) -> String {
         let mut others: Vec<_> = self.said.iter().collect();
         others.retain(|(said, _)| *said != "physical");
         others.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
@@ -195,17 +254,6 @@ impl Row {
         if more > 0 {
             said.push(format!("{more} more"));
         }
-        [
-            format!("{}: {}", self.theme, self.name),
-            self.timing.clone(),
-            self.performances.to_string(),
-            percent(self.best, self.performances),
-            percent(self.physical, self.performances),
-            self.through_a_surface.to_string(),
-            self.without_an_impact.to_string(),
-            self.false_physical.to_string(),
-            format!("{}, {}", self.panics, self.not_finite),
-            said.join("; "),
-        ]
+        said.join("; ")
     }
 }
