@@ -76,8 +76,9 @@
 //!
 //! # Limits
 //!
-//! Free rigid bodies, colliding at named points with fixed planes, without friction. Joints,
-//! friction and collisions between bodies are not modelled.
+//! Free rigid bodies that collide with the static world or with each other; no joints. Contacts are
+//! between features: points, lines, rims and faces, sharp or rounded, in the pairs that
+//! [`physics::contact`] knows. Friction is for one contact at a time.
 
 #![forbid(unsafe_code)]
 

@@ -193,6 +193,7 @@ fn marks_far_off_come_back_and_good_ones_stay() {
 
 #[test]
 fn outliers_are_found_and_nothing_else() {
+    let mut all_made = 0;
     for acting in [Acting::timing_known(), Acting::default()] {
         for (good, bad) in acted(acting).iter().zip(acted(Acting {
             outliers: Some(Outliers::of_share(0.05)),
@@ -207,12 +208,11 @@ fn outliers_are_found_and_nothing_else() {
             assert_eq!(dropped(good), 0);
             let differing = good.events.iter().zip(&bad.events).filter(|(a, b)| a != b);
             let (made, found) = (differing.count(), dropped(&bad));
-            assert!(
-                made >= 3 && found <= made && found + 2 >= made,
-                "{found} of {made}"
-            );
+            assert!(found <= made && found + 2 >= made, "{found} of {made}");
+            all_made += made;
         }
     }
+    assert!(all_made >= 10, "{all_made}");
 }
 
 #[test]

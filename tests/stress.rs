@@ -128,9 +128,6 @@ fn late_and_early_marks_change_nothing_within_reach() {
 #[test]
 fn marks_that_make_no_sense_are_refused_with_the_reason() {
     for timing in Timing::ALL {
-        let count = "refused: # marks, expected #: \"bounce\", \"landing\"";
-        assert_says("marks", "one missing", timing, count);
-        assert_says("marks", "one too many", timing, count);
         let order = "refused: the mark of \"bounce #\" is at # s, expected after that of";
         assert_says("order", "marks named in reverse", timing, order);
     }
@@ -139,9 +136,24 @@ fn marks_that_make_no_sense_are_refused_with_the_reason() {
 }
 
 #[test]
-fn a_flight_without_samples_is_refused() {
-    let few = "refused: body `pencil` has # usable samples between";
-    assert_says("dropouts", "350 ms in each flight", Timing::Known, few);
+fn a_mark_too_many_or_too_few_changes_nothing_where_the_stream_is_clear() {
+    let right = untroubled(Timing::Known).objective;
+    for name in ["one missing", "one too many"] {
+        let judged = says("marks", name, Timing::Known);
+        assert_eq!(judged.said, "physical", "{name}");
+        let objective = judged.objective;
+        assert!(
+            (objective / right - 1.0).abs() <= 0.1,
+            "{name}: {objective}, expected about {right}"
+        );
+    }
+}
+
+#[test]
+fn a_flight_almost_without_samples_is_not_called_what_it_is_not() {
+    for name in ["350 ms in each flight", "500 ms in each flight"] {
+        assert_honest(&says("dropouts", name, Timing::Known), name);
+    }
 }
 
 #[test]
@@ -218,9 +230,7 @@ fn a_bounce_before_the_first_sample_is_not_called_physical() {
     let judged = asked(&(trouble.make)(95).expect("a motion"));
     assert_honest(&judged, "approach, seed 95");
     assert!(
-        judged
-            .said
-            .starts_with("failed: a flight of `pencil` would end at # s, before"),
+        judged.said.starts_with("failed: ") || judged.said.starts_with("plausible: velocities"),
         "{}",
         judged.said
     );

@@ -18,6 +18,9 @@ use super::problem::{Problem, unit};
 use super::system::{Frame, Guidance, System};
 use crate::motion::{Counters, Guess, Observer, Phase};
 
+/// A violation that the greatest weight leaves only where there is nothing better, in units.
+const HOPELESS: f64 = 1.0;
+
 /// Settings of the recipe; the defaults are what the studies in `tools/` measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
@@ -61,6 +64,11 @@ impl Default for Recipe {
 }
 
 impl Recipe {
+    /// Greatest weight of the multiplier rounds.
+    fn weight_max(&self) -> f64 {
+        100.0 * self.multiplier_weight
+    }
+
     /// The recipe for a start that is near: multipliers at once, patiently, and no second try.
     pub fn without_sweep(&self) -> Self {
         Self {
@@ -151,6 +159,11 @@ pub fn solve(
 
     let exact = Guidance::none(problem);
     descent.refresh(&exact);
+    // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
+    // steps that meet them exactly would only lead astray.
+    if descent.system.violation() > HOPELESS && price.weight >= recipe.weight_max() {
+        return descent.given_up(price.multipliers);
+    }
     let mut solution = conclude(descent, price.multipliers, recipe, observer);
     for _ in 0..recipe.retries {
         if solution.finished.converged || solution.stopped {
@@ -171,6 +184,24 @@ pub fn solve(
         solution = conclude(descent, price.multipliers, recipe, observer);
     }
     solution
+}
+
+impl Descent<'_> {
+    /// Where it ended, without a finish.
+    fn given_up(self, multipliers: Vec<f64>) -> Solution {
+        Solution {
+            finished: Finished {
+                converged: false,
+                violation: self.system.violation(),
+                decrease: f64::INFINITY,
+            },
+            point: self.point,
+            system: self.system,
+            multipliers,
+            stopped: false,
+            counters: self.counters,
+        }
+    }
 }
 
 /// The finish, from where a descent ended.
@@ -240,7 +271,7 @@ fn tighten(
         }
         // Where multipliers alone are slow, the weight helps.
         if now > 0.25 * violation {
-            price.weight = (price.weight * 10.0).min(100.0 * recipe.multiplier_weight);
+            price.weight = (price.weight * 10.0).min(recipe.weight_max());
             price.approach_weight = price.weight;
         }
         violation = now;

@@ -294,7 +294,9 @@ fn a_part_that_is_not_declared_is_wrong_too() {
         &bounced(&scene, leaning(0.2), Vector3::new(0.05, 0.05, -0.05)),
     );
     let touch = checked.wrong_features().next().unwrap();
-    let found = touch.found.map(|found| scene.bodies[0].features[found].name.as_str());
+    let found = touch
+        .found
+        .map(|found| scene.bodies[0].features[found].name.as_str());
     assert_eq!(found, Some("corner +x -y -z"));
     assert!((touch.found_point_m.y + 0.05).abs() < 1e-12, "{touch:?}");
 }
