@@ -1,9 +1,9 @@
 //! Stage 4b: is the estimated motion what it says? Checked by other means than it was found by.
 //!
-//! [`overlap`] looks for solids inside one another along the arcs, [`touch`] for another part of
-//! a body that would have touched before the expected one, both by parry's distances. [`shot`]
+//! `overlap` looks for solids inside one another along the arcs, `touch` for another part of
+//! a body that would have touched before the expected one, both by parry's distances. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
-//! Euler's equations ([`series`]), collisions by distance. [`balance`] sums up energy and
+//! Euler's equations (`series`), collisions by distance. `balance` sums up energy and
 //! momentum. [`verify`](verify()) is the stage as the pipeline sees it.
 
 mod balance;
