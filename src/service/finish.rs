@@ -9,7 +9,7 @@ use super::report::{Circumstances, Report};
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
-use crate::motion::Scene;
+use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
@@ -96,7 +96,10 @@ pub(super) fn finish(
     let outcome = pipeline
         .finish(&mut stopwatch)
         .with_context(|| recording.path().display().to_string())?;
-    let (solve_seconds, phase_seconds) = stopwatch.stop();
+    let (whole_seconds, phase_seconds) = stopwatch.stop();
+    let is_after = |phase: &Phase| matches!(phase, Phase::Verify | Phase::Settle);
+    let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
+    let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
         recording = %recording.path().display(),
         verdict = outcome.estimate.verdict.word(),

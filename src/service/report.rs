@@ -26,9 +26,9 @@ pub struct Report {
     pub iterations: usize,
     /// Rounds of mark refinement and of time assignment.
     pub assignment_rounds: usize,
-    /// Wall time of the pipeline.
+    /// Wall time of the estimation, without checks and settling.
     pub solve_seconds: f64,
-    /// The same by phase, in order.
+    /// Wall time of the pipeline by phase, in order.
     pub phase_seconds: Ordered<f64>,
     /// From the first used sample to the last, as acted.
     pub acted_s: f64,
