@@ -38,7 +38,7 @@ pub fn add(all: &mut Vec<Trouble>) {
         let name = format!("{} ms in each flight", 1e3 * lost_s);
         add_both(all, "dropouts", &name, move |acting, seed| {
             let mut case = Case::pencil(Style::Tip, acting, seed);
-            drop_out(&mut case, lost_s * acting.slowdown);
+            drop_out(&mut case, lost_s);
             Ok(case)
         });
     }
