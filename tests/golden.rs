@@ -36,9 +36,9 @@ fn golden() -> [Golden; 2] {
             file: "pencil_tip.mcap",
             counters: Counters {
                 iterations: 12,
-                evaluations: 17,
+                evaluations: 16,
                 factorisations: 12,
-                fit_iterations: 31,
+                fit_iterations: 12,
                 assignment_rounds: 1,
                 starts: 1,
             },

@@ -83,7 +83,7 @@ pub fn bound(
 }
 
 fn least(problem: &Problem, guess: &Guess, frame: &Frame, start: Point) -> Bound {
-    let recipe = Recipe::default().scaled(problem.information());
+    let recipe = Recipe::default().scaled(problem);
     let mut guidance = recipe::leading(problem, guess, frame, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
     if !problem.times_are_unknown() {

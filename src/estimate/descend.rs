@@ -201,7 +201,7 @@ impl<'a> Descent<'a> {
 
 /// `10/s²` for every unknown; parameters by the width of their bounds or their prior.
 fn scale(problem: &Problem, layout: &Layout) -> DVector<f64> {
-    let information = problem.information();
+    let information = problem.least_information();
     let weight = |length: f64| 10.0 * information / (length * length);
     let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
     for at in &layout.arcs {

@@ -233,13 +233,27 @@ impl Problem {
     /// How much the samples of an arc know, against 48 samples that are weighed in the units of
     /// [`mod@unit`]. Prices of constraints and damping are multiples of it, so that the way to the
     /// optimum depends neither on the number of samples nor on the weights' scale.
+    /// Of positions and orientations those that know more count.
     pub fn information(&self) -> f64 {
+        let [position, orientation] = self.informations();
+        position.max(orientation)
+    }
+
+    /// The same of those that know less.
+    pub fn least_information(&self) -> f64 {
+        let [position, orientation] = self.informations();
+        position.min(orientation)
+    }
+
+    /// Of positions and of orientations.
+    fn informations(&self) -> [f64; 2] {
         const REFERENCE_SAMPLES: f64 = 48.0;
         let per_arc = self.sample_count() as f64 / self.arcs.len() as f64;
-        let position = unit::POSITION_M / self.position_unit_m;
-        let orientation = unit::ORIENTATION_RAD / self.orientation_unit_rad;
-        let ratio = position.max(orientation);
-        per_arc / REFERENCE_SAMPLES * ratio * ratio
+        [
+            unit::POSITION_M / self.position_unit_m,
+            unit::ORIENTATION_RAD / self.orientation_unit_rad,
+        ]
+        .map(|ratio| per_arc / REFERENCE_SAMPLES * ratio * ratio)
     }
 
     /// The same with velocity gaps priced instead of closed.

@@ -21,6 +21,9 @@ use crate::motion::{Counters, Guess, Observer, Phase};
 /// A violation that the greatest weight leaves only where there is nothing better, in units.
 const HOPELESS: f64 = 1.0;
 
+/// Ratio of successive weights of a sweep from the least to the greatest information.
+const SWEEP_RATIO: f64 = 30.0;
+
 /// Settings of the recipe; the defaults are what the studies in `tools/` measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
@@ -79,13 +82,20 @@ impl Recipe {
         }
     }
 
-    /// The recipe for a problem with that much [`Problem::information`].
-    pub(super) fn scaled(&self, information: f64) -> Self {
+    /// The recipe for a problem with as much [`Problem::information`]. Where positions and
+    /// orientations are weighed in very different units, the sweep goes from the one to the
+    /// other: what presses hard on the one would be no more than a hint for the other.
+    pub(super) fn scaled(&self, problem: &Problem) -> Self {
+        let (least, most) = (problem.least_information(), problem.information());
+        let between = ((most / least).log(SWEEP_RATIO).ceil() as i32).max(0);
+        let levels = (0..=between).map(|level| (least * SWEEP_RATIO.powi(level)).min(most));
         Self {
-            sweep_weights: self.sweep_weights.iter().map(|w| w * information).collect(),
-            gain: self.gain * information,
-            event_sd_s: self.event_sd_s / information.sqrt(),
-            multiplier_weight: self.multiplier_weight * information,
+            sweep_weights: levels
+                .flat_map(|level| self.sweep_weights.iter().map(move |weight| weight * level))
+                .collect(),
+            gain: self.gain * least,
+            event_sd_s: self.event_sd_s / most.sqrt(),
+            multiplier_weight: self.multiplier_weight * most,
             ..self.clone()
         }
     }
@@ -124,7 +134,7 @@ pub fn solve(
     let start = Point::new(problem, guess);
     let frame = Frame::new(problem, layout, epochs_s(guess), &start);
     let information = problem.information();
-    let recipe = &recipe.scaled(information);
+    let recipe = &recipe.scaled(problem);
     let mut guidance = leading(problem, guess, &frame, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
     let mut descent = Descent::new(&frame, &guidance, start);
@@ -159,12 +169,7 @@ pub fn solve(
 
     let exact = Guidance::none(problem);
     descent.refresh(&exact);
-    // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
-    // steps that meet them exactly would only lead astray.
-    if descent.system.violation() > HOPELESS && price.weight >= recipe.weight_max() {
-        return descent.given_up(price.multipliers);
-    }
-    let mut solution = conclude(descent, price.multipliers, recipe, observer);
+    let mut solution = conclude(descent, &price, recipe, observer);
     for _ in 0..recipe.retries {
         if solution.finished.converged || solution.stopped {
             break;
@@ -181,7 +186,7 @@ pub fn solve(
             ..recipe.clone()
         };
         tighten(&mut descent, &exact, &mut price, &patient, observer);
-        solution = conclude(descent, price.multipliers, recipe, observer);
+        solution = conclude(descent, &price, recipe, observer);
     }
     solution
 }
@@ -207,10 +212,16 @@ impl Descent<'_> {
 /// The finish, from where a descent ended.
 fn conclude(
     descent: Descent,
-    multipliers: Vec<f64>,
+    price: &Price,
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
+    let multipliers = price.multipliers.clone();
+    // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
+    // steps that meet them exactly would only lead astray.
+    if descent.system.violation() > HOPELESS && price.weight >= recipe.weight_max() {
+        return descent.given_up(multipliers);
+    }
     observer.phase(Phase::Finish);
     let Descent {
         frame,

@@ -36,11 +36,7 @@ pub fn estimate(
     let mut work = Counters::default();
     let mut found = None;
     if !(may_bend && is_hopeless) {
-        let once = Recipe {
-            retries: if may_bend { 0 } else { recipe.retries },
-            ..recipe.clone()
-        };
-        let (best, solution) = best(&exact, &layout, guesses, &once, observer);
+        let (best, solution) = best(&exact, &layout, guesses, recipe, observer);
         work.add(&solution.counters);
         found = Some((&exact, best, solution));
     }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ballistic;
+use super::clock;
 use super::turn::{self, Reading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::State;
@@ -33,6 +34,10 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         Timing::Known | Timing::Edited => Some(1.0),
         Timing::Unknown { .. } => None,
     };
+    let evened = known
+        .is_none()
+        .then(|| clock::even(scene, sketch, segments));
+    let sketch = evened.as_ref().unwrap_or(sketch);
     let samples = |segment: &Segment| -> &[Sample] {
         &sketch.bodies[segment.body].samples[segment.samples.clone()]
     };

@@ -1,0 +1,265 @@
+//! How unevenly a flight was acted, read off its turning.
+//!
+//! Of a body with two or three equal moments the angular speed is constant in free flight
+//! (`|ω|² = ω_a² + |ω_t|²`, both of which the flow keeps), so the angle it turns by is a clock.
+//! A performer who hurries and hesitates by tens of milliseconds puts a fast spin a whole turn
+//! off, and no solver finds its way back from there; this clock starts it at the right turn.
+
+use crate::motion::{Sample, Scene, Segment, Sketch};
+use crate::physics::body::Symmetry;
+
+/// Turn that a speed is read from \[rad\]: large beside a hand's wander, and less than what could
+/// be taken for a turn the other way.
+const CHORD_RAD: f64 = 0.8;
+/// Chord \[rad\] at which the clock is believed by half: what a hand wanders by in that time.
+const BELIEVED_RAD: f64 = 0.3;
+/// Chord between neighbours \[rad\] beyond which a stream does not tell which way a body turned.
+const ALIASED_RAD: f64 = 2.0;
+/// Samples of a flight at least.
+const SAMPLES_MIN: usize = 8;
+/// A window that lasts so many times its share of the flight has a gap: what the body turned by
+/// in there is not seen.
+const GAP: f64 = 2.0;
+/// Fastest and slowest rate of the clock against its mean.
+const RATES: (f64, f64) = (0.2, 5.0);
+
+/// The sketch with acted times replaced by a clock's, in which its bodies turn evenly: of as many
+/// bodies as fly between two collisions, the one that turns most tells. Every flight keeps its
+/// first and its last time.
+pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
+    let mut tellers: Vec<(f64, &[Sample], Vec<f64>)> = Vec::new();
+    for segment in segments {
+        let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+        if scene.bodies[segment.body].body.symmetry() != Symmetry::Asymmetric
+            && let Some((turned_rad, clock_s)) = clock(samples)
+        {
+            tellers.push((turned_rad, samples, clock_s));
+        }
+    }
+    tellers.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut map: Vec<(&[Sample], Vec<f64>)> = Vec::new();
+    for (_, samples, clock_s) in tellers {
+        let is_apart = |(other, _): &(&[Sample], Vec<f64>)| {
+            last_s(samples) <= other[0].acted_s || last_s(other) <= samples[0].acted_s
+        };
+        if map.iter().all(is_apart) {
+            map.push((samples, clock_s));
+        }
+    }
+    let at = |acted_s: f64| {
+        let within = |(samples, _): &&(&[Sample], Vec<f64>)| {
+            samples[0].acted_s < acted_s && acted_s < last_s(samples)
+        };
+        map.iter()
+            .find(within)
+            .map_or(acted_s, |(samples, clock_s)| {
+                let after = samples.partition_point(|sample| sample.acted_s <= acted_s);
+                let (from_s, to_s) = (samples[after - 1].acted_s, samples[after].acted_s);
+                let share = (acted_s - from_s) / (to_s - from_s);
+                clock_s[after - 1] + share * (clock_s[after] - clock_s[after - 1])
+            })
+    };
+    let mut evened = sketch.clone();
+    for sample in evened.bodies.iter_mut().flat_map(|body| &mut body.samples) {
+        sample.acted_s = at(sample.acted_s);
+    }
+    evened
+        .marks_s
+        .iter_mut()
+        .for_each(|mark_s| *mark_s = at(*mark_s));
+    evened
+}
+
+fn last_s(samples: &[Sample]) -> f64 {
+    samples[samples.len() - 1].acted_s
+}
+
+/// What the body turns by in all \[rad\], and the clock's times of `samples`; `None` where they
+/// are few or too far apart to tell.
+fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
+    let count = samples.len();
+    if count < SAMPLES_MIN {
+        return None;
+    }
+    let span_s = last_s(samples) - samples[0].acted_s;
+    let mean_step_s = span_s / (count - 1) as f64;
+    let speeds = |stride: usize| Speeds::new(samples, stride, mean_step_s);
+    let mut found = speeds(1)?;
+    if found.chord_rad > ALIASED_RAD {
+        return None;
+    }
+    while 4 * found.stride <= count && found.chord_rad < CHORD_RAD {
+        found = speeds(found.stride + 1)?;
+    }
+    let square = found.chord_rad * found.chord_rad;
+    let believed = square / (square + BELIEVED_RAD * BELIEVED_RAD);
+    let mut clock_s = vec![0.0];
+    for step in 0..count - 1 {
+        let ratio = found.at(step).map_or(1.0, |speed| speed / found.mean_rad_s);
+        let rate = ratio.powf(believed).clamp(RATES.0, RATES.1);
+        let acted_s = samples[step + 1].acted_s - samples[step].acted_s;
+        clock_s.push(clock_s[step] + rate * acted_s);
+    }
+    let scale = span_s / clock_s[count - 1];
+    for at_s in &mut clock_s {
+        *at_s = samples[0].acted_s + scale * *at_s;
+    }
+    Some((found.mean_rad_s * span_s, clock_s))
+}
+
+/// Angular speeds over windows of samples.
+struct Speeds {
+    /// Steps of a window.
+    stride: usize,
+    /// Speed from every sample that begins a window without a gap [rad/s, acted time].
+    from: Vec<Option<f64>>,
+    /// Mean speed.
+    mean_rad_s: f64,
+    /// Mean turn in a window.
+    chord_rad: f64,
+}
+
+impl Speeds {
+    /// `None` where every window has a gap.
+    fn new(samples: &[Sample], stride: usize, mean_step_s: f64) -> Option<Self> {
+        let longest_s = GAP * stride as f64 * mean_step_s;
+        let (mut turned_rad, mut lasted_s, mut windows) = (0.0, 0.0, 0.0);
+        let from = samples.iter().zip(&samples[stride..]);
+        let from = from.map(|(from, to)| {
+            let window_s = to.acted_s - from.acted_s;
+            (window_s < longest_s).then(|| {
+                let chord_rad = from.orientation.angle_to(&to.orientation);
+                turned_rad += chord_rad;
+                lasted_s += window_s;
+                windows += 1.0;
+                chord_rad / window_s
+            })
+        });
+        let from = from.collect();
+        (windows > 0.0).then(|| Self {
+            stride,
+            from,
+            mean_rad_s: turned_rad / lasted_s,
+            chord_rad: turned_rad / windows,
+        })
+    }
+
+    /// Speed over the window about a step.
+    fn at(&self, step: usize) -> Option<f64> {
+        let first = (step + 1).saturating_sub(self.stride.div_ceil(2));
+        self.from[first.min(self.from.len() - 1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    use super::*;
+    use crate::math::so3;
+    use crate::motion::Stamp;
+    use crate::physics::Body;
+    use crate::physics::flow::Spin;
+
+    /// A flight at 120 Hz, acted 2.5 times too slowly in a tempo that wavers by a third, with a
+    /// wander of 5°; each sample beside its physical time.
+    fn acted(body: &Body, omega: &Vector3<f64>) -> Vec<(f64, Sample)> {
+        let mut spin = Spin::new(body, omega);
+        (0..100)
+            .map(|index| {
+                let acted_s = f64::from(index) / 120.0;
+                let physical_s = 0.4 * (acted_s + 0.05 * (6.0 * acted_s).sin());
+                let wander = Vector3::new(5.0 * acted_s, 8.0 * acted_s, 3.0).map(f64::sin);
+                let off = so3::exp(&(wander * 5f64.to_radians()));
+                let sample = Sample {
+                    stamp: Stamp(0),
+                    acted_s,
+                    position_m: Vector3::zeros(),
+                    orientation: spin.turn_and_derivative(physical_s).0 * off,
+                };
+                (physical_s, sample)
+            })
+            .collect()
+    }
+
+    /// Largest distance of `times_s` from the best line through the physical times, in physical
+    /// seconds.
+    fn unevenness_s(acted: &[(f64, Sample)], times_s: &[f64]) -> f64 {
+        let count = acted.len() as f64;
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / count;
+        let (x, y) = (
+            mean(&mut times_s.iter().copied()),
+            mean(&mut acted.iter().map(|a| a.0)),
+        );
+        let pairs = || times_s.iter().zip(acted).map(|(t, a)| (t - x, a.0 - y));
+        let slope =
+            pairs().map(|(t, p)| t * p).sum::<f64>() / pairs().map(|(t, _)| t * t).sum::<f64>();
+        pairs()
+            .map(|(t, p)| (p - slope * t).abs())
+            .fold(0.0, f64::max)
+    }
+
+    fn both_s(acted: &[(f64, Sample)]) -> (f64, f64) {
+        let samples: Vec<Sample> = acted.iter().map(|a| a.1).collect();
+        let by_hand: Vec<f64> = samples.iter().map(|sample| sample.acted_s).collect();
+        let clock_s = clock(&samples).unwrap().1;
+        assert!(clock_s.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!((clock_s[0] - by_hand[0]).abs() < 1e-12);
+        assert!((clock_s[clock_s.len() - 1] - last_s(&samples)).abs() < 1e-12);
+        (unevenness_s(acted, &by_hand), unevenness_s(acted, &clock_s))
+    }
+
+    #[test]
+    fn a_turning_body_tells_the_tempo_it_was_acted_in() {
+        for (moments, omega) in [
+            (Vector3::new(2.0, 2.0, 2.0), Vector3::new(12.0, -5.0, 9.0)),
+            (Vector3::new(2.0, 2.0, 0.02), Vector3::new(14.0, 0.0, 60.0)),
+            (Vector3::new(2.0, 2.0, 0.02), Vector3::new(5.0, 0.0, 200.0)),
+        ] {
+            let body = Body::new(1.0, moments).unwrap();
+            let (hand_s, clock_s) = both_s(&acted(&body, &omega));
+            assert!(
+                hand_s > 0.015 && clock_s < 0.4 * hand_s,
+                "{hand_s} {clock_s}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_hardly_turns_keeps_the_acted_tempo() {
+        let body = Body::new(1.0, Vector3::new(2.0, 2.0, 2.0)).unwrap();
+        let (hand_s, clock_s) = both_s(&acted(&body, &Vector3::new(0.1, 0.0, 0.0)));
+        assert!(clock_s < 1.3 * hand_s, "{hand_s} {clock_s}");
+    }
+
+    #[test]
+    fn a_turn_in_a_gap_is_not_counted() {
+        let body = Body::new(1.0, Vector3::new(2.0, 2.0, 2.0)).unwrap();
+        let mut acted = acted(&body, &Vector3::new(12.0, -5.0, 9.0));
+        acted.drain(30..70);
+        let (hand_s, clock_s) = both_s(&acted);
+        assert!(clock_s < 1.3 * hand_s, "{hand_s} {clock_s}");
+    }
+
+    #[test]
+    fn too_few_samples_and_too_fast_turns_tell_nothing() {
+        let body = Body::new(1.0, Vector3::new(2.0, 2.0, 0.02)).unwrap();
+        let samples = |omega: Vector3<f64>| -> Vec<Sample> {
+            acted(&body, &omega).into_iter().map(|a| a.1).collect()
+        };
+        assert!(clock(&samples(Vector3::new(5.0, 0.0, 20.0))[..7]).is_none());
+        assert!(clock(&samples(Vector3::new(5.0, 0.0, 800.0))).is_none());
+        let still = vec![samples(Vector3::zeros())[0]; 9];
+        let still: Vec<Sample> = still
+            .into_iter()
+            .enumerate()
+            .map(|(index, sample)| Sample {
+                acted_s: 0.1 * index as f64,
+                orientation: UnitQuaternion::identity(),
+                ..sample
+            })
+            .collect();
+        let (_, clock_s) = clock(&still).unwrap();
+        assert!(clock_s.iter().all(|at_s| at_s.is_finite()));
+    }
+}
