@@ -14,7 +14,7 @@ use enact::physics::{State, flow};
 use nalgebra::{Point3, Vector3};
 use perform::encounter::{Encounter, still};
 use perform::truth::Flight;
-use perform::{Truth, die, hat_box, simulate};
+use perform::{Truth, die, flips, hat_box, simulate};
 
 const HAT: usize = 0;
 const BOX: usize = 1;
@@ -399,5 +399,38 @@ fn the_estimators_law_agrees_on_the_meeting() {
                 "{velocity} {spin}"
             );
         }
+    }
+}
+
+#[test]
+fn a_brick_flips_as_often_as_asked_and_lands_on_a_corner() {
+    for (count, seed) in [(1, 0), (2, 1), (4, 2), (8, 3)] {
+        let truth = flips(count, seed).unwrap();
+        let (before, after) = around(&truth, 0, 0);
+        let arc = &truth.arcs[0];
+        let about_middle: Vec<f64> = (0..=1000)
+            .map(|step| arc.end_s * f64::from(step) / 1e3)
+            .map(|time_s| advance(&truth, 0, &arc.state, time_s))
+            .map(|state| state.angular_velocity_rad_s.y)
+            .collect();
+        let flipped = about_middle.windows(2).filter(|w| w[0] * w[1] < 0.0);
+        assert_eq!(flipped.count(), count, "{count} flips, seed {seed}");
+
+        let lowest_m = |state: &State| {
+            let heights = corners(&truth.scene, 0).into_iter();
+            let heights = heights.map(|corner| (state.world_from_body() * corner).z);
+            heights.fold(f64::INFINITY, f64::min)
+        };
+        assert!(lowest_m(&before).abs() < 1e-9, "{}", lowest_m(&before));
+        for time_s in moments(&truth) {
+            let height_m = lowest_m(&truth.state(0, time_s));
+            assert!(height_m > -1e-9, "{height_m} m at {time_s} s");
+        }
+        let (energy_j, momentum, _) = balance(&truth, 0, &before);
+        let (energy_after_j, momentum_after, _) = balance(&truth, 0, &after);
+        assert!(energy_after_j < energy_j);
+        // The table has no friction: the impulse is vertical.
+        let impulse = momentum_after - momentum;
+        assert!(impulse.xy().norm() < 1e-12 && impulse.z > 0.0);
     }
 }

@@ -21,6 +21,9 @@ use crate::motion::{Counters, Guess, Observer, Phase};
 /// A violation that the greatest weight leaves only where there is nothing better, in units.
 const HOPELESS: f64 = 1.0;
 
+/// Multipliers that leave this much of a violation do not lower it, in so many rounds on end.
+const STALLED: f64 = 0.8;
+const STALLED_ROUNDS: usize = 2;
 /// Ratio of successive weights of a sweep from the least to the greatest information.
 const SWEEP_RATIO: f64 = 30.0;
 
@@ -118,6 +121,13 @@ pub struct Solution {
     pub counters: Counters,
 }
 
+impl Solution {
+    /// Whether conditions contradicted each other so much that there was no finish.
+    fn gave_up(&self) -> bool {
+        self.finished.decrease.is_infinite()
+    }
+}
+
 /// Epochs of the guess, in the order of the arcs \[s\].
 pub fn epochs_s(guess: &Guess) -> Vec<f64> {
     guess.arcs.iter().map(|arc| arc.epoch_s).collect()
@@ -170,8 +180,9 @@ pub fn solve(
     let exact = Guidance::none(problem);
     descent.refresh(&exact);
     let mut solution = conclude(descent, &price, recipe, observer);
-    for _ in 0..recipe.retries {
-        if solution.finished.converged || solution.stopped {
+    for retry in 0..recipe.retries {
+        let is_hopeless = retry > 0 && solution.gave_up();
+        if solution.finished.converged || solution.stopped || is_hopeless {
             break;
         }
         // Where full steps lead nowhere, damped ones with all samples come closer.
@@ -273,11 +284,15 @@ fn tighten(
         gain: recipe.gain,
     };
     let mut violation = f64::INFINITY;
+    let mut stalled = 0;
     for _ in 0..rounds {
         descent.run(guidance, price, patience);
         price.update(&descent.system);
         let now = descent.system.violation();
-        if now < recipe.finish_below || observer.should_stop() {
+        let is_stalled = now > STALLED * violation && price.weight >= recipe.weight_max();
+        stalled = if is_stalled { stalled + 1 } else { 0 };
+        let is_hopeless = now > HOPELESS && stalled >= STALLED_ROUNDS;
+        if now < recipe.finish_below || is_hopeless || observer.should_stop() {
             break;
         }
         // Where multipliers alone are slow, the weight helps.

@@ -1,9 +1,9 @@
 //! The performance maker: recordings of acted motions whose truth is known.
 //!
-//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`bounces`]; [`die`] is none) is performed as a person would
-//! ([`act`]): slowly, in a wavering [`tempo`], with a hand that wanders ([`wander`]), before a
-//! tracker that is noisy, jitters and loses sight. A seed and the knobs in [`acting`] determine
-//! every byte.
+//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`bounces`], [`flips`]; [`die`] is
+//! none) is performed as a person would ([`act`]): slowly, in a wavering [`tempo`], with a hand
+//! that wanders ([`wander`]), before a tracker that is noisy, jitters and loses sight. A seed and
+//! the knobs in [`acting`] determine every byte.
 //!
 //! Tests, benches and tools include this folder with
 //! `#[path = "../tools/perform/mod.rs"] mod perform;`; none of them uses all of it, hence the
@@ -15,6 +15,7 @@ pub mod acting;
 pub mod bounces;
 pub mod die;
 pub mod encounter;
+pub mod flips;
 pub mod hat_box;
 pub mod performance;
 pub mod styles;
@@ -25,6 +26,7 @@ pub mod wander;
 pub use act::perform;
 pub use acting::{Acting, Outliers};
 pub use bounces::bounces;
+pub use flips::flips;
 pub use performance::Performance;
 pub use styles::Style;
 pub use truth::{Truth, TruthError, simulate};

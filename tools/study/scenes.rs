@@ -8,7 +8,7 @@ use enact::pipeline::Pipeline;
 use serde::Serialize;
 
 use crate::case::{Case, Posed};
-use crate::perform::{Acting, Truth, bounces, die, hat_box};
+use crate::perform::{Acting, Truth, bounces, die, flips, hat_box};
 use crate::results::Options;
 use crate::starts::{is_best, lowest, starts};
 use crate::statistics::{largest, median};
@@ -69,6 +69,16 @@ fn scenarios() -> Vec<Scenario> {
                 let name = format!("cube, {count} bounces, timing known");
                 add(name, Acting::timing_known(), Box::new(truth));
             }
+            for count in [1, 2, 4, 8] {
+                let truth = move |seed| flips(count, seed).expect("a flipping brick");
+                let name = format!("brick, {count} flips");
+                add(
+                    format!("{name}, timing known"),
+                    Acting::timing_known(),
+                    Box::new(truth),
+                );
+                add(name, Acting::default(), Box::new(truth));
+            }
         }
     }
     all
@@ -89,7 +99,11 @@ pub fn run(options: &Options) -> Result<()> {
     ];
     let mut table = Table::new(title, &header);
     let mut all = Vec::new();
-    for scenario in scenarios() {
+    let is_chosen = |scenario: &Scenario| {
+        let only = options.only.as_ref();
+        only.is_none_or(|only| scenario.name.contains(only.as_str()))
+    };
+    for scenario in scenarios().into_iter().filter(is_chosen) {
         let seeds: Vec<Seed> = (0..options.seeds)
             .map(|seed| judged(&scenario, seed))
             .collect();
@@ -112,6 +126,9 @@ pub fn run(options: &Options) -> Result<()> {
         all.extend(seeds);
     }
     println!("{table}");
+    if options.only.is_some() {
+        return Ok(());
+    }
     options.write_json("scenes", &all)
 }
 
