@@ -24,7 +24,7 @@ pub mod wander;
 
 pub use act::perform;
 pub use acting::{Acting, Outliers};
-pub use bounces::bounces;
+pub use bounces::{Polyhedron, bounces, bounces_of};
 pub use performance::Performance;
 pub use styles::Style;
 pub use truth::{Truth, TruthError, simulate};

@@ -91,6 +91,12 @@ pub fn run(options: &Options) -> Result<()> {
                     }
                 };
                 let seeds = 0..options.seeds;
+                let timing = if known { "known" } else { "unknown" };
+                let label = format!("{count} bounces, {timing}, {distortion}");
+                let is_wanted = |only: &String| label.contains(only.as_str());
+                if !options.only.as_ref().is_none_or(is_wanted) {
+                    continue;
+                }
                 let block: Vec<Row> = seeds
                     .filter_map(|seed| searched(count, &acting, seed))
                     .collect();
@@ -101,7 +107,10 @@ pub fn run(options: &Options) -> Result<()> {
         }
     }
     println!("{table}");
-    options.write_json("sequences", &rows)
+    match options.only {
+        Some(_) => Ok(()),
+        None => options.write_json("sequences", &rows),
+    }
 }
 
 fn cells(block: &[Row]) -> Vec<String> {
