@@ -1,12 +1,15 @@
 //! Which features hit at each of several collisions: best-first search (paper §5.1, §7).
 //!
 //! A node is what hits at the first `k` open collisions. Its bound is that of the arcs up to the
-//! next ([`Bound`]), plus what the arcs after that cost at the least: fits by
-//! themselves, or in pairs over a collision with whatever feature suits them best. A child begins
-//! with a bound that is there already, by its pair of arcs, and gets its own when its turn comes;
-//! a complete sequence is solved when its turn comes. The first solved one to come up again is
-//! the best of all: none that is left can cost less, as far as bounds are (see
+//! next, plus what the arcs after that cost at the least: fits by themselves, or in pairs over a
+//! collision with whatever feature suits them best ([`ahead`]). A child begins with a bound that is
+//! there already, by its pair of arcs. When its turn comes its own is raised, until it is above
+//! the next node's or can be no better; a complete sequence is solved then. The first solved one
+//! to come up again is the best of all: none that is left can cost less, as far as bounds are (see
 //! [`estimate::bound`]).
+//!
+//! The sequence that is likeliest by the fits waits in the queue as a whole from the start. Where
+//! bounds of a few arcs are stuck at local minima above it, it is found none the less.
 //!
 //! A motion in which another feature would have touched first is none, and is passed over.
 
@@ -104,6 +107,7 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
         search.iterations += bent.iterations;
         search.run(BENT * cost.unwrap_or(f64::INFINITY), usize::MAX, observer);
         if search.best().is_none() {
+            bent.work.is_proven &= search.iterations <= ITERATIONS_MAX;
             std::mem::swap(&mut search, &mut bent);
         }
         search.work.add(&bent.work);

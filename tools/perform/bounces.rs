@@ -174,7 +174,7 @@ impl Bouncer {
         };
         let is_corner = |corner: &usize| match solid {
             Polyhedron::Cube => true,
-            Polyhedron::Tetrahedron => corner.count_ones() % 2 == 0,
+            Polyhedron::Tetrahedron => corner.count_ones().is_multiple_of(2),
         };
         let sign = |corner: usize, axis: usize| {
             if corner >> axis & 1 == 0 {
