@@ -11,9 +11,9 @@ use std::path::Path;
 use case::{Case, another_leads, estimated};
 use enact::config::scene_from_toml;
 use enact::ingest::{Recording, Source};
-use enact::motion::{EventKind, Scene, Touching, Verdict};
+use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
-use perform::{Acting, bounces};
+use perform::{Acting, Polyhedron, bounces, bounces_of};
 
 const OPEN: Touching = Touching {
     feature: None,
@@ -91,48 +91,108 @@ fn opened(scene: &Scene) -> Scene {
     scene
 }
 
-/// All sequences, each solved; the objective of the best that is a motion.
-fn enumerated(scene: &Scene, case: &Case) -> Option<(f64, Scene)> {
-    let events: Vec<usize> = (0..scene.events.len())
-        .filter(|event| scene.is_open(*event))
-        .collect();
-    let candidates: Vec<_> = events.iter().map(|e| scene.candidates(*e)).collect();
+/// All sequences, each solved by the same estimator: the objective and events of the best that is
+/// a motion, and how many there are.
+fn enumerated(scene: &Scene, case: &Case) -> (f64, Vec<Event>, usize) {
+    let open = scene.open_events();
+    let candidates: Vec<_> = open.iter().map(|e| scene.candidates(*e)).collect();
     let count: usize = candidates.iter().map(Vec::len).product();
-    assert_eq!(count, 64);
-    let mut best: Option<(f64, Scene)> = None;
+    let mut best = (f64::INFINITY, Vec::new(), count);
     for number in 0..count {
         let mut rest = number;
         let mut named = scene.clone();
-        for (event, candidates) in events.iter().zip(&candidates) {
+        for (event, candidates) in open.iter().zip(&candidates) {
             named.set_contacts(*event, &candidates[rest % candidates.len()]);
             rest /= candidates.len();
         }
         let outcome = estimated(&named, &case.performance.events, &mut ()).unwrap();
         let objective = outcome.estimate.objective;
         let is_sound = outcome.estimate.verdict == Verdict::Physical && !another_leads(&outcome);
-        if is_sound && best.as_ref().is_none_or(|(known, _)| objective < *known) {
-            best = Some((objective, outcome.scene));
+        if is_sound && objective < best.0 {
+            best = (objective, outcome.scene.events, count);
         }
     }
     best
 }
 
-fn assert_exact(case: &Case) {
-    let scene = opened(case.scene());
-    let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
-    let (objective, best) = enumerated(&scene, case).expect("some sequence is a motion");
-    assert_eq!(found.scene.events, best.events);
-    assert_eq!(found.estimate.objective, objective);
+/// Performances of a solid, and how many estimates all of them together take.
+struct Exact {
+    solid: Polyhedron,
+    bounces: usize,
+    is_timing_known: bool,
+    seeds: std::ops::Range<u64>,
+    /// In all, by trying all sequences.
+    enumerated: usize,
+    /// In all, by the search. As `tests/golden.rs` says of its counters, a change is no error by
+    /// itself.
+    solved: usize,
+}
+
+impl Exact {
+    fn check(&self) {
+        let (mut enumerated_count, mut solved) = (0, 0);
+        for seed in self.seeds.clone() {
+            let acting = if self.is_timing_known {
+                Acting::timing_known()
+            } else {
+                Acting::default()
+            };
+            let truth = bounces_of(self.solid, self.bounces, seed).unwrap();
+            let case = Case::new(&truth, &acting, seed);
+            let mut scene = opened(case.scene());
+            scene.velocity_gaps = VelocityGaps::Never;
+            let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
+            let (objective, events, count) = enumerated(&scene, &case);
+            let name = format!("{:?}, {} bounces, seed {seed}", self.solid, self.bounces);
+            assert_eq!(found.scene.events, events, "{name}");
+            assert_eq!(found.estimate.objective, objective, "{name}");
+            enumerated_count += count;
+            solved += found.search.map_or(1, |work| work.solves);
+        }
+        assert_eq!((enumerated_count, solved), (self.enumerated, self.solved));
+    }
 }
 
 #[test]
-fn two_bounces_of_a_cube_are_those_that_all_64_sequences_give() {
-    for (seed, distortion) in [(0, 0.25), (1, 1.0)] {
-        let acting = Acting {
-            distortion,
-            ..Acting::timing_known()
+fn bounces_of_a_tetrahedron_are_those_that_all_sequences_give() {
+    for (bounces, is_timing_known, seeds, enumerated, solved) in [
+        (1, true, 0..6, 24, 6),
+        (1, false, 0..6, 24, 6),
+        (2, true, 0..3, 48, 3),
+        (2, false, 0..3, 48, 3),
+        (3, true, 0..2, 128, 2),
+        (3, false, 0..2, 128, 2),
+    ] {
+        let exact = Exact {
+            solid: Polyhedron::Tetrahedron,
+            bounces,
+            is_timing_known,
+            seeds,
+            enumerated,
+            solved,
         };
-        assert_exact(&Case::new(&bounces(2, seed).unwrap(), &acting, seed));
+        exact.check();
+    }
+}
+
+#[test]
+fn bounces_of_a_cube_are_those_that_all_sequences_give() {
+    for (bounces, is_timing_known, seeds, enumerated, solved) in [
+        (1, true, 0..6, 48, 6),
+        (1, false, 0..6, 48, 6),
+        (2, true, 0..3, 192, 3),
+        (2, false, 0..2, 128, 2),
+        (3, true, 0..1, 512, 1),
+    ] {
+        let exact = Exact {
+            solid: Polyhedron::Cube,
+            bounces,
+            is_timing_known,
+            seeds,
+            enumerated,
+            solved,
+        };
+        exact.check();
     }
 }
 
@@ -148,7 +208,7 @@ fn six_bounces_of_a_cube_are_found_without_trying_them_all() {
         assert_eq!(found.scene.events, case.scene().events, "seed {seed}");
         if let Some(work) = found.search {
             assert!(work.is_proven);
-            assert_eq!(work.sequences, 8f64.powi(6));
+            assert!((2.0..=8f64.powi(6)).contains(&work.sequences));
             assert!(work.solves <= 10, "{} solves", work.solves);
         }
     }

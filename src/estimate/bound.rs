@@ -7,11 +7,16 @@
 //! takes no finish, so it is cheap and never fails. Leaving out arcs, and the terms and conditions
 //! that tie them, lowers it further: what is left out is never negative.
 //!
+//! Most bounds of a search only need to pass one that is lower, and pass it long before they are
+//! tight. So a bound is raised in legs of a few steps: at any time it is the value reached, less
+//! what may be gained beyond: twice what an undamped step promises or the last steps gained.
+//! Where some unknown is hardly determined promises are never kept: late, four times what the last
+//! leg gained is enough.
+//!
 //! As the descent finds a local minimum it is a bound for what the estimation would find from
 //! the same guess, and no proof beyond.
 
-use super::constraint::Block;
-use super::descend::{Descent, Patience};
+use super::descend::{DAMPING, Descent, Patience};
 use super::layout::Layout;
 use super::merit::Price;
 use super::point::Point;
@@ -23,106 +28,296 @@ use crate::motion::{ArcGuess, Counters, Guess, Scene, Segment, Sketch, VelocityG
 /// Rounds of multipliers.
 const ROUNDS: usize = 2;
 /// Steps of a round at most.
-const STEPS: usize = 25;
-/// A round ends when a step gains less than this share of the recipe's gain.
+const STEPS: usize = 32;
+/// Steps between two looks at what is reached.
+const LEG: usize = 4;
+/// So many times what a step promises may still be gained, or so many times what the last leg
+/// gained.
+const PROMISES: f64 = 2.0;
+const LEGS: f64 = 4.0;
+/// A round ends when what may still be gained is less than this share of its value, or a step
+/// gains less than this share of the recipe's gain.
+const SHARE: f64 = 1e-3;
 const GAIN: f64 = 0.01;
 
-/// A lower bound and what it took.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is bounded: arcs of a performance, with those collisions that tie two of them and whose
+/// contacts the scene knows.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The performance.
+    pub sketch: &'a Sketch,
+    /// All of its segments.
+    pub segments: &'a [Segment],
+    /// The arcs (indices into `segments`).
+    pub arcs: &'a [usize],
+    /// Where to start; has an arc for each of `segments`.
+    pub guess: &'a Guess,
+    /// Whether priors of parameters count: in a sum of bounds they may only once.
+    pub own_priors: bool,
+}
+
+/// A lower bound as good as the work that went into it.
+#[derive(Clone, Debug)]
 pub struct Bound {
     /// Half the sum of squared residuals, at least.
     pub cost: f64,
-    /// Work done.
-    pub counters: Counters,
+    /// By the rounds that are over.
+    floor: f64,
+    stage: Stage,
+    place: Option<Place>,
 }
 
-/// The bound of the arcs of `segments` (indices into `all`), with those collisions that tie two
-/// of them and whose contacts the scene knows. `guess` has an arc for each of `all`.
-///
-/// `own_priors` says whether priors of parameters count: in a sum of bounds they may only once.
-///
-/// # Panics
-/// Where two of the arcs meet at a collision that is open, or without an arc.
-pub fn bound(
-    scene: &Scene,
-    sketch: &Sketch,
-    (all, segments): (&[Segment], &[usize]),
-    guess: &Guess,
-    own_priors: bool,
-) -> Bound {
-    let part: Vec<Segment> = segments.iter().map(|index| all[*index].clone()).collect();
-    let arcs: Vec<ArcGuess> = segments.iter().map(|i| guess.arcs[*i].clone()).collect();
-    let guess = &Guess {
-        arcs,
-        event_times_s: guess.event_times_s.clone(),
-    };
-    let mut problem = Problem::new(scene, sketch, &part);
-    for (event, is_free) in problem.event_is_free.iter_mut().enumerate() {
-        let bounds_an_arc =
-            |arc: &super::problem::Arc| arc.start == Some(event) || arc.end == Some(event);
-        *is_free &= problem.arcs.iter().any(bounds_an_arc);
-    }
-    if !own_priors {
-        for free in &mut problem.parameters {
-            free.prior_sd = None;
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Sweep { steps: usize },
+    Round { number: usize, steps: usize },
+    Done,
+}
+
+/// Where a bound stands.
+#[derive(Clone, Debug)]
+struct Place {
+    point: Point,
+    damping: f64,
+    multipliers: Vec<f64>,
+}
+
+impl Default for Bound {
+    fn default() -> Self {
+        Self {
+            cost: 0.0,
+            floor: 0.0,
+            stage: Stage::Sweep { steps: 0 },
+            place: None,
         }
     }
-    if scene.velocity_gaps == VelocityGaps::Always {
-        // The price is that of the whole performance.
-        let samples = |of: &[Segment]| {
-            let count: usize = of.iter().map(|segment| segment.samples.len()).sum();
-            count as f64 / of.len() as f64
-        };
-        let information = problem.information() * samples(all) / samples(&part);
-        problem.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * information);
-    }
-    let layout = Layout::new(&problem);
-    let start = Point::new(&problem, guess);
-    let frame = Frame::new(&problem, &layout, recipe::epochs_s(guess), &start);
-    least(&problem, guess, &frame, start)
 }
 
-fn least(problem: &Problem, guess: &Guess, frame: &Frame, start: Point) -> Bound {
-    let recipe = Recipe::default().scaled(problem);
-    let mut guidance = recipe::leading(problem, guess, frame, &start);
-    guidance.orientations_per_arc = recipe.orientations_per_arc;
-    if !problem.times_are_unknown() {
-        guidance.event_sd_s = Some(recipe.event_sd_s * 10f64.sqrt());
+impl Bound {
+    /// Whether no more work makes it better.
+    pub fn is_done(&self) -> bool {
+        self.stage == Stage::Done
     }
-    let mut descent = Descent::new(frame, &guidance, start);
-    let is_tied = descent
-        .system
-        .blocks
-        .iter()
-        .any(|b: &Block| !b.values.is_empty());
-    if is_tied {
-        let mut price = Price::new(&descent.system, recipe.sweep_weights[0]);
-        price.approach_weight = price.weight.max(recipe.multiplier_weight / 10.0);
-        let patience = Patience {
-            steps: recipe.sweep_steps,
-            gain: recipe.gain,
+
+    /// Works on it, always with the same part, until it is above `ceiling` or can be no better;
+    /// the work done.
+    ///
+    /// # Panics
+    /// Where two of the arcs meet at a collision that is open, or without an arc.
+    pub fn raise(&mut self, part: &Part, ceiling: f64) -> Counters {
+        if self.is_done() {
+            return Counters::default();
+        }
+        let (problem, guess) = part.problem();
+        let layout = Layout::new(&problem);
+        let start = Point::new(&problem, &guess);
+        let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &start);
+        let recipe = Recipe::default().scaled(&problem);
+        let mut leading = recipe::leading(&problem, &guess, &frame, &start);
+        leading.orientations_per_arc = recipe.orientations_per_arc;
+        if !problem.times_are_unknown() {
+            leading.event_sd_s = Some(recipe.event_sd_s * 10f64.sqrt());
+        }
+        let exact = Guidance::none(&problem);
+        let mut run = match self.place.take() {
+            Some(place) => Run::resumed(&frame, self.stage, (&leading, &exact), &recipe, place),
+            None => Run::new(&frame, &leading, &recipe, start),
         };
-        descent.run(&guidance, &price, patience);
+        let is_tied = !run.price.multipliers.is_empty();
+        if !is_tied && self.stage == (Stage::Sweep { steps: 0 }) {
+            self.begin_round(&mut run, 0, &exact, &recipe);
+        }
+        while self.stage != Stage::Done && self.cost <= ceiling {
+            match self.stage {
+                Stage::Sweep { steps } => self.sweep(&mut run, steps, (&leading, &exact), &recipe),
+                Stage::Round { number, steps } => {
+                    let is_last = number + 1 == ROUNDS || !is_tied;
+                    self.round(&mut run, (number, steps, is_last), &exact, &recipe);
+                }
+                Stage::Done => {}
+            }
+        }
+        let counters = run.descent.counters;
+        if self.stage != Stage::Done {
+            self.place = Some(run.place());
+        }
+        counters
     }
-    let exact = Guidance::none(problem);
-    descent.refresh(&exact);
-    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
-    let patience = Patience {
-        steps: STEPS,
-        gain: GAIN * recipe.gain,
-    };
-    let mut cost: f64 = 0.0;
-    for _ in 0..if is_tied { ROUNDS } else { 1 } {
-        descent.run(&exact, &price, patience);
-        // One step more would gain less than the patience; what it could is taken off.
-        let value = price.dual(&descent.system) - patience.gain;
+
+    fn sweep(
+        &mut self,
+        run: &mut Run,
+        steps: usize,
+        (leading, exact): (&Guidance, &Guidance),
+        recipe: &Recipe,
+    ) {
+        let (taken, gained) = run.leg(leading, recipe.gain);
+        let may_gain = run.may_gain(gained, false);
+        let steps = steps + LEG;
+        if leading.event_sd_s.is_none() {
+            // Beside the speeds of approach that lead it, this is a relaxed problem, too.
+            let mut price = run.price.clone();
+            price.approach_weight = f64::MIN_POSITIVE;
+            let value = price.merit(&run.descent.system) - may_gain;
+            self.cost = self.floor.max(value);
+        }
+        self.stage = Stage::Sweep { steps };
+        if taken < LEG || steps >= recipe.sweep_steps {
+            self.begin_round(run, 0, exact, recipe);
+        }
+    }
+
+    fn begin_round(&mut self, run: &mut Run, number: usize, exact: &Guidance, recipe: &Recipe) {
+        if number == 0 {
+            run.descent.refresh(exact);
+            run.price = Price::new(&run.descent.system, recipe.multiplier_weight);
+        } else {
+            run.price.update(&run.descent.system);
+        }
+        run.descent.damping = run.descent.damping.clamp(DAMPING.0, DAMPING.1);
+        self.stage = Stage::Round { number, steps: 0 };
+    }
+
+    fn round(
+        &mut self,
+        run: &mut Run,
+        (number, steps, is_last): (usize, usize, bool),
+        exact: &Guidance,
+        recipe: &Recipe,
+    ) {
+        let (taken, gained) = run.leg(exact, GAIN * recipe.gain);
+        let may_gain = run.may_gain(gained, steps > 0);
+        let steps = steps + LEG;
+        let value = run.price.dual(&run.descent.system) - may_gain;
         if value.is_finite() {
-            cost = cost.max(value);
+            self.cost = self.floor.max(value);
         }
-        price.update(&descent.system);
+        self.stage = Stage::Round { number, steps };
+        if taken < LEG || may_gain < SHARE * value || steps >= STEPS {
+            self.floor = self.cost;
+            if is_last {
+                self.stage = Stage::Done;
+            } else {
+                self.begin_round(run, number + 1, exact, recipe);
+            }
+        }
     }
-    Bound {
-        cost,
-        counters: descent.counters,
+}
+
+/// A descent under way.
+struct Run<'a> {
+    descent: Descent<'a>,
+    price: Price,
+}
+
+impl<'a> Run<'a> {
+    fn new(frame: &'a Frame<'a>, leading: &Guidance, recipe: &Recipe, start: Point) -> Self {
+        let mut descent = Descent::new(frame, leading, start);
+        descent.damping = descent.damping.clamp(DAMPING.0, DAMPING.1);
+        let price = leading_price(&descent, recipe);
+        Self { descent, price }
+    }
+
+    fn resumed(
+        frame: &'a Frame<'a>,
+        stage: Stage,
+        (leading, exact): (&Guidance, &Guidance),
+        recipe: &Recipe,
+        place: Place,
+    ) -> Self {
+        let is_sweep = matches!(stage, Stage::Sweep { .. });
+        let guidance = if is_sweep { leading } else { exact };
+        let mut descent = Descent::new(frame, guidance, place.point);
+        descent.damping = place.damping;
+        let mut price = if is_sweep {
+            leading_price(&descent, recipe)
+        } else {
+            Price::new(&descent.system, recipe.multiplier_weight)
+        };
+        price.multipliers = place.multipliers;
+        Self { descent, price }
+    }
+
+    /// Steps taken, and what both halves of them gained.
+    fn leg(&mut self, guidance: &Guidance, gain: f64) -> (usize, [f64; 2]) {
+        let steps = LEG / 2;
+        let (mut taken, mut gained) = (0, [0.0; 2]);
+        for half in &mut gained {
+            let before = self.price.merit(&self.descent.system);
+            let patience = Patience { steps, gain };
+            let of_half = self.descent.go_on(guidance, &self.price, patience);
+            taken += of_half;
+            *half = before - self.price.merit(&self.descent.system);
+            if of_half < steps {
+                break;
+            }
+        }
+        (taken, gained)
+    }
+
+    /// What may be gained beyond, after a leg whose halves gained that.
+    fn may_gain(&mut self, [early, late]: [f64; 2], is_late: bool) -> f64 {
+        let promised = PROMISES * self.descent.promise(&self.price).max(late);
+        let gained = early + late;
+        // A leg of which no step was accepted says nothing.
+        if is_late && gained > 0.0 {
+            promised.min(LEGS * gained)
+        } else {
+            promised
+        }
+    }
+
+    fn place(self) -> Place {
+        Place {
+            point: self.descent.point,
+            damping: self.descent.damping,
+            multipliers: self.price.multipliers,
+        }
+    }
+}
+
+fn leading_price(descent: &Descent, recipe: &Recipe) -> Price {
+    let mut price = Price::new(&descent.system, recipe.sweep_weights[0]);
+    price.approach_weight = price.weight.max(recipe.multiplier_weight / 10.0);
+    price
+}
+
+impl Part<'_> {
+    /// The relaxed problem, and the guess of its arcs.
+    fn problem(&self) -> (Problem, Guess) {
+        let (all, scene) = (self.segments, self.scene);
+        let part: Vec<Segment> = self.arcs.iter().map(|i| all[*i].clone()).collect();
+        let arcs: Vec<ArcGuess> = self
+            .arcs
+            .iter()
+            .map(|i| self.guess.arcs[*i].clone())
+            .collect();
+        let guess = Guess {
+            arcs,
+            event_times_s: self.guess.event_times_s.clone(),
+        };
+        let mut problem = Problem::new(scene, self.sketch, &part);
+        for (event, is_free) in problem.event_is_free.iter_mut().enumerate() {
+            let bounds_an_arc =
+                |arc: &super::problem::Arc| arc.start == Some(event) || arc.end == Some(event);
+            *is_free &= problem.arcs.iter().any(bounds_an_arc);
+        }
+        if !self.own_priors {
+            for free in &mut problem.parameters {
+                free.prior_sd = None;
+            }
+        }
+        if scene.velocity_gaps == VelocityGaps::Always {
+            // The price is that of the whole performance.
+            let samples = |of: &[Segment]| {
+                let count: usize = of.iter().map(|segment| segment.samples.len()).sum();
+                count as f64 / of.len() as f64
+            };
+            let information = problem.information() * samples(all) / samples(&part);
+            problem.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * information);
+        }
+        (problem, guess)
     }
 }

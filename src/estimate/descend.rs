@@ -88,6 +88,11 @@ impl<'a> Descent<'a> {
     /// Descends on the augmented Lagrangian; returns the number of steps.
     pub fn run(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
+        self.go_on(guidance, price, patience)
+    }
+
+    /// The same, with the damping as it is.
+    pub fn go_on(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
         let mut growth = 2.0;
         for step in 1..=patience.steps {
             let before = price.merit(&self.system);
@@ -112,6 +117,14 @@ impl<'a> Descent<'a> {
             }
         }
         patience.steps
+    }
+
+    /// The decrease that a step with the least damping promises; infinite where there is none.
+    pub fn promise(&mut self, price: &Price) -> f64 {
+        let damping = std::mem::replace(&mut self.damping, DAMPING.0);
+        let direction = self.direction(price);
+        self.damping = damping;
+        direction.map_or(f64::INFINITY, |(_, predicted)| predicted)
     }
 
     /// The damped step and the decrease it promises.

@@ -6,7 +6,7 @@
 //! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
 //! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop.
 //! What is said of it: [`covariance`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
-//! [`mod@bound`] what its search over collision sequences rests on.
+//! [`bound`] what its search over collision sequences rests on.
 
 pub mod acting;
 pub mod bound;
@@ -29,6 +29,6 @@ pub mod tempo;
 #[cfg(test)]
 mod tests;
 
-pub use bound::bound;
+pub use bound::{Bound, Part};
 pub use recipe::Recipe;
-pub use solve::estimate;
+pub use solve::{cost, estimate};

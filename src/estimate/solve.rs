@@ -5,7 +5,7 @@ use super::outcome;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
-use super::system::Frame;
+use super::system::{Frame, Guidance, System};
 use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
 };
@@ -97,4 +97,15 @@ pub fn best(
     let (index, mut solution) = best.expect("at least one guess");
     solution.counters = work;
     (index, solution)
+}
+
+/// Half the sum of squared residuals of a guess, priors included, whatever its constraints say.
+pub fn cost(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess: &Guess) -> f64 {
+    let problem = Problem::new(scene, sketch, segments);
+    let layout = Layout::new(&problem);
+    let start = Point::new(&problem, guess);
+    let frame = Frame::new(&problem, &layout, recipe::epochs_s(guess), &start);
+    let mut system = System::new(&frame);
+    system.evaluate(&frame, &Guidance::none(&problem), &start);
+    system.cost
 }

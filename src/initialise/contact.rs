@@ -19,7 +19,7 @@ const BACK_S: f64 = 0.25;
 const HALVINGS: usize = 16;
 /// How far a touching point may lie off a solid, relative to the solid's radius.
 const SLACK: f64 = 0.02;
-/// Candidates further from touching than the first by more spreads than this are none.
+/// Candidates farther from touching than the first by more spreads than this are not likely.
 const SPREADS_MAX: f64 = 4.0;
 
 /// A candidate, and how far the performance is from it.
@@ -38,7 +38,7 @@ pub struct Ranking {
     pub event: usize,
     /// What touches first comes first.
     pub candidates: Vec<Reach>,
-    /// How far the surface of the bodies is off, root mean square \[m\]: of fits from samples.
+    /// How far the surface of the bodies may be off there \[m\].
     pub spread_m: f64,
 }
 
@@ -51,6 +51,14 @@ impl Ranking {
             (Some(first_m), Some(second_m)) => second_m - first_m < SPREADS * self.spread_m,
             _ => false,
         }
+    }
+
+    /// Candidates that are not much farther from touching than the first.
+    pub fn likely(&self) -> &[Reach] {
+        let first_m = self.candidates.first().map_or(0.0, |first| first.reach_m);
+        let most_m = first_m + SPREADS_MAX * self.spread_m;
+        let count = self.candidates.partition_point(|c| c.reach_m <= most_m);
+        &self.candidates[..count]
     }
 }
 
@@ -98,13 +106,12 @@ pub fn rank(
         }
     }
     candidates.sort_by(|a, b| a.reach_m.total_cmp(&b.reach_m));
-    let spread_m = view.spread_m();
+    // As far as fits are from samples there, or half as far as even the first is from touching.
     let first_m = candidates.first().map_or(0.0, |first| first.reach_m);
-    candidates.retain(|candidate| candidate.reach_m - first_m <= SPREADS_MAX * spread_m);
     Ranking {
         event,
         candidates,
-        spread_m,
+        spread_m: view.spread_m().max(0.5 * first_m),
     }
 }
 

@@ -6,14 +6,13 @@ use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe};
 use crate::initialise::contact;
 use crate::motion::{
-    Contacts, Estimate, Guess, Observer, Partner, Scene, Segment, Sketch, Touching, VelocityGaps,
-    Verdict,
+    Contacts, Estimate, Guess, Observer, Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
-use crate::physics::contact::{Feature, Frame};
-use crate::physics::flow;
+use crate::verify::touches;
 
-/// By how much another feature may lead one that touches \[m\]: as much as solids may overlap.
-const LEAD_M: f64 = 1e-3;
+/// A motion that costs more than so many times what the fits of its arcs do makes one look for
+/// others.
+const FAR: f64 = 60.0;
 
 /// An estimate in a scene that says everything.
 pub(super) struct Inferred {
@@ -48,10 +47,6 @@ pub(super) fn infer(
     {
         return Err(NoContact { event: lost.event });
     }
-    let all = |ranking: &contact::Ranking| -> Vec<Contacts> {
-        let candidates = ranking.candidates.iter();
-        candidates.map(|reach| reach.contacts.clone()).collect()
-    };
     let mut understood = scene.clone();
     for ranking in &rankings {
         understood.set_contacts(ranking.event, &ranking.candidates[0].contacts);
@@ -63,12 +58,12 @@ pub(super) fn infer(
     let mut first = None;
     if is_bent || !rankings.iter().any(contact::Ranking::is_ambiguous) {
         let estimate = solve(&understood, observer);
-        let is_clear = rankings.iter().all(|ranking| {
-            let leader = leads(&understood, &estimate, ranking.event, &all(ranking));
-            leader.is_none()
-        });
-        let is_good = estimate.verdict != Verdict::Failed && is_clear;
-        if is_good || events.is_empty() || observer.should_stop() {
+        let is_near = || {
+            let fits = estimate::cost(&understood, sketch, segments, &guesses[0]);
+            0.5 * estimate.objective < FAR * fits
+        };
+        let is_good = || is_sound(&understood, &estimate, &events) && (is_bent || is_near());
+        if events.is_empty() || is_good() || observer.should_stop() {
             return Ok(Inferred {
                 scene: understood,
                 estimate,
@@ -78,10 +73,16 @@ pub(super) fn infer(
         }
         first = Some(estimate);
     }
-    let open: Vec<(usize, Vec<Contacts>)> = rankings
-        .iter()
-        .map(|ranking| (ranking.event, all(ranking)))
-        .collect();
+    // Where the likeliest is clear, but no good, the fits are misleading.
+    let open = rankings.iter().map(|ranking| {
+        let reaches = match first {
+            Some(_) => &ranking.candidates,
+            None => ranking.likely(),
+        };
+        let contacts = reaches.iter().map(|reach| reach.contacts.clone());
+        (ranking.event, contacts.collect())
+    });
+    let open: Vec<(usize, Vec<Contacts>)> = open.collect();
     let field = Field {
         scene,
         sketch,
@@ -89,23 +90,16 @@ pub(super) fn infer(
         guesses,
         is_bent,
         open: &open,
+        first: first.map(|first| (vec![0; open.len()], first)),
     };
     let Found {
         choice,
         mut estimate,
         work,
     } = search(&field, recipe, observer).expect("every collision has a candidate");
-    if let Some(first) = first {
-        estimate.counters.add(&first.counters);
-    }
     let mut understood = scene.clone();
     for ((event, candidates), chosen) in open.iter().zip(&choice) {
         understood.set_contacts(*event, &candidates[*chosen]);
-    }
-    for (event, candidates) in &open {
-        if let Some(lead) = leads(&understood, &estimate, *event, candidates) {
-            object(&understood, &lead, *event, &mut estimate);
-        }
     }
     if !work.is_proven {
         estimate.reason = format!(
@@ -126,75 +120,10 @@ pub(super) struct NoContact {
     pub(super) event: usize,
 }
 
-/// A motion in which another feature would have touched first is not physical.
-fn object(scene: &Scene, lead: &Lead, event: usize, estimate: &mut Estimate) {
-    let name = &scene.events[event].name;
-    let mut other = scene.clone();
-    other.set_contacts(event, &lead.contacts);
-    let words = other.contact_words(event).unwrap_or_default();
-    estimate.reason = format!(
-        "at `{name}` {words} would touch first, by {:.1} mm; {}",
-        1e3 * lead.by_m,
-        estimate.reason
-    );
-    if estimate.verdict == Verdict::Physical {
-        estimate.verdict = Verdict::Plausible;
-    }
-}
-
-/// What would have touched before what is said to.
-pub(super) struct Lead {
-    pub(super) contacts: Contacts,
-    pub(super) by_m: f64,
-}
-
-/// The candidate that is deepest inside what is hit when the contacts of the scene touch it, if
-/// any is beyond the tolerance. Planes and faces of bodies only: whether solids are inside one
-/// another is for a verification to say.
-pub(super) fn leads(
-    scene: &Scene,
-    estimate: &Estimate,
-    event: usize,
-    candidates: &[Contacts],
-) -> Option<Lead> {
-    let collision = scene.events[event].kind.collision()?;
-    let other = collision.contacts.first()?.other?;
-    let (geometry, there) = match collision.partner {
-        Partner::World if scene.surfaces[other].obstacle.is_some() => return None,
-        Partner::World => (scene.surfaces[other].geometry, Frame::world()),
-        Partner::Body(body) => (
-            scene.bodies[body].features[other].geometry,
-            frame_at(scene, estimate, event, body)?,
-        ),
-    };
-    if !matches!(geometry, Feature::Face { .. }) {
-        return None;
-    }
-    let frame = frame_at(scene, estimate, event, collision.body)?;
-    let gap_m = |touching: &Touching| {
-        let meeting = scene.meeting_of(event, &[*touching]).ok()??;
-        Some(meeting.contacts()[0].touch(&frame, &there).ok()?.gap_m)
-    };
-    let lowest_m = |contacts: &Contacts| {
-        let gaps = contacts.iter().filter_map(gap_m);
-        gaps.fold(f64::INFINITY, f64::min)
-    };
-    let on_it = candidates.iter().filter(|c| c[0].other == Some(other));
-    let lowest = on_it.min_by(|a, b| lowest_m(a).total_cmp(&lowest_m(b)))?;
-    let by_m = lowest_m(&collision.contacts) - lowest_m(lowest);
-    (by_m > LEAD_M).then(|| Lead {
-        contacts: lowest.clone(),
-        by_m,
-    })
-}
-
-/// Where a body is just before an event.
-fn frame_at(scene: &Scene, estimate: &Estimate, event: usize, body: usize) -> Option<Frame> {
-    let time_s = estimate.events[event].time_s;
-    let mut arcs = estimate.arcs.iter();
-    let arc = arcs.find(|arc| arc.body == body && arc.end_s == time_s)?;
-    let gravity = &estimate.gravity_m_s2;
-    let of_scene = &scene.bodies[body].body;
-    let state = flow::advance(of_scene, gravity, &arc.state, time_s - arc.epoch_s);
-    Some(Frame::of(&state))
+/// Whether a motion is one, and what its open collisions say is what touches first there.
+pub(super) fn is_sound(scene: &Scene, estimate: &Estimate, open: &[usize]) -> bool {
+    estimate.verdict != Verdict::Failed
+        && !touches(scene, estimate)
+            .iter()
+            .any(|touch| touch.is_wrong && open.contains(&touch.event))
 }

@@ -1,28 +1,36 @@
 //! Which features hit at each of several collisions: best-first search (paper §5.1, §7).
 //!
 //! A node is what hits at the first `k` open collisions. Its bound is that of the arcs up to the
-//! next ([`estimate::bound`]), plus what the arcs after that cost at the least: fits by
-//! themselves, or in pairs over a collision with whatever feature suits them best. A child begins
-//! with a bound that is there already, by its pair of arcs, and gets its own when its turn comes;
-//! a complete sequence is solved when its turn comes. The first solved one to come up again is
-//! the best of all: none that is left can cost less, as far as bounds are (see
-//! [`mod@estimate::bound`]).
+//! next, plus what the arcs after that cost at the least: fits by themselves, or in pairs over a
+//! collision with whatever feature suits them best ([`ahead`]). A child begins with a bound that is
+//! there already, by its pair of arcs. When its turn comes its own is raised, until it is above
+//! the next node's or can be no better; a complete sequence is solved then. The first solved one
+//! to come up again is the best of all: none that is left can cost less, as far as bounds are (see
+//! [`estimate::bound`]).
+//!
+//! The sequence that is likeliest by the fits waits in the queue as a whole from the start. Where
+//! bounds of a few arcs are stuck at local minima above it, it is found none the less.
 //!
 //! A motion in which another feature would have touched first is none, and is passed over.
+
+mod ahead;
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::infer::leads;
+use self::ahead::Least;
+use super::infer::is_sound;
 use crate::estimate::{self, Recipe};
 use crate::motion::{
     Contacts, Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
     Verdict,
 };
 
-/// Bounds, and solves, after which the search ends with what it has.
-const BOUNDS_MAX: usize = 4000;
-const SOLVES_MAX: usize = 40;
+/// Iterations of the whole problem after which the search ends with what it has; those of a part
+/// count by its arcs.
+const ITERATIONS_MAX: f64 = 1200.0;
+/// A sequence without velocity gaps is looked for up to so many times the cost of the best with.
+const BENT: f64 = 2.0;
 
 /// What is searched, and in what.
 pub(super) struct Field<'a> {
@@ -34,6 +42,8 @@ pub(super) struct Field<'a> {
     pub(super) is_bent: bool,
     /// Open collisions in order of time, each with what may touch, likeliest first.
     pub(super) open: &'a [(usize, Vec<Contacts>)],
+    /// A sequence (indices into the candidates) that is solved already.
+    pub(super) first: Option<(Vec<usize>, Estimate)>,
 }
 
 /// The work of a search.
@@ -78,16 +88,30 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
         return None;
     }
     observer.phase(Phase::Sequence);
-    let mut search = Search::new(field, recipe, field.is_bent);
-    search.run(observer);
     let may_bend = field.scene.velocity_gaps == VelocityGaps::WhenNeeded && !field.is_bent;
-    if search.best().is_none() && may_bend && !observer.should_stop() {
-        // No sequence does without: then the best that bends physics.
-        let (work, counters) = (search.work, search.counters);
-        search = Search::new(field, recipe, true);
-        search.work.add(&work);
-        search.counters.add(&counters);
-        search.run(observer);
+    let mut search = Search::new(field, recipe, field.is_bent);
+    if let Some(first) = &field.first {
+        search.work.solves += 1;
+        search.counters.add(&first.1.counters);
+        search.known.push(first.clone());
+    }
+    let failures = if may_bend { 1 } else { usize::MAX };
+    search.run(f64::INFINITY, failures, observer);
+    if may_bend && search.best().is_none() && !observer.should_stop() {
+        // Physics may have to bend: then only sequences that do without and are not much worse
+        // are worth more tries.
+        let mut bent = Search::new(field, recipe, true);
+        bent.known = search.bent();
+        bent.run(f64::INFINITY, usize::MAX, observer);
+        let cost = bent.best().map(|best| bent.solutions[best].cost());
+        search.iterations += bent.iterations;
+        search.run(BENT * cost.unwrap_or(f64::INFINITY), usize::MAX, observer);
+        if search.best().is_none() {
+            bent.work.is_proven &= search.iterations <= ITERATIONS_MAX;
+            std::mem::swap(&mut search, &mut bent);
+        }
+        search.work.add(&bent.work);
+        search.counters.add(&bent.counters);
     }
     Some(search.conclude(observer))
 }
@@ -96,6 +120,8 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
 #[derive(Clone, Debug)]
 struct Node {
     cost: f64,
+    /// What it costs at least by what was known when it was made.
+    made_at: f64,
     stage: Stage,
     /// Number in order of making, for ties.
     number: usize,
@@ -105,11 +131,11 @@ struct Node {
 }
 
 /// What a node's cost is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 enum Stage {
-    /// At least that, by what was known.
-    Made,
-    /// At least that, by its own bound.
+    /// At least that, by its own bound as far as that is raised.
+    Rising(Least),
+    /// At least that, and no more work makes it better.
     Bounded,
     /// That: all is known, and it is solved. Index into the solutions.
     Solved(usize),
@@ -138,6 +164,13 @@ impl PartialEq for Node {
 
 impl Eq for Node {}
 
+impl Solution {
+    /// Half the sum of squared residuals.
+    fn cost(&self) -> f64 {
+        0.5 * self.estimate.objective
+    }
+}
+
 struct Solution {
     choice: Vec<usize>,
     estimate: Estimate,
@@ -152,6 +185,8 @@ struct Search<'a> {
     scene: Scene,
     queue: BinaryHeap<Reverse<Node>>,
     solutions: Vec<Solution>,
+    /// Those that were there before.
+    known: Vec<(Vec<usize>, Estimate)>,
     best: Option<usize>,
     made: usize,
     /// Least cost of all arcs that begin at or after an open collision.
@@ -161,6 +196,8 @@ struct Search<'a> {
     pairs: Vec<Option<Vec<f64>>>,
     work: SearchWork,
     counters: Counters,
+    /// Of the whole problem.
+    iterations: f64,
 }
 
 impl<'a> Search<'a> {
@@ -180,6 +217,7 @@ impl<'a> Search<'a> {
             scene,
             queue: BinaryHeap::new(),
             solutions: Vec::new(),
+            known: Vec::new(),
             best: None,
             made: 0,
             tails: Vec::new(),
@@ -189,85 +227,10 @@ impl<'a> Search<'a> {
                 ..SearchWork::default()
             },
             counters: Counters::default(),
+            iterations: 0.0,
         };
         search.look_ahead();
         search
-    }
-
-    /// Arcs that begin after `from` open collisions and before the next.
-    fn group(&self, from: usize) -> Vec<usize> {
-        let open = |index: usize| self.field.open.get(index).map(|(event, _)| *event);
-        let least = from.checked_sub(1).and_then(open);
-        let most = open(from).unwrap_or(usize::MAX);
-        let is_in = |index: &usize| match self.field.segments[*index].start_event {
-            Some(start) => least.is_none_or(|least| start >= least) && start < most,
-            None => least.is_none(),
-        };
-        (0..self.field.segments.len()).filter(is_in).collect()
-    }
-
-    /// Bounds of single arcs and of pairs, and from these of all that comes after a node.
-    fn look_ahead(&mut self) {
-        let depth = self.field.open.len();
-        let groups: Vec<Vec<usize>> = (0..=depth).map(|from| self.group(from)).collect();
-        let singles: Vec<f64> = (0..self.field.segments.len())
-            .map(|arc| self.bound(&[], &[arc], false))
-            .collect();
-        let sum = |arcs: &[usize]| arcs.iter().map(|arc| singles[*arc]).sum::<f64>();
-        for index in 0..depth {
-            let event = self.field.open[index].0;
-            let is_beside = |arc: &usize| {
-                let segment = &self.field.segments[*arc];
-                segment.end_event == Some(event) || segment.start_event == Some(event)
-            };
-            let near: Vec<usize> = [&groups[index][..], &groups[index + 1]].concat();
-            let arcs: Vec<usize> = (0..self.field.segments.len()).filter(is_beside).collect();
-            let others: Vec<usize> = near.iter().copied().filter(|arc| !is_beside(arc)).collect();
-            let is_near = arcs.iter().all(|arc| near.contains(arc));
-            let candidates = self.field.open[index].1.len();
-            let pair = is_near.then(|| {
-                let of = |candidate| self.bound(&[(index, candidate)], &arcs, false);
-                let costs: Vec<f64> = (0..candidates).map(of).collect();
-                costs
-                    .iter()
-                    .map(|cost| cost.max(sum(&arcs)) + sum(&others))
-                    .collect()
-            });
-            self.pairs.push(pair);
-        }
-        self.tails = vec![0.0; depth + 2];
-        for from in (1..=depth).rev() {
-            let alone = sum(&groups[from]) + self.tails[from + 1];
-            let pair = self.pairs.get(from).and_then(|pair| pair.as_ref());
-            let paired = pair.map_or(0.0, |costs| {
-                costs.iter().copied().fold(f64::INFINITY, f64::min) + self.tails[from + 2]
-            });
-            self.tails[from] = alone.max(paired);
-        }
-    }
-
-    /// Bound of arcs with some open collisions known: places in the list, and candidates.
-    fn bound(&mut self, known: &[(usize, usize)], arcs: &[usize], own_priors: bool) -> f64 {
-        let scene = self.with(known);
-        self.work.bounds += 1;
-        let mut least = f64::INFINITY;
-        let mut tried: Vec<Vec<usize>> = Vec::new();
-        for (index, guess) in self.field.guesses.iter().enumerate() {
-            // Guesses may differ in other arcs only.
-            let is_tried = tried.iter().flatten().any(|other| {
-                let same = |arc: &usize| self.field.guesses[*other].arcs[*arc] == guess.arcs[*arc];
-                arcs.iter().all(same)
-            });
-            if is_tried {
-                continue;
-            }
-            tried.push(vec![index]);
-            let parts = (self.field.segments, arcs);
-            let bound = estimate::bound(&scene, self.field.sketch, parts, guess, own_priors);
-            self.counters.add(&bound.counters);
-            least = least.min(bound.cost);
-        }
-        least
     }
 
     fn with(&self, known: &[(usize, usize)]) -> Scene {
@@ -279,16 +242,24 @@ impl<'a> Search<'a> {
         scene
     }
 
-    fn run(&mut self, observer: &mut dyn Observer) {
-        self.expand(&[], 0.0, [0.0; 2]);
+    /// Searches on until a sequence is proven the best, all that is left costs more than `limit`,
+    /// so many solves in all found no motion, or the search is too long.
+    fn run(&mut self, limit: f64, failures: usize, observer: &mut dyn Observer) {
+        if self.made == 0 {
+            self.begin();
+        }
         while let Some(Reverse(node)) = self.queue.pop() {
             if let Stage::Solved(index) = node.stage {
                 self.best = Some(index);
                 self.work.is_proven = true;
                 return;
             }
-            let is_enough = self.work.bounds >= BOUNDS_MAX || self.solutions.len() >= SOLVES_MAX;
-            if is_enough || observer.should_stop() {
+            let is_failed = |s: &&Solution| s.estimate.verdict != Verdict::Physical;
+            let failed = self.solutions.iter().filter(is_failed).count();
+            let is_over =
+                self.iterations > ITERATIONS_MAX || node.cost > limit || failed >= failures;
+            if is_over || observer.should_stop() {
+                self.queue.push(Reverse(node));
                 return;
             }
             self.work.nodes += 1;
@@ -296,14 +267,50 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Brings a node to its next stage.
+    /// The root, and the likeliest sequence as a whole: where it is the best, all others only need
+    /// to be shown worse, and no partial sequence must lead there.
+    fn begin(&mut self) {
+        self.expand(&[], 0.0, [0.0; 2]);
+        let choice = vec![0; self.field.open.len()];
+        let stage = Stage::Rising(self.prefix(&choice));
+        let node = Node {
+            cost: self.tails[0],
+            made_at: self.tails[0],
+            stage,
+            number: self.made,
+            choice,
+            before: [0.0; 2],
+        };
+        self.made += 1;
+        self.queue.push(Reverse(node));
+        for (choice, estimate) in std::mem::take(&mut self.known) {
+            self.solved(choice, estimate);
+        }
+    }
+
+    /// Solutions whose velocities jump.
+    fn bent(&self) -> Vec<(Vec<usize>, Estimate)> {
+        let jumps = |s: &&Solution| s.estimate.verdict == Verdict::Plausible;
+        let solutions = self.solutions.iter().filter(jumps);
+        solutions
+            .map(|s| (s.choice.clone(), s.estimate.clone()))
+            .collect()
+    }
+
+    /// Brings a node to its next stage, or above the next one.
     fn advance(&mut self, mut node: Node, observer: &mut dyn Observer) {
         let depth = node.choice.len();
-        if node.stage == Stage::Made {
-            let own = self.prefix(&node.choice).max(node.before[0]);
-            node.before = [own, node.before[0]];
-            node.cost = node.cost.max(own + self.tails[depth + 1]);
-            node.stage = Stage::Bounded;
+        if let Stage::Rising(bound) = &mut node.stage {
+            let next = self.queue.peek();
+            let next = next.map_or(f64::INFINITY, |Reverse(next)| next.cost);
+            let tail = self.tails[depth + 1];
+            self.raise(bound, (next - tail).max(bound.cost()));
+            let own = bound.cost().max(node.before[0]);
+            node.cost = node.made_at.max(own + tail);
+            if bound.is_done() {
+                node.before = [own, node.before[0]];
+                node.stage = Stage::Bounded;
+            }
             self.queue.push(Reverse(node));
         } else if depth < self.field.open.len() {
             self.expand(&node.choice, node.cost, node.before);
@@ -318,11 +325,14 @@ impl<'a> Search<'a> {
             let by_pair = self.pairs[place].as_ref().map_or(0.0, |pairs| {
                 before[1] + pairs[candidate] + self.tails[place + 2]
             });
+            let made_at = cost.max(by_pair);
+            let choice = [choice, &[candidate]].concat();
             let node = Node {
-                cost: cost.max(by_pair),
-                stage: Stage::Made,
+                cost: made_at,
+                made_at,
+                stage: Stage::Rising(self.prefix(&choice)),
                 number: self.made,
-                choice: [choice, &[candidate]].concat(),
+                choice,
                 before,
             };
             self.made += 1;
@@ -331,29 +341,40 @@ impl<'a> Search<'a> {
     }
 
     fn solve(&mut self, node: Node, observer: &mut dyn Observer) {
-        let scene = self.with(&node.choice.iter().copied().enumerate().collect::<Vec<_>>());
+        if self.solutions.iter().any(|s| s.choice == node.choice) {
+            return;
+        }
+        let scene = self.with(&places(&node.choice));
         let estimate = self.estimate(&scene, observer);
         observer.phase(Phase::Sequence);
-        let is_leading = |(event, candidates): &(usize, Vec<Contacts>)| {
-            leads(&scene, &estimate, *event, candidates).is_none()
-        };
-        let is_motion = estimate.verdict != Verdict::Failed;
-        let is_sound = is_motion && self.field.open.iter().all(is_leading);
-        let cost = 0.5 * estimate.objective;
-        self.solutions.push(Solution {
-            choice: node.choice.clone(),
-            estimate,
-            is_sound,
-        });
-        if is_sound {
-            self.queue.push(Reverse(Node {
-                cost,
-                stage: Stage::Solved(self.solutions.len() - 1),
-                ..node
-            }));
-        }
+        self.solved(node.choice, estimate);
     }
 
+    fn solved(&mut self, choice: Vec<usize>, estimate: Estimate) {
+        let scene = self.with(&places(&choice));
+        let open: Vec<usize> = self.field.open.iter().map(|(event, _)| *event).collect();
+        let may_jump = self.scene.velocity_gaps == VelocityGaps::Always;
+        let solution = Solution {
+            is_sound: (may_jump || estimate.verdict == Verdict::Physical)
+                && is_sound(&scene, &estimate, &open),
+            choice,
+            estimate,
+        };
+        if solution.is_sound {
+            self.queue.push(Reverse(Node {
+                cost: solution.cost(),
+                made_at: solution.cost(),
+                stage: Stage::Solved(self.solutions.len()),
+                number: self.made,
+                choice: solution.choice.clone(),
+                before: [0.0; 2],
+            }));
+            self.made += 1;
+        }
+        self.solutions.push(solution);
+    }
+
+    /// As in a scene that says all, where velocities jump only if they must.
     fn estimate(&mut self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
         self.work.solves += 1;
         let Field {
@@ -362,7 +383,15 @@ impl<'a> Search<'a> {
             guesses,
             ..
         } = self.field;
-        estimate::estimate(scene, sketch, segments, guesses, self.recipe, observer)
+        let may_bend = self.field.scene.velocity_gaps == VelocityGaps::WhenNeeded;
+        let mut scene = scene.clone();
+        if may_bend && scene.velocity_gaps == VelocityGaps::Never {
+            scene.velocity_gaps = VelocityGaps::WhenNeeded;
+        }
+        let estimate = estimate::estimate(&scene, sketch, segments, guesses, self.recipe, observer);
+        self.iterations += estimate.counters.iterations as f64;
+        self.counters.add(&estimate.counters);
+        estimate
     }
 
     /// The best sound solution: the one that came up first, or else of those that wait.
@@ -396,12 +425,12 @@ impl<'a> Search<'a> {
         let is_failed = |e: &Estimate| e.verdict == Verdict::Failed;
         if estimate.as_ref().is_none_or(is_failed) {
             // With velocity gaps, where the scene allows them.
-            let mut scene = self.with(&choice.iter().copied().enumerate().collect::<Vec<_>>());
+            let mut scene = self.with(&places(&choice));
             scene.velocity_gaps = self.field.scene.velocity_gaps;
             estimate = Some(self.estimate(&scene, observer));
         }
         let mut estimate = estimate.expect("just solved");
-        estimate.counters.add(&self.counters);
+        estimate.counters = self.counters;
         Found {
             choice,
             estimate,
@@ -423,27 +452,17 @@ impl<'a> Search<'a> {
                 next.sort_by(|a, b| pairs[*a].total_cmp(&pairs[*b]));
             }
             next.truncate(LOOKED_INTO);
-            let bounds: Vec<(f64, usize)> = next
-                .into_iter()
-                .map(|candidate| {
-                    (
-                        self.prefix(&[&choice[..], &[candidate]].concat()),
-                        candidate,
-                    )
-                })
+            let mut bounds: Vec<Least> = next
+                .iter()
+                .map(|candidate| self.prefix(&[&choice[..], &[*candidate]].concat()))
                 .collect();
-            let best = bounds.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            choice.push(best.map_or(0, |(_, candidate)| *candidate));
+            choice.push(next[self.race(&mut bounds)]);
         }
         choice
     }
+}
 
-    /// Bound of the arcs up to the first collision that is open still.
-    fn prefix(&mut self, choice: &[usize]) -> f64 {
-        let arcs: Vec<usize> = (0..=choice.len())
-            .flat_map(|from| self.group(from))
-            .collect();
-        let known: Vec<(usize, usize)> = choice.iter().copied().enumerate().collect();
-        self.bound(&known, &arcs, true)
-    }
+/// Places in the list of open collisions, and candidates.
+fn places(choice: &[usize]) -> Vec<(usize, usize)> {
+    choice.iter().copied().enumerate().collect()
 }

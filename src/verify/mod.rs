@@ -21,4 +21,4 @@ mod track;
 mod whole;
 
 pub use overlap::TOLERANCE_M;
-pub use whole::verify;
+pub use whole::{touches, verify};

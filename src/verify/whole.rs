@@ -2,7 +2,7 @@
 
 use super::meeting::World;
 use super::{balance, overlap, shot, touch};
-use crate::motion::{Estimate, Scene, Verification};
+use crate::motion::{Estimate, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of how it was found.
 ///
@@ -19,4 +19,12 @@ pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),
     }
+}
+
+/// What touches first at every collision, as [`verify`](verify()) finds it, without the other
+/// checks: for a search that must know of every motion it meets.
+///
+/// The estimate's arcs must be finite and the scene valid.
+pub fn touches(scene: &Scene, estimate: &Estimate) -> Vec<Touch> {
+    touch::touches(&World::new(scene, estimate))
 }

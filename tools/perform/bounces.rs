@@ -1,4 +1,5 @@
-//! A cube that bounces along a table, as often as one likes: for studies of cost and scaling.
+//! A cube, or a regular tetrahedron, that bounces along a table, as often as one likes: for studies
+//! of cost and scaling.
 //!
 //! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
 //! So each bounce's restitution is chosen, from a few values, such that the flight after it is a
@@ -18,7 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::encounter::{Encounter, still};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
 
-/// Half the cube's side [m].
+/// Half the cube's side, and half that of the cube about the tetrahedron [m].
 const HALF_M: f64 = 0.15;
 /// Mass of the cube [kg].
 const MASS_KG: f64 = 1.0;
@@ -51,9 +52,22 @@ struct Hop {
     choice: usize,
 }
 
+/// What bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polyhedron {
+    Cube,
+    /// Every other corner of the cube.
+    Tetrahedron,
+}
+
 /// A motion of a cube with `count` bounces, each on a corner, then a last flight. No goals.
 pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
-    let cube = Cube::new();
+    bounces_of(Polyhedron::Cube, count, seed)
+}
+
+/// The same of either.
+pub fn bounces_of(solid: Polyhedron, count: usize, seed: u64) -> Result<Truth, TruthError> {
+    let cube = Bouncer::new(solid);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut path: Vec<Hop> = Vec::new();
     let tries = TRIES_PER_BOUNCE * (count + 1);
@@ -143,15 +157,25 @@ pub fn scene_toml(truth: &Truth) -> String {
     text
 }
 
-struct Cube {
+struct Bouncer {
+    solid: Polyhedron,
     body: Body,
     gravity_m_s2: Vector3<f64>,
     corners_m: Vec<Vector3<f64>>,
 }
 
-impl Cube {
-    fn new() -> Self {
-        let moment_kg_m2 = MASS_KG * (2.0 * HALF_M) * (2.0 * HALF_M) / 6.0;
+impl Bouncer {
+    fn new(solid: Polyhedron) -> Self {
+        let square_m2 = (2.0 * HALF_M) * (2.0 * HALF_M);
+        let moment_kg_m2 = match solid {
+            Polyhedron::Cube => MASS_KG * square_m2 / 6.0,
+            // m s²/20 with an edge that is a diagonal of a face.
+            Polyhedron::Tetrahedron => MASS_KG * square_m2 / 10.0,
+        };
+        let is_corner = |corner: &usize| match solid {
+            Polyhedron::Cube => true,
+            Polyhedron::Tetrahedron => corner.count_ones().is_multiple_of(2),
+        };
         let sign = |corner: usize, axis: usize| {
             if corner >> axis & 1 == 0 {
                 -HALF_M
@@ -160,9 +184,11 @@ impl Cube {
             }
         };
         Self {
-            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("a cube is a body"),
+            solid,
+            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("it is a body"),
             gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
             corners_m: (0..8)
+                .filter(is_corner)
                 .map(|c| Vector3::from_fn(|axis, _| sign(c, axis)))
                 .collect(),
         }
@@ -188,7 +214,7 @@ impl Cube {
 
     /// Heights of the corners and their indices, lowest first.
     fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
-        let mut heights: Vec<_> = (0..8)
+        let mut heights: Vec<_> = (0..self.corners_m.len())
             .map(|corner| {
                 let height_m = self.encounter(corner, 1.0).gap_m(state, &still());
                 (height_m, corner)
@@ -213,7 +239,14 @@ impl Cube {
         let lowest_m = |time_s: f64| {
             let state = flight.advance(state, time_s);
             let turned = state.orientation.inverse_transform_vector(&Vector3::z());
-            state.position_m.z - HALF_M * turned.abs().sum()
+            let below_m = match self.solid {
+                Polyhedron::Cube => HALF_M * turned.abs().sum(),
+                Polyhedron::Tetrahedron => {
+                    let depths_m = self.corners_m.iter().map(|corner_m| -turned.dot(corner_m));
+                    depths_m.fold(f64::NEG_INFINITY, f64::max)
+                }
+            };
+            state.position_m.z - below_m
         };
         if lowest_m(SCAN_S) <= 0.0 {
             return None;
@@ -281,8 +314,13 @@ impl Cube {
             name: "cube".to_owned(),
             topic: "/tracker/cube/pose".to_owned(),
             body: self.body,
-            shape: Shape::Cuboid {
-                half_extents_m: Vector3::repeat(HALF_M),
+            shape: match self.solid {
+                Polyhedron::Cube => Shape::Cuboid {
+                    half_extents_m: Vector3::repeat(HALF_M),
+                },
+                Polyhedron::Tetrahedron => Shape::Hull {
+                    points_m: self.corners_m.clone(),
+                },
             },
             body_from_tracker: Pose::translation(0.02, -0.03, HALF_M),
             features: self.corners_m.iter().enumerate().map(feature).collect(),

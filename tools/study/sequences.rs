@@ -7,11 +7,12 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use enact::config::scene_from_toml;
 use enact::ingest::{Recording, Source};
+use enact::initialise::contact;
 use enact::motion::{Scene, Touching, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use serde::Serialize;
 
-use crate::case::{Case, another_leads, estimated};
+use crate::case::{Case, Posed, another_leads, estimated};
 use crate::perform::{Acting, bounces};
 use crate::results::Options;
 use crate::statistics::median;
@@ -47,6 +48,11 @@ struct Row {
     relative: f64,
     /// Whether the estimate of the true sequence is a motion in which no other corner leads.
     truth_holds: bool,
+    /// Worst place of a true feature among those at its collision, by the fits; the likeliest
+    /// has place 0.
+    worst_place: usize,
+    /// Whether every true feature is among the likely ones.
+    is_likely: bool,
     is_searched: bool,
     sequences: f64,
     nodes: usize,
@@ -69,6 +75,8 @@ pub fn run(options: &Options) -> Result<()> {
             "true sequence found",
             "as good or better",
             "or the true one is no motion",
+            "likeliest is true",
+            "likely",
             "searched",
             "not proven",
             "bounds",
@@ -91,6 +99,12 @@ pub fn run(options: &Options) -> Result<()> {
                     }
                 };
                 let seeds = 0..options.seeds;
+                let timing = if known { "known" } else { "unknown" };
+                let label = format!("{count} bounces, {timing}, {distortion}");
+                let is_wanted = |only: &String| label.contains(only.as_str());
+                if !options.only.as_ref().is_none_or(is_wanted) {
+                    continue;
+                }
                 let block: Vec<Row> = seeds
                     .filter_map(|seed| searched(count, &acting, seed))
                     .collect();
@@ -101,7 +115,10 @@ pub fn run(options: &Options) -> Result<()> {
         }
     }
     println!("{table}");
-    options.write_json("sequences", &rows)
+    match options.only {
+        Some(_) => Ok(()),
+        None => options.write_json("sequences", &rows),
+    }
 }
 
 fn cells(block: &[Row]) -> Vec<String> {
@@ -122,6 +139,8 @@ fn cells(block: &[Row]) -> Vec<String> {
         share(|row| row.is_true),
         share(|row| row.relative <= 1.0 + SAME),
         share(|row| row.relative <= 1.0 + SAME || !row.truth_holds),
+        share(|row| row.worst_place == 0),
+        share(|row| row.is_likely),
         share(|row| row.is_searched),
         share(|row| row.is_searched && !row.is_proven),
         number(median(&of(|row| row.bounds as f64))),
@@ -159,6 +178,7 @@ fn searched(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
     let found = estimated(&scene, &case.performance.events, &mut ()).ok()?;
     let seconds = started.elapsed().as_secs_f64();
     let work = found.search.unwrap_or_default();
+    let (worst_place, is_likely) = places(&scene, &named);
     Some(Row {
         bounces: count,
         distortion: acting.distortion,
@@ -169,6 +189,8 @@ fn searched(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
         is_proven: work.is_proven,
         relative: found.estimate.objective / named.estimate.objective,
         truth_holds: named.estimate.verdict == Verdict::Physical && !another_leads(&named),
+        worst_place,
+        is_likely,
         is_searched: found.search.is_some(),
         sequences: 8f64.powi(count as i32),
         nodes: work.nodes,
@@ -177,6 +199,26 @@ fn searched(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
         seconds,
         named_seconds,
     })
+}
+
+/// Where the true features stand among the candidates, collision by collision: the worst place,
+/// and whether all are likely.
+fn places(open: &Scene, named: &Outcome) -> (usize, bool) {
+    let posed = Posed::new(&named.scene, &named.sketch);
+    let (mut worst, mut is_likely) = (0, true);
+    for event in open.open_events() {
+        let Some(collision) = named.scene.events[event].kind.collision() else {
+            continue;
+        };
+        let guess = &posed.guesses[0];
+        let ranking = contact::rank(open, &named.sketch, &posed.segments, guess, event);
+        let mut reaches = ranking.candidates.iter();
+        let place = reaches.position(|reach| reach.contacts == collision.contacts);
+        let place = place.unwrap_or(ranking.candidates.len());
+        worst = worst.max(place);
+        is_likely &= place < ranking.likely().len();
+    }
+    (worst, is_likely)
 }
 
 fn recordings() -> Result<()> {
