@@ -139,6 +139,25 @@ fn sticking_and_sliding() {
 }
 
 #[test]
+fn receding_contacts_with_friction() {
+    // A solver on its way meets them: the law goes on, without friction.
+    let mut draw = Draw::new(27);
+    let mut checked = 0;
+    for index in 0..4 * KINDS {
+        let kind = index % KINDS;
+        let mut case = Case::draw(&mut draw, kind, (index / KINDS).is_multiple_of(2));
+        case.a.1 = reversed(&case.a.1);
+        case.b = case.b.map(|(body, state)| (body, reversed(&state)));
+        let impact = case.impact();
+        assert!(impact.speeds_m_s[0] > 0.0 && !impact.sticks);
+        let meeting = Meeting::with_friction(&[case.contact]).expect("one");
+        let name = format!("receding case {index}, kind {kind}");
+        checked += usize::from(check(&meeting, &movers(&case), &case.law, &name));
+    }
+    assert!(checked >= 3 * KINDS, "{checked}");
+}
+
+#[test]
 fn friction_that_may_grow_from_none() {
     // At no friction differences would cross into negative friction, where the law's formula
     // goes on smoothly.
