@@ -8,7 +8,9 @@ use std::collections::BTreeMap;
 use enact::estimate::layout::Layout;
 use enact::estimate::problem::Problem;
 use enact::initialise;
-use enact::motion::{ArcGuess, Feature, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent};
+use enact::motion::{
+    ArcGuess, Feature, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent, Verdict,
+};
 use enact::physics::{State, contact, flow};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::segment;
@@ -55,6 +57,16 @@ impl Case {
     /// The estimate, as the program makes it.
     pub fn estimated(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         estimated(self.scene(), &self.performance.events, observer)
+    }
+
+    /// The verdict with all checks.
+    pub fn checked(&self) -> Option<Verdict> {
+        let mut pipeline = Pipeline::new(self.scene().clone());
+        for event in &self.performance.events {
+            pipeline.push(event.clone());
+        }
+        let outcome = pipeline.finish(&mut ()).ok()?;
+        Some(outcome.estimate.verdict)
     }
 
     /// Hidden physical time of a sample [s since the start of the motion].

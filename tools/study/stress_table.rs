@@ -30,6 +30,8 @@ struct Row {
     without_an_impact: usize,
     /// Physical by its own account only.
     false_physical: usize,
+    /// Of these three, those whose verdict the program's checks take back.
+    caught: usize,
     panics: usize,
     not_finite: usize,
     /// Something is reported as undetermined.
@@ -133,7 +135,7 @@ fn finite(value: f64) -> Option<f64> {
 /// One row per case, both timings side by side.
 fn table(rows: &[Row]) -> Table {
     let mut table = Table::new(
-        "Where methods fail (of physical ones: s through a surface, i without an impact)",
+        "Where methods fail (of physical ones: s through a surface, i without an impact; c of them caught by the checks)",
         &[
             "case",
             "n",
@@ -196,6 +198,7 @@ impl Row {
         self.panics += usize::from(judged.said.starts_with("panic"));
         self.not_finite += usize::from(judged.has_nan);
         self.undetermined += usize::from(judged.undetermined > 0);
+        self.caught += usize::from(judged.is_caught);
         let finding = match &judged.finding {
             None | Some(Finding::Agrees) => None,
             Some(Finding::Dips) => {
@@ -233,7 +236,11 @@ impl Row {
     fn shares(&self) -> String {
         let share = |count: usize| 100 * count / self.performances.max(1);
         let mut text = format!("{}, {}", share(self.best), share(self.physical));
-        for (count, mark) in [(self.through_a_surface, "s"), (self.without_an_impact, "i")] {
+        for (count, mark) in [
+            (self.through_a_surface, "s"),
+            (self.without_an_impact, "i"),
+            (self.caught, "c"),
+        ] {
             if count > 0 {
                 text += &format!(" ({count} {mark})");
             }

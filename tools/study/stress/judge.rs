@@ -36,6 +36,8 @@ pub struct Judged {
     pub has_nan: bool,
     /// Of a verdict `physical`: what an independent look finds.
     pub finding: Option<Finding>,
+    /// Whether the program's own checks find it too, and take the verdict back.
+    pub is_caught: bool,
     /// Names of what is undetermined.
     pub undetermined: usize,
     /// Solver's iterations.
@@ -96,6 +98,7 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
         lowest: None,
         has_nan: false,
         finding: None,
+        is_caught: false,
         undetermined: 0,
         iterations: 0,
         off_m: f64::NAN,
@@ -117,7 +120,10 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
             judged.undetermined = estimate.undetermined.len();
             judged.iterations = estimate.counters.iterations;
             judged.said = if estimate.verdict == Verdict::Physical {
-                judged.finding = Some(check(case.scene(), estimate));
+                let finding = check(case.scene(), estimate);
+                judged.is_caught =
+                    finding != Finding::Agrees && case.checked() != Some(Verdict::Physical);
+                judged.finding = Some(finding);
                 estimate.verdict.word().to_owned()
             } else {
                 let reason = estimate.reason.split(": largest violation").next();
