@@ -147,7 +147,7 @@ impl Correction<'_> {
             let (turn, k) = spin.turn_and_derivative(s);
             let error = so3::log(&(turn * (sample.orientation.inverse() * state.orientation)));
             let velocity = state.velocity_m_s + scene.gravity_m_s2 * s;
-            let terms: [(Vector3<f64>, usize, Matrix3<f64>, Vector3<f64>); 2] = [
+            let terms = [
                 (shift, part::POSITION, Matrix3::identity() * s, velocity),
                 (
                     error,
