@@ -20,7 +20,7 @@ use crate::table::{Table, number, percent};
 
 const BOUNCES: [usize; 3] = [6, 12, 20];
 const DISTORTIONS: [f64; 2] = [0.25, 1.0];
-/// Proposals that are solved.
+/// Proposals that are solved, each whole.
 const SOLVED: usize = 3;
 /// Objectives this near are one [relative].
 const SAME: f64 = 1e-6;
