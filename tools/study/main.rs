@@ -19,6 +19,8 @@ mod errors;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod phases;
+mod proposal;
+mod proposals;
 mod results;
 mod scaling;
 mod scenes;
@@ -57,6 +59,8 @@ enum Study {
     Scaling,
     /// What touches, where scenes leave that open.
     Sequences,
+    /// The same as sampled simulations propose it.
+    Proposals,
     /// Where the time goes.
     Phases,
     /// Where methods fail: what is said then.
@@ -78,6 +82,7 @@ fn main() -> anyhow::Result<()> {
         Study::Covariance,
         Study::Scaling,
         Study::Sequences,
+        Study::Proposals,
         Study::Phases,
         Study::Stress,
         Study::Tosses,
@@ -97,6 +102,7 @@ fn main() -> anyhow::Result<()> {
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
             Study::Sequences => sequences::run(&options)?,
+            Study::Proposals => proposals::run(&options)?,
             Study::Phases => phases::run(&options)?,
             Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,

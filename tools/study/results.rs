@@ -15,7 +15,8 @@ pub struct Options {
     #[arg(long, global = true, default_value_t = 200)]
     pub seeds: u64,
     /// Only the rows of `stress` whose description (`theme: name, timing`) holds this, while the
-    /// others stay as they were measured; only those of `sequences` (`6 bounces, known, 1`).
+    /// others stay as they were measured; only those of `sequences` and `proposals`
+    /// (`6 bounces, known, 1`).
     #[arg(long, global = true)]
     pub only: Option<String>,
     /// Folder for the raw numbers.

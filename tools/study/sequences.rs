@@ -153,7 +153,7 @@ fn cells(block: &[Row]) -> Vec<String> {
 }
 
 /// The scene with nothing said of what touches.
-fn opened(scene: &Scene) -> Scene {
+pub fn opened(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for event in 0..scene.events.len() {
         if scene.events[event].kind.collision().is_some() {
