@@ -98,6 +98,12 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdr", &["src/wire/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
     ("foxglove", &["src/wire/", "src/ingest/", "src/write/"]),
+    (
+        "iceoryx2",
+        &["src/wire/live/", "src/ingest/live/", "src/write/live.rs"],
+    ),
+    ("tokio", &["src/service/capture/"]),
+    ("rustix", &["src/service/doctor.rs"]),
     ("toml", &["src/config/"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),

@@ -22,6 +22,12 @@ pub(super) struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
+    /// Record live takes and estimate them
+    Capture(CaptureArguments),
+    /// Make recordings of what a crash left of live takes
+    Recover(RecoverArguments),
+    /// Say what stands between trackers and a take
+    Doctor(DoctorArguments),
     /// Play a recording through the pipeline and write its estimate
     Replay(ReplayArguments),
     /// Estimate many recordings, as fast as they come
@@ -35,6 +41,51 @@ pub(super) enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
+}
+
+/// Arguments of `capture`.
+#[derive(Debug, Args)]
+pub(super) struct CaptureArguments {
+    /// The scene, with its `[capture]`
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: PathBuf,
+    /// Folder for takes [default: `capture.folder` of the scene]
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Begin a take at once
+    #[arg(long)]
+    pub(super) start: bool,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+    /// How what happens is written on stdout
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `recover`.
+#[derive(Debug, Args)]
+pub(super) struct RecoverArguments {
+    /// Journals (`….mcap.part`), or folders with such
+    #[arg(value_name = "PATH", required = true)]
+    pub(super) paths: Vec<PathBuf>,
+    /// How the accounts on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub(super) struct DoctorArguments {
+    /// A scene whose services and folder are looked at too
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: Option<PathBuf>,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+    /// How the findings on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
 }
 
 /// Arguments of `replay`.
