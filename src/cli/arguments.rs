@@ -103,6 +103,12 @@ pub(super) struct ReplayArguments {
     /// Pace: 1 is that of the performance, 2 twice as fast [default: as fast as possible]
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(super) rate: Option<f64>,
+    /// Send it over iceoryx2 too, as a live take, at RATE 1 if none is given
+    #[arg(long)]
+    pub(super) publish: bool,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE", requires = "publish")]
+    pub(super) iceoryx2: Option<PathBuf>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,

@@ -96,6 +96,16 @@ impl House {
         self.named(|name| name.ends_with(".mcap"))
     }
 
+    pub fn spawn_enact(&self, arguments: &[&str]) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_enact"))
+            .args(arguments)
+            .arg("--iceoryx2")
+            .arg(&self.iceoryx2)
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("enact")
+    }
+
     pub fn enact_with_iceoryx2(&self, arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_enact"))
             .args(arguments)

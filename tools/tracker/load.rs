@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments, node: &Node, trackers: usize) -> anyhow::Resul
         if arguments.rate > 0.0 {
             wait_until(begun, time_s / arguments.rate);
         }
-        let now_ns = now_ns();
+        let now_ns = sent.at(now_ns());
         for topic in 0..trackers {
             let angle = std::f64::consts::TAU * TURNS_HZ * time_s + topic as f64;
             let record = PoseRecord {

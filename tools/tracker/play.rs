@@ -19,6 +19,18 @@ use super::{Arguments, Director, now_ns, read, session, wait_until};
 pub struct Sent {
     pub poses: u64,
     pub marks: u64,
+    /// When the first and the last thing was sent [ns since 1970].
+    pub first_ns: Option<i64>,
+    pub last_ns: Option<i64>,
+}
+
+impl Sent {
+    /// Something is sent at that time.
+    pub fn at(&mut self, now_ns: i64) -> i64 {
+        self.first_ns.get_or_insert(now_ns);
+        self.last_ns = Some(now_ns);
+        now_ns
+    }
 }
 
 pub fn run(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Sent> {
@@ -65,7 +77,7 @@ pub fn run(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Se
                     .context("a stream of the scene")?;
                 let record = PoseRecord {
                     sequence: sequences[topic],
-                    available_ns: now_ns(),
+                    available_ns: sent.at(now_ns()),
                     sample_ns: if arguments.no_sample_time {
                         NO_TIME
                     } else {
@@ -86,7 +98,7 @@ pub fn run(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Se
             TakeEvent::Mark(mark) => {
                 publisher.mark(MarkRecord {
                     sequence: sent.marks,
-                    available_ns: now_ns(),
+                    available_ns: sent.at(now_ns()),
                     sample_ns: if arguments.no_sample_time {
                         NO_TIME
                     } else {

@@ -58,3 +58,4 @@ mod take;
 pub use daemon::{CaptureJob, capture};
 pub use latency::LatencyLine;
 pub use said::{CountsLine, MarkCounts, Said, Status, TrackerLine};
+pub(super) use take::now_ns;

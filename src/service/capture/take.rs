@@ -12,7 +12,7 @@ use crate::motion::{Scene, Stamp, TakeEvent};
 use crate::write::{Journal, WriteError};
 
 /// Now on the system clock [ns since 1970].
-pub(super) fn now_ns() -> i64 {
+pub(in crate::service) fn now_ns() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     since.map_or(0, |since| {
         i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
