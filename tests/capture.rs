@@ -11,7 +11,9 @@ use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::ingest::live::{Command, Node, Quality, TakeState};
 use enact::motion::{Scene, TakeEvent};
-use enact::wire::live::{EstimateRecord, EstimatedPoseRecord, PoseRecord, TakeRecord};
+use enact::wire::live::{
+    ControlRecord, EstimateRecord, EstimatedPoseRecord, MarkRecord, PoseRecord, TakeRecord,
+};
 use enact::write::TrackerPublisher;
 
 #[path = "capture/harness.rs"]
@@ -528,6 +530,124 @@ fn peers_with_another_payload_are_refused_and_lesser_services_complained_of() {
     );
     assert!(node.service::<TakeRecord>(topic, Quality::NOTES).is_err());
     daemon.end();
+}
+
+#[test]
+fn garbage_on_every_service_is_refused_and_counted() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &["--start"]);
+    daemon.wait_for("started");
+    let node = Node::join("vandal", Some(house.iceoryx2())).expect("node");
+    let topics = ["/tracker/pencil/pose".to_owned()];
+    let vandal = TrackerPublisher::open(&node, &topics, "/marks").expect("publisher");
+    let control = node.service::<ControlRecord>("enact/control", Quality::NOTES);
+    let control = control
+        .expect("service")
+        .factory
+        .publisher_builder()
+        .create();
+    let control = control.expect("port");
+    let extremes = [i64::MIN, i64::MIN + 1, -1, 0, 1, i64::MAX];
+    let numbers = [
+        f64::NAN,
+        f64::INFINITY,
+        -f64::MAX,
+        f64::MIN_POSITIVE,
+        0.0,
+        1.0,
+    ];
+    for k in 0..600_usize {
+        let pose = PoseRecord {
+            sequence: extremes[k % 6] as u64,
+            available_ns: extremes[k / 6 % 6],
+            sample_ns: extremes[k / 36 % 6],
+            device_ns: extremes[k / 7 % 6],
+            position_m: [numbers[k % 6], numbers[k / 6 % 6], numbers[k / 36 % 6]],
+            quaternion_xyzw: [numbers[k / 5 % 6]; 4],
+            flags: k as u32,
+            session: (k / 100) as u32,
+        };
+        vandal.pose(0, pose).expect("send");
+        if k % 10 == 0 {
+            vandal
+                .mark(MarkRecord {
+                    sequence: pose.sequence,
+                    available_ns: pose.available_ns,
+                    sample_ns: pose.sample_ns,
+                    device_ns: pose.device_ns,
+                    event: [k as u8; 256],
+                    flags: u32::MAX,
+                    session: 0,
+                })
+                .expect("send");
+        }
+    }
+    for command in [0, 77, u32::MAX] {
+        let record = ControlRecord {
+            sequence: 1,
+            available_ns: -1,
+            command,
+            session: 1,
+        };
+        control.send_copy(record).expect("send");
+        assert_eq!(daemon.wait_for("refused")["reason"], "no such command");
+    }
+    daemon.terminate();
+    let closed = daemon.wait_for("closed");
+    let counts = &closed["counts"]["trackers"][0]["counts"];
+    assert_eq!(counts["received"].as_u64(), Some(600), "{counts}");
+    assert_eq!(closed["counts"]["marks"]["received"].as_u64(), Some(60));
+    assert!(closed["counts"]["marks"]["refused"].as_u64() > Some(10));
+    for what in ["malformed", "invalid", "duplicated", "late", "restarts"] {
+        assert!(counts[what].as_u64() > Some(0), "{what}: {counts}");
+    }
+    // Of garbage there is no estimate, or one that is not physical; the daemon ends properly.
+    assert_eq!(daemon.finished(), Some(3));
+    let take = house.path(closed["recording"].as_str().expect("path"));
+    assert_eq!(raw_messages(&take), 660);
+}
+
+#[test]
+fn what_a_full_buffer_drops_is_counted_as_overflow() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &["--start"]);
+    daemon.wait_for("started");
+    let sent = house.tracker(&["recordings/pencil_tip.mcap", "--rate", "0"]);
+    let node = Node::join("flood", Some(house.iceoryx2())).expect("node");
+    let topics = ["/tracker/pencil/pose".to_owned()];
+    let flood = TrackerPublisher::open(&node, &topics, "/marks").expect("publisher");
+    let send = |sequences: std::ops::Range<u64>| {
+        for sequence in sequences {
+            let pose = PoseRecord {
+                sequence,
+                available_ns: 1,
+                sample_ns: 1_700_000_000_000_000_000 + sequence as i64 * 1_000_000,
+                device_ns: 0,
+                position_m: [sequence as f64, 0.0, 0.0],
+                quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+                flags: 1,
+                session: 5,
+            };
+            assert_eq!(flood.pose(0, pose).expect("send"), 1);
+        }
+    };
+    send(0..10);
+    let received = sent["poses"].as_u64().expect("number");
+    daemon.wait_until_journalled(received + 10);
+    daemon.signal("STOP");
+    send(10..5000);
+    daemon.signal("CONT");
+    daemon.wait_until_journalled(received + 10 + 2048);
+    daemon.terminate();
+    let counts = daemon.wait_for("closed")["counts"]["trackers"][0]["counts"].clone();
+    assert_eq!(
+        counts["received"].as_u64(),
+        Some(received + 10 + 2048),
+        "{counts}"
+    );
+    assert_eq!(counts["missing"].as_u64(), Some(4990 - 2048), "{counts}");
+    assert_eq!(counts["overflows"].as_u64(), Some(1), "{counts}");
+    daemon.finished();
 }
 
 #[test]

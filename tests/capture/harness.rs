@@ -306,8 +306,12 @@ impl Daemon {
     }
 
     pub fn terminate(&self) {
+        self.signal("TERM");
+    }
+
+    pub fn signal(&self, name: &str) {
         let id = self.child.id().to_string();
-        let killed = Command::new("kill").args(["-TERM", &id]).status();
+        let killed = Command::new("kill").args(["-s", name, &id]).status();
         assert!(killed.expect("kill").success());
     }
 
