@@ -92,6 +92,12 @@ fn live_replayed_and_offline_give_the_same_bytes() {
         daemon.end();
         // What was sent is what is in the file, bit for bit.
         assert_eq!(events(&take), events(Path::new(recording)), "{recording}");
+        let journal = Recording::open(&take).expect("open");
+        let container = journal.container();
+        assert_eq!(
+            (container.damages().count(), container.is_sorted()),
+            (0, true)
+        );
         let live = take.with_extension("estimate.mcap");
         assert_eq!(estimated["report"]["output"], live.to_str().expect("UTF-8"));
         let replayed = house.folder().join("replayed.mcap");
@@ -441,6 +447,12 @@ fn lost_by_kill(house: &House, earlier: &mut Earlier, moment: impl FnOnce(&mut D
     let mut raw = raw.filter(|topic| topic[0] == "/capture/tracker/pencil/pose");
     let found = raw.next().and_then(|topic| topic[1].as_u64());
     assert_eq!(found, Some(sequences.len() as u64));
+    assert!(
+        Recording::open(&saved)
+            .expect("open")
+            .container()
+            .is_sorted()
+    );
     // From the first on none is missing and none doubled.
     let numbers = sequences.iter().map(|(sequence, _)| *sequence);
     assert!(numbers.eq(0..sequences.len() as u64));

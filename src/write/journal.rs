@@ -14,7 +14,7 @@
 //! Until it is closed the file is called `….mcap.part` and locked. It grows by whole chunks
 //! only, each handed to the system when it is [`Journal::close_chunk`]d: a process that is
 //! killed loses the open chunk, a machine that fails loses besides what was not synced
-//! ([`Journal::sync_handle`]). [`crate::write::recover`] makes a recording of what is left.
+//! ([`Journal::sync_handle`]). [`crate::write::recover()`] makes a recording of what is left.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};

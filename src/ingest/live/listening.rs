@@ -18,7 +18,7 @@ const AT_ONCE: usize = 4096;
 /// What came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Arrived {
-    /// A reading on one of the scene's streams, in the order of [`Listening::topics`].
+    /// A reading on one of the scene's streams, in the order of [`stream_topics`].
     Pose {
         /// Which.
         stream: usize,

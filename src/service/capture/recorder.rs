@@ -182,7 +182,7 @@ impl Recorder {
             return;
         };
         self.end_so_far(state, &take);
-        if let Err(error) = take.note_counts(Instant::now()) {
+        if let Err(error) = take.note_counts() {
             state.take = Some(take);
             return self.give_up(state, &error);
         }

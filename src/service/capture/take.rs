@@ -60,6 +60,8 @@ pub(super) struct Take {
     pub(super) chunk_begun: Instant,
     pub(super) synced: Instant,
     pub(super) counted: Instant,
+    /// When the last sample or mark came.
+    latest: Instant,
 }
 
 impl Take {
@@ -87,6 +89,7 @@ impl Take {
             chunk_begun: anchor.at,
             synced: anchor.at,
             counted: anchor.at,
+            latest: anchor.at,
         })
     }
 
@@ -98,7 +101,7 @@ impl Take {
         record: &PoseRecord,
         is_overflow: bool,
     ) -> Result<(), WriteError> {
-        let receipt = self.anchor.stamp(at);
+        let receipt = self.receipt(at);
         let streamed = self.streams[stream].take(record, receipt.0, is_overflow);
         let sample = match streamed {
             Streamed::Sample(sample) => Some(sample),
@@ -118,7 +121,7 @@ impl Take {
 
     /// Journals a mark, then takes it in. Whether it counts.
     pub(super) fn mark(&mut self, at: Instant, record: &MarkRecord) -> Result<bool, WriteError> {
-        let receipt = self.anchor.stamp(at);
+        let receipt = self.receipt(at);
         let mark = stamp_mark(record, receipt.0).and_then(|stamp| record.mark(stamp));
         self.marks.received += 1;
         self.marks.refused += u64::from(mark.is_none());
@@ -129,6 +132,12 @@ impl Take {
         Ok(is_mark)
     }
 
+    /// When something came, on our clock.
+    fn receipt(&mut self, at: Instant) -> Stamp {
+        self.latest = self.latest.max(at);
+        self.anchor.stamp(at)
+    }
+
     /// Closes the chunk and notes the counts, where it is time.
     pub(super) fn tick(
         &mut self,
@@ -137,7 +146,7 @@ impl Take {
     ) -> Result<(), WriteError> {
         if now.duration_since(self.counted) >= settings.sync {
             self.counted = now;
-            self.note_counts(now)?;
+            self.note_counts()?;
         }
         if now.duration_since(self.chunk_begun) >= settings.chunk {
             self.chunk_begun = now;
@@ -146,10 +155,11 @@ impl Take {
         Ok(())
     }
 
-    /// Writes the counts so far into the journal.
-    pub(super) fn note_counts(&mut self, now: Instant) -> Result<(), WriteError> {
+    /// Writes the counts so far into the journal, at the time of the last thing that came: what
+    /// waits in the queue came before now, and a journal is in order.
+    pub(super) fn note_counts(&mut self) -> Result<(), WriteError> {
         let json = serde_json::to_vec(&self.counts()).expect("names and numbers are JSON");
-        self.journal.counts(self.anchor.stamp(now), &json)
+        self.journal.counts(self.anchor.stamp(self.latest), &json)
     }
 
     /// Marks that count.
