@@ -469,6 +469,46 @@ fn lost_by_kill(house: &House, earlier: &mut Earlier, moment: impl FnOnce(&mut D
 }
 
 #[test]
+fn a_take_is_directed_from_the_command_line() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &[]);
+    let take = |arguments: &[&str], expected: i32| {
+        let output = house.enact_with_iceoryx2(&[&["take"], arguments].concat());
+        let said = String::from_utf8(output.stdout).expect("UTF-8");
+        assert_eq!(
+            output.status.code(),
+            Some(expected),
+            "{arguments:?}: {said}"
+        );
+        said
+    };
+    assert_eq!(take(&["status"], 0), "no take runs\n");
+    assert_eq!(take(&["stop"], 1), "refused: no take runs\n");
+    assert_eq!(take(&["start"], 0), "take 1 begins\n");
+    let sent = house.tracker(&["recordings/pencil_tip.mcap", "--rate", "0"]);
+    let all = sent["poses"].as_u64().expect("number") + 2;
+    assert_eq!(
+        take(&["mark"], 0),
+        format!("take 1: {} samples and marks\n", all + 1)
+    );
+    take(&["mark", "--event", "landing"], 0);
+    assert_eq!(
+        take(&["stop"], 0),
+        format!("take 1 is over: {} samples and marks\n", all + 2)
+    );
+    let closed = daemon.wait_for("closed");
+    daemon.end();
+    let taken = events(&house.path(closed["recording"].as_str().expect("path")));
+    let marks = taken.iter().filter(|event| event.starts_with("Mark"));
+    let named = taken
+        .iter()
+        .filter(|event| event.contains("Some(\"landing\")"));
+    assert_eq!((marks.count(), named.count()), (4, 1));
+    // Without a daemon there is no answer.
+    assert_eq!(take(&["status"], 1), "");
+}
+
+#[test]
 fn of_a_killed_daemon_all_but_the_stated_window_is_recovered() {
     let house = House::new();
     let mut earlier = Earlier::new();

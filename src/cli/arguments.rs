@@ -24,6 +24,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Record live takes and estimate them
     Capture(CaptureArguments),
+    /// Direct a `capture` that runs: start, stop, discard, mark, status
+    Take(TakeArguments),
     /// Make recordings of what a crash left of live takes
     Recover(RecoverArguments),
     /// Say what stands between trackers and a take
@@ -61,6 +63,38 @@ pub(super) struct CaptureArguments {
     /// How what happens is written on stdout
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
+}
+
+/// Arguments of `take`.
+#[derive(Debug, Args)]
+pub(super) struct TakeArguments {
+    /// What is wanted
+    #[arg(value_enum)]
+    pub(super) wanted: Wanted,
+    /// Event of the scene that `mark` stands for [default: the next one]
+    #[arg(long, value_name = "NAME")]
+    pub(super) event: Option<String>,
+    /// Topic of marks: `marks_topic` of the scene
+    #[arg(long, value_name = "TOPIC", default_value = "/marks")]
+    pub(super) topic: String,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+}
+
+/// What may be wanted of a take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Wanted {
+    /// Begin one
+    Start,
+    /// End it and estimate it
+    Stop,
+    /// End it and remove it
+    Discard,
+    /// An event happens now
+    Mark,
+    /// Say how it stands
+    Status,
 }
 
 /// Arguments of `recover`.

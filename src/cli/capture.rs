@@ -28,6 +28,10 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
             if !said.is_whole() {
                 exit = Exit::NotWhole;
             }
+            if shows {
+                // What follows is a line of its own.
+                let _ = write!(std::io::stderr(), "\r\x1b[K");
+            }
             match format {
                 Format::Ndjson => output::print_json(said),
                 Format::Text => Ok(output::print(&text(said, style))?),

@@ -23,5 +23,6 @@ mod recover;
 mod replay;
 mod run;
 mod table;
+mod take;
 
 pub use run::run;

@@ -24,7 +24,7 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=1e5;
 pub struct CaptureSettings {
     /// Where takes go.
     pub folder: PathBuf,
-    /// How often chunks are closed: what a killed process may lose.
+    /// How long what came may be in an open chunk: what a killed process may lose.
     pub chunk: Duration,
     /// How often the journal is synced: what a failing machine may lose besides.
     pub sync: Duration,

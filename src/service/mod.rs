@@ -1,7 +1,7 @@
 //! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
 //! Both end in the same way, and the same recording gives the same bytes by both. [`mark()`]
-//! says where marks would be. [`capture`] drives it live, [`recover_all`] saves what a crash of
+//! says where marks would be. [`capture`] drives it live, [`direct()`] tells that what to do, [`recover_all`] saves what a crash of
 //! that left, [`doctor()`] says what stands in its way.
 //!
 //! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
@@ -9,6 +9,7 @@
 
 pub mod capture;
 mod checks;
+mod direct;
 mod doctor;
 mod finish;
 mod inspect;
@@ -22,6 +23,7 @@ mod stopwatch;
 mod words;
 
 pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
+pub use direct::{Answer, DirectJob, Direction, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
@@ -30,3 +32,5 @@ pub use recover::{RecoveredLine, recover_all};
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
 pub use words::words;
+
+pub use crate::ingest::live::TakeState;

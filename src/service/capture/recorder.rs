@@ -65,7 +65,7 @@ impl Recorder {
         if start_now {
             self.start(&mut state, None);
         }
-        let tick = self.settings.chunk.min(STATUS) / 4;
+        let tick = self.settings.chunk.min(STATUS) / 20;
         loop {
             match queue.recv_timeout(tick) {
                 Ok(batch) => batch

@@ -11,6 +11,10 @@ use crate::ingest::live::{Stream, StreamTopic, Streamed, stamp_mark};
 use crate::motion::{Scene, Stamp, TakeEvent};
 use crate::write::{Journal, WriteError};
 
+/// Of the time that samples may be in an open chunk, how much the chunk is kept open: the rest
+/// is for polling, queueing and writing, all of which a kill cuts short too.
+const CHUNK_SHARE: f64 = 0.75;
+
 /// Now on the system clock [ns since 1970].
 pub(in crate::service) fn now_ns() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -148,7 +152,7 @@ impl Take {
             self.counted = now;
             self.note_counts()?;
         }
-        if now.duration_since(self.chunk_begun) >= settings.chunk {
+        if now.duration_since(self.chunk_begun) >= settings.chunk.mul_f64(CHUNK_SHARE) {
             self.chunk_begun = now;
             self.journal.close_chunk()?;
         }

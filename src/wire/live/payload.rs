@@ -291,6 +291,22 @@ impl Command {
 }
 
 impl TakeState {
+    /// The state of that number.
+    pub fn of(number: u32) -> Option<Self> {
+        [
+            TakeState::Ready,
+            TakeState::Recording,
+            TakeState::Closed,
+            TakeState::Discarded,
+            TakeState::Broken,
+            TakeState::Estimated,
+            TakeState::NotEstimated,
+            TakeState::Refused,
+        ]
+        .into_iter()
+        .find(|state| state.number() == number)
+    }
+
     /// Its number in a payload.
     pub fn number(self) -> u32 {
         match self {
@@ -348,6 +364,15 @@ mod tests {
         assert_eq!(bytes[32..40], 0.5_f64.to_le_bytes());
         assert_eq!(bytes[80..88], 1_f64.to_le_bytes());
         assert_eq!(bytes[88..], [1, 0, 0, 0, 9, 0, 0, 0]);
+    }
+
+    #[test]
+    fn numbers_stand_for_what_is_documented() {
+        let states = (0..10).map_while(TakeState::of).map(TakeState::number);
+        assert!(states.eq(0..8));
+        let commands = (1..10).map_while(Command::of).map(Command::number);
+        assert!(commands.eq(1..5));
+        assert_eq!((Command::of(0), TakeState::of(8)), (None, None));
     }
 
     #[test]
