@@ -1,6 +1,7 @@
 #!/bin/sh
 # Runs the daemon against clients that are not ours and fails if they do not understand each
-# other: the PyPI package iceoryx2 as a driver and as a listener, the crate iceoryx2-cli.
+# other: the PyPI package iceoryx2 as a driver and as a listener, the crate iceoryx2-cli,
+# and readers of MCAP, CDR and protobuf.
 #
 #     tools/check_live.sh
 #
@@ -12,7 +13,9 @@ home=$root/target/clients
 python=$home/bin/python
 
 [ -x "$python" ] || python3 -m venv "$home"
-"$python" -c 'import iceoryx2' 2>/dev/null || "$home/bin/pip" install -q iceoryx2==0.10.0
+"$python" -c 'import iceoryx2, mcap_ros2, mcap_protobuf, jsonschema' 2>/dev/null ||
+    "$home/bin/pip" install -q iceoryx2==0.10.0 mcap==1.6.0 mcap-protobuf-support==0.6.0 \
+        mcap-ros2-support==0.6.0 jsonschema==4.26.0
 if [ ! -x "$home/bin/iox2-service" ]; then
     cargo install -q --locked --root "$home" --target-dir "$root/target/iox2" iceoryx2-cli --version 0.10.0
 fi
@@ -73,6 +76,10 @@ assert frames == final["frames"], (frames, final["frames"])
 print("estimate", final["objective"], "with", frames, "frames")
 EOF
 wait $listener
+
+echo "== the journal, read from Python"
+take=$(ls takes/take-*Z.mcap | head -1)
+"$python" "$root/tools/live/check_journal.py" "$take" || fail "the journal is not understood"
 
 echo "== a driver in Python, counted by iox2"
 kill -TERM $daemon
