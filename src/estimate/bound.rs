@@ -55,6 +55,7 @@ pub fn bound(
     let guess = &Guess {
         arcs,
         event_times_s: guess.event_times_s.clone(),
+        parameters: guess.parameters.clone(),
     };
     let mut problem = Problem::new(scene, sketch, &part);
     for (event, is_free) in problem.event_is_free.iter_mut().enumerate() {

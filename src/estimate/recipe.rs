@@ -79,6 +79,16 @@ impl Recipe {
         }
     }
 
+    /// The recipe for a start that solved the problem but for a few samples: the finish at once.
+    pub fn from_the_last(&self) -> Self {
+        Self {
+            sweep_weights: Vec::new(),
+            multiplier_rounds: (0, 0),
+            retries: 0,
+            ..self.clone()
+        }
+    }
+
     /// The recipe for a problem with that much [`Problem::information`].
     pub(super) fn scaled(&self, information: f64) -> Self {
         Self {

@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod guess;
 pub mod observe;
 pub mod open;
+pub mod partial;
 pub mod scene;
 pub mod seat;
 pub mod settled;
