@@ -5,7 +5,7 @@
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
 //! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording.
 //! [`journal`] keeps a live take as it comes, and [`mod@recover`] makes a recording of what a
-//! crash left of it; [`live`] publishes on iceoryx2. Bytes depend on what is written and on
+//! crash left of it; [`live`] publishes on iceoryx2, and [`show`] is what viewers are shown. Bytes depend on what is written and on
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
@@ -22,6 +22,7 @@ mod options;
 pub mod recording;
 pub mod recover;
 pub mod report;
+pub mod show;
 pub mod topics;
 mod urdf;
 
