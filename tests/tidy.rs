@@ -97,7 +97,16 @@ const DOORS: &[(&str, &[&str])] = &[
     ("clarabel", &["src/estimate/"]),
     ("cdr", &["src/wire/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
-    ("foxglove", &["src/wire/", "src/ingest/", "src/write/"]),
+    (
+        "foxglove",
+        &[
+            "src/wire/",
+            "src/ingest/",
+            "src/write/",
+            "src/service/capture/",
+        ],
+    ),
+    ("httparse", &["src/service/capture/"]),
     (
         "iceoryx2",
         &["src/wire/live/", "src/ingest/live/", "src/write/live.rs"],

@@ -57,6 +57,14 @@ pub(super) struct CaptureArguments {
     /// Begin a take at once
     #[arg(long)]
     pub(super) start: bool,
+    /// Serve Foxglove and Lichtblick by WebSocket on this port, 0 for any [default:
+    /// `capture.viewer_port` of the scene, or not at all]
+    #[arg(long, value_name = "PORT")]
+    pub(super) viewer_port: Option<u16>,
+    /// Serve /health and /metrics by HTTP on this port, 0 for any [default:
+    /// `capture.metrics_port` of the scene, or not at all]
+    #[arg(long, value_name = "PORT")]
+    pub(super) metrics_port: Option<u16>,
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
     #[arg(long, value_name = "FILE")]
     pub(super) iceoryx2: Option<PathBuf>,

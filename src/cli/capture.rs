@@ -14,6 +14,8 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
         folder: arguments.output,
         iceoryx2: arguments.iceoryx2,
         start_now: arguments.start,
+        viewer_port: arguments.viewer_port,
+        metrics_port: arguments.metrics_port,
     };
     let format = arguments.format;
     let style = Style {
@@ -52,8 +54,16 @@ fn text(said: &Said, style: Style) -> String {
             topics,
             shortcomings,
             abandoned,
+            viewer,
+            metrics,
         } => {
             let mut text = format!("ready: {}\n", topics.join(", "));
+            if let Some(viewer) = viewer {
+                text.push_str(&format!("  shown at {viewer}\n"));
+            }
+            if let Some(metrics) = metrics {
+                text.push_str(&format!("  health and metrics at {metrics}\n"));
+            }
             for shortcoming in shortcomings {
                 text.push_str(&format!("  note: {shortcoming}\n"));
             }

@@ -1,10 +1,11 @@
 //! The table `[capture]`: how a live take is recorded.
 
+use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use super::error::{Fault, SceneError, fault};
-use super::number::{index_of, positive, unique};
+use super::number::{finite, index_of, positive, unique};
 use super::raw::{Number, RawCapture, RawScene, RawTrackerClock};
 use super::scene::{parse, scene};
 use crate::motion::{Scene, StampSource};
@@ -28,6 +29,12 @@ pub struct CaptureSettings {
     pub chunk: Duration,
     /// How often the journal is synced: what a failing machine may lose besides.
     pub sync: Duration,
+    /// Where viewers and metrics are served; nobody else's machine reaches loopback.
+    pub listen: IpAddr,
+    /// Port of the WebSocket for viewers; 0: any that is free, `None`: there is none.
+    pub viewer_port: Option<u16>,
+    /// Port of health and metrics, likewise.
+    pub metrics_port: Option<u16>,
     /// What stamps are made from, body by body; `None`: what the first sample has decides.
     pub stamps: Vec<Option<StampSource>>,
 }
@@ -54,6 +61,17 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         Some(text) => text.get_ref().clone(),
         None => FOLDER.to_owned(),
     };
+    let listen = match &raw.listen {
+        Some(text) => match text.get_ref().parse() {
+            Ok(address) => address,
+            Err(_) => {
+                let given = text.get_ref();
+                let expected = "expected an address such as \"127.0.0.1\"";
+                return fault(text.span(), format!("listen is {given:?}, {expected}"));
+            }
+        },
+        None => IpAddr::V4(Ipv4Addr::LOCALHOST),
+    };
     let mut stamps = vec![None; scene.bodies.len()];
     let mut named: Vec<&str> = Vec::new();
     for tracker in &raw.tracker {
@@ -68,6 +86,9 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         folder: PathBuf::from(folder),
         chunk: period("chunk_ms", raw.chunk_ms.as_ref(), CHUNK_MS)?,
         sync: period("sync_ms", raw.sync_ms.as_ref(), SYNC_MS)?,
+        listen,
+        viewer_port: port("viewer_port", raw.viewer_port.as_ref())?,
+        metrics_port: port("metrics_port", raw.metrics_port.as_ref())?,
         stamps,
     })
 }
@@ -120,6 +141,20 @@ fn period(what: &str, given: Option<&Number>, default_ms: f64) -> Result<Duratio
     Ok(Duration::from_secs_f64(period_ms / 1e3))
 }
 
+fn port(what: &str, given: Option<&Number>) -> Result<Option<u16>, Fault> {
+    let Some(number) = given else {
+        return Ok(None);
+    };
+    let value = finite(what, number)?;
+    if value.fract() != 0.0 || !(0.0..=f64::from(u16::MAX)).contains(&value) {
+        return fault(
+            number.span(),
+            format!("{what} is {value}, expected a whole number from 0 to 65535"),
+        );
+    }
+    Ok(Some(value as u16))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,6 +181,20 @@ mass_g = 6.0
         assert_eq!(settings.chunk, Duration::from_millis(100));
         assert_eq!(settings.sync, Duration::from_secs(1));
         assert_eq!(settings.stamps, [None]);
+        assert_eq!((settings.viewer_port, settings.metrics_port), (None, None));
+    }
+
+    #[test]
+    fn nothing_but_loopback_is_listened_on_unless_it_is_asked_for() {
+        let ports = "[capture]\nviewer_port = 8765\nmetrics_port = 0\n";
+        let given = settings(ports).expect("valid");
+        assert_eq!(
+            (given.viewer_port, given.metrics_port),
+            (Some(8765), Some(0))
+        );
+        assert!(given.listen.is_loopback());
+        let asked = settings(&format!("{ports}listen = \"0.0.0.0\"\n")).expect("valid");
+        assert!(asked.listen.is_unspecified());
     }
 
     #[test]
@@ -169,6 +218,18 @@ mass_g = 6.0
         for (table, expected) in [
             ("[capture]\nchunk_ms = 0\n", "scene:9:12: chunk_ms is 0"),
             ("[capture]\nchunk = 5\n", "scene:9:1: unknown key `chunk`"),
+            (
+                "[capture]\nlisten = \"everywhere\"\n",
+                "scene:9:10: listen is \"everywhere\"",
+            ),
+            (
+                "[capture]\nviewer_port = 65536\n",
+                "scene:9:15: viewer_port is 65536",
+            ),
+            (
+                "[capture]\nmetrics_port = 0.5\n",
+                "scene:9:16: metrics_port is 0.5",
+            ),
             ("[capture]\nfolder = \"\"\n", "scene:9:10: folder is empty"),
             (
                 "[[capture.tracker]]\nbody = \"bal\"\nstamps = \"device\"\n",

@@ -169,6 +169,9 @@ pub(super) struct RawCapture {
     pub(super) folder: Option<Text>,
     pub(super) chunk_ms: Option<Number>,
     pub(super) sync_ms: Option<Number>,
+    pub(super) listen: Option<Text>,
+    pub(super) viewer_port: Option<Number>,
+    pub(super) metrics_port: Option<Number>,
     #[serde(default)]
     pub(super) tracker: Vec<RawTrackerClock>,
 }

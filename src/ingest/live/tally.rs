@@ -38,6 +38,23 @@ pub struct TallyCounts {
     pub restarts: u64,
 }
 
+impl TallyCounts {
+    /// Adds those of another take.
+    pub fn add(&mut self, other: &Self) {
+        self.received += other.received;
+        self.gaps += other.gaps;
+        self.missing = self.missing.saturating_add(other.missing);
+        self.overflows += other.overflows;
+        self.late += other.late;
+        self.duplicated += other.duplicated;
+        self.invalid += other.invalid;
+        self.malformed += other.malformed;
+        self.unstampable += other.unstampable;
+        self.frozen += other.frozen;
+        self.restarts += other.restarts;
+    }
+}
+
 /// What a sample is to the stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {

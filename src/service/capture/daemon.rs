@@ -1,5 +1,6 @@
 //! The daemon: who runs, who tells whom, and how it ends.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,21 +12,25 @@ use anyhow::{Context, bail};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
-use super::estimator::{finals, so_far};
+use super::estimator::finals;
 use super::herald::Herald;
+use super::http::{self, Pages};
 use super::listen::Listen;
+use super::metrics::Metrics;
 use super::notify::tell;
+use super::previewer::{Followed, Previewer, Shown};
 use super::recorder::Recorder;
 use super::said::{Notice, Said, Status};
+use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
-use crate::ingest::live::stream_topics;
+use crate::ingest::live::{StreamTopic, stream_topics};
 use crate::motion::Scene;
 use crate::write::abandoned;
 
 /// Bounds of the queues; the policy of each is in the documentation of this room.
 const BATCHES: usize = 1024;
 const NOTICES: usize = 256;
-const SO_FAR: usize = 64;
+const SO_FAR: usize = 1;
 const FINALS: usize = 8;
 const SAID: usize = 1024;
 
@@ -43,6 +48,10 @@ pub struct CaptureJob {
     pub iceoryx2: Option<PathBuf>,
     /// Begin a take at once.
     pub start_now: bool,
+    /// Port of the WebSocket for viewers, 0 for any; by default the scene's.
+    pub viewer_port: Option<u16>,
+    /// Port of health and metrics, 0 for any; by default the scene's.
+    pub metrics_port: Option<u16>,
 }
 
 /// Captures until it is told to end by SIGTERM or SIGINT, or by an error of `each`, which is
@@ -65,7 +74,7 @@ pub fn capture(
         // Before anything is opened: a signal shall find us listening.
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
-        let mut running = Running::start(job)?;
+        let mut running = Running::start(job).await?;
         tell("READY=1");
         let mut ticks = tokio::time::interval(SHOWN);
         let mut result = Ok(());
@@ -112,11 +121,13 @@ struct Running {
 }
 
 impl Running {
-    fn start(job: &CaptureJob) -> anyhow::Result<Self> {
+    async fn start(job: &CaptureJob) -> anyhow::Result<Self> {
         let (scene, scene_toml, mut settings) = read_scene(&job.scene)?;
         if let Some(folder) = &job.folder {
             settings.folder.clone_from(folder);
         }
+        settings.viewer_port = job.viewer_port.or(settings.viewer_port);
+        settings.metrics_port = job.metrics_port.or(settings.metrics_port);
         let folder = settings.folder.as_path();
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
@@ -126,12 +137,14 @@ impl Running {
         let (tellers, said) = tokio::sync::mpsc::channel(SAID);
         let stop = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
+        let metrics = Arc::new(Metrics::default());
 
         let (opened, is_open) = mpsc::channel();
         let listen = Listen {
             scene: scene.clone(),
             iceoryx2: job.iceoryx2.clone(),
             queue: batches,
+            metrics: Arc::clone(&metrics),
             stop: Arc::clone(&stop),
             opened,
         };
@@ -142,6 +155,7 @@ impl Running {
             scene: scene.clone(),
             iceoryx2: job.iceoryx2.clone(),
             said: tellers,
+            metrics: Arc::clone(&metrics),
             opened,
         };
         threads.push(spawn("herald", move || herald.run(&notice_queue))?);
@@ -151,15 +165,39 @@ impl Running {
         }
         opened?;
         let topics = stream_topics(&scene);
+        let (status_sender, status) = watch::channel(Status::default());
+        let (shown_sender, shown) = watch::channel(None);
+        let doors = Doors {
+            scene: &scene,
+            settings: &settings,
+            topics: &topics,
+            metrics: &metrics,
+            stop: &stop,
+        };
+        // Nothing has begun that would have to be ended, but for threads that wait.
+        let served = match doors.open(status.clone(), shown).await {
+            Ok(served) => served,
+            Err(error) => {
+                stop.store(true, Ordering::Relaxed);
+                return Err(error);
+            }
+        };
         notices.send(Notice::of(Said::Ready {
+            viewer: served.viewer,
+            metrics: served.metrics,
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
             shortcomings,
             abandoned: left.iter().map(|path| path.display().to_string()).collect(),
         }))?;
-        let (status_sender, status) = watch::channel(Status::default());
+        let previewer = Previewer {
+            scene: scene.clone(),
+            herald: notices.clone(),
+            shown: shown_sender.clone(),
+            metrics: Arc::clone(&metrics),
+        };
         let recorder = Recorder {
-            so_far: spawn_so_far(&scene, &notices, &mut threads)?,
-            finals: spawn_finals(&notices, &mut threads)?,
+            so_far: spawn_previewer(previewer, &mut threads)?,
+            finals: spawn_finals(&notices, (shown_sender, &metrics), &mut threads)?,
             syncer: spawn_syncer(&notices, &mut threads)?,
             scene,
             scene_toml,
@@ -167,6 +205,8 @@ impl Running {
             topics,
             herald: notices,
             status: status_sender,
+            metrics,
+            feed: served.feed,
         };
         let start_now = job.start_now;
         threads.push(spawn("record", move || {
@@ -192,6 +232,57 @@ impl Running {
     }
 }
 
+/// What the sockets need to be opened.
+struct Doors<'a> {
+    scene: &'a Scene,
+    settings: &'a CaptureSettings,
+    topics: &'a [StreamTopic],
+    metrics: &'a Arc<Metrics>,
+    stop: &'a Arc<AtomicBool>,
+}
+
+/// Where is listened, and the recorder's end of what viewers are shown.
+struct Served {
+    viewer: Option<String>,
+    metrics: Option<String>,
+    feed: Option<Feed>,
+}
+
+impl Doors<'_> {
+    /// Opens those that are wanted.
+    async fn open(
+        &self,
+        status: watch::Receiver<Status>,
+        shown: watch::Receiver<Shown>,
+    ) -> anyhow::Result<Served> {
+        let at = |port: u16| SocketAddr::new(self.settings.listen, port);
+        let mut served = Served {
+            viewer: None,
+            metrics: None,
+            feed: None,
+        };
+        if let Some(address) = self.settings.metrics_port.map(at) {
+            let pages = Pages {
+                metrics: Arc::clone(self.metrics),
+                status,
+                stop: Arc::clone(self.stop),
+            };
+            let opened = http::serve(address, pages).await;
+            let address = opened.with_context(|| format!("{address}: no metrics"))?;
+            served.metrics = Some(format!("http://{address}"));
+        }
+        if let Some(address) = self.settings.viewer_port.map(at) {
+            let what = (self.scene, self.topics);
+            let metrics = Arc::clone(self.metrics);
+            let opened = viewer::serve(address, what, shown, metrics).await;
+            let (feed, address) = opened.with_context(|| format!("{address}: no viewers"))?;
+            served.viewer = Some(format!("ws://{address}"));
+            served.feed = Some(feed);
+        }
+        Ok(served)
+    }
+}
+
 fn read_scene(path: &Path) -> anyhow::Result<(Scene, Vec<u8>, CaptureSettings)> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("{}: cannot read the scene", path.display()))?;
@@ -205,24 +296,25 @@ fn spawn(name: &str, run: impl FnOnce() + Send + 'static) -> anyhow::Result<Join
     builder.spawn(run).with_context(|| format!("thread {name}"))
 }
 
-fn spawn_so_far(
-    scene: &Scene,
-    notices: &SyncSender<Notice>,
+fn spawn_previewer(
+    previewer: Previewer,
     threads: &mut Vec<JoinHandle<()>>,
-) -> anyhow::Result<SyncSender<super::estimator::SoFar>> {
+) -> anyhow::Result<SyncSender<Followed>> {
     let (sender, queue) = mpsc::sync_channel(SO_FAR);
-    let (scene, notices) = (scene.clone(), notices.clone());
-    threads.push(spawn("so far", move || so_far(&scene, &queue, &notices))?);
+    threads.push(spawn("preview", move || previewer.run(&queue))?);
     Ok(sender)
 }
 
 fn spawn_finals(
     notices: &SyncSender<Notice>,
+    (shown, metrics): (watch::Sender<Shown>, &Arc<Metrics>),
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<super::estimator::Finished>> {
     let (sender, queue) = mpsc::sync_channel(FINALS);
-    let notices = notices.clone();
-    threads.push(spawn("finals", move || finals(&queue, &notices))?);
+    let (notices, metrics) = (notices.clone(), Arc::clone(metrics));
+    threads.push(spawn("finals", move || {
+        finals(&queue, &notices, &shown, &metrics);
+    })?);
     Ok(sender)
 }
 

@@ -2,11 +2,13 @@
 //! what killed peers left.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc::error::TrySendError;
 
+use super::metrics::Metrics;
 use super::said::{Notice, Said};
 use super::take::now_ns;
 use crate::ingest::live::{LiveError, Node};
@@ -21,6 +23,7 @@ pub(super) struct Herald {
     pub(super) scene: Scene,
     pub(super) iceoryx2: Option<PathBuf>,
     pub(super) said: tokio::sync::mpsc::Sender<Said>,
+    pub(super) metrics: Arc<Metrics>,
     /// Told once whether the services are open.
     pub(super) opened: Sender<Result<(), LiveError>>,
 }
@@ -68,6 +71,7 @@ impl Herald {
         estimates: &mut EstimatePublisher,
         sequence: &mut u64,
     ) {
+        self.metrics.said(&notice.said);
         if let Some((occasion, outcome)) = &notice.outcome {
             let (sketch, estimate) = (&outcome.sketch, &outcome.estimate);
             if let Err(error) = estimates.send(*occasion, &outcome.scene, sketch, estimate) {

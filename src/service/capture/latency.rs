@@ -7,7 +7,7 @@ const BIN_MS: f64 = 0.05;
 const BINS: usize = 2000;
 
 /// A histogram of latencies up to 100 ms; what is longer is in the last bin.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Latencies {
     bins: Vec<u64>,
     count: u64,
@@ -41,6 +41,32 @@ impl Latencies {
         self.bins[((latency_ms / BIN_MS) as usize).min(BINS - 1)] += 1;
         self.count += 1;
         self.max_ms = self.max_ms.max(latency_ms);
+    }
+
+    /// Adds those of another.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for (bin, count) in self.bins.iter_mut().zip(&other.bins) {
+            *bin += count;
+        }
+        self.count += other.count;
+        self.max_ms = self.max_ms.max(other.max_ms);
+    }
+
+    /// Bins that hold something: their upper end \[s\] and how many; the last ends at the greatest.
+    pub(super) fn bins_s(&self) -> impl Iterator<Item = (f64, u64)> {
+        let held = self
+            .bins
+            .iter()
+            .enumerate()
+            .filter(|(_, count)| **count > 0);
+        held.map(|(bin, count)| {
+            let upper_ms = if bin + 1 == BINS {
+                self.max_ms
+            } else {
+                BIN_MS * (bin + 1) as f64
+            };
+            (upper_ms * 1e-3, *count)
+        })
     }
 
     pub(super) fn line(&self) -> LatencyLine {

@@ -7,6 +7,7 @@ use std::sync::mpsc::{Sender, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::metrics::Metrics;
 use crate::ingest::live::{Arrival, Arrived, Listening};
 use crate::ingest::live::{Command, LiveError, Node};
 use crate::motion::Scene;
@@ -22,6 +23,7 @@ pub(super) struct Listen {
     pub(super) iceoryx2: Option<PathBuf>,
     /// Where arrivals go; while it is full they wait in the subscribers' buffers.
     pub(super) queue: SyncSender<Vec<Arrival>>,
+    pub(super) metrics: Arc<Metrics>,
     /// Set to end.
     pub(super) stop: Arc<AtomicBool>,
     /// Told once whether the services are open, and in what they fall short.
@@ -61,6 +63,7 @@ impl Listen {
             }
             if !batch.is_empty() {
                 heard = Instant::now();
+                self.metrics.batches_waiting.put();
                 if self.queue.send(batch).is_err() {
                     return;
                 }

@@ -2,19 +2,24 @@
 
 use std::fs::File;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
-use super::estimator::{Finished, SoFar};
+use super::estimator::Finished;
+use super::latency::Latencies;
+use super::metrics::Metrics;
 use super::naming::take_path;
-use super::said::{Asked, Notice, Said, Status};
+use super::previewer::Followed;
+use super::said::{Asked, CountsLine, Notice, Said, Status};
 use super::take::{Take, now_ns};
+use super::viewer::Feed;
 use crate::config::CaptureSettings;
 use crate::ingest::live::{Arrival, Arrived, StreamTopic};
 use crate::ingest::live::{Command, ControlRecord};
-use crate::motion::Scene;
+use crate::motion::{Scene, Stamp};
 use crate::write::WriteError;
 
 /// How often the status is renewed.
@@ -33,10 +38,13 @@ pub(super) struct Recorder {
     pub(super) settings: CaptureSettings,
     pub(super) topics: Vec<StreamTopic>,
     pub(super) herald: SyncSender<Notice>,
-    pub(super) so_far: SyncSender<SoFar>,
+    pub(super) so_far: SyncSender<Followed>,
     pub(super) finals: SyncSender<Finished>,
     pub(super) syncer: SyncSender<File>,
     pub(super) status: watch::Sender<Status>,
+    pub(super) metrics: Arc<Metrics>,
+    /// For viewers, if there may be any.
+    pub(super) feed: Option<Feed>,
 }
 
 /// What it knows.
@@ -44,22 +52,22 @@ struct State {
     take: Option<Take>,
     takes: u64,
     outside: u64,
-    /// Events of the take that runs that the estimator was given, if it follows.
+    /// Events of the take that runs that the previewer was given, if it follows.
     followed: Option<usize>,
-    /// A mark came that the estimator has not been told of.
-    marked: bool,
+    /// Of takes that are over.
+    totals: (CountsLine, Latencies),
     said: Instant,
 }
 
 impl Recorder {
     /// Journals what comes until nobody sends any more, then closes the take.
-    pub(super) fn run(self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
+    pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
         let mut state = State {
             take: None,
             takes: 0,
             outside: 0,
             followed: None,
-            marked: false,
+            totals: Default::default(),
             said: Instant::now(),
         };
         if start_now {
@@ -68,9 +76,13 @@ impl Recorder {
         let tick = self.settings.chunk.min(STATUS) / 20;
         loop {
             match queue.recv_timeout(tick) {
-                Ok(batch) => batch
-                    .iter()
-                    .for_each(|arrival| self.take_in(&mut state, arrival)),
+                Ok(batch) => {
+                    self.metrics.batches_waiting.take();
+                    batch.iter().for_each(|arrival| {
+                        self.take_in(&mut state, arrival);
+                        self.show(arrival);
+                    });
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -78,6 +90,22 @@ impl Recorder {
         }
         if state.take.is_some() {
             self.stop(&mut state, None);
+        }
+    }
+
+    /// Shows it to viewers, in a take or not.
+    fn show(&mut self, arrival: &Arrival) {
+        let Some(feed) = &mut self.feed else {
+            return;
+        };
+        match &arrival.what {
+            Arrived::Pose { stream, record, .. } => feed.pose(arrival.at, *stream, record),
+            Arrived::Mark(record) => {
+                if let Some(mark) = record.mark(Stamp(now_ns())) {
+                    feed.mark(mark);
+                }
+            }
+            Arrived::Control(_) => {}
         }
     }
 
@@ -91,9 +119,7 @@ impl Recorder {
                 state.outside += 1;
                 Ok(())
             }
-            (Arrived::Mark(record), Some(take)) => take
-                .mark(arrival.at, record)
-                .map(|is_mark| state.marked |= is_mark),
+            (Arrived::Mark(record), Some(take)) => take.mark(arrival.at, record),
             (
                 Arrived::Pose {
                     stream,
@@ -155,9 +181,7 @@ impl Recorder {
             &self.settings,
         ) {
             Ok(take) => {
-                let begun = self.so_far.try_send(SoFar::Begin { take: state.takes });
-                state.followed = begun.is_ok().then_some(0);
-                state.marked = false;
+                state.followed = Some(0);
                 let said = Said::Started {
                     take: state.takes,
                     recording: path.display().to_string(),
@@ -181,11 +205,12 @@ impl Recorder {
         let Some(mut take) = state.take.take() else {
             return;
         };
-        self.end_so_far(state, &take);
+        self.follow(state, &mut take);
         if let Err(error) = take.note_counts() {
             state.take = Some(take);
             return self.give_up(state, &error);
         }
+        state.end_of(&take);
         let (number, messages, counts) = (take.number, take.journal.messages(), take.counts());
         let path = take.journal.path().to_owned();
         let recording = path.display().to_string();
@@ -210,7 +235,7 @@ impl Recorder {
             format!("{messages} messages are too many to estimate beside a recording")
         } else {
             match self.finals.try_send(Finished { take: number, path }) {
-                Ok(()) => return,
+                Ok(()) => return self.metrics.finals_waiting.put(),
                 Err(_) => "too many takes wait for their estimates".to_owned(),
             }
         };
@@ -225,7 +250,7 @@ impl Recorder {
         let Some(take) = state.take.take() else {
             return;
         };
-        self.end_so_far(state, &take);
+        state.end_of(&take);
         let number = take.number;
         if let Err(error) = take.journal.discard() {
             self.say(Notice::of(Said::Warning {
@@ -240,7 +265,7 @@ impl Recorder {
         let Some(take) = state.take.take() else {
             return;
         };
-        self.end_so_far(state, &take);
+        state.end_of(&take);
         let (number, messages) = (take.number, take.journal.messages());
         let path = take.journal.path().to_owned();
         let part = take.journal.part().to_owned();
@@ -259,12 +284,15 @@ impl Recorder {
     /// Everything that is done by time.
     fn tick(&self, state: &mut State) {
         let now = Instant::now();
-        if let Some(take) = &mut state.take {
-            if let Err(error) = take.tick(now, &self.settings) {
+        if let Some(mut take) = state.take.take() {
+            let ticked = take.tick(now, &self.settings);
+            if ticked.is_ok() {
+                self.sync(&mut take, now);
+                self.follow(state, &mut take);
+            }
+            state.take = Some(take);
+            if let Err(error) = ticked {
                 self.give_up(state, &error);
-            } else {
-                self.sync(take, now);
-                self.follow(state);
             }
         }
         if now.duration_since(state.said) >= STATUS {
@@ -289,45 +317,30 @@ impl Recorder {
         }
     }
 
-    /// Hands new events to the estimator, at marks. What it cannot take now waits until the
-    /// next time; takes that grow too long are no longer followed.
-    fn follow(&self, state: &mut State) {
-        let (Some(take), Some(followed)) = (&mut state.take, &mut state.followed) else {
-            if let Some(take) = &mut state.take {
-                take.pending.clear();
-            }
-            return;
-        };
-        if *followed + take.pending.len() > SO_FAR_EVENTS {
-            let _ = self.so_far.try_send(SoFar::End { take: take.number });
-            state.followed = None;
+    /// Hands new events to the previewer. What it cannot take now waits until the next time and
+    /// goes with what comes then; takes that grow too long are no longer followed.
+    fn follow(&self, state: &mut State, take: &mut Take) {
+        let followed = state.followed.map(|count| count + take.pending.len());
+        state.followed = followed.filter(|count| *count <= SO_FAR_EVENTS);
+        if state.followed.is_none() {
             take.pending = Vec::new();
+        }
+        if take.pending.is_empty() {
             return;
         }
-        if !state.marked {
-            return;
-        }
-        let events = std::mem::take(&mut take.pending);
-        let count = events.len();
-        let message = SoFar::Events {
+        let message = Followed {
             take: take.number,
             marks: take.marks(),
-            events,
+            events: std::mem::take(&mut take.pending),
         };
         match self.so_far.try_send(message) {
-            Ok(()) => {
-                *followed += count;
-                state.marked = false;
+            Ok(()) => self.metrics.previews_waiting.put(),
+            Err(TrySendError::Full(message)) => {
+                state.followed = state.followed.map(|count| count - message.events.len());
+                take.pending = message.events;
             }
-            Err(TrySendError::Full(SoFar::Events { events, .. })) => take.pending = events,
-            Err(_) => state.followed = None,
+            Err(TrySendError::Disconnected(_)) => state.followed = None,
         }
-    }
-
-    fn end_so_far(&self, state: &mut State, take: &Take) {
-        state.followed = None;
-        // Full: it notices by the next take's beginning.
-        let _ = self.so_far.try_send(SoFar::End { take: take.number });
     }
 
     fn say(&self, notice: Notice) {
@@ -337,13 +350,29 @@ impl Recorder {
     }
 }
 
+impl State {
+    /// A take is over: its counts go into the totals.
+    fn end_of(&mut self, take: &Take) {
+        self.followed = None;
+        self.totals.0.add(&take.counts());
+        self.totals.1.merge(&take.latencies);
+    }
+}
+
 fn status(state: &State) -> Status {
     let take = state.take.as_ref();
+    let (mut totals, mut latency) = state.totals.clone();
+    if let Some(take) = take {
+        totals.add(&take.counts());
+        latency.merge(&take.latencies);
+    }
     Status {
         take: take.map(|take| take.number),
         recording: take.map(|take| take.journal.path().display().to_string()),
         messages: take.map_or(0, |take| take.journal.messages()),
         counts: take.map(Take::counts).unwrap_or_default(),
         outside: state.outside,
+        totals,
+        latency,
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::latency::LatencyLine;
+use super::latency::{Latencies, LatencyLine};
 use crate::ingest::clock::ClockQuality;
 use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
@@ -23,6 +23,10 @@ pub enum Said {
         shortcomings: Vec<String>,
         /// Journals that a crash left.
         abandoned: Vec<String>,
+        /// Where viewers are served: a WebSocket's address.
+        viewer: Option<String>,
+        /// Where health and metrics are: an HTTP server's address.
+        metrics: Option<String>,
     },
     /// A take has begun.
     Started {
@@ -138,6 +142,22 @@ pub struct MarkCounts {
 }
 
 impl CountsLine {
+    /// Adds those of a later take of the same streams, whose clocks are the later ones.
+    pub(super) fn add(&mut self, other: &Self) {
+        for (line, of) in self.trackers.iter_mut().zip(&other.trackers) {
+            line.counts.add(&of.counts);
+            let (steps, restarts) = (line.clock.steps, line.clock.restarts);
+            line.clock = of.clock;
+            line.clock.steps += steps;
+            line.clock.restarts += restarts;
+        }
+        if self.trackers.is_empty() {
+            self.trackers.clone_from(&other.trackers);
+        }
+        self.marks.received += other.marks.received;
+        self.marks.refused += other.marks.refused;
+    }
+
     /// Whether a sample is known to be lost.
     pub fn is_lossy(&self) -> bool {
         let lost = |line: &TrackerLine| line.counts.missing > 0 || line.counts.unstampable > 0;
@@ -158,6 +178,11 @@ pub struct Status {
     pub counts: CountsLine,
     /// Samples and marks that came while no take ran, since the start: they are not kept.
     pub outside: u64,
+    /// Counts of all takes since the start, this one too; clocks are as they are in it.
+    pub totals: CountsLine,
+    /// From arrival to journal, in all of them.
+    #[serde(skip)]
+    pub(super) latency: Latencies,
 }
 
 /// A command's publisher and number, to answer it by.

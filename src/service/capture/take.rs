@@ -58,7 +58,7 @@ pub(super) struct Take {
     topics: Vec<StreamTopic>,
     streams: Vec<Stream>,
     marks: MarkCounts,
-    latencies: Latencies,
+    pub(super) latencies: Latencies,
     /// Events that the estimator has not been given.
     pub(super) pending: Vec<TakeEvent>,
     pub(super) chunk_begun: Instant,
@@ -123,17 +123,16 @@ impl Take {
         Ok(())
     }
 
-    /// Journals a mark, then takes it in. Whether it counts.
-    pub(super) fn mark(&mut self, at: Instant, record: &MarkRecord) -> Result<bool, WriteError> {
+    /// Journals a mark, then takes it in.
+    pub(super) fn mark(&mut self, at: Instant, record: &MarkRecord) -> Result<(), WriteError> {
         let receipt = self.receipt(at);
         let mark = stamp_mark(record, receipt.0).and_then(|stamp| record.mark(stamp));
         self.marks.received += 1;
         self.marks.refused += u64::from(mark.is_none());
         self.journal.mark(receipt, record, mark.as_ref())?;
         self.latencies.add(at.elapsed());
-        let is_mark = mark.is_some();
         self.pending.extend(mark.map(TakeEvent::Mark));
-        Ok(is_mark)
+        Ok(())
     }
 
     /// When something came, on our clock.
