@@ -25,7 +25,8 @@ use super::metrics::Metrics;
 use super::previewer::Shown;
 use super::take::now_ns;
 use crate::ingest::live::{PoseRecord, StreamTopic};
-use crate::motion::{Mark, PoseSample, Scene, Stamp};
+use crate::motion::{Mark, PoseSample, Scene, Stamp, Verdict};
+use crate::pipeline::Outcome;
 use crate::write::report::Reported;
 use crate::write::show::{self, Showing, ShownTopic};
 use crate::write::topics;
@@ -175,6 +176,13 @@ impl Channels {
             time_map: open(ShownTopic::time_map())?,
         })
     }
+
+    /// Whether somebody has subscribed to anything of an estimate.
+    fn are_watched(&self) -> bool {
+        let alone = [&self.transforms, &self.report, &self.time_map];
+        let all = alone.into_iter().chain(self.bodies.iter().flatten());
+        all.into_iter().any(|channel| channel.has_sinks())
+    }
 }
 
 fn log(channel: &RawChannel, message: Option<Vec<u8>>) {
@@ -194,7 +202,6 @@ impl Viewer {
             tokio::select! {
                 // Closed once the recorder is done: there may be estimates still.
                 Some(live) = self.feed.recv() => self.live(live),
-                Ok(()) = self.estimates.changed() => self.estimate(),
                 _ = frames.tick() => self.frame(),
                 _ = again.tick() => self.again(),
             }
@@ -215,9 +222,15 @@ impl Viewer {
         }
     }
 
-    /// Another estimate: it goes on where the one before was being played.
+    /// Another estimate, if there is one: it goes on where the one before was being played. One
+    /// that failed is no motion.
     fn estimate(&mut self) {
-        let Some(outcome) = self.estimates.borrow_and_update().clone() else {
+        if !self.estimates.has_changed().unwrap_or(false) {
+            return;
+        }
+        let outcome = self.estimates.borrow_and_update().clone();
+        let is_motion = |of: &Arc<Outcome>| of.estimate.verdict != Verdict::Failed;
+        let Some(outcome) = outcome.filter(is_motion) else {
             return;
         };
         let showing = Showing::new(&Reported {
@@ -238,8 +251,12 @@ impl Viewer {
         }
     }
 
-    /// The motion where it is now.
-    fn frame(&self) {
+    /// The motion where it is now, if somebody sees it.
+    fn frame(&mut self) {
+        if !self.channels.are_watched() {
+            return;
+        }
+        self.estimate();
         let Some(showing) = &self.showing else {
             return;
         };
