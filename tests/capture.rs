@@ -18,6 +18,10 @@ use enact::write::TrackerPublisher;
 
 #[path = "capture/harness.rs"]
 mod harness;
+#[path = "capture/peers.rs"]
+mod peers;
+#[path = "capture/stamping.rs"]
+mod stamping;
 #[path = "../tools/tracker/mod.rs"]
 mod tracker;
 

@@ -113,7 +113,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ),
     ("tokio", &["src/service/capture/"]),
     ("rustix", &["src/service/doctor.rs"]),
-    ("toml", &["src/config/"]),
+    ("toml", &["src/config/", "src/wire/live/census.rs"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),

@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::config::capture_from_toml;
-use crate::ingest::live::census::{Census, Liveness, ServiceEntry, census};
-use crate::ingest::live::{Quality, service_name, stream_topics};
-use crate::write::abandoned;
+use crate::ingest::live::census::{Census, HiddenService, Liveness, ServiceEntry, census};
+use crate::ingest::live::{
+    CONTROL_SERVICE, ESTIMATE_SERVICE, TAKE_SERVICE, service_name, stream_topics,
+};
+use crate::motion::Scene;
+use crate::write::{abandoned, topics};
 
 /// Version of iceoryx2 that we are built with: others do not work with it.
 const ICEORYX2: &str = "0.10";
@@ -62,7 +65,10 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     let found = census(job.iceoryx2.as_deref());
     match &found {
         Ok(found) => look_at_iceoryx2(found, &mut say),
-        Err(error) => say("iceoryx2", Health::Bad, error.to_string()),
+        Err(error) => {
+            let advice = "are its files another user's? Run all as one user";
+            say("iceoryx2", Health::Bad, format!("{error}; {advice}"));
+        }
     }
     room("/dev/shm", Path::new("/dev/shm"), MEMORY_BYTES, &mut say);
     if let Some(path) = &job.scene {
@@ -70,20 +76,53 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
             .map_err(|error| anyhow::anyhow!("{}: cannot read: {error}", path.display()))?;
         let in_file = |error: crate::config::SceneError| error.in_file(path.display().to_string());
         let (scene, settings) = capture_from_toml(&text).map_err(in_file)?;
-        let services = found.map(|found| found.services).unwrap_or_default();
-        for stream in stream_topics(&scene) {
-            let name = service_name(&stream.topic);
-            if !services.iter().any(|service| service.name == name) {
-                say(
-                    &name,
-                    Health::Well,
-                    "not there: the daemon will make it".into(),
-                );
-            }
+        if let Ok(found) = &found {
+            look_for_services(&scene, found, &mut say);
         }
         look_at_folder(&settings.folder, &mut say);
     }
     Ok(findings)
+}
+
+/// Whether what a daemon of that scene wants is there, or can be made.
+fn look_for_services(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, Health, String)) {
+    let is_hidden = |name: &String| found.hidden.iter().any(|h| h.name.as_ref() == Some(name));
+    for (name, payload) in services_of(scene) {
+        match found.services.iter().find(|service| service.name == name) {
+            None if is_hidden(&name) => {}
+            None => say(
+                &name,
+                Health::Well,
+                "not there: the daemon will make it".into(),
+            ),
+            Some(service) if service.payload != payload => say(
+                &name,
+                Health::Bad,
+                format!(
+                    "carries {}, wanted {payload}: whoever made it speaks another version",
+                    service.payload
+                ),
+            ),
+            Some(_) => {}
+        }
+    }
+}
+
+/// The services that a daemon of that scene has, with their payloads.
+fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
+    let streams = stream_topics(scene).into_iter();
+    let mut services: Vec<_> = streams
+        .map(|stream| (service_name(&stream.topic), "enact.Pose.1"))
+        .collect();
+    services.push((service_name(&scene.marks_topic), "enact.Mark.1"));
+    services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
+    services.push((TAKE_SERVICE.to_owned(), "enact.Take.1"));
+    services.push((ESTIMATE_SERVICE.to_owned(), "enact.Estimate.1"));
+    services.extend(scene.bodies.iter().map(|body| {
+        let topic = topics::estimate_pose(&body.name);
+        (service_name(&topic), "enact.EstimatedPose.1")
+    }));
+    services
 }
 
 fn look_at_iceoryx2(found: &Census, say: &mut impl FnMut(&str, Health, String)) {
@@ -120,6 +159,22 @@ fn look_at_iceoryx2(found: &Census, say: &mut impl FnMut(&str, Health, String)) 
         let (health, text) = of_service(service);
         say(&service.name, health, text);
     }
+    for service in &found.hidden {
+        let file = service.file.display().to_string();
+        let subject = service.name.as_ref().unwrap_or(&file);
+        say(subject, Health::Bad, of_hidden(service));
+    }
+}
+
+fn of_hidden(service: &HiddenService) -> String {
+    match (&service.version, &service.error) {
+        (_, Some(error)) => format!("may not be read: {error}; run all as one user"),
+        (Some(version), None) => format!(
+            "made by iceoryx2 {version}, ours is {ICEORYX2} and opens nothing else; or its rights \
+             or shared memory are not for us"
+        ),
+        (None, None) => "its file is broken".to_owned(),
+    }
 }
 
 fn of_service(service: &ServiceEntry) -> (Health, String) {
@@ -137,25 +192,11 @@ fn of_service(service: &ServiceEntry) -> (Health, String) {
         health = Health::Poor;
         text.push_str(&format!(", {} of them killed", service.dead_nodes));
     }
-    let wanted = match service.payload.as_str() {
-        "enact.Pose.1" => Quality::POSES.buffer,
-        _ => 0,
-    };
-    if service.buffer < wanted {
+    if !service.shortcomings.is_empty() {
         health = Health::Poor;
         text.push_str(&format!(
-            "; wanted a buffer of {wanted}: start the daemon first"
-        ));
-    }
-    if !service.has_safe_overflow {
-        health = Health::Poor;
-        text.push_str("; publishers wait for slow subscribers: safe overflow is off");
-    }
-    if !service.version.starts_with(ICEORYX2) {
-        health = Health::Bad;
-        text.push_str(&format!(
-            "; made by iceoryx2 {}, we have {ICEORYX2}",
-            service.version
+            "; {}: start the daemon first",
+            service.shortcomings.join(", ")
         ));
     }
     (health, text)

@@ -35,7 +35,7 @@ pub fn bytes(path: &Path) -> Vec<u8> {
 /// Everything that a test leaves is in here, but for shared memory of what was killed, which
 /// goes with the house.
 pub struct House {
-    _folder: TempDir,
+    whole: TempDir,
     takes: PathBuf,
     iceoryx2: PathBuf,
     prefix: String,
@@ -56,7 +56,7 @@ impl House {
         let takes = folder.path().join("takes");
         std::fs::create_dir(&takes).expect("make");
         Self {
-            _folder: folder,
+            whole: folder,
             takes,
             iceoryx2,
             prefix,
@@ -113,6 +113,25 @@ impl House {
             .arg(&self.iceoryx2)
             .output()
             .expect("enact")
+    }
+
+    /// The same as another user, who may look and not touch; `None` where that cannot be done.
+    pub fn enact_as_nobody(&self, arguments: &[&str]) -> Option<Output> {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt};
+        use std::os::unix::process::CommandExt;
+        const NOBODY: u32 = 65_534;
+        let is_root = std::fs::metadata("/proc/self").is_ok_and(|of_self| of_self.uid() == 0);
+        if !is_root {
+            return None;
+        }
+        let open_to_all = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(self.whole.path(), open_to_all).expect("permissions");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command
+            .args(arguments)
+            .arg("--iceoryx2")
+            .arg(&self.iceoryx2);
+        command.uid(NOBODY).gid(NOBODY).output().ok()
     }
 
     /// Runs a daemon that must fail; what it says.

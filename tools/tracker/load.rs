@@ -9,6 +9,9 @@ use super::fault::Faulty;
 use super::play::Sent;
 use super::{Arguments, Director, now_ns, session, wait_until};
 
+/// Samples per second of every tracker, where `--rate-hz` does not say.
+const RATE_HZ: f64 = 1000.0;
+
 /// Radius of the circles \[m\], and turns per second.
 const RADIUS_M: f64 = 0.2;
 const TURNS_HZ: f64 = 0.5;
@@ -30,10 +33,11 @@ pub fn run(arguments: &Arguments, node: &Node, trackers: usize) -> anyhow::Resul
     director.begin(arguments)?;
     let mut faulty = Faulty::new(&arguments.faults);
     let mut sent = Sent::default();
-    let count = (arguments.seconds * arguments.rate_hz) as u64;
+    let rate_hz = arguments.manner.knobs.rate_hz.unwrap_or(RATE_HZ);
+    let count = (arguments.seconds * rate_hz) as u64;
     let begun = Instant::now();
     for sequence in 0..count {
-        let time_s = sequence as f64 / arguments.rate_hz;
+        let time_s = sequence as f64 / rate_hz;
         if arguments.rate > 0.0 {
             wait_until(begun, time_s / arguments.rate);
         }

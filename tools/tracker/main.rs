@@ -4,6 +4,7 @@
 //! ```text
 //! cargo run --release --example tracker -- recordings/pencil_tip.mcap --take
 //! cargo run --release --example tracker -- recordings/pencil_tip.mcap --take --rate 4 --freeze 50..80
+//! cargo run --release --example tracker -- --perform tip --seed 3 --distortion 2 --take
 //! cargo run --release --example tracker -- --load 8 --rate-hz 1000 --seconds 600 --take
 //! ```
 

@@ -1,8 +1,12 @@
-//! Publishing recordings and loads as live takes.
+//! Publishing recordings, performances and loads as live takes.
 
 mod fault;
 mod load;
+#[path = "../perform/mod.rs"]
+pub mod perform;
 mod play;
+#[path = "../perform/wish.rs"]
+mod wish;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -14,25 +18,30 @@ use enact::write::TrackerPublisher;
 
 use fault::Faults;
 pub use play::Sent;
+use wish::{Manner, Motion, Wanted};
 
-/// Publish a recording as a live take.
+/// Publish a recording, or a performance made on the spot, as a live take.
 #[derive(Parser)]
 pub struct Arguments {
     /// The recording, with a scene attached
-    #[arg(required_unless_present = "load")]
+    #[arg(required_unless_present_any = ["load", "perform", "bounces"])]
     recording: Option<PathBuf>,
     /// Scene file [default: the one attached]
     #[arg(long)]
     scene: Option<PathBuf>,
+    /// In place of a recording: act this motion, now, in the manner that `--seed` and the knobs
+    /// say
+    #[arg(long, value_enum, conflicts_with_all = ["recording", "scene", "load"])]
+    perform: Option<Motion>,
+    /// Or a cube with this many bounces
+    #[arg(long, conflicts_with_all = ["recording", "scene", "load", "perform"])]
+    bounces: Option<usize>,
     /// In place of a recording: this many trackers, `t1`, `t2`, …, each on a circle
     #[arg(long, conflicts_with_all = ["recording", "scene"])]
     load: Option<usize>,
     /// Names of the trackers of a load
     #[arg(long, value_delimiter = ',')]
     names: Vec<String>,
-    /// Samples per second of every tracker of a load
-    #[arg(long, default_value_t = 1000.0)]
-    rate_hz: f64,
     /// Length of a load
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
@@ -42,7 +51,7 @@ pub struct Arguments {
     /// Start a take before and stop it after
     #[arg(long)]
     take: bool,
-    /// Move the stamps of a recording to now
+    /// Move the stamps of a recording to now, as those of a performance are
     #[arg(long)]
     now: bool,
     /// Leave the driver's times out: only the device clock is said
@@ -56,15 +65,25 @@ pub struct Arguments {
     iceoryx2: Option<PathBuf>,
     #[command(flatten)]
     faults: Faults,
+    #[command(flatten)]
+    manner: Manner,
 }
 
 /// Publishes what is asked for; what was sent.
 pub fn run(arguments: &Arguments) -> anyhow::Result<Sent> {
     let node = Node::join("enact tracker", arguments.iceoryx2.as_deref())?;
-    match (arguments.load, &arguments.recording) {
+    let motion = arguments.perform.map(Wanted::Motion);
+    match (
+        arguments.load,
+        motion.or(arguments.bounces.map(Wanted::Bounces)),
+    ) {
         (Some(trackers), _) => load::run(arguments, &node, trackers),
-        (None, Some(recording)) => play::run(arguments, &node, recording),
-        (None, None) => bail!("expected a recording or --load"),
+        (None, Some(wanted)) => play::perform(arguments, &node, wanted),
+        (None, None) => {
+            let recording = arguments.recording.as_ref();
+            let recording = recording.context("expected a recording, --perform or --load")?;
+            play::recording(arguments, &node, recording)
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! A recording, sent as it was recorded.
+//! A recording sent as it was recorded, a performance as it is acted.
 
 use std::path::Path;
 use std::time::Instant;
@@ -7,11 +7,12 @@ use anyhow::Context;
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::ingest::live::{MarkRecord, NO_TIME, Node, PoseRecord, stream_topics};
-use enact::motion::{Stamp, TakeEvent};
+use enact::motion::{Scene, Stamp, TakeEvent};
 use enact::write::TrackerPublisher;
 use serde::Serialize;
 
 use super::fault::Faulty;
+use super::wish::Wanted;
 use super::{Arguments, Director, now_ns, read, session, wait_until};
 
 /// What was sent.
@@ -33,7 +34,18 @@ impl Sent {
     }
 }
 
-pub fn run(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Sent> {
+/// What is sent, in that order.
+struct Part {
+    scene: Scene,
+    events: Vec<TakeEvent>,
+    /// When each is sent, on the clock of the stamps.
+    due: Vec<Stamp>,
+    /// Whether stamps become times of now.
+    is_now: bool,
+}
+
+/// Sends a recording.
+pub fn recording(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Sent> {
     let recording = Recording::open(path)?;
     let text = match &arguments.scene {
         Some(scene) => read(scene)?,
@@ -46,21 +58,47 @@ pub fn run(arguments: &Arguments, node: &Node, path: &Path) -> anyhow::Result<Se
     };
     let scene = scene_from_toml(&text)?;
     let events = recording.take(&scene)?.events;
-    let topics = stream_topics(&scene);
+    let part = Part {
+        due: events.iter().map(stamp).collect(),
+        scene,
+        events,
+        is_now: arguments.now,
+    };
+    send(arguments, node, &part)
+}
+
+/// Acts a motion: samples and marks as they reach the tracker, with its latency.
+pub fn perform(arguments: &Arguments, node: &Node, wanted: Wanted) -> anyhow::Result<Sent> {
+    let (performance, scene_toml) = arguments.manner.perform(wanted)?;
+    let part = Part {
+        scene: scene_from_toml(&scene_toml)?,
+        events: performance.events,
+        due: performance.arrivals,
+        // A beginning that was asked for is kept.
+        is_now: arguments.manner.knobs.start_ns.is_none(),
+    };
+    send(arguments, node, &part)
+}
+
+fn send(arguments: &Arguments, node: &Node, part: &Part) -> anyhow::Result<Sent> {
+    let Part {
+        scene, events, due, ..
+    } = part;
+    let topics = stream_topics(scene);
     let names: Vec<String> = topics.iter().map(|topic| topic.topic.clone()).collect();
     let publisher = TrackerPublisher::open(node, &names, &scene.marks_topic)?;
     let session = session();
     let mut director = Director::new(arguments, node, &publisher, session)?;
     director.begin(arguments)?;
     let first = events.iter().map(stamp).min().unwrap_or(Stamp(0));
-    let moved_ns = if arguments.now { now_ns() - first.0 } else { 0 };
+    let moved_ns = if part.is_now { now_ns() - first.0 } else { 0 };
     let mut sequences = vec![0; topics.len()];
     let mut faulty = Faulty::new(&arguments.faults);
     let mut sent = Sent::default();
     let begun = Instant::now();
-    for event in &events {
+    for (event, due) in events.iter().zip(due) {
         if arguments.rate > 0.0 {
-            wait_until(begun, stamp(event).seconds_since(first) / arguments.rate);
+            wait_until(begun, due.seconds_since(first) / arguments.rate);
         }
         let sample_ns = stamp(event).0 + moved_ns;
         match event {

@@ -2,14 +2,15 @@
 
 use serde::Serialize;
 
+use super::cadence::Cadence;
 use super::follower::Follower;
 use super::smoother::Smoother;
 use crate::motion::{Stamp, StampSource};
 
-/// A clock that goes back by more was set \[ns\]: stamps of one stream jitter by less.
+/// In a stream of no cadence, a clock that goes back by more was set \[ns\]: stamps jitter by less.
 const BACK_NS: i64 = 50_000_000;
 
-/// A reading that leads by more is of a clock that was set \[ns\]: less is drift, or a recording
+/// In such a stream, a reading that leads by more is of a clock that was set \[ns\]: less is drift, or a recording
 /// played faster than it was made.
 const LEAD_NS: i64 = 500_000_000;
 
@@ -57,6 +58,7 @@ pub struct StreamClock {
     state: Option<State>,
     /// Greatest sequence number so far, with its reading, its arrival and its stamp.
     last: Option<Last>,
+    cadence: Cadence,
     quality: ClockQuality,
     delays: Delays,
 }
@@ -88,6 +90,7 @@ impl StreamClock {
             source,
             state: None,
             last: None,
+            cadence: Cadence::default(),
             quality: ClockQuality {
                 source: source.map(StampSource::word),
                 ..ClockQuality::default()
@@ -185,23 +188,35 @@ impl StreamClock {
                 _ => reading.receipt_ns,
             });
         };
-        let silence_ns = reading.receipt_ns.saturating_sub(last.receipt_ns).max(1);
+        let arrived_ns = reading.receipt_ns.saturating_sub(last.receipt_ns);
+        let silence_ns = arrived_ns.max(1);
         let went_on_ns = last.stamp_ns.saturating_add(silence_ns);
         let is_ahead = reading.sequence > last.sequence;
         let advance_ns = reading_ns.saturating_sub(last.reading_ns);
         let is_back = is_ahead && advance_ns < -BACK_NS;
+        let jump_ns = match state {
+            State::Given { .. } | State::Followed(_) if is_ahead && !is_restart => {
+                let numbers = reading.sequence - last.sequence;
+                self.cadence.step_ns(advance_ns, arrived_ns, numbers)
+            }
+            _ => None,
+        };
+        // Forward it must lead what came before, too: it may be its predecessor that was late.
+        let is_out = |follower: &Follower| {
+            let lead_ns = follower.lead_ns(reading_ns, reading.receipt_ns);
+            let is_jump = jump_ns.is_some_and(|jump_ns| jump_ns < 0 || lead_ns > jump_ns / 2);
+            is_back || lead_ns > LEAD_NS || is_jump
+        };
         match state {
             // The system clock goes on whoever publishes, unless it was set meanwhile.
             State::Given { follower, .. } => {
-                let leads = follower.lead_ns(reading_ns, reading.receipt_ns) > LEAD_NS;
-                let is_step = is_back || (is_restart && advance_ns < -BACK_NS) || leads;
+                let is_step = is_out(follower) || (is_restart && advance_ns < -BACK_NS);
                 self.quality.steps += u64::from(is_step);
                 is_step.then_some(went_on_ns)
             }
             State::Followed(_) if is_restart => Some(reading.receipt_ns),
             State::Followed(follower) => {
-                let leads = follower.lead_ns(reading_ns, reading.receipt_ns) > LEAD_NS;
-                let is_step = is_back || leads;
+                let is_step = is_out(follower);
                 self.quality.steps += u64::from(is_step);
                 is_step.then_some(went_on_ns.min(reading.receipt_ns))
             }

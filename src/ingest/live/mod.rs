@@ -14,6 +14,6 @@ pub use tally::{Fate, Tally, TallyCounts};
 
 /// The contract, for those who drive this door.
 pub use crate::wire::live::{
-    Command, ControlRecord, LiveError, MarkRecord, NO_TIME, Node, PoseRecord, Quality, TakeRecord,
-    TakeState, census, service_name,
+    CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, LiveError, MarkRecord, NO_TIME,
+    Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, TakeState, census, service_name,
 };

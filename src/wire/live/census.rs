@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
 use iceoryx2::prelude::{CallbackProgression, Service as _};
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern;
 
 use super::error::LiveError;
-use super::node::{LiveService, config};
+use super::node::{CONTRACT, LiveService, config, shortcomings};
 
 /// What is there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +21,23 @@ pub struct Census {
     pub services: Vec<ServiceEntry>,
     /// Services of others.
     pub others: usize,
+    /// Services that iceoryx2 does not show, by their files.
+    pub hidden: Vec<HiddenService>,
+}
+
+/// A service that is there and that iceoryx2 passes over: another version of it made it, it is
+/// another user's, or its file is broken. What its name and version are is read from its file,
+/// if it can be.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HiddenService {
+    /// Its file.
+    pub file: PathBuf,
+    /// Its name.
+    pub name: Option<String>,
+    /// Version of iceoryx2 that made it.
+    pub version: Option<String>,
+    /// Why its file cannot be read.
+    pub error: Option<String>,
 }
 
 /// A process that takes part.
@@ -61,10 +79,8 @@ pub struct ServiceEntry {
     pub publishers: usize,
     /// Subscribers at a time.
     pub subscribers: usize,
-    /// Whether the oldest sample makes room for a new one.
-    pub has_safe_overflow: bool,
-    /// Version of iceoryx2 that made it.
-    pub version: String,
+    /// In what it is less than the contract wants for its payload, in words with figures.
+    pub shortcomings: Vec<String>,
     /// Processes on it.
     pub nodes: usize,
     /// Those of them that were killed.
@@ -88,8 +104,10 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
         CallbackProgression::Continue
     })
     .map_err(|reason| error(format!("nodes cannot be listed: {reason:?}")))?;
+    let mut shown = Vec::new();
     LiveService::list(&config, |details| {
         let of_it = &details.static_details;
+        shown.push(of_it.service_hash().as_str().to_owned());
         let name = of_it.name().as_str().to_owned();
         let MessagingPattern::PublishSubscribe(quality) = of_it.messaging_pattern() else {
             census.others += 1;
@@ -105,15 +123,17 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
             .map_or(&[][..], |d| &d.nodes);
         let is_dead = |state: &&NodeState<LiveService>| matches!(state, NodeState::Dead(_));
         let payload = &quality.message_type_details().payload;
+        let type_name = payload.type_name().to_string();
+        let of_contract = CONTRACT.iter().find(|(payload, _)| *payload == type_name);
+        let wanted = of_contract.map(|(_, quality)| *quality);
         census.services.push(ServiceEntry {
             name,
-            payload: payload.type_name().to_string(),
+            payload: type_name,
             payload_bytes: payload.size(),
             buffer: quality.subscriber_max_buffer_size(),
             publishers: quality.max_publishers(),
             subscribers: quality.max_subscribers(),
-            has_safe_overflow: quality.has_safe_overflow(),
-            version: of_it.iceoryx2_version().to_string(),
+            shortcomings: wanted.map_or(Vec::new(), |wanted| shortcomings(quality, wanted)),
             nodes: nodes.len(),
             dead_nodes: nodes.iter().filter(is_dead).count(),
         });
@@ -121,7 +141,66 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
     })
     .map_err(|reason| error(format!("services cannot be listed: {reason:?}")))?;
     census.services.sort_by(|a, b| a.name.cmp(&b.name));
+    census.hidden = hidden(&config, &shown).map_err(|reason| error(reason.to_string()))?;
     Ok(census)
+}
+
+/// Services with a file but not among those shown.
+fn hidden(config: &Config, shown: &[String]) -> std::io::Result<Vec<HiddenService>> {
+    let folder = PathBuf::from(config.global.root_path().to_string())
+        .join(config.global.service.directory.to_string());
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(error),
+    };
+    let prefix = config.global.prefix.to_string();
+    let suffix = config
+        .global
+        .service
+        .static_config_storage_suffix
+        .to_string();
+    let mut found = Vec::new();
+    for entry in entries {
+        let file = entry?.path();
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let hash = name
+            .strip_prefix(&prefix)
+            .and_then(|name| name.strip_suffix(&suffix));
+        if hash.is_some_and(|hash| shown.iter().all(|shown| shown != hash)) {
+            found.extend(hidden_service(file));
+        }
+    }
+    found.sort_by(|a, b| a.file.cmp(&b.file));
+    Ok(found)
+}
+
+/// What its file says; nothing where it has gone meanwhile.
+fn hidden_service(file: PathBuf) -> Option<HiddenService> {
+    let text = match std::fs::read_to_string(&file) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+        Err(error) => {
+            return Some(HiddenService {
+                file,
+                error: Some(error.to_string()),
+                ..HiddenService::default()
+            });
+        }
+    };
+    let table = text.parse::<toml::Table>().unwrap_or_default();
+    let version = table.get("iceoryx2_version").and_then(|version| {
+        let part = |name| version.get(name)?.as_integer();
+        let [major, minor, patch] = [part("major")?, part("minor")?, part("patch")?];
+        Some(format!("{major}.{minor}.{patch}"))
+    });
+    let name = table.get("service_name").and_then(toml::Value::as_str);
+    Some(HiddenService {
+        file,
+        name: name.map(str::to_owned),
+        version,
+        error: None,
+    })
 }
 
 fn node_entry(state: &NodeState<LiveService>) -> NodeEntry {

@@ -13,7 +13,7 @@
 //! | `enact/estimate` | [`EstimateRecord`] `enact.Estimate.1` | `enact capture`, `enact replay` | verdict and numbers of an estimate |
 //! | `enact/estimate/<body>/pose` | [`EstimatedPoseRecord`] `enact.EstimatedPose.1` | the same | its motion, frame by frame, after its `enact/estimate` |
 //!
-//! Who creates a service fixes its quality of service ([`Quality`]): the daemon is best started
+//! Who creates a service fixes its quality of service ([`Quality`], [`CONTRACT`]): the daemon is best started
 //! first. Nothing blocks: the oldest sample goes where a subscriber is too slow, and the sequence
 //! number in every payload shows it. No service has a listener to wake: subscribers poll, the
 //! daemon every 1 ms while samples come and every 5 ms while none do. What a publisher sent is
@@ -32,7 +32,7 @@ pub mod payload;
 
 pub use error::LiveError;
 pub use node::{
-    CONTROL_SERVICE, ESTIMATE_SERVICE, LiveService, Node, Quality, Served, TAKE_SERVICE,
+    CONTRACT, CONTROL_SERVICE, ESTIMATE_SERVICE, LiveService, Node, Quality, Served, TAKE_SERVICE,
     service_name,
 };
 pub use payload::{

@@ -9,6 +9,7 @@ use iceoryx2::prelude::{
     FilePath, SemanticString, ServiceName, SignalHandlingMode, ZeroCopySend, ipc,
 };
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use iceoryx2::service::static_config::publish_subscribe::StaticConfig;
 
 use super::error::LiveError;
 
@@ -54,6 +55,16 @@ impl Quality {
         history: 0,
     };
 }
+
+/// The payloads of the contract, with the quality of the services that carry them.
+pub const CONTRACT: [(&str, Quality); 6] = [
+    ("enact.Pose.1", Quality::POSES),
+    ("enact.Mark.1", Quality::NOTES),
+    ("enact.Control.1", Quality::NOTES),
+    ("enact.Take.1", Quality::NOTES),
+    ("enact.Estimate.1", Quality::NOTES),
+    ("enact.EstimatedPose.1", Quality::FRAMES),
+];
 
 /// Processes on one service at a time.
 const NODES: usize = 64;
@@ -119,7 +130,7 @@ impl Node {
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<LiveService>()
-            .map_err(|reason| error(format!("{reason:?}")))?;
+            .map_err(|reason| error(format!("{reason:?}; `enact doctor` says more")))?;
         Ok(Self { node })
     }
 
@@ -179,28 +190,33 @@ impl Node {
     }
 }
 
+/// In what a service is less than was wanted, in words with figures.
+pub(super) fn shortcomings(found: &StaticConfig, wanted: Quality) -> Vec<String> {
+    let rows = [
+        (
+            "buffer of a subscriber",
+            found.subscriber_max_buffer_size(),
+            wanted.buffer,
+        ),
+        ("publishers", found.max_publishers(), wanted.publishers),
+        ("subscribers", found.max_subscribers(), wanted.subscribers),
+        ("history", found.history_size(), wanted.history),
+    ];
+    let mut shortcomings: Vec<String> = rows
+        .into_iter()
+        .filter(|(_, found, wanted)| found < wanted)
+        .map(|(what, found, wanted)| format!("{what}: {found}, wanted {wanted}"))
+        .collect();
+    if !found.has_safe_overflow() {
+        shortcomings.push("full buffers make publishers wait: safe overflow is off".into());
+    }
+    shortcomings
+}
+
 impl<T: core::fmt::Debug + ZeroCopySend + 'static> Served<T> {
     fn new(name: &str, factory: Factory<T>, wanted: Quality) -> Self {
         use iceoryx2::service::port_factory::PortFactory as _;
-        let found = factory.static_config();
-        let rows = [
-            (
-                "buffer of a subscriber",
-                found.subscriber_max_buffer_size(),
-                wanted.buffer,
-            ),
-            ("publishers", found.max_publishers(), wanted.publishers),
-            ("subscribers", found.max_subscribers(), wanted.subscribers),
-            ("history", found.history_size(), wanted.history),
-        ];
-        let mut shortcomings: Vec<String> = rows
-            .into_iter()
-            .filter(|(_, found, wanted)| found < wanted)
-            .map(|(what, found, wanted)| format!("{what}: {found}, wanted {wanted}"))
-            .collect();
-        if !found.has_safe_overflow() {
-            shortcomings.push("full buffers make publishers wait: safe overflow is off".into());
-        }
+        let shortcomings = shortcomings(factory.static_config(), wanted);
         Self {
             name: name.to_owned(),
             factory,

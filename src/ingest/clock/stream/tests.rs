@@ -58,7 +58,17 @@ fn what_the_first_sample_has_decides_where_nobody_said() {
 #[test]
 fn a_clock_that_is_set_does_not_tear_the_stamps_apart() {
     for source in [StampSource::Sample, StampSource::Device] {
-        for step_ns in [-3_600_000 * MS, -100 * MS, 900 * MS, 3_600_000 * MS] {
+        for step_ns in [
+            -3_600_000 * MS,
+            -100 * MS,
+            -40 * MS,
+            -12 * MS,
+            12 * MS,
+            40 * MS,
+            300 * MS,
+            900 * MS,
+            3_600_000 * MS,
+        ] {
             let readings: Vec<Reading> = (0..1000)
                 .map(|k| {
                     let add = |ns: Option<i64>| ns.map(|ns| ns + if k < 500 { 0 } else { step_ns });
@@ -77,6 +87,83 @@ fn a_clock_that_is_set_does_not_tear_the_stamps_apart() {
                     (4 * MS..6 * MS).contains(&interval),
                     "{source:?} {step_ns}: {interval}"
                 );
+            }
+        }
+    }
+}
+
+/// Readings with those times and arrivals \[ns\], numbered in that order.
+fn readings(times: impl IntoIterator<Item = (i64, i64)>) -> Vec<Reading> {
+    let reading = |(k, (time_ns, receipt_ns)): (usize, (i64, i64))| Reading {
+        session: 1,
+        sequence: k as u64,
+        sample_ns: Some(START + time_ns),
+        device_ns: Some(time_ns),
+        receipt_ns: START + receipt_ns,
+    };
+    times.into_iter().enumerate().map(reading).collect()
+}
+
+#[test]
+fn what_only_looks_like_a_step_is_none() {
+    // Any number of nanoseconds below a bound, always the same.
+    let noise = |k: i64, below: i64| k.wrapping_mul(7_046_029_254_386_353_131).rem_euclid(below);
+    // 200 Hz; every hundredth interval is a hole of 300 ms that no number tells of.
+    let holed = |k: i64| k * 5 * MS + k / 100 * 300 * MS;
+    let played = |percent: i64| {
+        let at = move |k| (holed(k), holed(k) * 100 / percent + noise(k, MS));
+        readings((0..2000).map(at))
+    };
+    let cases = [
+        ("holes", played(100)),
+        ("holes, a little faster", played(105)),
+        ("holes, four times as fast", played(400)),
+        ("at once", readings((0..2000).map(|k| (holed(k), k * 1000)))),
+        (
+            "the last sample before a hole is late by as much",
+            readings((0..2000).map(|k| {
+                let late = if k % 100 == 99 {
+                    298 * MS
+                } else {
+                    noise(k, MS)
+                };
+                (holed(k), holed(k) + late)
+            })),
+        ),
+        (
+            "delays of up to 40 ms",
+            readings((0..2000).scan(0, |last, k| {
+                *last = (k * 5 * MS + noise(k, 40 * MS)).max(*last);
+                Some((k * 5 * MS, *last))
+            })),
+        ),
+        (
+            "stalls of 30 ms",
+            readings((0..2000).map(|k| {
+                let time_ns = k * 5 * MS;
+                let held = (k % 50 < 6).then_some((k - k % 50 + 6) * 5 * MS);
+                (time_ns, held.unwrap_or(time_ns) + noise(k, MS))
+            })),
+        ),
+        (
+            "uneven readings",
+            readings((0..2000).map(|k| {
+                let time_ns = k * 50 * MS + noise(k, 45 * MS);
+                (time_ns, time_ns + noise(k, 2 * MS))
+            })),
+        ),
+        (
+            "stamps off by up to 8 ms",
+            readings((0..2000).map(|k| (k * 5 * MS + noise(k, 8 * MS), k * 5 * MS + 9 * MS))),
+        ),
+    ];
+    for (name, readings) in cases {
+        for source in [StampSource::Sample, StampSource::Device] {
+            let (stamps, quality) = stamps(Some(source), &readings);
+            assert_eq!(quality.steps, 0, "{name}, {source:?}");
+            if source == StampSource::Sample {
+                let given = readings.iter().filter_map(|r| r.sample_ns);
+                assert!(given.eq(stamps), "{name}");
             }
         }
     }
