@@ -29,17 +29,17 @@
 //! | [`math`] | SO(3), envelope matrices | |
 //! | [`physics`] | bodies, shapes (all of parry), flight, impact; each beside its derivatives | `math` |
 //! | [`motion`] | the nouns that stages exchange: scene, take, sketch, estimate | `physics`, `math` |
-//! | [`ingest`] | 1 recordings and memory become takes | `wire`, `motion` |
+//! | [`ingest`] | 1 recordings, memory and live trackers become takes | `wire`, `motion` |
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
 //! | [`estimate`] | 4 the constrained estimation | `motion` and below |
 //! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy | `motion` and below |
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
-//! | [`wire`] | bytes ↔ motion, shared by `ingest` and `write`; no files | `motion`, `math` |
+//! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
-//! | [`service`] | its drivers, with clock, files and threads: replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
+//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `service` |
 //!
 //! `math`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent

@@ -5,11 +5,14 @@
 //! files and threads are the driver's. The same take gives the same [`Outcome`] bit for bit.
 
 mod infer;
+mod preview;
 mod search;
+mod warm;
 
 use thiserror::Error;
 
 use self::infer::{Inferred, NoContact, infer};
+pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use crate::estimate::Recipe;
 use crate::initialise;
@@ -245,6 +248,18 @@ fn solve(
     counts: &mut SampleCounts,
     observer: &mut dyn Observer,
 ) -> Result<Inferred, PipelineError> {
+    let (segments, rounds) = segments(scene, sketch, counts, observer)?;
+    solve_segments(scene, sketch, (&segments, rounds), observer)
+}
+
+/// Stage 2 after cleaning: marks refined, the sketch cut, samples accounted for. Segments, and
+/// the rounds of refinement.
+fn segments(
+    scene: &Scene,
+    sketch: &mut Sketch,
+    counts: &mut SampleCounts,
+    observer: &mut dyn Observer,
+) -> Result<(Vec<Segment>, usize), SegmentError> {
     observer.phase(Phase::Marks);
     let mut rounds = segment::refine(scene, sketch);
     counts.marks.moved = segment::reseat(scene, sketch);
@@ -253,20 +268,23 @@ fn solve(
     }
     let segments = segment::cut(scene, sketch)?;
     account(sketch, &segments, counts);
+    Ok((segments, rounds))
+}
+
+/// Stages 3 and 4.
+fn solve_segments(
+    scene: &Scene,
+    sketch: &Sketch,
+    (segments, rounds): (&[Segment], usize),
+    observer: &mut dyn Observer,
+) -> Result<Inferred, PipelineError> {
     observer.phase(Phase::ArcFits);
-    let guessed = initialise::guess(scene, sketch, &segments);
+    let guessed = initialise::guess(scene, sketch, segments);
     let recipe = Recipe::default();
-    let mut inferred = infer(
-        scene,
-        sketch,
-        &segments,
-        &guessed.guesses,
-        &recipe,
-        observer,
-    )
-    .map_err(|NoContact { event }| PipelineError::NoContact {
-        event: scene.events[event].name.clone(),
-    })?;
+    let mut inferred = infer(scene, sketch, segments, &guessed.guesses, &recipe, observer)
+        .map_err(|NoContact { event }| PipelineError::NoContact {
+            event: scene.events[event].name.clone(),
+        })?;
     let counters = &mut inferred.estimate.counters;
     counters.fit_iterations = guessed.fit_iterations;
     counters.assignment_rounds = rounds;

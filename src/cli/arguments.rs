@@ -22,6 +22,14 @@ pub(super) struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
+    /// Record live takes and estimate them
+    Capture(CaptureArguments),
+    /// Direct a `capture` that runs: start, stop, discard, mark, status
+    Take(TakeArguments),
+    /// Make recordings of what a crash left of live takes
+    Recover(RecoverArguments),
+    /// Say what stands between trackers and a take
+    Doctor(DoctorArguments),
     /// Play a recording through the pipeline and write its estimate
     Replay(ReplayArguments),
     /// Estimate many recordings, as fast as they come
@@ -35,6 +43,91 @@ pub(super) enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
+}
+
+/// Arguments of `capture`.
+#[derive(Debug, Args)]
+pub(super) struct CaptureArguments {
+    /// The scene, with its `[capture]`
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: PathBuf,
+    /// Folder for takes [default: `capture.folder` of the scene]
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Begin a take at once
+    #[arg(long)]
+    pub(super) start: bool,
+    /// Serve Foxglove and Lichtblick by WebSocket on this port, 0 for any [default:
+    /// `capture.viewer_port` of the scene, or not at all]
+    #[arg(long, value_name = "PORT")]
+    pub(super) viewer_port: Option<u16>,
+    /// Serve /health and /metrics by HTTP on this port, 0 for any [default:
+    /// `capture.metrics_port` of the scene, or not at all]
+    #[arg(long, value_name = "PORT")]
+    pub(super) metrics_port: Option<u16>,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+    /// How what happens is written on stdout
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `take`.
+#[derive(Debug, Args)]
+pub(super) struct TakeArguments {
+    /// What is wanted
+    #[arg(value_enum)]
+    pub(super) wanted: Wanted,
+    /// Event of the scene that `mark` stands for [default: the next one]
+    #[arg(long, value_name = "NAME")]
+    pub(super) event: Option<String>,
+    /// Topic of marks: `marks_topic` of the scene
+    #[arg(long, value_name = "TOPIC", default_value = "/marks")]
+    pub(super) topic: String,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+}
+
+/// What may be wanted of a take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Wanted {
+    /// Begin one
+    Start,
+    /// End it and estimate it
+    Stop,
+    /// End it and remove it
+    Discard,
+    /// An event happens now
+    Mark,
+    /// Say how it stands
+    Status,
+}
+
+/// Arguments of `recover`.
+#[derive(Debug, Args)]
+pub(super) struct RecoverArguments {
+    /// Journals (`….mcap.part`), or folders with such
+    #[arg(value_name = "PATH", required = true)]
+    pub(super) paths: Vec<PathBuf>,
+    /// How the accounts on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub(super) struct DoctorArguments {
+    /// A scene whose services and folder are looked at too
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: Option<PathBuf>,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE")]
+    pub(super) iceoryx2: Option<PathBuf>,
+    /// How the findings on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
 }
 
 /// Arguments of `replay`.
@@ -52,6 +145,12 @@ pub(super) struct ReplayArguments {
     /// Pace: 1 is that of the performance, 2 twice as fast [default: as fast as possible]
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(super) rate: Option<f64>,
+    /// Send it over iceoryx2 too, as a live take, at RATE 1 if none is given
+    #[arg(long)]
+    pub(super) publish: bool,
+    /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
+    #[arg(long, value_name = "FILE", requires = "publish")]
+    pub(super) iceoryx2: Option<PathBuf>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,

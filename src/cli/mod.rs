@@ -11,14 +11,18 @@
 
 mod account;
 mod arguments;
+mod capture;
 mod completion;
+mod doctor;
 mod exit;
 mod inspect;
 mod mark;
 mod output;
 mod process;
+mod recover;
 mod replay;
 mod run;
 mod table;
+mod take;
 
 pub use run::run;

@@ -5,7 +5,7 @@ use super::arguments::{Format, ReplayArguments};
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
-use crate::service::{self, ReplayJob};
+use crate::service::{self, PublishJob, ReplayJob};
 
 pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<Exit> {
     let recording = arguments.input.display().to_string();
@@ -14,6 +14,9 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
         output: arguments.output,
         scene: arguments.scene,
         rate: arguments.rate,
+        publish: arguments.publish.then_some(PublishJob {
+            iceoryx2: arguments.iceoryx2,
+        }),
     };
     let report = match service::replay(&job) {
         Ok(report) => report,

@@ -7,7 +7,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
-use super::{completion, inspect, mark, output, process, replay};
+use super::{capture, completion, doctor, inspect, mark, output, process, recover, replay, take};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -16,6 +16,10 @@ pub fn run() -> ExitCode {
     log_to_stderr(arguments.verbose);
     let verbose = arguments.verbose > 0;
     let result = match arguments.command {
+        Command::Capture(arguments) => capture::run(arguments, verbose),
+        Command::Take(arguments) => take::run(arguments),
+        Command::Recover(arguments) => recover::run(arguments),
+        Command::Doctor(arguments) => doctor::run(arguments),
         Command::Replay(arguments) => replay::run(arguments, verbose),
         Command::Process(arguments) => process::run(arguments, verbose),
         Command::Inspect(arguments) => inspect::run(arguments),

@@ -22,12 +22,22 @@
 //! and obstacle. `count = 6` or `count = [4, 8]` makes one entry stand for as many collisions as
 //! there are marks: `bounce` becomes `bounce 1`, `bounce 2`, ….
 //!
+//! `[capture]` is how `enact capture` records: `folder`, `chunk_ms`, `sync_ms`, and for a tracker
+//! whose stamps are not to be chosen by what its first sample has, `[[capture.tracker]]` with
+//! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
+//! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
+//! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
+//! in the last `chunk_ms + sync_ms`.
+//!
 //! Defaults, all of them:
 //!
 //! | key | default |
 //! |---|---|
 //! | `gravity_m_s2` | `[0, 0, -9.80665]` |
 //! | `marks_topic` | `"/marks"` |
+//! | `capture.folder` | `"takes"` |
+//! | `capture.chunk_ms`, `capture.sync_ms` | 100 ms, 1000 ms |
+//! | `capture.tracker.stamps` | `"sample"` if the first valid sample has that time, else `"device"` if it has that, else `"receipt"` |
 //! | `settle_s` | the motion ends where the performance does |
 //! | `timing.tempo_sd_per_sqrt_s` | 0.5 |
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
@@ -40,6 +50,7 @@
 //! | `free.lower…`, `free.upper…` | −∞, +∞; 0 and 1 for a restitution |
 
 mod body;
+mod capture;
 mod error;
 mod event;
 mod keys;
@@ -49,6 +60,7 @@ mod raw;
 mod scene;
 mod solid;
 
+pub use capture::{CaptureSettings, capture_from_toml};
 pub use error::SceneError;
 pub use scene::scene_from_toml;
 

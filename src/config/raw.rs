@@ -19,6 +19,7 @@ pub(super) struct RawScene {
     pub(super) timing: RawTiming,
     pub(super) velocity_gaps: Option<Text>,
     pub(super) settle_s: Option<Number>,
+    pub(super) capture: Option<RawCapture>,
     pub(super) weights: Option<RawWeights>,
     #[serde(default)]
     pub(super) body: Vec<Spanned<RawBody>>,
@@ -160,4 +161,25 @@ pub(super) struct RawFree {
     pub(super) prior_sd_m_s2: Option<Number>,
     pub(super) prior_sd_deg: Option<Number>,
     pub(super) cone_deg: Option<Number>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of capture settings")]
+pub(super) struct RawCapture {
+    pub(super) folder: Option<Text>,
+    pub(super) chunk_ms: Option<Number>,
+    pub(super) sync_ms: Option<Number>,
+    pub(super) listen: Option<Text>,
+    pub(super) viewer_port: Option<Number>,
+    pub(super) metrics_port: Option<Number>,
+    #[serde(default)]
+    pub(super) tracker: Vec<RawTrackerClock>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with `body` and `stamps`")]
+pub(super) struct RawTrackerClock {
+    pub(super) body: Text,
+    pub(super) stamps: Text,
+    pub(super) rate_hz: Option<Number>,
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::body::body;
+use super::capture::capture;
 use super::error::{Fault, SceneError, fault};
 use super::event::{events, goals};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
@@ -38,12 +39,21 @@ const OBSTACLE_SIZE: SizeLimits = SizeLimits {
 /// assert_eq!((error.line, error.column), (2, 1));
 /// ```
 pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
-    let raw: RawScene =
-        toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
-    scene(&raw).map_err(|fault| SceneError::from_fault(text, fault))
+    let raw = parse(text)?;
+    let checked = || {
+        let scene = scene(&raw)?;
+        capture(&raw, &scene)?;
+        Ok(scene)
+    };
+    checked().map_err(|fault| SceneError::from_fault(text, fault))
 }
 
-fn scene(raw: &RawScene) -> Result<Scene, Fault> {
+/// The text with its types checked and nothing else.
+pub(super) fn parse(text: &str) -> Result<RawScene, SceneError> {
+    toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))
+}
+
+pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let name = name("scene", &raw.name)?;
     let gravity_m_s2 = gravity_m_s2(raw)?;
     let marks_topic = match &raw.marks_topic {

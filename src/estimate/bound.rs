@@ -297,6 +297,7 @@ impl Part<'_> {
         let guess = Guess {
             arcs,
             event_times_s: self.guess.event_times_s.clone(),
+            parameters: self.guess.parameters.clone(),
         };
         let mut problem = Problem::new(scene, self.sketch, &part);
         for (event, is_free) in problem.event_is_free.iter_mut().enumerate() {

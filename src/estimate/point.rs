@@ -22,7 +22,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// The guess, with parameters at their initial values.
+    /// The guess.
     pub fn new(problem: &Problem, guess: &Guess) -> Self {
         let mut node_times_s = problem.nodes_acted_s.clone();
         for (arc, arc_guess) in problem.arcs.iter().zip(&guess.arcs) {
@@ -34,12 +34,12 @@ impl Point {
             arcs: guess.arcs.iter().map(|arc| arc.state).collect(),
             event_times_s: guess.event_times_s.clone(),
             node_times_s,
-            parameters: problem.parameters.iter().map(|free| free.initial).collect(),
+            parameters: guess.parameters.clone(),
         }
     }
 
-    /// The point as a guess, with the epochs of the guess it came from. Parameters are not part of
-    /// a guess: they begin anew.
+    /// The point as a guess, with the epochs of the guess it came from. Parameters begin anew,
+    /// where that began.
     pub fn guess(&self, problem: &Problem, from: &Guess) -> Guess {
         let arcs = problem.arcs.iter().zip(&self.arcs).zip(&from.arcs);
         let arcs = arcs.map(|((arc, state), of)| ArcGuess {
@@ -54,6 +54,7 @@ impl Point {
         Guess {
             arcs: arcs.collect(),
             event_times_s: self.event_times_s.clone(),
+            parameters: from.parameters.clone(),
         }
     }
 

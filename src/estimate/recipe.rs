@@ -85,6 +85,16 @@ impl Recipe {
         }
     }
 
+    /// The recipe for a start that solved the problem but for a few samples: the finish at once.
+    pub fn from_the_last(&self) -> Self {
+        Self {
+            sweep_weights: Vec::new(),
+            multiplier_rounds: (0, 0),
+            retries: 0,
+            ..self.clone()
+        }
+    }
+
     /// The recipe for a problem with as much [`Problem::information`]. Where positions and
     /// orientations are weighed in very different units, the sweep goes from the one to the
     /// other: what presses hard on the one would be no more than a hint for the other.

@@ -252,6 +252,7 @@ fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess) {
     let guess = Guess {
         arcs,
         event_times_s: marks_s,
+        parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
     (sketch, segments, guess)
 }

@@ -98,6 +98,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             &Guess {
                 arcs,
                 event_times_s,
+                parameters: scene.parameters.iter().map(|free| free.initial).collect(),
             },
             &turns,
         ),

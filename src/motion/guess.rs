@@ -2,13 +2,15 @@
 
 use crate::physics::State;
 
-/// A first guess of everything that is unknown, free parameters aside.
+/// A first guess of everything that is unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guess {
     /// One per segment.
     pub arcs: Vec<ArcGuess>,
     /// Physical time of each of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
+    /// The scene's free parameters, each in its quantity's unit.
+    pub parameters: Vec<f64>,
 }
 
 /// A first guess of the flight in one segment.

@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod guess;
 pub mod observe;
 pub mod open;
+pub mod partial;
 pub mod scene;
 pub mod seat;
 pub mod settled;
@@ -29,5 +30,5 @@ pub use scene::{
 pub use seat::SeatError;
 pub use settled::{Settled, SettledBody};
 pub use sketch::{BodySketch, DropReason, MarkChanges, Sample, SampleCounts, Segment, Sketch};
-pub use take::{Mark, PoseSample, Stamp, TakeEvent};
+pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

@@ -423,6 +423,16 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// The event that it belongs to, if to one (index into `Scene::events`).
+    pub fn event(self) -> Option<usize> {
+        match self {
+            Quantity::Gravity { .. } => None,
+            Quantity::Restitution { event }
+            | Quantity::Friction { event }
+            | Quantity::Tilt { event, .. } => Some(event),
+        }
+    }
+
     /// The same at another event, if it is of one.
     pub fn at_event(self, moved: impl Fn(usize) -> usize) -> Self {
         match self {

@@ -60,3 +60,31 @@ pub enum TakeEvent {
     /// The performer marked an event.
     Mark(Mark),
 }
+
+/// What the stamps of a live tracker are made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StampSource {
+    /// The driver's own times on the system clock.
+    Sample,
+    /// The device's clock, brought to ours.
+    Device,
+    /// The sequence numbers of a tracker that keeps this rate.
+    Sequence {
+        /// Readings per second.
+        rate_hz: f64,
+    },
+    /// When readings arrive, with the jitter taken off.
+    Receipt,
+}
+
+impl StampSource {
+    /// The word for it in scene files and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            StampSource::Sample => "sample",
+            StampSource::Device => "device",
+            StampSource::Sequence { .. } => "sequence",
+            StampSource::Receipt => "receipt",
+        }
+    }
+}

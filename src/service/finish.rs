@@ -91,6 +91,16 @@ pub(super) fn finish(
     take: &TakeReport,
     output: &Path,
 ) -> anyhow::Result<Report> {
+    finished(opened, pipeline, take, output).map(|(report, _)| report)
+}
+
+/// [`finish`], for those who want the estimate too.
+pub(super) fn finished(
+    opened: &Opened,
+    pipeline: &Pipeline,
+    take: &TakeReport,
+    output: &Path,
+) -> anyhow::Result<(Report, Outcome)> {
     let recording = &opened.recording;
     let mut stopwatch = Stopwatch::start();
     let outcome = pipeline
@@ -137,7 +147,8 @@ pub(super) fn finish(
         lost: lost(take),
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
-    Ok(Report::new(&outcome, circumstances))
+    let report = Report::new(&outcome, circumstances);
+    Ok((report, outcome))
 }
 
 /// The frame in which poses are given, if they agree on one with a name.

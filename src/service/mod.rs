@@ -1,25 +1,36 @@
 //! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
 //! Both end in the same way, and the same recording gives the same bytes by both. [`mark()`]
-//! says where marks would be.
+//! says where marks would be. [`capture`] drives it live, [`direct()`] tells that what to do, [`recover_all`] saves what a crash of
+//! that left, [`doctor()`] says what stands in its way.
 //!
 //! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
 //! in words and SI units, for whoever prints it.
 
+pub mod capture;
 mod checks;
+mod direct;
+mod doctor;
 mod finish;
 mod inspect;
 mod mark;
 mod process;
+mod publish;
+mod recover;
 mod replay;
 mod report;
 mod stopwatch;
 mod words;
 
 pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
+pub use direct::{Answer, DirectJob, Direction, direct};
+pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
-pub use replay::{ReplayJob, replay};
+pub use recover::{RecoveredLine, recover_all};
+pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
 pub use words::words;
+
+pub use crate::ingest::live::TakeState;

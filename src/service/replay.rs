@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::finish::{check_distinct, finish, open, output_path};
+use super::finish::{check_distinct, finished, open, output_path};
+use super::publish::Publication;
 use super::report::Report;
 use crate::ingest::Source;
 use crate::motion::Stamp;
@@ -21,6 +22,16 @@ pub struct ReplayJob {
     pub scene: Option<PathBuf>,
     /// 1 is the pace of the performance; as fast as possible by default.
     pub rate: Option<f64>,
+    /// Send it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
+    /// performance unless `rate` says otherwise.
+    pub publish: Option<PublishJob>,
+}
+
+/// Where to send a recording.
+#[derive(Clone, Debug, Default)]
+pub struct PublishJob {
+    /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
+    pub iceoryx2: Option<PathBuf>,
 }
 
 /// Replays a recording and writes its estimate.
@@ -33,14 +44,25 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
     let opened = open(&job.input, job.scene.as_deref())?;
     let mut source = opened.recording.source(&opened.scene)?;
     let mut pipeline = Pipeline::new(opened.scene.clone());
-    let mut pace = job.rate.map(Pace::new);
+    let publish = job.publish.as_ref();
+    let mut publication = publish
+        .map(|publish| Publication::begin(&opened.scene, publish.iceoryx2.as_deref()))
+        .transpose()?;
+    let mut pace = job.rate.or(publish.map(|_| 1.0)).map(Pace::new);
     while let Some((log_time, event)) = source.next()? {
         if let Some(pace) = &mut pace {
             pace.wait_until(log_time);
         }
+        if let Some(publication) = &mut publication {
+            publication.event(log_time, &event)?;
+        }
         pipeline.push(event);
     }
-    finish(&opened, &pipeline, source.report(), &output)
+    let (report, outcome) = finished(&opened, &pipeline, source.report(), &output)?;
+    if let Some(publication) = publication {
+        publication.end(&outcome)?;
+    }
+    Ok(report)
 }
 
 /// Keeps the distances of log times, divided by a rate.

@@ -1,12 +1,13 @@
 //! Bytes ↔ motion, shared by ingest and write; no files.
 //!
 //! [`container`] finds the messages in an MCAP file held in memory, [`decode`] makes motion of
-//! them, [`encode`] makes messages of motion. Whatever is a foxglove message comes from the
+//! them, [`encode`] makes messages of motion. [`live`] is what goes over iceoryx2. Whatever is a foxglove message comes from the
 //! `foxglove` crate, whose types stop at this room's door.
 
 pub mod container;
 pub mod decode;
 pub mod encode;
+pub mod live;
 
 pub use container::{Container, ContainerError};
 pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat};

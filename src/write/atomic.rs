@@ -61,11 +61,7 @@ impl AtomicFile {
         temporary.persist(&path).map_err(|error| {
             WriteError::io(&path, "rename the temporary file to it")(error.error)
         })?;
-        // The name itself is durable only once its directory is; some file systems have no
-        // such call for directories, and the data are safe without it.
-        if let Ok(directory) = File::open(directory_of(&path)) {
-            let _ = directory.sync_all();
-        }
+        sync_directory_of(&path);
         Ok(())
     }
 }
@@ -88,6 +84,14 @@ impl Seek for AtomicFile {
     fn stream_position(&mut self) -> io::Result<u64> {
         // Unlike a seek, this leaves the buffer be.
         self.writer.stream_position()
+    }
+}
+
+/// Makes a new name durable: it is only once its directory is. Some file systems have no such
+/// call for directories, and the data are safe without it.
+pub(super) fn sync_directory_of(path: &Path) {
+    if let Ok(directory) = File::open(directory_of(path)) {
+        let _ = directory.sync_all();
     }
 }
 

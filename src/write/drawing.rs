@@ -18,6 +18,8 @@ use crate::physics::shape::hull_triangles;
 use crate::wire::encode;
 
 const BODY: Color = color(0.95, 0.65, 0.20, 1.0);
+const GHOST: Color = color(0.95, 0.65, 0.20, 0.35);
+const LIVE: Color = color(0.30, 0.60, 0.95, 0.35);
 const OBSTACLE: Color = color(0.45, 0.55, 0.65, 0.5);
 const SURFACE: Color = color(0.75, 0.75, 0.75, 0.5);
 const GOAL: Color = color(0.25, 0.80, 0.35, 0.3);
@@ -37,6 +39,47 @@ pub(super) fn scene_update(
     at: Stamp,
     surface_side_m: f64,
 ) -> Result<Vec<u8>, WriteError> {
+    let entities = entities(path, scene, world_frame, at, surface_side_m)?;
+    Ok(bytes_of(entities))
+}
+
+/// The same with every body once more as a ghost in the frame of its performance, and once in
+/// that of its tracker.
+pub(super) fn live_scene_update(
+    scene: &Scene,
+    world_frame: &str,
+    at: Stamp,
+    surface_side_m: f64,
+) -> Result<Vec<u8>, WriteError> {
+    let path = Path::new(topics::SCENE);
+    let mut entities = entities(path, scene, world_frame, at, surface_side_m)?;
+    let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
+    for body in &scene.bodies {
+        let sketch = (topics::sketch_frame(&body.name), "sketch", GHOST);
+        let live = (topics::live_frame(&body.name), "live", LIVE);
+        for (frame, word, color) in [sketch, live] {
+            let mut entity = entity(at, &frame, format!("{word}/{}", body.name));
+            add_shape(&mut entity, &body.shape, &Pose::identity(), color);
+            entities.push(entity);
+        }
+    }
+    Ok(bytes_of(entities))
+}
+
+fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
+    encode::bytes_of(&SceneUpdate {
+        deletions: Vec::new(),
+        entities,
+    })
+}
+
+fn entities(
+    path: &Path,
+    scene: &Scene,
+    world_frame: &str,
+    at: Stamp,
+    surface_side_m: f64,
+) -> Result<Vec<SceneEntity>, WriteError> {
     let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
     let mut entities = Vec::new();
     for body in &scene.bodies {
@@ -88,10 +131,7 @@ pub(super) fn scene_update(
         }
         entities.push(entity);
     }
-    Ok(encode::bytes_of(&SceneUpdate {
-        deletions: Vec::new(),
-        entities,
-    }))
+    Ok(entities)
 }
 
 /// Pose of a slab whose upper side is the plane of that point and normal.

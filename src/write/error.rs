@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::wire::EncodeError;
+use crate::wire::live::LiveError;
+use crate::wire::{ContainerError, EncodeError};
 
 /// Why a file was not written. Nothing is left under its final name.
 #[derive(Debug, Error)]
@@ -54,6 +55,35 @@ pub enum WriteError {
         /// The final name.
         path: PathBuf,
     },
+    /// A name is taken that must not be.
+    #[error("{}: is there already", path.display())]
+    Exists {
+        /// The name.
+        path: PathBuf,
+    },
+    /// What is to be recovered is no journal by its name.
+    #[error("{}: is no journal, expected a name that ends in .mcap.part", path.display())]
+    NoJournal {
+        /// As given.
+        path: PathBuf,
+    },
+    /// A journal is still being written.
+    #[error("{}: is being written", path.display())]
+    Busy {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// There is nothing in a journal.
+    #[error("{}: {source}", path.display())]
+    Container {
+        /// The journal.
+        path: PathBuf,
+        /// In what way.
+        source: ContainerError,
+    },
+    /// Something live cannot be had or sent.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// No frames can be made at this rate.
     #[error("{}: frame rate {frame_rate_hz} Hz, expected 0.001 to 100000", path.display())]
     FrameRate {

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::motion;
-use super::report::{EstimateReport, REPORT_SCHEMA, TIME_MAP_SCHEMA, TimeMap, json};
+use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::{drawing, topics, urdf};
 use crate::motion::{
     Estimate, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface, Verification,
@@ -57,6 +57,20 @@ pub struct EstimateFile<'a> {
     pub log_offset_ns: i64,
     /// Frames per second of the motion; what was simulated after it has an interval of its own.
     pub frame_rate_hz: f64,
+}
+
+impl<'a> EstimateFile<'a> {
+    /// What its report is about.
+    fn reported(&self) -> Reported<'a> {
+        Reported {
+            scene: self.scene,
+            sketch: self.sketch,
+            counts: self.counts,
+            estimate: self.estimate,
+            verification: self.verification,
+            settled: self.settled,
+        }
+    }
 }
 
 /// What was written.
@@ -257,7 +271,7 @@ impl<'a> Composer<'a> {
             ..
         } = *self.file;
         let time_map = TimeMap::new(scene, sketch, estimate, self.zero);
-        let report = EstimateReport::new(self.file, self.zero);
+        let report = EstimateReport::new(&self.file.reported(), self.zero);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,
@@ -329,7 +343,7 @@ impl<'a> Composer<'a> {
 }
 
 /// How wide surfaces are drawn for the motion to stay above them \[m\].
-fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
+pub(super) fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
     let mut side_m = SURFACE_SIDE_M;
     for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
         for sample in estimates.iter().flatten() {

@@ -3,7 +3,9 @@
 //! Every file is written under a temporary name beside its final one ([`atomic`]) and renamed
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
-//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording. Bytes depend on what is written and on
+//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording.
+//! [`journal`] keeps a live take as it comes, and [`mod@recover`] makes a recording of what a
+//! crash left of it; [`live`] publishes on iceoryx2, and [`show`] is what viewers are shown. Bytes depend on what is written and on
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
@@ -11,12 +13,16 @@ mod checks;
 mod drawing;
 pub mod error;
 pub mod estimate;
+pub mod journal;
+pub mod live;
 pub mod marks;
 mod merge;
 mod motion;
 mod options;
 pub mod recording;
+pub mod recover;
 pub mod report;
+pub mod show;
 pub mod topics;
 mod urdf;
 
@@ -24,5 +30,8 @@ pub use error::WriteError;
 pub use estimate::{
     DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, Written, write_estimate,
 };
+pub use journal::Journal;
+pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
 pub use recording::RecordingWriter;
+pub use recover::{Recovered, abandoned, recover};

@@ -6,9 +6,9 @@
 use serde::Serialize;
 
 use super::checks::{SettledLine, VerificationLine};
-use super::estimate::EstimateFile;
 use crate::motion::{
-    ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Sketch, Stamp,
+    ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Settled, Sketch,
+    Stamp, Verification,
 };
 
 /// JSON schema of [`EstimateReport`].
@@ -85,6 +85,23 @@ impl TimeMap {
             events: events.collect(),
         }
     }
+}
+
+/// What a report is about.
+#[derive(Clone, Copy)]
+pub struct Reported<'a> {
+    /// What it was estimated for.
+    pub scene: &'a Scene,
+    /// The performance.
+    pub sketch: &'a Sketch,
+    /// What became of its samples.
+    pub counts: &'a SampleCounts,
+    /// The motion.
+    pub estimate: &'a Estimate,
+    /// What independent checks say of it, if there were any.
+    pub verification: Option<&'a Verification>,
+    /// How it goes on, if it does.
+    pub settled: Option<&'a Settled>,
 }
 
 /// The whole estimate.
@@ -178,14 +195,15 @@ struct Counters {
 
 impl EstimateReport {
     /// Everything that the estimate says, with the scene's names for its numbers.
-    pub fn new(file: &EstimateFile, zero: Stamp) -> Self {
-        let EstimateFile {
+    pub fn new(of: &Reported, zero: Stamp) -> Self {
+        let Reported {
             scene,
             sketch,
             counts,
             estimate,
-            ..
-        } = *file;
+            verification,
+            settled,
+        } = *of;
         let counters = estimate.counters;
         Self {
             scene: scene.name.clone(),
@@ -230,10 +248,9 @@ impl EstimateReport {
                 starts: counters.starts,
             },
             time_map: TimeMap::new(scene, sketch, estimate, zero),
-            verification: file
-                .verification
+            verification: verification
                 .map(|verification| VerificationLine::new(scene, verification)),
-            settled: file.settled.map(SettledLine::new),
+            settled: settled.map(SettledLine::new),
         }
     }
 }

@@ -53,6 +53,11 @@ pub fn sketch_frame(body: &str) -> String {
     format!("{body}_sketch")
 }
 
+/// The frame that moves with a body's tracker, live.
+pub fn live_frame(body: &str) -> String {
+    format!("{body}_live")
+}
+
 /// Metadata of every channel that an estimate adds.
 pub(super) fn metadata() -> BTreeMap<String, String> {
     BTreeMap::from([(OURS.0.to_owned(), OURS.1.to_owned())])

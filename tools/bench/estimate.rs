@@ -5,8 +5,8 @@
 //! cargo bench --bench estimate -- cold
 //! ```
 //!
-//! `cold` is the pipeline up to the estimate with nothing prepared; the other groups are its
-//! parts, and `after` what follows: the checks, and settling. The
+//! `cold` is the pipeline up to the estimate with nothing prepared, `warm` a preview that goes on
+//! from the one before; the other groups are the parts of `cold`, and `after` what follows: the checks, and settling. The
 //! performances are those of `tools/perform` with seed 1.
 
 #[path = "../study/case.rs"]
@@ -129,6 +129,57 @@ mod cold {
     #[divan::bench]
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
+    }
+}
+
+/// The preview after eight samples more, from the one before: to be held against `cold`.
+mod warm {
+    use enact::motion::TakeEvent;
+    use enact::pipeline::Preview;
+
+    use super::*;
+
+    /// Samples that have come since the preview before.
+    const NEW: usize = 8;
+
+    /// In the second flight, open at its end: the landing's mark has not come.
+    fn run(bencher: divan::Bencher, case: &Case) {
+        let mut events = case.performance.events.clone();
+        let is_mark = |event: &TakeEvent| matches!(event, TakeEvent::Mark(_));
+        let landing = events.iter().rposition(is_mark).expect("a mark");
+        events.truncate(landing);
+        let new = events.split_off(events.len() - NEW);
+        let mut before = Preview::new(case.scene().clone());
+        events.into_iter().for_each(|event| before.push(event));
+        before.estimate(&mut ()).expect("an estimate");
+        bencher
+            .with_inputs(|| (before.clone(), new.clone()))
+            .bench_local_values(|(mut preview, new)| {
+                new.into_iter().for_each(|event| preview.push(event));
+                let previewed = preview.estimate(&mut ()).expect("an estimate");
+                assert!(previewed.is_some_and(|previewed| previewed.is_warm));
+                preview
+            });
+    }
+
+    #[divan::bench]
+    fn pencil_tip_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_eraser_known(bencher: divan::Bencher) {
+        run(bencher, &known(Style::Eraser));
+    }
+
+    #[divan::bench]
+    fn pencil_tip_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Tip));
+    }
+
+    #[divan::bench]
+    fn pencil_eraser_unknown(bencher: divan::Bencher) {
+        run(bencher, &unknown(Style::Eraser));
     }
 }
 

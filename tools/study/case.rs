@@ -122,6 +122,7 @@ impl Case {
         Guess {
             arcs: arcs.collect(),
             event_times_s: event_times_s.map(|time_s| time_s + offset_s).collect(),
+            parameters: own.parameters.clone(),
         }
     }
 }

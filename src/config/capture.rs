@@ -1,0 +1,253 @@
+//! The table `[capture]`: how a live take is recorded.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::error::{Fault, SceneError, fault};
+use super::number::{finite, index_of, positive, unique};
+use super::raw::{Number, RawCapture, RawScene, RawTrackerClock};
+use super::scene::{parse, scene};
+use crate::motion::{Scene, StampSource};
+
+const FOLDER: &str = "takes";
+const CHUNK_MS: f64 = 100.0;
+const SYNC_MS: f64 = 1000.0;
+
+/// Nobody wants to lose more than a minute \[ms\].
+const PERIOD_LIMIT_MS: f64 = 60_000.0;
+
+/// Rates that trackers keep \[Hz\].
+const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=1e5;
+
+/// How a live take is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaptureSettings {
+    /// Where takes go.
+    pub folder: PathBuf,
+    /// How long what came may be in an open chunk: what a killed process may lose.
+    pub chunk: Duration,
+    /// How often the journal is synced: what a failing machine may lose besides.
+    pub sync: Duration,
+    /// Where viewers and metrics are served; nobody else's machine reaches loopback.
+    pub listen: IpAddr,
+    /// Port of the WebSocket for viewers; 0: any that is free, `None`: there is none.
+    pub viewer_port: Option<u16>,
+    /// Port of health and metrics, likewise.
+    pub metrics_port: Option<u16>,
+    /// What stamps are made from, body by body; `None`: what the first sample has decides.
+    pub stamps: Vec<Option<StampSource>>,
+}
+
+/// A checked scene and how it is captured, from the text of a scene file.
+pub fn capture_from_toml(text: &str) -> Result<(Scene, CaptureSettings), SceneError> {
+    let raw = parse(text)?;
+    let both = || {
+        let scene = scene(&raw)?;
+        let settings = capture(&raw, &scene)?;
+        Ok((scene, settings))
+    };
+    both().map_err(|fault| SceneError::from_fault(text, fault))
+}
+
+/// The checked table, or its defaults.
+pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, Fault> {
+    let absent = RawCapture::default();
+    let raw = raw.capture.as_ref().unwrap_or(&absent);
+    let folder = match &raw.folder {
+        Some(text) if text.get_ref().trim().is_empty() => {
+            return fault(text.span(), "folder is empty, expected a path");
+        }
+        Some(text) => text.get_ref().clone(),
+        None => FOLDER.to_owned(),
+    };
+    let listen = match &raw.listen {
+        Some(text) => match text.get_ref().parse() {
+            Ok(address) => address,
+            Err(_) => {
+                let given = text.get_ref();
+                let expected = "expected an address such as \"127.0.0.1\"";
+                return fault(text.span(), format!("listen is {given:?}, {expected}"));
+            }
+        },
+        None => IpAddr::V4(Ipv4Addr::LOCALHOST),
+    };
+    let mut stamps = vec![None; scene.bodies.len()];
+    let mut named: Vec<&str> = Vec::new();
+    for tracker in &raw.tracker {
+        let names = scene.bodies.iter().map(|body| body.name.as_str());
+        let body = index_of("body", &tracker.body, names)?;
+        let name = scene.bodies[body].name.as_str();
+        unique("tracker of", &tracker.body, name, named.iter().copied())?;
+        named.push(name);
+        stamps[body] = Some(stamp_source(tracker)?);
+    }
+    Ok(CaptureSettings {
+        folder: PathBuf::from(folder),
+        chunk: period("chunk_ms", raw.chunk_ms.as_ref(), CHUNK_MS)?,
+        sync: period("sync_ms", raw.sync_ms.as_ref(), SYNC_MS)?,
+        listen,
+        viewer_port: port("viewer_port", raw.viewer_port.as_ref())?,
+        metrics_port: port("metrics_port", raw.metrics_port.as_ref())?,
+        stamps,
+    })
+}
+
+fn stamp_source(raw: &RawTrackerClock) -> Result<StampSource, Fault> {
+    let source = match (raw.stamps.get_ref().as_str(), &raw.rate_hz) {
+        ("sequence", Some(rate)) => {
+            let rate_hz = positive("rate_hz", rate)?;
+            if !RATES_HZ.contains(&rate_hz) {
+                let expected = "expected 0.1 to 100000";
+                return fault(rate.span(), format!("rate_hz is {rate_hz}, {expected}"));
+            }
+            return Ok(StampSource::Sequence { rate_hz });
+        }
+        ("sequence", None) => {
+            return fault(raw.stamps.span(), "stamps by sequence want rate_hz");
+        }
+        ("sample", _) => StampSource::Sample,
+        ("device", _) => StampSource::Device,
+        ("receipt", _) => StampSource::Receipt,
+        (other, _) => {
+            return fault(
+                raw.stamps.span(),
+                format!(
+                    "stamps are {other:?}, expected \"sample\", \"device\", \"sequence\" or \"receipt\""
+                ),
+            );
+        }
+    };
+    match &raw.rate_hz {
+        Some(rate) => fault(
+            rate.span(),
+            format!("rate_hz does not apply to stamps by {}", source.word()),
+        ),
+        None => Ok(source),
+    }
+}
+
+fn period(what: &str, given: Option<&Number>, default_ms: f64) -> Result<Duration, Fault> {
+    let Some(number) = given else {
+        return Ok(Duration::from_secs_f64(default_ms / 1e3));
+    };
+    let period_ms = positive(what, number)?;
+    if !(1.0..=PERIOD_LIMIT_MS).contains(&period_ms) {
+        return fault(
+            number.span(),
+            format!("{what} is {period_ms} ms, expected 1 to {PERIOD_LIMIT_MS}"),
+        );
+    }
+    Ok(Duration::from_secs_f64(period_ms / 1e3))
+}
+
+fn port(what: &str, given: Option<&Number>) -> Result<Option<u16>, Fault> {
+    let Some(number) = given else {
+        return Ok(None);
+    };
+    let value = finite(what, number)?;
+    if value.fract() != 0.0 || !(0.0..=f64::from(u16::MAX)).contains(&value) {
+        return fault(
+            number.span(),
+            format!("{what} is {value}, expected a whole number from 0 to 65535"),
+        );
+    }
+    Ok(Some(value as u16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = r#"name = "x"
+[timing]
+stamps = "tempo"
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius_mm = 10 }
+mass_g = 6.0
+"#;
+
+    fn settings(table: &str) -> Result<CaptureSettings, String> {
+        capture_from_toml(&format!("{SCENE}{table}"))
+            .map(|(_, settings)| settings)
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_left_out_has_the_documented_default() {
+        let settings = settings("").expect("valid");
+        assert_eq!(settings.folder, PathBuf::from("takes"));
+        assert_eq!(settings.chunk, Duration::from_millis(100));
+        assert_eq!(settings.sync, Duration::from_secs(1));
+        assert_eq!(settings.stamps, [None]);
+        assert_eq!((settings.viewer_port, settings.metrics_port), (None, None));
+    }
+
+    #[test]
+    fn nothing_but_loopback_is_listened_on_unless_it_is_asked_for() {
+        let ports = "[capture]\nviewer_port = 8765\nmetrics_port = 0\n";
+        let given = settings(ports).expect("valid");
+        assert_eq!(
+            (given.viewer_port, given.metrics_port),
+            (Some(8765), Some(0))
+        );
+        assert!(given.listen.is_loopback());
+        let asked = settings(&format!("{ports}listen = \"0.0.0.0\"\n")).expect("valid");
+        assert!(asked.listen.is_unspecified());
+    }
+
+    #[test]
+    fn every_source_can_be_said() {
+        for (line, expected) in [
+            ("stamps = \"sample\"", StampSource::Sample),
+            ("stamps = \"device\"", StampSource::Device),
+            ("stamps = \"receipt\"", StampSource::Receipt),
+            (
+                "stamps = \"sequence\"\nrate_hz = 250",
+                StampSource::Sequence { rate_hz: 250.0 },
+            ),
+        ] {
+            let table = format!("[[capture.tracker]]\nbody = \"ball\"\n{line}\n");
+            assert_eq!(settings(&table).expect("valid").stamps, [Some(expected)]);
+        }
+    }
+
+    #[test]
+    fn mistakes_are_answered_where_they_are_also_when_only_the_scene_is_wanted() {
+        for (table, expected) in [
+            ("[capture]\nchunk_ms = 0\n", "scene:9:12: chunk_ms is 0"),
+            ("[capture]\nchunk = 5\n", "scene:9:1: unknown key `chunk`"),
+            (
+                "[capture]\nlisten = \"everywhere\"\n",
+                "scene:9:10: listen is \"everywhere\"",
+            ),
+            (
+                "[capture]\nviewer_port = 65536\n",
+                "scene:9:15: viewer_port is 65536",
+            ),
+            (
+                "[capture]\nmetrics_port = 0.5\n",
+                "scene:9:16: metrics_port is 0.5",
+            ),
+            ("[capture]\nfolder = \"\"\n", "scene:9:10: folder is empty"),
+            (
+                "[[capture.tracker]]\nbody = \"bal\"\nstamps = \"device\"\n",
+                "scene:9:8: unknown body \"bal\"",
+            ),
+            (
+                "[[capture.tracker]]\nbody = \"ball\"\nstamps = \"sequence\"\n",
+                "scene:10:10: stamps by sequence want rate_hz",
+            ),
+            (
+                "[[capture.tracker]]\nbody = \"ball\"\nstamps = \"device\"\nrate_hz = 5\n",
+                "scene:11:11: rate_hz does not apply",
+            ),
+        ] {
+            let error = settings(table).expect_err(table);
+            assert!(error.contains(expected), "{error}");
+            let of_scene = crate::config::scene_from_toml(&format!("{SCENE}{table}"));
+            assert_eq!(of_scene.expect_err(table).to_string(), error);
+        }
+    }
+}

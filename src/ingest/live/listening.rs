@@ -1,0 +1,204 @@
+//! The subscribers of a scene.
+
+use std::time::Instant;
+
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::motion::Scene;
+use crate::wire::live::{
+    CONTROL_SERVICE, ControlRecord, LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality,
+    TAKE_SERVICE, TakeRecord, service_name,
+};
+
+/// Most samples that are taken from one service at a time: what a flood holds longer than that
+/// stays in its buffer while the others have their turn.
+const AT_ONCE: usize = 4096;
+
+/// What came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrived {
+    /// A reading on one of the scene's streams, in the order of [`stream_topics`].
+    Pose {
+        /// Which.
+        stream: usize,
+        /// As sent.
+        record: PoseRecord,
+        /// The buffer was full, or nearly: what the sequence lacks was likely lost there.
+        is_overflow: bool,
+    },
+    /// A mark.
+    Mark(MarkRecord),
+    /// Somebody wants something.
+    Control(ControlRecord),
+}
+
+/// What came, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// When it was taken from iceoryx2.
+    pub at: Instant,
+    /// What it was.
+    pub what: Arrived,
+}
+
+/// A stream of poses that a scene wants: its body, which of the body's, and its topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamTopic {
+    /// Index into `Scene::bodies`.
+    pub body: usize,
+    /// Which of the body's streams.
+    pub stream: usize,
+    /// The topic.
+    pub topic: String,
+}
+
+/// All streams of a scene, body by body.
+pub fn stream_topics(scene: &Scene) -> Vec<StreamTopic> {
+    let streams = |body| (0..scene.streams(body)).map(move |stream| (body, stream));
+    (0..scene.bodies.len())
+        .flat_map(streams)
+        .map(|(body, stream)| StreamTopic {
+            body,
+            stream,
+            topic: scene.stream_topic(body, stream),
+        })
+        .collect()
+}
+
+/// One subscriber, and how far it may fall behind.
+struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
+    name: String,
+    subscriber: Subscriber<LiveService, T, ()>,
+    buffer: usize,
+}
+
+/// Subscribers of all that a scene wants. They stay on the thread that opened them.
+pub struct Listening {
+    poses: Vec<Port<PoseRecord>>,
+    marks: Port<MarkRecord>,
+    control: Port<ControlRecord>,
+    shortcomings: Vec<String>,
+}
+
+impl Listening {
+    /// Makes or opens the services of a scene and subscribes to them.
+    pub fn open(node: &Node, scene: &Scene) -> Result<Self, LiveError> {
+        let mut shortcomings = Vec::new();
+        let mut poses = Vec::new();
+        for stream in stream_topics(scene) {
+            let name = service_name(&stream.topic);
+            poses.push(port(node, &name, Quality::POSES, &mut shortcomings)?);
+        }
+        let marks = service_name(&scene.marks_topic);
+        Ok(Self {
+            poses,
+            marks: port(node, &marks, Quality::NOTES, &mut shortcomings)?,
+            control: port(node, CONTROL_SERVICE, Quality::NOTES, &mut shortcomings)?,
+            shortcomings,
+        })
+    }
+
+    /// In what services that others made fall short, in words with figures.
+    pub fn shortcomings(&self) -> &[String] {
+        &self.shortcomings
+    }
+
+    /// Takes the poses and marks that have come. Those of one service are in order.
+    pub fn take(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
+        for (stream, port) in self.poses.iter().enumerate() {
+            let before = into.len();
+            port.take(into, |record| Arrived::Pose {
+                stream,
+                record,
+                is_overflow: false,
+            })?;
+            let is_full = into.len() - before >= port.buffer.min(AT_ONCE);
+            if is_full {
+                for arrival in &mut into[before..] {
+                    if let Arrived::Pose { is_overflow, .. } = &mut arrival.what {
+                        *is_overflow = true;
+                    }
+                }
+            }
+        }
+        self.marks.take(into, Arrived::Mark)
+    }
+
+    /// Takes what was commanded. Whatever was sent before a command is there when the command
+    /// is: take the samples after it.
+    pub fn take_control(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
+        self.control.take(into, Arrived::Control)
+    }
+}
+
+/// Hears what becomes of takes.
+pub struct TakeListener {
+    takes: Port<TakeRecord>,
+}
+
+impl TakeListener {
+    /// Subscribes to `enact/take`.
+    pub fn open(node: &Node) -> Result<Self, LiveError> {
+        Ok(Self {
+            takes: port(node, TAKE_SERVICE, Quality::NOTES, &mut Vec::new())?,
+        })
+    }
+
+    /// The next record, if there is one.
+    pub fn next(&self) -> Result<Option<TakeRecord>, LiveError> {
+        self.takes.next()
+    }
+}
+
+fn port<T: core::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node,
+    name: &str,
+    wanted: Quality,
+    shortcomings: &mut Vec<String>,
+) -> Result<Port<T>, LiveError> {
+    let served = node.service::<T>(name, wanted)?;
+    let of_service = served.shortcomings.iter();
+    shortcomings.extend(of_service.map(|what| format!("service {name}, made by another: {what}")));
+    let buffer = served.buffer();
+    let subscriber = served
+        .factory
+        .subscriber_builder()
+        .buffer_size(buffer)
+        .create()
+        .map_err(|reason| LiveError::Port {
+            service: name.to_owned(),
+            reason: format!("{reason:?}"),
+        })?;
+    Ok(Port {
+        name: name.to_owned(),
+        subscriber,
+        buffer,
+    })
+}
+
+impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> Port<T> {
+    fn take(&self, into: &mut Vec<Arrival>, what: impl Fn(T) -> Arrived) -> Result<(), LiveError> {
+        for _ in 0..AT_ONCE {
+            let Some(record) = self.next()? else {
+                break;
+            };
+            into.push(Arrival {
+                at: Instant::now(),
+                what: what(record),
+            });
+        }
+        Ok(())
+    }
+
+    fn next(&self) -> Result<Option<T>, LiveError> {
+        let sample = self
+            .subscriber
+            .receive()
+            .map_err(|reason| LiveError::Receive {
+                service: self.name.clone(),
+                reason: format!("{reason:?}"),
+            })?;
+        Ok(sample.map(|sample| *sample))
+    }
+}

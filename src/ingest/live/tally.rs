@@ -1,0 +1,288 @@
+//! What became of one tracker's samples, by their sequence numbers.
+
+use serde::Serialize;
+
+use crate::wire::live::PoseRecord;
+
+/// How far back a sample is told from its duplicate; what is older counts as late.
+const WINDOW: u64 = 1024;
+const WORDS: usize = (WINDOW / 64) as usize;
+
+/// Publishers of one tracker that are told apart at a time.
+const SESSIONS: usize = 4;
+
+/// Counts of one tracker.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct TallyCounts {
+    /// Samples that came, whatever they were like.
+    pub received: u64,
+    /// Holes in the sequence.
+    pub gaps: u64,
+    /// Samples that the sequence lacks.
+    pub missing: u64,
+    /// Holes that our own buffer is the likely cause of.
+    pub overflows: u64,
+    /// Samples that came after one with a greater number.
+    pub late: u64,
+    /// Samples that had come before.
+    pub duplicated: u64,
+    /// Samples that the tracker does not vouch for.
+    pub invalid: u64,
+    /// Poses with numbers that make none: not finite, or no unit quaternion.
+    pub malformed: u64,
+    /// Stamps that no message can say: before 1970 or after 2106.
+    pub unstampable: u64,
+    /// Samples with the pose of the one before, bit for bit.
+    pub frozen: u64,
+    /// Publishers that began after the first.
+    pub restarts: u64,
+}
+
+impl TallyCounts {
+    /// Adds those of another take.
+    pub fn add(&mut self, other: &Self) {
+        self.received += other.received;
+        self.gaps += other.gaps;
+        self.missing = self.missing.saturating_add(other.missing);
+        self.overflows += other.overflows;
+        self.late += other.late;
+        self.duplicated += other.duplicated;
+        self.invalid += other.invalid;
+        self.malformed += other.malformed;
+        self.unstampable += other.unstampable;
+        self.frozen += other.frozen;
+        self.restarts += other.restarts;
+    }
+}
+
+/// What a sample is to the stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It is used.
+    Used,
+    /// It is not valid: kept in the raw stream alone.
+    Invalid,
+    /// It has come before: kept in the raw stream alone.
+    Duplicate,
+}
+
+/// Counts the samples of one tracker.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    counts: TallyCounts,
+    sessions: Vec<Session>,
+    last_pose: Option<[u64; 7]>,
+}
+
+/// One publisher: the greatest number that came, and which of those below it have come.
+#[derive(Clone, Debug)]
+struct Session {
+    session: u32,
+    greatest: u64,
+    /// Bit `k` of the whole stands for `greatest − k`.
+    seen: [u64; WORDS],
+}
+
+impl Tally {
+    /// Counts a sample.
+    pub fn count(&mut self, record: &PoseRecord, is_overflow: bool) -> Fate {
+        self.counts.received += 1;
+        if self.is_duplicate(record, is_overflow) {
+            self.counts.duplicated += 1;
+            return Fate::Duplicate;
+        }
+        if !record.is_valid() {
+            self.counts.invalid += 1;
+            return Fate::Invalid;
+        }
+        let numbers = || record.position_m.iter().chain(&record.quaternion_xyzw);
+        let norm2: f64 = record.quaternion_xyzw.iter().map(|x| x * x).sum();
+        // Not so of a norm that is NaN either.
+        let is_unit = (norm2.sqrt() - 1.0).abs() <= 0.01;
+        if !is_unit || numbers().any(|x| !x.is_finite()) {
+            self.counts.malformed += 1;
+        }
+        let mut pose = [0; 7];
+        for (bits, number) in pose.iter_mut().zip(numbers()) {
+            *bits = number.to_bits();
+        }
+        self.counts.frozen += u64::from(self.last_pose == Some(pose));
+        self.last_pose = Some(pose);
+        Fate::Used
+    }
+
+    /// Counts a stamp that cannot be said.
+    pub fn unstampable(&mut self) {
+        self.counts.unstampable += 1;
+    }
+
+    /// The counts so far.
+    pub fn counts(&self) -> TallyCounts {
+        self.counts
+    }
+
+    fn is_duplicate(&mut self, record: &PoseRecord, is_overflow: bool) -> bool {
+        let known = self
+            .sessions
+            .iter()
+            .position(|s| s.session == record.session);
+        let Some(at) = known else {
+            self.counts.restarts += u64::from(!self.sessions.is_empty());
+            if self.sessions.len() == SESSIONS {
+                self.sessions.remove(0);
+            }
+            self.sessions
+                .push(Session::new(record.session, record.sequence));
+            return false;
+        };
+        let session = &mut self.sessions[at];
+        if record.sequence > session.greatest {
+            let ahead = record.sequence - session.greatest;
+            session.advance(ahead);
+            if ahead > 1 {
+                self.counts.gaps += 1;
+                self.counts.missing = self.counts.missing.saturating_add(ahead - 1);
+                self.counts.overflows += u64::from(is_overflow);
+            }
+            return false;
+        }
+        let back = session.greatest - record.sequence;
+        if back < WINDOW && session.has(back) {
+            return true;
+        }
+        if back < WINDOW {
+            session.set(back);
+        }
+        self.counts.late += 1;
+        self.counts.missing = self.counts.missing.saturating_sub(1);
+        false
+    }
+}
+
+impl Session {
+    fn new(session: u32, greatest: u64) -> Self {
+        let mut seen = [0; WORDS];
+        seen[0] = 1;
+        Self {
+            session,
+            greatest,
+            seen,
+        }
+    }
+
+    fn has(&self, back: u64) -> bool {
+        self.seen[(back / 64) as usize] >> (back % 64) & 1 == 1
+    }
+
+    fn set(&mut self, back: u64) {
+        self.seen[(back / 64) as usize] |= 1 << (back % 64);
+    }
+
+    /// The greatest number is now greater by that much, and has come.
+    fn advance(&mut self, ahead: u64) {
+        self.greatest += ahead;
+        if ahead >= WINDOW {
+            self.seen = [0; WORDS];
+        } else {
+            let (words, bits) = ((ahead / 64) as usize, ahead % 64);
+            for at in (0..WORDS).rev() {
+                let from = |at: Option<usize>| at.map_or(0, |at| self.seen[at]);
+                let low = from(at.checked_sub(words + 1));
+                let high = from(at.checked_sub(words));
+                self.seen[at] = if bits == 0 {
+                    high
+                } else {
+                    high << bits | low >> (64 - bits)
+                };
+            }
+        }
+        self.set(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::live::NO_TIME;
+
+    fn record(session: u32, sequence: u64) -> PoseRecord {
+        PoseRecord {
+            sequence,
+            available_ns: 0,
+            sample_ns: NO_TIME,
+            device_ns: NO_TIME,
+            position_m: [sequence as f64, f64::from(session), 0.0],
+            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+            flags: 1,
+            session,
+        }
+    }
+
+    fn counted(sequences: &[u64]) -> TallyCounts {
+        let mut tally = Tally::default();
+        for sequence in sequences {
+            tally.count(&record(1, *sequence), false);
+        }
+        tally.counts()
+    }
+
+    #[test]
+    fn an_unbroken_sequence_counts_nothing_but_samples() {
+        let all: Vec<u64> = (7..3007).collect();
+        let expected = TallyCounts {
+            received: 3000,
+            ..TallyCounts::default()
+        };
+        assert_eq!(counted(&all), expected);
+    }
+
+    #[test]
+    fn holes_late_ones_and_doubles_are_told_apart() {
+        let counts = counted(&[1, 2, 5, 3, 3, 5, 70, 4, 69]);
+        assert_eq!((counts.gaps, counts.missing), (2, 63));
+        assert_eq!((counts.late, counts.duplicated), (3, 2));
+        // Every number sent twice, in any order within the window, is a double once.
+        let mut twice: Vec<u64> = (0..1000).collect();
+        twice.extend((0..1000).rev());
+        assert_eq!(counted(&twice).duplicated, 1000);
+    }
+
+    #[test]
+    fn numbers_at_the_end_of_their_range_do_not_overflow() {
+        let counts = counted(&[0, u64::MAX, 5, u64::MAX - 1, u64::MAX]);
+        assert_eq!((counts.late, counts.duplicated), (2, 1));
+        assert_eq!(counts.missing, u64::MAX - 3);
+    }
+
+    #[test]
+    fn restarts_invalid_frozen_and_malformed_ones_are_counted() {
+        let mut tally = Tally::default();
+        assert_eq!(tally.count(&record(1, 100), false), Fate::Used);
+        assert_eq!(tally.count(&record(2, 0), false), Fate::Used);
+        let frozen = PoseRecord {
+            sequence: 1,
+            ..record(2, 0)
+        };
+        assert_eq!(tally.count(&frozen, false), Fate::Used);
+        let invalid = PoseRecord {
+            flags: 0,
+            ..record(2, 2)
+        };
+        assert_eq!(tally.count(&invalid, false), Fate::Invalid);
+        let malformed = PoseRecord {
+            position_m: [f64::NAN; 3],
+            ..record(2, 3)
+        };
+        assert_eq!(tally.count(&malformed, false), Fate::Used);
+        assert_eq!(tally.count(&record(2, 9), true), Fate::Used);
+        let counts = tally.counts();
+        let found = [
+            counts.restarts,
+            counts.frozen,
+            counts.invalid,
+            counts.malformed,
+            counts.overflows,
+        ];
+        assert_eq!(found, [1; 5]);
+    }
+}

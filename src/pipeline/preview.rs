@@ -1,0 +1,182 @@
+//! What the estimate so far is, while the performer acts.
+//!
+//! Of a scene whose first `k` events are marked that is the estimate of those events, with the
+//! flight after the last of them open, from all samples so far; later events, their goals and
+//! their parameters do not count. When the last event is marked it is the whole scene's.
+//!
+//! With every mark it begins anew, as the final estimate does. In between it goes on from the last
+//! answer: states, times, parameters and contacts are those of before, moved to where the
+//! flights' middles are now, and the Newton steps of the finish suffice. Where they do not, where
+//! another contact would come first, and whenever an open flight has grown by half, it begins
+//! anew too: a start from too few samples must not be kept for ever.
+//!
+//! Unnamed marks of a scene whose collision repeats are taken for collisions: that the last of
+//! them was the end is known when the take is over.
+
+use super::infer::{Inferred, is_sound};
+use super::warm::{self, Known};
+use super::{Outcome, PipelineError, segments, solve_segments};
+use crate::estimate::{self, Recipe};
+use crate::motion::{
+    Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
+};
+use crate::segment;
+
+/// How much more samples there are before the estimation begins anew.
+const GROWTH: f64 = 1.5;
+
+/// A performance that is being acted.
+#[derive(Clone, Debug)]
+pub struct Preview {
+    scene: Scene,
+    events: Vec<TakeEvent>,
+    last: Option<Last>,
+}
+
+/// The last answer.
+#[derive(Clone, Debug)]
+struct Last {
+    /// The scene that was asked about.
+    asked: Scene,
+    segments: Vec<Segment>,
+    outcome: Outcome,
+    /// Samples that were used when it was last begun anew.
+    samples: usize,
+}
+
+/// An estimate so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Previewed<'a> {
+    /// It, unchecked, in the part of the scene that was marked.
+    pub outcome: &'a Outcome,
+    /// Whether it went on from the one before.
+    pub is_warm: bool,
+}
+
+impl Preview {
+    /// Begins a take of that scene.
+    pub fn new(scene: Scene) -> Self {
+        Self {
+            scene,
+            events: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Takes in what the source delivered; in any order.
+    pub fn push(&mut self, event: TakeEvent) {
+        self.events.push(event);
+    }
+
+    /// Marks that were pushed.
+    pub fn marks(&self) -> usize {
+        self.mark_names().count()
+    }
+
+    /// The estimate from what was pushed. `None` before the start that a scene waits for; an error
+    /// where there is nothing to estimate from yet, such as too few samples after a mark.
+    pub fn estimate(
+        &mut self,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Previewed<'_>>, PipelineError> {
+        let Some(scene) = self.scene_so_far() else {
+            return Ok(None);
+        };
+        observer.phase(Phase::Clean);
+        let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
+        let (segments, rounds) = segments(&scene, &mut sketch, &mut counts, observer)?;
+        let last = self.last.take().filter(|last| last.asked == scene);
+        let warm = last.and_then(|last| {
+            let is_due = counts.used as f64 >= GROWTH * last.samples as f64;
+            let estimate = (!is_due).then(|| last.next(&sketch, &segments, observer))??;
+            Some((last.samples, last.outcome, estimate))
+        });
+        let is_warm = warm.is_some();
+        let (samples, mut inferred) = match warm {
+            Some((samples, outcome, estimate)) => {
+                let inferred = Inferred {
+                    scene: outcome.scene,
+                    events: outcome.inferred,
+                    search: outcome.search,
+                    estimate,
+                };
+                (samples, inferred)
+            }
+            None => {
+                let cut = (&segments[..], rounds);
+                let inferred = solve_segments(&scene, &sketch, cut, observer)?;
+                (counts.used, inferred)
+            }
+        };
+        inferred.estimate.counters.assignment_rounds = rounds;
+        let last = self.last.insert(Last {
+            asked: scene,
+            segments,
+            outcome: Outcome {
+                scene: inferred.scene,
+                inferred: inferred.events,
+                search: inferred.search,
+                sketch,
+                counts,
+                estimate: inferred.estimate,
+                verification: None,
+                settled: None,
+            },
+            samples,
+        });
+        observer.phase(Phase::Done);
+        Ok(Some(Previewed {
+            outcome: &last.outcome,
+            is_warm,
+        }))
+    }
+
+    /// The part of the scene that was marked.
+    fn scene_so_far(&self) -> Option<Scene> {
+        let events = &self.scene.events;
+        let marks = self.marks();
+        let is_named = |name: &str| self.mark_names().any(|mark| mark == Some(name));
+        let repeat =
+            |event: &&crate::motion::Event| matches!(event.kind, EventKind::Collisions { .. });
+        // Events after the repeated one are still to come, but for those that a mark names.
+        let after = events.iter().rev().take_while(|event| !repeat(event));
+        let to_come = after.filter(|event| !is_named(&event.name)).count();
+        let whole = self.scene.with_marks(marks + to_come);
+        let marked = whole.events_marked(self.mark_names());
+        let waits = marked == 0 && events.first().is_some_and(|e| e.kind == EventKind::Start);
+        (!waits).then(|| whole.first_events(marked))
+    }
+
+    fn mark_names(&self) -> impl Iterator<Item = Option<&str>> {
+        self.events.iter().filter_map(|event| match event {
+            TakeEvent::Mark(mark) => Some(mark.event.as_deref()),
+            TakeEvent::Pose { .. } => None,
+        })
+    }
+}
+
+impl Last {
+    /// The estimate that goes on from this one; `None` where that does not lead to a motion.
+    fn next(
+        &self,
+        sketch: &Sketch,
+        segments: &[Segment],
+        observer: &mut dyn Observer,
+    ) -> Option<Estimate> {
+        let known = Known {
+            segments: &self.segments,
+            estimate: &self.outcome.estimate,
+        };
+        if known.estimate.verdict == Verdict::Failed {
+            return None;
+        }
+        let scene = &self.outcome.scene;
+        let guess = [warm::guess(&known, scene, sketch, segments)?];
+        let recipe = Recipe::default().from_the_last();
+        let estimate = estimate::estimate(scene, sketch, segments, &guess, &recipe, observer);
+        let open = &self.outcome.inferred;
+        let is_good =
+            estimate.verdict == known.estimate.verdict && is_sound(scene, &estimate, open);
+        is_good.then_some(estimate)
+    }
+}

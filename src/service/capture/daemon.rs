@@ -1,0 +1,337 @@
+//! The daemon: who runs, who tells whom, and how it ends.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::watch;
+
+use super::estimator::finals;
+use super::herald::Herald;
+use super::http::{self, Pages};
+use super::listen::Listen;
+use super::metrics::Metrics;
+use super::notify::tell;
+use super::previewer::{Followed, Previewer, Shown};
+use super::recorder::Recorder;
+use super::said::{Notice, Said, Status};
+use super::viewer::{self, Feed};
+use crate::config::{CaptureSettings, capture_from_toml};
+use crate::ingest::live::{StreamTopic, stream_topics};
+use crate::motion::Scene;
+use crate::write::abandoned;
+
+/// Bounds of the queues; the policy of each is in the documentation of this room.
+const BATCHES: usize = 1024;
+const NOTICES: usize = 256;
+const SO_FAR: usize = 1;
+const FINALS: usize = 8;
+const SAID: usize = 1024;
+
+/// How often the status is shown.
+const SHOWN: Duration = Duration::from_millis(500);
+
+/// What to capture, and how.
+#[derive(Clone, Debug)]
+pub struct CaptureJob {
+    /// The scene file, with its `[capture]`.
+    pub scene: PathBuf,
+    /// Where takes go; the scene's by default.
+    pub folder: Option<PathBuf>,
+    /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
+    pub iceoryx2: Option<PathBuf>,
+    /// Begin a take at once.
+    pub start_now: bool,
+    /// Port of the WebSocket for viewers, 0 for any; by default the scene's.
+    pub viewer_port: Option<u16>,
+    /// Port of health and metrics, 0 for any; by default the scene's.
+    pub metrics_port: Option<u16>,
+}
+
+/// Captures until it is told to end by SIGTERM or SIGINT, or by an error of `each`, which is
+/// handed what happens; `show` is handed how it is, now and then. The take that runs is closed
+/// properly and all estimates are waited for; a second signal does not wait.
+///
+/// Fails before it listens where the scene is wrong, the folder cannot be made or the services
+/// cannot be opened.
+pub fn capture(
+    job: &CaptureJob,
+    mut each: impl FnMut(&Said) -> anyhow::Result<()>,
+    mut show: impl FnMut(&Status),
+) -> anyhow::Result<()> {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(1)
+        .enable_all()
+        .build()
+        .context("no tokio runtime")?;
+    runtime.block_on(async {
+        // Before anything is opened: a signal shall find us listening.
+        let mut terminate = signal(SignalKind::terminate())?;
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut running = Running::start(job).await?;
+        tell("READY=1");
+        let mut ticks = tokio::time::interval(SHOWN);
+        let mut result = Ok(());
+        loop {
+            let is_signal = tokio::select! {
+                said = running.said.recv() => match said {
+                    Some(said) => {
+                        if result.is_ok() {
+                            result = each(&said);
+                        }
+                        // Whoever reads the account has gone: nobody would see what follows.
+                        if result.is_err() {
+                            running.stop.store(true, Ordering::Relaxed);
+                        }
+                        false
+                    }
+                    None => break,
+                },
+                _ = ticks.tick() => {
+                    show(&running.status.borrow());
+                    false
+                }
+                _ = terminate.recv() => true,
+                _ = interrupt.recv() => true,
+            };
+            if is_signal {
+                tell("STOPPING=1");
+                if running.stop.swap(true, Ordering::Relaxed) {
+                    bail!("ended by a second signal: some estimates were not waited for");
+                }
+            }
+        }
+        running.join()?;
+        result
+    })
+}
+
+/// The threads, and the ends of their queues that are ours.
+struct Running {
+    said: tokio::sync::mpsc::Receiver<Said>,
+    status: watch::Receiver<Status>,
+    stop: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Running {
+    async fn start(job: &CaptureJob) -> anyhow::Result<Self> {
+        let (scene, scene_toml, mut settings) = read_scene(&job.scene)?;
+        if let Some(folder) = &job.folder {
+            settings.folder.clone_from(folder);
+        }
+        settings.viewer_port = job.viewer_port.or(settings.viewer_port);
+        settings.metrics_port = job.metrics_port.or(settings.metrics_port);
+        let folder = settings.folder.as_path();
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
+        let left = abandoned(folder)?;
+        let (notices, notice_queue) = mpsc::sync_channel(NOTICES);
+        let (batches, batch_queue) = mpsc::sync_channel(BATCHES);
+        let (tellers, said) = tokio::sync::mpsc::channel(SAID);
+        let stop = Arc::new(AtomicBool::new(false));
+        let mut threads = Vec::new();
+        let metrics = Arc::new(Metrics::default());
+
+        let (opened, is_open) = mpsc::channel();
+        let listen = Listen {
+            scene: scene.clone(),
+            iceoryx2: job.iceoryx2.clone(),
+            queue: batches,
+            metrics: Arc::clone(&metrics),
+            stop: Arc::clone(&stop),
+            opened,
+        };
+        threads.push(spawn("listen", move || listen.run())?);
+        let shortcomings = is_open.recv().context("the listener is gone")??;
+        let (opened, is_open) = mpsc::channel();
+        let herald = Herald {
+            scene: scene.clone(),
+            iceoryx2: job.iceoryx2.clone(),
+            said: tellers,
+            metrics: Arc::clone(&metrics),
+            opened,
+        };
+        threads.push(spawn("herald", move || herald.run(&notice_queue))?);
+        let opened = is_open.recv().context("the herald is gone")?;
+        if opened.is_err() {
+            stop.store(true, Ordering::Relaxed);
+        }
+        opened?;
+        let topics = stream_topics(&scene);
+        let (status_sender, status) = watch::channel(Status::default());
+        let (shown_sender, shown) = watch::channel(None);
+        let doors = Doors {
+            scene: &scene,
+            settings: &settings,
+            topics: &topics,
+            metrics: &metrics,
+            stop: &stop,
+        };
+        // Nothing has begun that would have to be ended, but for threads that wait.
+        let served = match doors.open(status.clone(), shown).await {
+            Ok(served) => served,
+            Err(error) => {
+                stop.store(true, Ordering::Relaxed);
+                return Err(error);
+            }
+        };
+        notices.send(Notice::of(Said::Ready {
+            viewer: served.viewer,
+            metrics: served.metrics,
+            topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
+            shortcomings,
+            abandoned: left.iter().map(|path| path.display().to_string()).collect(),
+        }))?;
+        let previewer = Previewer {
+            scene: scene.clone(),
+            herald: notices.clone(),
+            shown: shown_sender.clone(),
+            metrics: Arc::clone(&metrics),
+        };
+        let recorder = Recorder {
+            so_far: spawn_previewer(previewer, &mut threads)?,
+            finals: spawn_finals(&notices, (shown_sender, &metrics), &mut threads)?,
+            syncer: spawn_syncer(&notices, &mut threads)?,
+            scene,
+            scene_toml,
+            settings,
+            topics,
+            herald: notices,
+            status: status_sender,
+            metrics,
+            feed: served.feed,
+        };
+        let start_now = job.start_now;
+        threads.push(spawn("record", move || {
+            recorder.run(&batch_queue, start_now)
+        })?);
+        Ok(Self {
+            said,
+            status,
+            stop,
+            threads,
+        })
+    }
+
+    /// All queues are closed: waits for those who emptied them.
+    fn join(self) -> anyhow::Result<()> {
+        for thread in self.threads {
+            let name = thread.thread().name().unwrap_or_default().to_owned();
+            if thread.join().is_err() {
+                bail!("thread {name} panicked, which is a bug");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the sockets need to be opened.
+struct Doors<'a> {
+    scene: &'a Scene,
+    settings: &'a CaptureSettings,
+    topics: &'a [StreamTopic],
+    metrics: &'a Arc<Metrics>,
+    stop: &'a Arc<AtomicBool>,
+}
+
+/// Where is listened, and the recorder's end of what viewers are shown.
+struct Served {
+    viewer: Option<String>,
+    metrics: Option<String>,
+    feed: Option<Feed>,
+}
+
+impl Doors<'_> {
+    /// Opens those that are wanted.
+    async fn open(
+        &self,
+        status: watch::Receiver<Status>,
+        shown: watch::Receiver<Shown>,
+    ) -> anyhow::Result<Served> {
+        let at = |port: u16| SocketAddr::new(self.settings.listen, port);
+        let mut served = Served {
+            viewer: None,
+            metrics: None,
+            feed: None,
+        };
+        if let Some(address) = self.settings.metrics_port.map(at) {
+            let pages = Pages {
+                metrics: Arc::clone(self.metrics),
+                status,
+                stop: Arc::clone(self.stop),
+            };
+            let opened = http::serve(address, pages).await;
+            let address = opened.with_context(|| format!("{address}: no metrics"))?;
+            served.metrics = Some(format!("http://{address}"));
+        }
+        if let Some(address) = self.settings.viewer_port.map(at) {
+            let what = (self.scene, self.topics);
+            let metrics = Arc::clone(self.metrics);
+            let opened = viewer::serve(address, what, shown, metrics).await;
+            let (feed, address) = opened.with_context(|| format!("{address}: no viewers"))?;
+            served.viewer = Some(format!("ws://{address}"));
+            served.feed = Some(feed);
+        }
+        Ok(served)
+    }
+}
+
+fn read_scene(path: &Path) -> anyhow::Result<(Scene, Vec<u8>, CaptureSettings)> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("{}: cannot read the scene", path.display()))?;
+    let (scene, settings) =
+        capture_from_toml(&text).map_err(|error| error.in_file(path.display().to_string()))?;
+    Ok((scene, text.into_bytes(), settings))
+}
+
+fn spawn(name: &str, run: impl FnOnce() + Send + 'static) -> anyhow::Result<JoinHandle<()>> {
+    let builder = thread::Builder::new().name(name.to_owned());
+    builder.spawn(run).with_context(|| format!("thread {name}"))
+}
+
+fn spawn_previewer(
+    previewer: Previewer,
+    threads: &mut Vec<JoinHandle<()>>,
+) -> anyhow::Result<SyncSender<Followed>> {
+    let (sender, queue) = mpsc::sync_channel(SO_FAR);
+    threads.push(spawn("preview", move || previewer.run(&queue))?);
+    Ok(sender)
+}
+
+fn spawn_finals(
+    notices: &SyncSender<Notice>,
+    (shown, metrics): (watch::Sender<Shown>, &Arc<Metrics>),
+    threads: &mut Vec<JoinHandle<()>>,
+) -> anyhow::Result<SyncSender<super::estimator::Finished>> {
+    let (sender, queue) = mpsc::sync_channel(FINALS);
+    let (notices, metrics) = (notices.clone(), Arc::clone(metrics));
+    threads.push(spawn("finals", move || {
+        finals(&queue, &notices, &shown, &metrics);
+    })?);
+    Ok(sender)
+}
+
+fn spawn_syncer(
+    notices: &SyncSender<Notice>,
+    threads: &mut Vec<JoinHandle<()>>,
+) -> anyhow::Result<SyncSender<std::fs::File>> {
+    // One waits at most: while a sync takes long, the next one is for both.
+    let (sender, queue): (_, Receiver<std::fs::File>) = mpsc::sync_channel(1);
+    let notices = notices.clone();
+    threads.push(spawn("sync", move || {
+        for file in queue {
+            if let Err(error) = file.sync_data() {
+                let text = format!("the journal was not synced: {error}");
+                let _ = notices.try_send(Notice::of(Said::Warning { text }));
+            }
+        }
+    })?);
+    Ok(sender)
+}

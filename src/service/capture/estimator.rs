@@ -1,0 +1,103 @@
+//! The thread that estimates takes that are over. It is never waited for by those that record.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender};
+use std::time::Instant;
+
+use anyhow::anyhow;
+use tokio::sync::watch;
+
+use super::metrics::Metrics;
+use super::previewer::Shown;
+use super::said::{Notice, Said};
+use super::take::now_ns;
+use crate::motion::TakeEvent;
+use crate::pipeline::{Outcome, Pipeline};
+use crate::service::Report;
+use crate::service::finish::{finished, open, output_path};
+use crate::service::words;
+use crate::write::live::EstimateOccasion;
+
+/// A take whose file has its name.
+pub(super) struct Finished {
+    /// Which.
+    pub(super) take: u64,
+    /// The file.
+    pub(super) path: PathBuf,
+}
+
+/// Estimates takes that are over, one after the other, from their files: as `enact replay` does,
+/// so that the bytes are the same.
+pub(super) fn finals(
+    queue: &Receiver<Finished>,
+    herald: &SyncSender<Notice>,
+    shown: &watch::Sender<Shown>,
+    metrics: &Metrics,
+) {
+    while let Ok(Finished { take, path }) = queue.recv() {
+        metrics.finals_waiting.take();
+        let begun = Instant::now();
+        match guarded(|| estimate_file(&path)) {
+            Ok((report, outcome, marks)) => {
+                metrics.estimated(begun.elapsed());
+                shown.send_replace(Some(Arc::new(outcome.clone())));
+                let report = Box::new(report);
+                let outcome = (occasion(take, marks, true), outcome);
+                say(herald, Said::Estimated { take, report }, Some(outcome));
+            }
+            Err(error) => {
+                let said = Said::NotEstimated {
+                    take,
+                    recording: path.display().to_string(),
+                    error: words(&error),
+                };
+                say(herald, said, None);
+            }
+        }
+    }
+}
+
+fn estimate_file(path: &std::path::Path) -> anyhow::Result<(Report, Outcome, u64)> {
+    let opened = open(path, None)?;
+    let take = opened.recording.take(&opened.scene)?;
+    let mut pipeline = Pipeline::new(opened.scene.clone());
+    let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
+    let marks = take.events.iter().filter(is_mark).count() as u64;
+    for event in take.events {
+        pipeline.push(event);
+    }
+    let output = output_path(path, None)?;
+    let (report, outcome) = finished(&opened, &pipeline, &take.report, &output)?;
+    Ok((report, outcome, marks))
+}
+
+/// A bug in an estimation shall not end a recording.
+pub(super) fn guarded<T>(estimate: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
+    catch_unwind(AssertUnwindSafe(estimate))
+        .unwrap_or_else(|_| Err(anyhow!("the estimation panicked, which is a bug")))
+}
+
+pub(super) fn occasion(take: u64, marks: u64, is_final: bool) -> EstimateOccasion {
+    EstimateOccasion {
+        take,
+        marks,
+        is_final,
+        now_ns: now_ns(),
+    }
+}
+
+pub(super) fn say(
+    herald: &SyncSender<Notice>,
+    said: Said,
+    outcome: Option<(EstimateOccasion, Outcome)>,
+) {
+    let outcome = outcome.map(|(occasion, outcome)| (occasion, Box::new(outcome)));
+    // These threads may wait; a herald that is gone has nobody left to tell.
+    let _ = herald.send(Notice {
+        said,
+        asked: None,
+        outcome,
+    });
+}

@@ -1,0 +1,100 @@
+//! The thread that listens: it waits for nothing but the journal's queue.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Sender, SyncSender};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::metrics::Metrics;
+use crate::ingest::live::{Arrival, Arrived, Listening};
+use crate::ingest::live::{Command, LiveError, Node};
+use crate::motion::Scene;
+
+/// How often services are polled while samples come, and when none came for a while.
+const POLL: Duration = Duration::from_millis(1);
+const POLL_IDLE: Duration = Duration::from_millis(5);
+const IDLE_AFTER: Duration = Duration::from_secs(1);
+
+/// What the thread is given.
+pub(super) struct Listen {
+    pub(super) scene: Scene,
+    pub(super) iceoryx2: Option<PathBuf>,
+    /// Where arrivals go; while it is full they wait in the subscribers' buffers.
+    pub(super) queue: SyncSender<Vec<Arrival>>,
+    pub(super) metrics: Arc<Metrics>,
+    /// Set to end.
+    pub(super) stop: Arc<AtomicBool>,
+    /// Told once whether the services are open, and in what they fall short.
+    pub(super) opened: Sender<Result<Vec<String>, LiveError>>,
+}
+
+impl Listen {
+    /// Opens the services and listens until it is told to stop; takes what is there before it
+    /// goes.
+    pub(super) fn run(self) {
+        let open = || {
+            let node = Node::join("enact capture", self.iceoryx2.as_deref())?;
+            let listening = Listening::open(&node, &self.scene)?;
+            Ok((node, listening))
+        };
+        // Nobody to tell: the daemon has given up.
+        let (_node, listening) = match open() {
+            Ok((node, listening)) => {
+                let shortcomings = listening.shortcomings().to_vec();
+                let _ = self.opened.send(Ok(shortcomings));
+                (node, listening)
+            }
+            Err(error) => {
+                let _ = self.opened.send(Err(error));
+                return;
+            }
+        };
+        let mut heard = Instant::now();
+        let mut complained = false;
+        loop {
+            let is_last = self.stop.load(Ordering::Relaxed);
+            let (batch, result) = poll(&listening);
+            if let Err(error) = result
+                && !std::mem::replace(&mut complained, true)
+            {
+                tracing::error!(%error, "said once");
+            }
+            if !batch.is_empty() {
+                heard = Instant::now();
+                self.metrics.batches_waiting.put();
+                if self.queue.send(batch).is_err() {
+                    return;
+                }
+            }
+            if is_last {
+                return;
+            }
+            let is_idle = heard.elapsed() > IDLE_AFTER;
+            thread::sleep(if is_idle { POLL_IDLE } else { POLL });
+        }
+    }
+}
+
+/// What has come. A take that starts begins with the samples that came by the same time, one
+/// that stops has all that were sent before the command.
+fn poll(listening: &Listening) -> (Vec<Arrival>, Result<(), LiveError>) {
+    let (mut samples, mut control) = (Vec::new(), Vec::new());
+    let result = listening
+        .take(&mut samples)
+        .and(listening.take_control(&mut control));
+    if control.is_empty() {
+        return (samples, result);
+    }
+    let result = result.and(listening.take(&mut samples));
+    let start = Command::Start.number();
+    let is_start =
+        |arrival: &Arrival| matches!(arrival.what, Arrived::Control(c) if c.command == start);
+    let mut batch = Vec::with_capacity(samples.len() + control.len());
+    let first = usize::from(control.first().is_some_and(is_start));
+    batch.extend(control.drain(..first));
+    batch.append(&mut samples);
+    batch.append(&mut control);
+    (batch, result)
+}

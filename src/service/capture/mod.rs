@@ -1,0 +1,85 @@
+//! The live daemon: takes from trackers that run now, journalled, estimated, published.
+//!
+//! ```text
+//! iceoryx2 ──> listen ──> record ──> journal (a recording, when the take is over)
+//!                            ├──> sync        the journal, on a timer
+//!                            ├──> preview     the estimate so far       ──┬────────> viewers
+//!                            ├──> finals      estimates of whole takes  ──┼──> herald ──> iceoryx2
+//!                            └────────────────────────────────────────────┘       └──> the account
+//! ```
+//!
+//! Each is a thread, each arrow a queue with a bound. tokio has the signals, the timer, the
+//! account, and whatever is served to others: a WebSocket for viewers, health and metrics by
+//! HTTP. Both are off unless they are given a port, and on loopback unless another address is
+//! asked for.
+//!
+//! | queue | bound | when it is full |
+//! |---|---|---|
+//! | a service's buffer | 2048 samples a publisher | the oldest goes; the hole in the sequence is counted as an overflow |
+//! | listen → record | 1024 batches, one a millisecond | the listener waits, and samples with it in their buffers |
+//! | record → sync | 1 | that sync is left out: the next one is for both |
+//! | record → preview | 1 | events wait with the recorder and go with what comes next: one estimate is made of all; beyond 200 000 a take has no more previews |
+//! | record → finals | 8 takes | the take is not estimated, and the account says so |
+//! | record → viewers | 256 poses, 60 a second and stream | not shown, and counted |
+//! | preview, finals → viewers | 1 estimate | the newest replaces it |
+//! | server → one viewer | 1024 messages | the oldest go |
+//! | → herald | 256 | recorder: dropped and logged; estimators wait |
+//! | herald → account | 1024 | dropped and logged |
+//!
+//! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
+//! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
+//! as long as it works.
+//!
+//! # Watching
+//!
+//! ```toml
+//! [capture]
+//! viewer_port = 8765     # Foxglove and Lichtblick: ws://127.0.0.1:8765; 0: any free port
+//! metrics_port = 9464    # /health and /metrics
+//! listen = "127.0.0.1"   # the default; others only reach what is opened to them here
+//! ```
+//!
+//! There is neither encryption nor a password: off loopback everybody who reaches the port sees
+//! what is acted. A port that is taken is an error at the start.
+//!
+//! Take after take can be recorded while earlier ones are estimated. A journal of more than two
+//! million messages is left to `enact process`.
+//!
+//! # As a service
+//!
+//! ```text
+//! [Service]
+//! Type=notify
+//! User=mocap
+//! ExecStart=/usr/local/bin/enact capture /etc/enact/pencil.toml
+//! WorkingDirectory=/var/lib/enact
+//! KillSignal=SIGTERM
+//! TimeoutStopSec=60
+//! Restart=on-failure
+//! ```
+//!
+//! iceoryx2 keeps its shared memory under `/dev/shm` and its files under `/tmp/iceoryx2`, as the
+//! user of the process: trackers' drivers must run as the same user. `RemoveIPC=no` must be set
+//! in `logind.conf`, or the shared memory goes when that user logs out; `PrivateTmp=` must be
+//! off. Started first, the daemon makes the services with its own quality; `enact doctor` shows
+//! what is there.
+
+mod daemon;
+mod estimator;
+mod herald;
+mod http;
+mod latency;
+mod listen;
+mod metrics;
+mod naming;
+mod notify;
+mod previewer;
+mod recorder;
+mod said;
+mod take;
+mod viewer;
+
+pub use daemon::{CaptureJob, capture};
+pub use latency::LatencyLine;
+pub use said::{CountsLine, MarkCounts, Said, Status, TrackerLine};
+pub(super) use take::now_ns;

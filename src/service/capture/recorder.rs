@@ -1,0 +1,378 @@
+//! The thread that journals: whatever it does not do itself it hands on without waiting.
+
+use std::fs::File;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError};
+use std::time::{Duration, Instant};
+
+use tokio::sync::watch;
+
+use super::estimator::Finished;
+use super::latency::Latencies;
+use super::metrics::Metrics;
+use super::naming::take_path;
+use super::previewer::Followed;
+use super::said::{Asked, CountsLine, Notice, Said, Status};
+use super::take::{Take, now_ns};
+use super::viewer::Feed;
+use crate::config::CaptureSettings;
+use crate::ingest::live::{Arrival, Arrived, StreamTopic};
+use crate::ingest::live::{Command, ControlRecord};
+use crate::motion::{Scene, Stamp};
+use crate::write::WriteError;
+
+/// How often the status is renewed.
+const STATUS: Duration = Duration::from_millis(200);
+
+/// Events of a take that are kept for estimates so far; longer takes have none.
+const SO_FAR_EVENTS: usize = 200_000;
+
+/// Journals with more samples are not estimated while recording may go on: `enact process` does.
+const FINAL_MESSAGES: u64 = 2_000_000;
+
+/// What the thread is given.
+pub(super) struct Recorder {
+    pub(super) scene: Scene,
+    pub(super) scene_toml: Vec<u8>,
+    pub(super) settings: CaptureSettings,
+    pub(super) topics: Vec<StreamTopic>,
+    pub(super) herald: SyncSender<Notice>,
+    pub(super) so_far: SyncSender<Followed>,
+    pub(super) finals: SyncSender<Finished>,
+    pub(super) syncer: SyncSender<File>,
+    pub(super) status: watch::Sender<Status>,
+    pub(super) metrics: Arc<Metrics>,
+    /// For viewers, if there may be any.
+    pub(super) feed: Option<Feed>,
+}
+
+/// What it knows.
+struct State {
+    take: Option<Take>,
+    takes: u64,
+    outside: u64,
+    /// Events of the take that runs that the previewer was given, if it follows.
+    followed: Option<usize>,
+    /// Of takes that are over.
+    totals: (CountsLine, Latencies),
+    said: Instant,
+}
+
+impl Recorder {
+    /// Journals what comes until nobody sends any more, then closes the take.
+    pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
+        let mut state = State {
+            take: None,
+            takes: 0,
+            outside: 0,
+            followed: None,
+            totals: Default::default(),
+            said: Instant::now(),
+        };
+        if start_now {
+            self.start(&mut state, None);
+        }
+        let tick = self.settings.chunk.min(STATUS) / 20;
+        loop {
+            match queue.recv_timeout(tick) {
+                Ok(batch) => {
+                    self.metrics.batches_waiting.take();
+                    batch.iter().for_each(|arrival| {
+                        self.take_in(&mut state, arrival);
+                        self.show(arrival);
+                    });
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            self.tick(&mut state);
+        }
+        if state.take.is_some() {
+            self.stop(&mut state, None);
+        }
+    }
+
+    /// Shows it to viewers, in a take or not.
+    fn show(&mut self, arrival: &Arrival) {
+        let Some(feed) = &mut self.feed else {
+            return;
+        };
+        match &arrival.what {
+            Arrived::Pose { stream, record, .. } => feed.pose(arrival.at, *stream, record),
+            Arrived::Mark(record) => {
+                if let Some(mark) = record.mark(Stamp(now_ns())) {
+                    feed.mark(mark);
+                }
+            }
+            Arrived::Control(_) => {}
+        }
+    }
+
+    fn take_in(&self, state: &mut State, arrival: &Arrival) {
+        let result = match (&arrival.what, &mut state.take) {
+            (Arrived::Control(record), _) => {
+                self.control(state, record);
+                Ok(())
+            }
+            (_, None) => {
+                state.outside += 1;
+                Ok(())
+            }
+            (Arrived::Mark(record), Some(take)) => take.mark(arrival.at, record),
+            (
+                Arrived::Pose {
+                    stream,
+                    record,
+                    is_overflow,
+                },
+                Some(take),
+            ) => take.pose(arrival.at, *stream, record, *is_overflow),
+        };
+        if let Err(error) = result {
+            self.give_up(state, &error);
+        }
+    }
+
+    fn control(&self, state: &mut State, record: &ControlRecord) {
+        let asked = Some((record.session, record.sequence));
+        let runs = state.take.is_some();
+        match Command::of(record.command) {
+            Some(Command::Start) => {
+                if runs {
+                    self.stop(state, asked);
+                }
+                self.start(state, asked);
+            }
+            Some(Command::Stop) if runs => self.stop(state, asked),
+            Some(Command::Discard) if runs => self.discard(state, asked),
+            Some(Command::Ask) => {
+                let take = state.take.as_ref();
+                let said = Said::Asked {
+                    take: take.map(|take| take.number),
+                    messages: take.map_or(0, |take| take.journal.messages()),
+                };
+                self.say(Notice::asked(said, asked));
+            }
+            command => {
+                let reason = match command {
+                    Some(_) => "no take runs",
+                    None => "no such command",
+                };
+                let said = Said::Refused {
+                    command: record.command,
+                    reason: reason.to_owned(),
+                };
+                self.say(Notice::asked(said, asked));
+            }
+        }
+    }
+
+    fn start(&self, state: &mut State, asked: Asked) {
+        state.takes += 1;
+        let path = take_path(&self.settings.folder, now_ns());
+        let (scene, toml) = (&self.scene, &self.scene_toml);
+        match Take::begin(
+            state.takes,
+            &path,
+            scene,
+            toml,
+            &self.topics,
+            &self.settings,
+        ) {
+            Ok(take) => {
+                state.followed = Some(0);
+                let said = Said::Started {
+                    take: state.takes,
+                    recording: path.display().to_string(),
+                };
+                self.say(Notice::asked(said, asked));
+                state.take = Some(take);
+            }
+            Err(error) => {
+                let said = Said::Broken {
+                    take: state.takes,
+                    recording: path.display().to_string(),
+                    messages: 0,
+                    error: error.to_string(),
+                };
+                self.say(Notice::asked(said, asked));
+            }
+        }
+    }
+
+    fn stop(&self, state: &mut State, asked: Asked) {
+        let Some(mut take) = state.take.take() else {
+            return;
+        };
+        self.follow(state, &mut take);
+        if let Err(error) = take.note_counts() {
+            state.take = Some(take);
+            return self.give_up(state, &error);
+        }
+        state.end_of(&take);
+        let (number, messages, counts) = (take.number, take.journal.messages(), take.counts());
+        let path = take.journal.path().to_owned();
+        let recording = path.display().to_string();
+        if let Err(error) = take.journal.finish() {
+            let error = error.to_string();
+            let said = Said::Broken {
+                take: number,
+                recording,
+                messages,
+                error,
+            };
+            return self.say(Notice::asked(said, asked));
+        }
+        let said = Said::Closed {
+            take: number,
+            recording: recording.clone(),
+            messages,
+            counts,
+        };
+        self.say(Notice::asked(said, asked));
+        let reason = if messages > FINAL_MESSAGES {
+            format!("{messages} messages are too many to estimate beside a recording")
+        } else {
+            match self.finals.try_send(Finished { take: number, path }) {
+                Ok(()) => return self.metrics.finals_waiting.put(),
+                Err(_) => "too many takes wait for their estimates".to_owned(),
+            }
+        };
+        self.say(Notice::of(Said::NotEstimated {
+            take: number,
+            error: format!("{reason}: enact process {recording}"),
+            recording,
+        }));
+    }
+
+    fn discard(&self, state: &mut State, asked: Asked) {
+        let Some(take) = state.take.take() else {
+            return;
+        };
+        state.end_of(&take);
+        let number = take.number;
+        if let Err(error) = take.journal.discard() {
+            self.say(Notice::of(Said::Warning {
+                text: error.to_string(),
+            }));
+        }
+        self.say(Notice::asked(Said::Discarded { take: number }, asked));
+    }
+
+    /// Recording stops: what was journalled so far becomes a file, if that is possible.
+    fn give_up(&self, state: &mut State, error: &WriteError) {
+        let Some(take) = state.take.take() else {
+            return;
+        };
+        state.end_of(&take);
+        let (number, messages) = (take.number, take.journal.messages());
+        let path = take.journal.path().to_owned();
+        let part = take.journal.part().to_owned();
+        let (recording, error): (PathBuf, String) = match take.journal.salvage() {
+            Ok(()) => (path, error.to_string()),
+            Err(worse) => (part, format!("{error}; then {worse}")),
+        };
+        self.say(Notice::of(Said::Broken {
+            take: number,
+            recording: recording.display().to_string(),
+            messages,
+            error,
+        }));
+    }
+
+    /// Everything that is done by time.
+    fn tick(&self, state: &mut State) {
+        let now = Instant::now();
+        if let Some(mut take) = state.take.take() {
+            let ticked = take.tick(now, &self.settings);
+            if ticked.is_ok() {
+                self.sync(&mut take, now);
+                self.follow(state, &mut take);
+            }
+            state.take = Some(take);
+            if let Err(error) = ticked {
+                self.give_up(state, &error);
+            }
+        }
+        if now.duration_since(state.said) >= STATUS {
+            state.said = now;
+            self.status.send_replace(status(state));
+        }
+    }
+
+    /// Has the journal synced by another thread. While that is still at the last time, not.
+    fn sync(&self, take: &mut Take, now: Instant) {
+        if now.duration_since(take.synced) < self.settings.sync {
+            return;
+        }
+        take.synced = now;
+        match take.journal.sync_handle() {
+            Ok(file) => {
+                if let Err(TrySendError::Full(_)) = self.syncer.try_send(file) {
+                    tracing::warn!("the disk takes longer than sync_ms to sync");
+                }
+            }
+            Err(error) => tracing::warn!(%error, "not synced"),
+        }
+    }
+
+    /// Hands new events to the previewer. What it cannot take now waits until the next time and
+    /// goes with what comes then; takes that grow too long are no longer followed.
+    fn follow(&self, state: &mut State, take: &mut Take) {
+        let followed = state.followed.map(|count| count + take.pending.len());
+        state.followed = followed.filter(|count| *count <= SO_FAR_EVENTS);
+        if state.followed.is_none() {
+            take.pending = Vec::new();
+        }
+        if take.pending.is_empty() {
+            return;
+        }
+        let message = Followed {
+            take: take.number,
+            marks: take.marks(),
+            events: std::mem::take(&mut take.pending),
+        };
+        match self.so_far.try_send(message) {
+            Ok(()) => self.metrics.previews_waiting.put(),
+            Err(TrySendError::Full(message)) => {
+                state.followed = state.followed.map(|count| count - message.events.len());
+                take.pending = message.events;
+            }
+            Err(TrySendError::Disconnected(_)) => state.followed = None,
+        }
+    }
+
+    fn say(&self, notice: Notice) {
+        if let Err(TrySendError::Full(notice)) = self.herald.try_send(notice) {
+            tracing::error!(lost = ?notice.said, "nobody listens to what is said");
+        }
+    }
+}
+
+impl State {
+    /// A take is over: its counts go into the totals.
+    fn end_of(&mut self, take: &Take) {
+        self.followed = None;
+        self.totals.0.add(&take.counts());
+        self.totals.1.merge(&take.latencies);
+    }
+}
+
+fn status(state: &State) -> Status {
+    let take = state.take.as_ref();
+    let (mut totals, mut latency) = state.totals.clone();
+    if let Some(take) = take {
+        totals.add(&take.counts());
+        latency.merge(&take.latencies);
+    }
+    Status {
+        take: take.map(|take| take.number),
+        recording: take.map(|take| take.journal.path().display().to_string()),
+        messages: take.map_or(0, |take| take.journal.messages()),
+        counts: take.map(Take::counts).unwrap_or_default(),
+        outside: state.outside,
+        totals,
+        latency,
+    }
+}

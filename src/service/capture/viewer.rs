@@ -1,0 +1,298 @@
+//! What Foxglove and Lichtblick are shown while a performer acts, by WebSocket.
+//!
+//! | topic | what |
+//! |---|---|
+//! | `/tracker/<body>/pose` | what the tracker says, at 60 Hz at most, take or no take |
+//! | `/marks` | marks as they come |
+//! | `/estimate/<body>/pose`, `/sketch/<body>/pose` | the last estimate and the performance at its physical times, played over and over in real time |
+//! | `/tf` | frames `<body>_live`, `<body>_estimate`, `<body>_sketch` |
+//! | `/scene` | bodies, ghosts, the static world; again every second, for those who come late |
+//! | `/estimate/report`, `/estimate/time_map` | the last estimate in numbers; again every second |
+//!
+//! The protocol is the `foxglove` crate's, which serves `foxglove.sdk.v1` and `v1.1`, refuses
+//! whoever does not ask for one of them, and keeps a queue of 1024 messages for every client, of
+//! which the oldest go first. Clients may look and do no more: no capability is offered.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use foxglove::{Context, RawChannel, Schema};
+use tokio::sync::mpsc::error::TrySendError;
+use tokio::sync::{mpsc, watch};
+
+use super::metrics::Metrics;
+use super::previewer::Shown;
+use super::take::now_ns;
+use crate::ingest::live::{PoseRecord, StreamTopic};
+use crate::motion::{Mark, PoseSample, Scene, Stamp, Verdict};
+use crate::pipeline::Outcome;
+use crate::write::report::Reported;
+use crate::write::show::{self, Showing, ShownTopic};
+use crate::write::topics;
+
+/// Live samples that may wait to be shown.
+const FEED: usize = 256;
+
+/// How often the motion moves, and a tracker's pose is shown at most.
+const FRAME: Duration = Duration::from_micros(16_667);
+
+/// How often what stands still is sent again.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// How long the motion stands at its end before it begins again \[s\].
+const PAUSE_S: f64 = 0.5;
+
+/// What the recorder shows.
+pub(super) enum Live {
+    /// A tracker's reading, of the stream of that number.
+    Pose(usize, PoseSample),
+    /// A mark.
+    Mark(Mark),
+}
+
+/// The recorder's end: it never waits.
+pub(super) struct Feed {
+    sender: mpsc::Sender<Live>,
+    shown: Vec<Option<Instant>>,
+    metrics: Arc<Metrics>,
+}
+
+impl Feed {
+    /// Shows a valid reading, unless the stream's last one was shown less than a frame before.
+    pub(super) fn pose(&mut self, at: Instant, stream: usize, record: &PoseRecord) {
+        if self.shown.len() <= stream {
+            self.shown.resize(stream + 1, None);
+        }
+        let last = self.shown[stream];
+        if !record.is_valid() || last.is_some_and(|last| at < last + FRAME) {
+            return;
+        }
+        self.shown[stream] = Some(at);
+        let sample = PoseSample {
+            stamp: Stamp(now_ns()),
+            position_m: record.position_m.into(),
+            quaternion_xyzw: record.quaternion_xyzw,
+        };
+        self.send(Live::Pose(stream, sample));
+    }
+
+    /// Shows a mark, at the time when it comes.
+    pub(super) fn mark(&self, mark: Mark) {
+        self.send(Live::Mark(mark));
+    }
+
+    fn send(&self, live: Live) {
+        if let Err(TrySendError::Full(_)) = self.sender.try_send(live) {
+            self.metrics.not_shown.add();
+        }
+    }
+}
+
+/// What viewers are shown, and where it comes from.
+pub(super) struct Viewer {
+    scene: Scene,
+    streams: Vec<StreamTopic>,
+    feed: mpsc::Receiver<Live>,
+    estimates: watch::Receiver<Shown>,
+    channels: Channels,
+    /// The estimate that is played, and since when.
+    showing: Option<Showing>,
+    begun: Instant,
+}
+
+struct Channels {
+    trackers: Vec<Arc<RawChannel>>,
+    marks: Arc<RawChannel>,
+    /// Estimate and sketch, body by body.
+    bodies: Vec<[Arc<RawChannel>; 2]>,
+    transforms: Arc<RawChannel>,
+    scene: Arc<RawChannel>,
+    report: Arc<RawChannel>,
+    time_map: Arc<RawChannel>,
+}
+
+/// Serves viewers there, in a task of its own; the recorder's end, and where it listens.
+pub(super) async fn serve(
+    address: SocketAddr,
+    (scene, streams): (&Scene, &[StreamTopic]),
+    estimates: watch::Receiver<Shown>,
+    metrics: Arc<Metrics>,
+) -> anyhow::Result<(Feed, SocketAddr)> {
+    let context = Context::new();
+    let server = context
+        .websocket_server()
+        .name(format!("enact: {}", scene.name))
+        .bind(address.ip().to_string(), address.port());
+    let (sender, feed) = mpsc::channel(FEED);
+    let viewer = Viewer {
+        channels: Channels::new(&context, scene, streams)?,
+        scene: scene.clone(),
+        streams: streams.to_vec(),
+        feed,
+        estimates,
+        showing: None,
+        begun: Instant::now(),
+    };
+    let handle = server.start().await?;
+    let address = SocketAddr::new(address.ip(), handle.port());
+    tokio::spawn(async move {
+        // The server has a weak hold of its channels: they live as long as this.
+        let _context = context;
+        viewer.run().await
+    });
+    let feed = Feed {
+        sender,
+        shown: Vec::new(),
+        metrics,
+    };
+    Ok((feed, address))
+}
+
+impl Channels {
+    fn new(context: &Arc<Context>, scene: &Scene, streams: &[StreamTopic]) -> anyhow::Result<Self> {
+        let open = |topic: ShownTopic| {
+            let schema = topic.schema;
+            let channel = context
+                .channel_builder(topic.topic)
+                .message_encoding(topic.encoding)
+                .schema(Schema::new(schema.name, schema.encoding, schema.data));
+            channel.build_raw()
+        };
+        let poses = |topic: &str| open(ShownTopic::poses(topic));
+        let body = |name: &str| {
+            let estimate = poses(&topics::estimate_pose(name))?;
+            Ok([estimate, poses(&topics::sketch_pose(name))?])
+        };
+        let trackers = streams.iter().map(|stream| poses(&stream.topic));
+        let bodies = scene.bodies.iter().map(|of| body(&of.name));
+        Ok(Self {
+            trackers: trackers.collect::<Result<_, _>>()?,
+            marks: open(ShownTopic::marks(&scene.marks_topic))?,
+            bodies: bodies.collect::<Result<_, foxglove::FoxgloveError>>()?,
+            transforms: open(ShownTopic::transforms())?,
+            scene: open(ShownTopic::scene())?,
+            report: open(ShownTopic::report())?,
+            time_map: open(ShownTopic::time_map())?,
+        })
+    }
+
+    /// Whether somebody has subscribed to anything of an estimate.
+    fn are_watched(&self) -> bool {
+        let alone = [&self.transforms, &self.report, &self.time_map];
+        let all = alone.into_iter().chain(self.bodies.iter().flatten());
+        all.into_iter().any(|channel| channel.has_sinks())
+    }
+}
+
+fn log(channel: &RawChannel, message: Option<Vec<u8>>) {
+    // Before 1970 or after 2106 nothing can be said.
+    if let Some(message) = message {
+        channel.log(&message);
+    }
+}
+
+impl Viewer {
+    /// Shows what comes for as long as the runtime lives.
+    async fn run(mut self) -> std::convert::Infallible {
+        let mut frames = tokio::time::interval(FRAME);
+        frames.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
+        let mut again = tokio::time::interval(AGAIN);
+        loop {
+            tokio::select! {
+                // Closed once the recorder is done: there may be estimates still.
+                Some(live) = self.feed.recv() => self.live(live),
+                _ = frames.tick() => self.frame(),
+                _ = again.tick() => self.again(),
+            }
+        }
+    }
+
+    fn live(&self, live: Live) {
+        match live {
+            Live::Pose(stream, sample) => {
+                let body = &self.scene.bodies[self.streams[stream].body];
+                log(&self.channels.trackers[stream], show::pose(&sample));
+                if let Some(sample) = show::body_pose(body, &sample) {
+                    let frames = [(topics::live_frame(&body.name), sample)];
+                    log(&self.channels.transforms, show::transforms(&frames));
+                }
+            }
+            Live::Mark(mark) => log(&self.channels.marks, show::mark(&mark)),
+        }
+    }
+
+    /// Another estimate, if there is one: it goes on where the one before was being played. One
+    /// that failed is no motion.
+    fn estimate(&mut self) {
+        if !self.estimates.has_changed().unwrap_or(false) {
+            return;
+        }
+        let outcome = self.estimates.borrow_and_update().clone();
+        let is_motion = |of: &Arc<Outcome>| of.estimate.verdict != Verdict::Failed;
+        let Some(outcome) = outcome.filter(is_motion) else {
+            return;
+        };
+        let showing = Showing::new(&Reported {
+            scene: &outcome.scene,
+            sketch: &outcome.sketch,
+            counts: &outcome.counts,
+            estimate: &outcome.estimate,
+            verification: outcome.verification.as_ref(),
+            settled: None,
+        });
+        match showing {
+            Ok(showing) => {
+                self.channels.report.log(&showing.report);
+                self.channels.time_map.log(&showing.time_map);
+                self.showing = Some(showing);
+            }
+            Err(error) => tracing::debug!(%error, "not shown"),
+        }
+    }
+
+    /// The motion where it is now, if somebody sees it.
+    fn frame(&mut self) {
+        if !self.channels.are_watched() {
+            return;
+        }
+        self.estimate();
+        let Some(showing) = &self.showing else {
+            return;
+        };
+        let period_s = showing.duration_s() + PAUSE_S;
+        let time_s = self.begun.elapsed().as_secs_f64() % period_s;
+        let now = Stamp(now_ns());
+        let mut frames = Vec::new();
+        for (index, body) in self.scene.bodies.iter().enumerate() {
+            let names = [
+                topics::estimate_frame(&body.name),
+                topics::sketch_frame(&body.name),
+            ];
+            let poses = showing.at(index, time_s, now).into_iter();
+            for ((name, sample), channel) in names
+                .into_iter()
+                .zip(poses)
+                .zip(&self.channels.bodies[index])
+            {
+                let Some(sample) = sample else { continue };
+                log(channel, show::pose(&sample));
+                frames.push((name, sample));
+            }
+        }
+        log(&self.channels.transforms, show::transforms(&frames));
+    }
+
+    fn again(&self) {
+        if self.channels.scene.has_sinks() {
+            log(
+                &self.channels.scene,
+                show::scene(&self.scene, Stamp(now_ns())),
+            );
+        }
+        if let Some(showing) = &self.showing {
+            self.channels.report.log(&showing.report);
+            self.channels.time_map.log(&showing.time_map);
+        }
+    }
+}

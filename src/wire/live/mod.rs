@@ -1,0 +1,41 @@
+//! The live contract: what goes over iceoryx2, under which names, with which quality of service.
+//!
+//! Every service is publish–subscribe with one fixed-layout payload ([`payload`]): little-endian
+//! words in the order given there, no padding, every bit pattern allowed. The type name ends in
+//! the version of the layout; a peer with another layout cannot open the service.
+//!
+//! | service | payload | who publishes | what |
+//! |---|---|---|---|
+//! | `enact<topic>`, as in `enact/tracker/pencil/pose` | [`PoseRecord`] `enact.Pose.1` | a tracker's driver | poses of the body with that topic in the scene |
+//! | `enact<marks_topic>`, as in `enact/marks` | [`MarkRecord`] `enact.Mark.1` | a foot pedal, a key | an event happens now |
+//! | `enact/control` | [`ControlRecord`] `enact.Control.1` | whoever directs | start, stop or discard a take, ask how it stands |
+//! | `enact/take` | [`TakeRecord`] `enact.Take.1` | `enact capture` | what became of the takes |
+//! | `enact/estimate` | [`EstimateRecord`] `enact.Estimate.1` | `enact capture`, `enact replay` | verdict and numbers of an estimate |
+//! | `enact/estimate/<body>/pose` | [`EstimatedPoseRecord`] `enact.EstimatedPose.1` | the same | its motion, frame by frame, after its `enact/estimate` |
+//!
+//! Who creates a service fixes its quality of service ([`Quality`], [`CONTRACT`]): the daemon is best started
+//! first. Nothing blocks: the oldest sample goes where a subscriber is too slow, and the sequence
+//! number in every payload shows it. No service has a listener to wake: subscribers poll, the
+//! daemon every 1 ms while samples come and every 5 ms while none do. What a publisher sent is
+//! gone if it leaves before: one that ends should stay for 20 ms, or ask (command 4) and wait
+//! for the answer, which comes after everything sent before it was taken.
+//!
+//! Every command is answered on `enact/take` by a record with its session and sequence number.
+//!
+//! The iceoryx2 ports are opened by [`crate::ingest::live`] and [`crate::write::live`];
+//! [`Node`] is what both begin with, [`census`] what a doctor asks.
+
+pub mod census;
+mod error;
+mod node;
+pub mod payload;
+
+pub use error::LiveError;
+pub use node::{
+    CONTRACT, CONTROL_SERVICE, ESTIMATE_SERVICE, LiveService, Node, Quality, Served, TAKE_SERVICE,
+    service_name,
+};
+pub use payload::{
+    Command, ControlRecord, EstimateRecord, EstimatedPoseRecord, MarkRecord, NO_TIME, PoseRecord,
+    TakeRecord, TakeState,
+};

@@ -1,0 +1,232 @@
+//! Joining iceoryx2, and opening services with a quality of service of our own.
+
+use std::path::Path;
+use std::time::Duration;
+
+use iceoryx2::config::Config;
+use iceoryx2::node::NodeBuilder;
+use iceoryx2::prelude::{
+    FilePath, SemanticString, ServiceName, SignalHandlingMode, ZeroCopySend, ipc,
+};
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use iceoryx2::service::static_config::publish_subscribe::StaticConfig;
+
+use super::error::LiveError;
+
+/// The flavour of iceoryx2 that we use. Its ports stay on the thread that made them.
+pub type LiveService = ipc::Service;
+
+/// A service that was made or opened.
+pub type Factory<T> = PortFactory<LiveService, T, ()>;
+
+/// What a service can hold. A service has the quality that its maker gave it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quality {
+    /// Samples kept for a subscriber that has not come by yet.
+    pub buffer: usize,
+    /// Publishers at a time.
+    pub publishers: usize,
+    /// Subscribers at a time.
+    pub subscribers: usize,
+    /// Samples that a late subscriber is given.
+    pub history: usize,
+}
+
+impl Quality {
+    /// Of poses: two seconds at 1 kHz.
+    pub const POSES: Self = Self {
+        buffer: 2048,
+        publishers: 4,
+        subscribers: 8,
+        history: 0,
+    };
+    /// Of marks, control and what the daemon says of takes.
+    pub const NOTES: Self = Self {
+        buffer: 256,
+        publishers: 16,
+        subscribers: 16,
+        history: 0,
+    };
+    /// Of estimated frames: half a minute at 120 Hz.
+    pub const FRAMES: Self = Self {
+        buffer: 4096,
+        publishers: 4,
+        subscribers: 8,
+        history: 0,
+    };
+}
+
+/// The payloads of the contract, with the quality of the services that carry them.
+pub const CONTRACT: [(&str, Quality); 6] = [
+    ("enact.Pose.1", Quality::POSES),
+    ("enact.Mark.1", Quality::NOTES),
+    ("enact.Control.1", Quality::NOTES),
+    ("enact.Take.1", Quality::NOTES),
+    ("enact.Estimate.1", Quality::NOTES),
+    ("enact.EstimatedPose.1", Quality::FRAMES),
+];
+
+/// Processes on one service at a time.
+const NODES: usize = 64;
+
+/// Service of take control.
+pub const CONTROL_SERVICE: &str = "enact/control";
+
+/// Service of what becomes of takes.
+pub const TAKE_SERVICE: &str = "enact/take";
+
+/// Service of estimates.
+pub const ESTIMATE_SERVICE: &str = "enact/estimate";
+
+/// The name of the service that carries a topic of the scene.
+pub fn service_name(topic: &str) -> String {
+    let separator = if topic.starts_with('/') { "" } else { "/" };
+    format!("enact{separator}{topic}")
+}
+
+/// Our place in iceoryx2.
+pub struct Node {
+    node: iceoryx2::node::Node<LiveService>,
+}
+
+/// A service, and in what it falls short of what was asked for.
+pub struct Served<T: core::fmt::Debug + ZeroCopySend + 'static> {
+    /// Its name.
+    pub name: String,
+    /// To make ports with.
+    pub factory: Factory<T>,
+    /// What somebody else made smaller than we would have, in words with figures.
+    pub shortcomings: Vec<String>,
+}
+
+/// The configuration in that file, or the one that iceoryx2 finds by itself.
+pub(super) fn config(file: Option<&Path>) -> Result<Config, LiveError> {
+    let Some(path) = file else {
+        return Ok(Config::global_config().clone());
+    };
+    let error = |reason: String| LiveError::Config {
+        path: path.to_owned(),
+        reason,
+    };
+    let name = path.to_str().ok_or_else(|| error("not UTF-8".into()))?;
+    let name = FilePath::new(name.as_bytes()).map_err(|reason| error(format!("{reason:?}")))?;
+    Config::from_file(&name).map_err(|reason| error(format!("{reason:?}")))
+}
+
+impl Node {
+    /// Joins under that name, for others to see. Leaves the handling of signals alone.
+    pub fn join(name: &str, config_file: Option<&Path>) -> Result<Self, LiveError> {
+        let config = config(config_file)?;
+        let root = config.global.root_path().to_string();
+        let error = |reason: String| LiveError::Node {
+            root: root.clone(),
+            reason,
+        };
+        let name = name
+            .try_into()
+            .map_err(|reason| error(format!("{reason:?}")))?;
+        let node = NodeBuilder::new()
+            .name(&name)
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<LiveService>()
+            .map_err(|reason| error(format!("{reason:?}; `enact doctor` says more")))?;
+        Ok(Self { node })
+    }
+
+    /// Makes the service with that quality, or opens the one that is there and says in what it
+    /// is less. Refuses one with another payload.
+    pub fn service<T>(&self, name: &str, wanted: Quality) -> Result<Served<T>, LiveError>
+    where
+        T: core::fmt::Debug + ZeroCopySend + 'static,
+    {
+        let service_name = ServiceName::new(name).map_err(|reason| LiveError::Name {
+            name: name.to_owned(),
+            reason: format!("{reason:?}"),
+        })?;
+        let create = || {
+            self.node
+                .service_builder(&service_name)
+                .publish_subscribe::<T>()
+                .enable_safe_overflow(true)
+                .subscriber_max_buffer_size(wanted.buffer)
+                .subscriber_max_borrowed_samples(2)
+                .history_size(wanted.history)
+                .max_publishers(wanted.publishers)
+                .max_subscribers(wanted.subscribers)
+                .max_nodes(NODES)
+                .create()
+        };
+        let open = || {
+            let builder = self.node.service_builder(&service_name);
+            builder.publish_subscribe::<T>().open()
+        };
+        // Between the two somebody else may make it, or its last user may leave.
+        let mut reason = String::new();
+        for _ in 0..3 {
+            match open() {
+                Ok(factory) => return Ok(Served::new(name, factory, wanted)),
+                Err(error) => reason = format!("cannot be opened: {error:?}"),
+            }
+            match create() {
+                Ok(factory) => return Ok(Served::new(name, factory, wanted)),
+                Err(error) if format!("{error:?}") == "AlreadyExists" => {}
+                Err(error) => reason = format!("{reason}, cannot be made: {error:?}"),
+            }
+        }
+        Err(LiveError::Service {
+            service: name.to_owned(),
+            reason,
+        })
+    }
+
+    /// Clears away what killed processes left on services. How many of them there were, and how
+    /// many could not be cleared.
+    pub fn bury(&self) -> (u64, u64) {
+        let state = self
+            .node
+            .blocking_cleanup_dead_nodes(Duration::from_millis(200));
+        (state.cleanups, state.failed_cleanups)
+    }
+}
+
+/// In what a service is less than was wanted, in words with figures.
+pub(super) fn shortcomings(found: &StaticConfig, wanted: Quality) -> Vec<String> {
+    let rows = [
+        (
+            "buffer of a subscriber",
+            found.subscriber_max_buffer_size(),
+            wanted.buffer,
+        ),
+        ("publishers", found.max_publishers(), wanted.publishers),
+        ("subscribers", found.max_subscribers(), wanted.subscribers),
+        ("history", found.history_size(), wanted.history),
+    ];
+    let mut shortcomings: Vec<String> = rows
+        .into_iter()
+        .filter(|(_, found, wanted)| found < wanted)
+        .map(|(what, found, wanted)| format!("{what}: {found}, wanted {wanted}"))
+        .collect();
+    if !found.has_safe_overflow() {
+        shortcomings.push("full buffers make publishers wait: safe overflow is off".into());
+    }
+    shortcomings
+}
+
+impl<T: core::fmt::Debug + ZeroCopySend + 'static> Served<T> {
+    fn new(name: &str, factory: Factory<T>, wanted: Quality) -> Self {
+        use iceoryx2::service::port_factory::PortFactory as _;
+        let shortcomings = shortcomings(factory.static_config(), wanted);
+        Self {
+            name: name.to_owned(),
+            factory,
+            shortcomings,
+        }
+    }
+
+    /// Samples that a subscriber may fall behind.
+    pub fn buffer(&self) -> usize {
+        use iceoryx2::service::port_factory::PortFactory as _;
+        self.factory.static_config().subscriber_max_buffer_size()
+    }
+}

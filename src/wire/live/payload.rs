@@ -1,0 +1,406 @@
+//! The payloads: layouts, type names, and what their numbers mean.
+//!
+//! All words are little-endian and aligned to eight bytes, in the order of the fields; there is
+//! no padding. Times are nanoseconds; [`NO_TIME`] where there is none.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::motion::{Mark, PoseSample, Stamp};
+
+/// A time that is not known.
+pub const NO_TIME: i64 = i64::MIN;
+
+/// Bit 0 of [`PoseRecord::flags`]: the tracker vouches for the pose.
+pub const VALID: u32 = 1;
+
+/// Bytes for a name: 64 characters of any script.
+pub const NAME_BYTES: usize = 256;
+
+/// One reading of one tracker: `enact.Pose.1`, 96 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Pose.1")]
+pub struct PoseRecord {
+    /// Counts the readings of this publisher, by one from any beginning; what is missing is lost.
+    pub sequence: u64,
+    /// When the driver had the reading \[ns since 1970, system clock\].
+    pub available_ns: i64,
+    /// When it was measured, on the system clock \[ns since 1970\]; [`NO_TIME`] if the driver
+    /// does not know.
+    pub sample_ns: i64,
+    /// The device's own clock, as it comes \[ns, any zero\]; [`NO_TIME`] if it has none.
+    pub device_ns: i64,
+    /// Position [m, world].
+    pub position_m: [f64; 3],
+    /// Orientation, world from tracker, as `[x, y, z, w]`.
+    pub quaternion_xyzw: [f64; 4],
+    /// [`VALID`] where the tracker vouches for the pose; the other bits are zero.
+    pub flags: u32,
+    /// A number of its own for every start of the publisher.
+    pub session: u32,
+}
+
+/// An event happens now: `enact.Mark.1`, 296 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Mark.1")]
+pub struct MarkRecord {
+    /// As [`PoseRecord::sequence`].
+    pub sequence: u64,
+    /// As [`PoseRecord::available_ns`].
+    pub available_ns: i64,
+    /// When it happened, on the clock of the poses' `sample_ns`; [`NO_TIME`]: on arrival.
+    pub sample_ns: i64,
+    /// As [`PoseRecord::device_ns`].
+    pub device_ns: i64,
+    /// Name of the scene's event in UTF-8, zeros after it; all zero: the next one in order.
+    pub event: [u8; NAME_BYTES],
+    /// No bits are defined; zero.
+    pub flags: u32,
+    /// As [`PoseRecord::session`].
+    pub session: u32,
+}
+
+/// What somebody wants of the daemon: `enact.Control.1`, 24 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Control.1")]
+pub struct ControlRecord {
+    /// As [`PoseRecord::sequence`].
+    pub sequence: u64,
+    /// As [`PoseRecord::available_ns`].
+    pub available_ns: i64,
+    /// See [`Command`]; any other number is refused.
+    pub command: u32,
+    /// As [`PoseRecord::session`].
+    pub session: u32,
+}
+
+/// What may be wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// 1: begin a take; one that runs is stopped first.
+    Start,
+    /// 2: end the take and estimate it.
+    Stop,
+    /// 3: end the take and remove it.
+    Discard,
+    /// 4: say how things stand; changes nothing.
+    Ask,
+}
+
+/// What became of a take: `enact.Take.1`, 48 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Take.1")]
+pub struct TakeRecord {
+    /// Counts what this daemon said.
+    pub sequence: u64,
+    /// When it said so \[ns since 1970\].
+    pub available_ns: i64,
+    /// The take, counted from 1 since the daemon's start; 0: none yet.
+    pub take: u64,
+    /// Poses and marks journalled in it so far.
+    pub messages: u64,
+    /// See [`TakeState`].
+    pub state: u32,
+    /// Session of the control message that brought this about; 0: none did.
+    pub control_session: u32,
+    /// Its sequence number.
+    pub control_sequence: u64,
+}
+
+/// Where a take stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TakeState {
+    /// 0: the daemon listens, no take runs.
+    Ready,
+    /// 1: samples are journalled.
+    Recording,
+    /// 2: the journal has its name.
+    Closed,
+    /// 3: removed.
+    Discarded,
+    /// 4: recording stopped by an error; what was journalled so far is kept.
+    Broken,
+    /// 5: its estimate is written.
+    Estimated,
+    /// 6: it has no estimate; the daemon's log says why.
+    NotEstimated,
+    /// 7: a control message was refused: it makes no sense now, or its command is unknown.
+    Refused,
+}
+
+/// An estimate's numbers: `enact.Estimate.1`, 96 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Estimate.1")]
+pub struct EstimateRecord {
+    /// Counts the estimates of this publisher.
+    pub sequence: u64,
+    /// When it was ready \[ns since 1970\].
+    pub available_ns: i64,
+    /// The take, as in [`TakeRecord::take`].
+    pub take: u64,
+    /// Marks that it rests on.
+    pub marks: u64,
+    /// Physical time zero on the clock of the samples \[ns\].
+    pub origin_ns: i64,
+    /// Frames that follow on the bodies' services, over all bodies.
+    pub frames: u64,
+    /// Least value of the objective found.
+    pub objective: f64,
+    /// From the beginning of the motion to its end \[s\].
+    pub physical_s: f64,
+    /// Root mean square distance over all samples \[m\].
+    pub residual_m: f64,
+    /// Root mean square angle over all samples \[rad\].
+    pub residual_rad: f64,
+    /// Solver iterations.
+    pub iterations: u64,
+    /// 0 failed, 1 plausible, 2 physical.
+    pub verdict: u32,
+    /// 1 where the take is over and the estimate checked and written; 0 so far.
+    pub is_final: u32,
+}
+
+/// One frame of an estimated motion: `enact.EstimatedPose.1`, 96 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.EstimatedPose.1")]
+pub struct EstimatedPoseRecord {
+    /// [`EstimateRecord::sequence`] of the estimate that it belongs to.
+    pub estimate: u64,
+    /// The take.
+    pub take: u64,
+    /// Number of the frame, from 0.
+    pub index: u64,
+    /// Frames of this body.
+    pub count: u64,
+    /// Physical time, on the clock of the samples \[ns\].
+    pub sample_ns: i64,
+    /// Centre of mass [m, world].
+    pub position_m: [f64; 3],
+    /// Orientation, world from body, as `[x, y, z, w]`.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+impl PoseRecord {
+    /// Whether the tracker vouches for it.
+    pub fn is_valid(&self) -> bool {
+        self.flags & VALID != 0
+    }
+
+    /// The pose with that stamp, as sent: possibly not finite.
+    pub fn pose(&self, stamp: Stamp) -> PoseSample {
+        PoseSample {
+            stamp,
+            position_m: self.position_m.into(),
+            quaternion_xyzw: self.quaternion_xyzw,
+        }
+    }
+
+    /// The words in their order, little-endian: what a journal keeps.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = head(
+            self.sequence,
+            self.available_ns,
+            self.sample_ns,
+            self.device_ns,
+        );
+        for number in self.position_m.iter().chain(&self.quaternion_xyzw) {
+            bytes.extend(number.to_le_bytes());
+        }
+        tail(bytes, self.flags, self.session)
+    }
+}
+
+impl MarkRecord {
+    /// The mark with that stamp; `None` where the name is not UTF-8.
+    pub fn mark(&self, stamp: Stamp) -> Option<Mark> {
+        let length = self.event.iter().rposition(|byte| *byte != 0);
+        let name = std::str::from_utf8(&self.event[..length.map_or(0, |last| last + 1)]).ok()?;
+        // A zero inside cannot be said in a message.
+        (!name.contains('\0')).then(|| Mark {
+            stamp,
+            event: (!name.is_empty()).then(|| name.to_owned()),
+        })
+    }
+
+    /// A name as bytes; what is too long is cut after a whole character.
+    pub fn event_bytes(name: &str) -> [u8; NAME_BYTES] {
+        let mut end = name.len().min(NAME_BYTES);
+        while !name.is_char_boundary(end) {
+            end -= 1;
+        }
+        let mut bytes = [0; NAME_BYTES];
+        bytes[..end].copy_from_slice(&name.as_bytes()[..end]);
+        bytes
+    }
+
+    /// The words in their order, little-endian: what a journal keeps.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = head(
+            self.sequence,
+            self.available_ns,
+            self.sample_ns,
+            self.device_ns,
+        );
+        bytes.extend(self.event);
+        tail(bytes, self.flags, self.session)
+    }
+}
+
+fn head(sequence: u64, available_ns: i64, sample_ns: i64, device_ns: i64) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(96);
+    bytes.extend(sequence.to_le_bytes());
+    for time_ns in [available_ns, sample_ns, device_ns] {
+        bytes.extend(time_ns.to_le_bytes());
+    }
+    bytes
+}
+
+fn tail(mut bytes: Vec<u8>, flags: u32, session: u32) -> Vec<u8> {
+    bytes.extend(flags.to_le_bytes());
+    bytes.extend(session.to_le_bytes());
+    bytes
+}
+
+impl Command {
+    /// The command of that number.
+    pub fn of(number: u32) -> Option<Self> {
+        [
+            Command::Start,
+            Command::Stop,
+            Command::Discard,
+            Command::Ask,
+        ]
+        .into_iter()
+        .find(|command| command.number() == number)
+    }
+
+    /// Its number in a payload.
+    pub fn number(self) -> u32 {
+        match self {
+            Command::Start => 1,
+            Command::Stop => 2,
+            Command::Discard => 3,
+            Command::Ask => 4,
+        }
+    }
+}
+
+impl TakeState {
+    /// The state of that number.
+    pub fn of(number: u32) -> Option<Self> {
+        [
+            TakeState::Ready,
+            TakeState::Recording,
+            TakeState::Closed,
+            TakeState::Discarded,
+            TakeState::Broken,
+            TakeState::Estimated,
+            TakeState::NotEstimated,
+            TakeState::Refused,
+        ]
+        .into_iter()
+        .find(|state| state.number() == number)
+    }
+
+    /// Its number in a payload.
+    pub fn number(self) -> u32 {
+        match self {
+            TakeState::Ready => 0,
+            TakeState::Recording => 1,
+            TakeState::Closed => 2,
+            TakeState::Discarded => 3,
+            TakeState::Broken => 4,
+            TakeState::Estimated => 5,
+            TakeState::NotEstimated => 6,
+            TakeState::Refused => 7,
+        }
+    }
+}
+
+/// A time that a peer gave, if it did.
+pub fn time(time_ns: i64) -> Option<i64> {
+    (time_ns != NO_TIME).then_some(time_ns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose() -> PoseRecord {
+        PoseRecord {
+            sequence: 1,
+            available_ns: -2,
+            sample_ns: 3,
+            device_ns: NO_TIME,
+            position_m: [0.5, f64::NAN, -1.0],
+            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+            flags: VALID,
+            session: 9,
+        }
+    }
+
+    #[test]
+    fn layouts_have_the_sizes_that_are_documented_and_no_padding() {
+        assert_eq!(size_of::<PoseRecord>(), 96);
+        assert_eq!(pose().to_bytes().len(), 96);
+        assert_eq!(size_of::<MarkRecord>(), 296);
+        assert_eq!(size_of::<ControlRecord>(), 24);
+        assert_eq!(size_of::<TakeRecord>(), 48);
+        assert_eq!(size_of::<EstimateRecord>(), 96);
+        assert_eq!(size_of::<EstimatedPoseRecord>(), 96);
+    }
+
+    #[test]
+    fn a_pose_is_kept_word_by_word() {
+        let bytes = pose().to_bytes();
+        assert_eq!(bytes[0..8], 1_u64.to_le_bytes());
+        assert_eq!(bytes[8..16], (-2_i64).to_le_bytes());
+        assert_eq!(bytes[24..32], i64::MIN.to_le_bytes());
+        assert_eq!(bytes[32..40], 0.5_f64.to_le_bytes());
+        assert_eq!(bytes[80..88], 1_f64.to_le_bytes());
+        assert_eq!(bytes[88..], [1, 0, 0, 0, 9, 0, 0, 0]);
+    }
+
+    #[test]
+    fn numbers_stand_for_what_is_documented() {
+        let states = (0..10).map_while(TakeState::of).map(TakeState::number);
+        assert!(states.eq(0..8));
+        let commands = (1..10).map_while(Command::of).map(Command::number);
+        assert!(commands.eq(1..5));
+        assert_eq!((Command::of(0), TakeState::of(8)), (None, None));
+    }
+
+    #[test]
+    fn names_of_events_go_there_and_back_and_garbage_is_refused() {
+        let long = "ü".repeat(200);
+        for (name, expected) in [
+            ("", None),
+            ("bounce", Some("bounce")),
+            (long.as_str(), Some(&long[..NAME_BYTES])),
+        ] {
+            let record = MarkRecord {
+                sequence: 0,
+                available_ns: 0,
+                sample_ns: 0,
+                device_ns: 0,
+                event: MarkRecord::event_bytes(name),
+                flags: 0,
+                session: 0,
+            };
+            let mark = record.mark(Stamp(5)).expect("UTF-8");
+            assert_eq!(mark.event.as_deref(), expected);
+            for garbage in [0xff, 0x80] {
+                let record = MarkRecord {
+                    event: [garbage; NAME_BYTES],
+                    ..record
+                };
+                assert_eq!(record.mark(Stamp(5)), None);
+            }
+        }
+    }
+}

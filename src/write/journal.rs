@@ -1,0 +1,417 @@
+//! The journal of a live take: everything as it comes, in an ordinary recording.
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | a stream's topic | `foxglove.PoseInFrame` | what an estimate is made from: valid samples with their stamps |
+//! | `/capture` + that topic | `enact_msgs/msg/RawPose` (CDR) | every sample, bit for bit: [`PoseRecord`] |
+//! | the marks topic | `foxglove.Event` | marks |
+//! | `/capture` + that topic | `enact_msgs/msg/RawMark` (CDR) | every mark, bit for bit: [`MarkRecord`] |
+//! | `/capture/counts` | `enact.CaptureCounts` (JSON) | what became of the samples, now and then and at the end |
+//!
+//! Log time is the arrival, publish time what the publisher calls `available`. The scene is
+//! attached at the beginning.
+//!
+//! Until it is closed the file is called `….mcap.part` and locked. It grows by whole chunks
+//! only, each handed to the system when it is [`Journal::close_chunk`]d: a process that is
+//! killed loses the open chunk, a machine that fails loses besides what was not synced
+//! ([`Journal::sync_handle`]). [`crate::write::recover()`] makes a recording of what is left.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use mcap::records::MessageHeader;
+use mcap::{Attachment, Compression, WriteOptions, Writer};
+
+use super::atomic::sync_directory_of;
+use super::error::WriteError;
+use super::estimate::DEFAULT_WORLD_FRAME;
+use super::options::LIBRARY;
+use crate::motion::{Mark, PoseSample, Stamp};
+use crate::wire::encode::{self, SchemaRecord};
+use crate::wire::live::payload::{MarkRecord, PoseRecord};
+use crate::wire::{EncodeError, Encoded};
+
+/// What is appended to the name of a journal that is not closed.
+pub const PART_SUFFIX: &str = ".part";
+
+/// What is put before a topic for what came on it bit for bit.
+pub const RAW_PREFIX: &str = "/capture";
+
+/// What became of the samples.
+pub const COUNTS_TOPIC: &str = "/capture/counts";
+
+/// Times at which the file was whole that are remembered, to go back to.
+const WHOLE_KEPT: usize = 16;
+
+const RAW_POSE: &str = "\
+# A sample of a tracker as it came over iceoryx2 (payload enact.Pose.1). Times in nanoseconds;\n\
+# -9223372036854775808 where there is none. flags: 1 valid.\n\
+uint64 sequence\nint64 available_ns\nint64 sample_ns\nint64 device_ns\n\
+float64[3] position_m\nfloat64[4] quaternion_xyzw\nuint32 flags\nuint32 session\n";
+
+const RAW_MARK: &str = "\
+# A mark as it came over iceoryx2 (payload enact.Mark.1). Times as in RawPose; event is UTF-8\n\
+# with zeros after it.\n\
+uint64 sequence\nint64 available_ns\nint64 sample_ns\nint64 device_ns\n\
+uint8[256] event\nuint32 flags\nuint32 session\n";
+
+const COUNTS_SCHEMA: &str = include_str!("capture_counts.schema.json");
+
+/// A journal that is being written.
+pub struct Journal {
+    path: PathBuf,
+    part: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    file: File,
+    channels: Channels,
+    /// Lengths at which the file was whole, the latest last.
+    whole: Vec<u64>,
+    messages: u64,
+    open_chunk: bool,
+}
+
+struct Channels {
+    poses: Vec<(Channel, Channel)>,
+    marks: (Channel, Channel),
+    counts: Channel,
+}
+
+/// A channel, and how many messages it has.
+#[derive(Clone, Copy)]
+struct Channel {
+    id: u16,
+    sequence: u32,
+}
+
+/// Which channel a message is for.
+#[derive(Clone, Copy)]
+enum To {
+    Pose(usize),
+    RawPose(usize),
+    Mark,
+    RawMark,
+    Counts,
+}
+
+impl Journal {
+    /// Begins the journal that will be `path`: its streams are on `topics`, its marks on
+    /// `marks_topic`. Fails where either name is taken.
+    pub fn create(
+        path: &Path,
+        topics: &[String],
+        marks_topic: &str,
+        scene_toml: &[u8],
+    ) -> Result<Self, WriteError> {
+        let part = part_of(path);
+        if path.exists() {
+            return Err(WriteError::Exists {
+                path: path.to_owned(),
+            });
+        }
+        let file = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&part)
+            .map_err(WriteError::io(&part, "create"))?;
+        // Advisory, and gone with the process: it tells a recorder at work from one that died.
+        file.try_lock()
+            .map_err(|error| WriteError::io(&part, "lock")(error.into()))?;
+        let sink = file
+            .try_clone()
+            .map_err(WriteError::io(&part, "open again"))?;
+        let (writer, channels) =
+            begin(sink, topics, marks_topic, scene_toml).map_err(WriteError::mcap(&part))?;
+        let mut journal = Self {
+            path: path.to_owned(),
+            part,
+            writer,
+            file,
+            channels,
+            whole: Vec::new(),
+            messages: 0,
+            open_chunk: false,
+        };
+        journal.flush()?;
+        Ok(journal)
+    }
+
+    /// The name it will have.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The name it has.
+    pub fn part(&self) -> &Path {
+        &self.part
+    }
+
+    /// Samples and marks, whatever became of them.
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Keeps a sample that came on the stream of that number; `sample` is what of it is used.
+    pub fn pose(
+        &mut self,
+        stream: usize,
+        receipt: Stamp,
+        record: &PoseRecord,
+        sample: Option<&PoseSample>,
+    ) -> Result<(), WriteError> {
+        self.messages += 1;
+        let times = Times::new(receipt, record.available_ns);
+        self.message(To::RawPose(stream), times, &cdr(&record.to_bytes()))?;
+        let Some(sample) = sample else {
+            return Ok(());
+        };
+        let bytes = encode::pose_in_frame(DEFAULT_WORLD_FRAME, sample);
+        let bytes = self.encoded(bytes)?;
+        self.message(To::Pose(stream), times, &bytes)
+    }
+
+    /// Keeps a mark; `mark` is what is used of it.
+    pub fn mark(
+        &mut self,
+        receipt: Stamp,
+        record: &MarkRecord,
+        mark: Option<&Mark>,
+    ) -> Result<(), WriteError> {
+        self.messages += 1;
+        let times = Times::new(receipt, record.available_ns);
+        self.message(To::RawMark, times, &cdr(&record.to_bytes()))?;
+        let Some(mark) = mark else {
+            return Ok(());
+        };
+        let bytes = self.encoded(encode::event(mark))?;
+        self.message(To::Mark, times, &bytes)
+    }
+
+    /// Notes what became of the samples so far, as JSON.
+    pub fn counts(&mut self, now: Stamp, json: &[u8]) -> Result<(), WriteError> {
+        self.message(To::Counts, Times::new(now, now.0), json)
+    }
+
+    /// Hands what was written to the system: a killed process does not lose it any more.
+    pub fn close_chunk(&mut self) -> Result<(), WriteError> {
+        if self.open_chunk {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// The file, for another thread to sync: a failing machine does not lose it any more.
+    pub fn sync_handle(&self) -> Result<File, WriteError> {
+        self.file
+            .try_clone()
+            .map_err(WriteError::io(&self.part, "open again"))
+    }
+
+    /// Writes the end, makes the file durable and gives it its name.
+    pub fn finish(mut self) -> Result<(), WriteError> {
+        if let Err(error) = self.writer.finish() {
+            let error = WriteError::mcap(&self.part)(error);
+            return Err(match self.salvage() {
+                Ok(()) => error,
+                Err(worse) => worse,
+            });
+        }
+        let sink = self.writer.into_inner();
+        let ended = sink
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)
+            .and_then(|file| file.sync_all());
+        if let Err(error) = ended {
+            let error = WriteError::io(&self.part, "write")(error);
+            return Err(match cut(&self.file, &self.whole) {
+                Ok(()) => rename(&self.part, &self.path).err().unwrap_or(error),
+                Err(_) => error,
+            });
+        }
+        rename(&self.part, &self.path)
+    }
+
+    /// After an error: goes back to where the file was last whole, ends it there, without an
+    /// index, and gives it its name. Needs no more room than the last chunk had.
+    pub fn salvage(self) -> Result<(), WriteError> {
+        // What is buffered does not fit.
+        let (sink, _) = self.writer.into_inner().into_parts();
+        drop(sink);
+        cut(&self.file, &self.whole).map_err(WriteError::io(&self.part, "end"))?;
+        rename(&self.part, &self.path)
+    }
+
+    /// Removes it.
+    pub fn discard(self) -> Result<(), WriteError> {
+        let (sink, _) = self.writer.into_inner().into_parts();
+        drop(sink);
+        std::fs::remove_file(&self.part).map_err(WriteError::io(&self.part, "remove"))
+    }
+
+    fn flush(&mut self) -> Result<(), WriteError> {
+        self.writer.flush().map_err(WriteError::mcap(&self.part))?;
+        let length = self
+            .file
+            .metadata()
+            .map_err(WriteError::io(&self.part, "measure"))?
+            .len();
+        if self.whole.len() == WHOLE_KEPT {
+            self.whole.remove(0);
+        }
+        self.whole.push(length);
+        self.open_chunk = false;
+        Ok(())
+    }
+
+    fn encoded(&self, bytes: Result<Vec<u8>, EncodeError>) -> Result<Vec<u8>, WriteError> {
+        bytes.map_err(WriteError::encode(&self.part, "pose or mark"))
+    }
+
+    fn message(&mut self, to: To, times: Times, data: &[u8]) -> Result<(), WriteError> {
+        let channels = &mut self.channels;
+        let channel = match to {
+            To::Pose(stream) => &mut channels.poses[stream].0,
+            To::RawPose(stream) => &mut channels.poses[stream].1,
+            To::Mark => &mut channels.marks.0,
+            To::RawMark => &mut channels.marks.1,
+            To::Counts => &mut channels.counts,
+        };
+        let header = MessageHeader {
+            channel_id: channel.id,
+            sequence: channel.sequence,
+            log_time: times.log,
+            publish_time: times.publish,
+        };
+        channel.sequence = channel.sequence.wrapping_add(1);
+        self.open_chunk = true;
+        self.writer
+            .write_to_known_channel(&header, data)
+            .map_err(WriteError::mcap(&self.part))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Times {
+    log: u64,
+    publish: u64,
+}
+
+impl Times {
+    /// Times before 1970 cannot be said; the raw record says them.
+    fn new(receipt: Stamp, available_ns: i64) -> Self {
+        let log = u64::try_from(receipt.0).unwrap_or(0);
+        Self {
+            log,
+            publish: u64::try_from(available_ns).unwrap_or(log),
+        }
+    }
+}
+
+/// `take.mcap` → `take.mcap.part`.
+pub(super) fn part_of(path: &Path) -> PathBuf {
+    let mut part = path.as_os_str().to_owned();
+    part.push(PART_SUFFIX);
+    part.into()
+}
+
+/// A fixed layout of aligned words is its own CDR after the mark of little-endian.
+fn cdr(words: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(4 + words.len());
+    bytes.extend([0, 1, 0, 0]);
+    bytes.extend(words);
+    bytes
+}
+
+fn begin(
+    file: File,
+    topics: &[String],
+    marks_topic: &str,
+    scene_toml: &[u8],
+) -> mcap::McapResult<(Writer<BufWriter<File>>, Channels)> {
+    // A chunk is made in memory and written at once: the file grows by whole ones.
+    let mut writer = WriteOptions::new()
+        .profile("")
+        .library(LIBRARY)
+        .compression(Some(Compression::Zstd))
+        .compression_level(1)
+        .compression_threads(0)
+        .disable_seeking(true)
+        .create(BufWriter::new(file))?;
+    writer.attach(&Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: "scene.toml".to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: scene_toml.into(),
+    })?;
+    let mut channel = |topic: &str, schema: &SchemaRecord, encoding: &str| {
+        let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
+        let id = writer.add_channel(schema, topic, encoding, &BTreeMap::new())?;
+        mcap::McapResult::Ok(Channel { id, sequence: 0 })
+    };
+    let of_text = |name: &str, encoding: &str, text: &str| SchemaRecord {
+        name: name.to_owned(),
+        encoding: encoding.to_owned(),
+        data: text.as_bytes().to_vec(),
+    };
+    let raw_pose = of_text("enact_msgs/msg/RawPose", "ros2msg", RAW_POSE);
+    let raw_mark = of_text("enact_msgs/msg/RawMark", "ros2msg", RAW_MARK);
+    let counts = of_text("enact.CaptureCounts", "jsonschema", COUNTS_SCHEMA);
+    let (pose, event) = (Encoded::PoseInFrame.schema(), Encoded::Event.schema());
+    let raw_topic = |topic: &str| format!("{RAW_PREFIX}{topic}");
+    let mut poses = Vec::new();
+    for topic in topics {
+        let used = channel(topic, &pose, "protobuf")?;
+        poses.push((used, channel(&raw_topic(topic), &raw_pose, "cdr")?));
+    }
+    let marks = channel(marks_topic, &event, "protobuf")?;
+    let marks = (marks, channel(&raw_topic(marks_topic), &raw_mark, "cdr")?);
+    let counts = channel(COUNTS_TOPIC, &counts, "json")?;
+    Ok((
+        writer,
+        Channels {
+            poses,
+            marks,
+            counts,
+        },
+    ))
+}
+
+/// Cuts a file to the latest length at which it was whole and where there is room for an end.
+fn cut(mut file: &File, whole: &[u64]) -> io::Result<()> {
+    let mut result = Err(io::Error::other("it was never whole"));
+    for length in whole.iter().rev() {
+        result = file
+            .set_len(*length)
+            .and_then(|()| file.seek(SeekFrom::Start(*length)))
+            .and_then(|_| file.write_all(&end()))
+            .and_then(|()| file.sync_all());
+        if result.is_ok() {
+            break;
+        }
+    }
+    result
+}
+
+/// The end of a file without an index: data end, footer, magic.
+fn end() -> Vec<u8> {
+    use mcap::records::op;
+    let mut end = vec![op::DATA_END];
+    end.extend(4_u64.to_le_bytes());
+    end.extend([0; 4]);
+    end.push(op::FOOTER);
+    end.extend(20_u64.to_le_bytes());
+    end.extend([0; 20]);
+    end.extend(mcap::MAGIC);
+    end
+}
+
+fn rename(part: &Path, path: &Path) -> Result<(), WriteError> {
+    std::fs::rename(part, path).map_err(WriteError::io(path, "rename the journal to it"))?;
+    sync_directory_of(path);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,227 @@
+//! Takes and estimates → iceoryx2. The services are those of [`crate::wire::live`].
+
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::prelude::ZeroCopySend;
+
+use super::error::WriteError;
+use super::estimate::DEFAULT_FRAME_RATE_HZ;
+use super::motion;
+use crate::motion::{Estimate, Scene, Sketch, Verdict};
+use crate::wire::live::{
+    CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, EstimateRecord, EstimatedPoseRecord,
+    LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord,
+    service_name,
+};
+
+/// One publisher.
+struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
+    name: String,
+    publisher: Publisher<LiveService, T, ()>,
+}
+
+impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> Port<T> {
+    fn open(node: &Node, name: &str, quality: Quality) -> Result<Self, LiveError> {
+        use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
+        let served = node.service::<T>(name, quality)?;
+        for shortcoming in &served.shortcomings {
+            tracing::warn!(service = name, "made by another: {shortcoming}");
+        }
+        let publisher = served
+            .factory
+            .publisher_builder()
+            // Where a service was made without overflow: a slow subscriber shall hold up nobody.
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .create()
+            .map_err(|reason| LiveError::Port {
+                service: name.to_owned(),
+                reason: format!("{reason:?}"),
+            })?;
+        Ok(Self {
+            name: name.to_owned(),
+            publisher,
+        })
+    }
+
+    /// Sends; to how many.
+    fn send(&self, record: T) -> Result<usize, LiveError> {
+        self.publisher
+            .send_copy(record)
+            .map_err(|reason| LiveError::Send {
+                service: self.name.clone(),
+                reason: format!("{reason:?}"),
+            })
+    }
+}
+
+/// Publishes what trackers, performers and directors do: a recording as a live take.
+pub struct TrackerPublisher {
+    poses: Vec<Port<PoseRecord>>,
+    marks: Port<MarkRecord>,
+    control: Port<ControlRecord>,
+}
+
+impl TrackerPublisher {
+    /// Opens the services of these topics, of the marks and of take control.
+    pub fn open(node: &Node, topics: &[String], marks_topic: &str) -> Result<Self, LiveError> {
+        let pose = |topic: &String| Port::open(node, &service_name(topic), Quality::POSES);
+        Ok(Self {
+            poses: topics.iter().map(pose).collect::<Result<_, _>>()?,
+            marks: Port::open(node, &service_name(marks_topic), Quality::NOTES)?,
+            control: Port::open(node, CONTROL_SERVICE, Quality::NOTES)?,
+        })
+    }
+
+    /// Sends a sample on the topic of that number; to how many.
+    pub fn pose(&self, topic: usize, record: PoseRecord) -> Result<usize, LiveError> {
+        self.poses[topic].send(record)
+    }
+
+    /// Sends a mark; to how many.
+    pub fn mark(&self, record: MarkRecord) -> Result<usize, LiveError> {
+        self.marks.send(record)
+    }
+
+    /// Sends a command; to how many.
+    pub fn control(
+        &self,
+        command: Command,
+        session: u32,
+        sequence: u64,
+        now_ns: i64,
+    ) -> Result<usize, LiveError> {
+        self.control.send(ControlRecord {
+            sequence,
+            available_ns: now_ns,
+            command: command.number(),
+            session,
+        })
+    }
+}
+
+/// Publishes what becomes of takes.
+pub struct TakePublisher {
+    port: Port<TakeRecord>,
+}
+
+impl TakePublisher {
+    /// Opens `enact/take`.
+    pub fn open(node: &Node) -> Result<Self, LiveError> {
+        Ok(Self {
+            port: Port::open(node, TAKE_SERVICE, Quality::NOTES)?,
+        })
+    }
+
+    /// Sends; to how many.
+    pub fn send(&self, record: TakeRecord) -> Result<usize, LiveError> {
+        self.port.send(record)
+    }
+}
+
+/// What is said with an estimate besides what is in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EstimateOccasion {
+    /// The take, counted from 1; 0 of a recording.
+    pub take: u64,
+    /// Marks that it rests on.
+    pub marks: u64,
+    /// Whether the take is over.
+    pub is_final: bool,
+    /// When it was ready \[ns since 1970\].
+    pub now_ns: i64,
+}
+
+/// Publishes estimates of a scene.
+pub struct EstimatePublisher {
+    estimates: Port<EstimateRecord>,
+    frames: Vec<Port<EstimatedPoseRecord>>,
+    sequence: u64,
+}
+
+impl EstimatePublisher {
+    /// Opens `enact/estimate` and `enact/estimate/<body>/pose` of every body.
+    pub fn open(node: &Node, scene: &Scene) -> Result<Self, LiveError> {
+        let frames = scene.bodies.iter().map(|body| {
+            let name = service_name(&super::topics::estimate_pose(&body.name));
+            Port::open(node, &name, Quality::FRAMES)
+        });
+        Ok(Self {
+            frames: frames.collect::<Result<_, _>>()?,
+            estimates: Port::open(node, ESTIMATE_SERVICE, Quality::NOTES)?,
+            sequence: 0,
+        })
+    }
+
+    /// Sends an estimate: its numbers, then the motion of every body at
+    /// [`DEFAULT_FRAME_RATE_HZ`] and at its events. More frames than a service buffers are not
+    /// sent: a motion that ran away.
+    pub fn send(
+        &mut self,
+        occasion: EstimateOccasion,
+        scene: &Scene,
+        sketch: &Sketch,
+        estimate: &Estimate,
+    ) -> Result<(), WriteError> {
+        let zero = motion::zero(estimate, sketch);
+        let mut bodies = Vec::new();
+        for body in 0..self.frames.len() {
+            let rate_hz = DEFAULT_FRAME_RATE_HZ;
+            let path = std::path::Path::new(ESTIMATE_SERVICE);
+            let samples = motion::estimate_samples(path, scene, estimate, body, zero, rate_hz)
+                .unwrap_or_default();
+            let fits = samples.len() <= Quality::FRAMES.buffer;
+            bodies.push(if fits { samples } else { Vec::new() });
+        }
+        let record = EstimateRecord {
+            sequence: self.sequence,
+            available_ns: occasion.now_ns,
+            take: occasion.take,
+            marks: occasion.marks,
+            origin_ns: zero.0,
+            frames: bodies.iter().map(|samples| samples.len() as u64).sum(),
+            objective: estimate.objective,
+            physical_s: duration_s(estimate),
+            residual_m: residual(estimate, |r| r.position_rms_m),
+            residual_rad: residual(estimate, |r| r.orientation_rms_rad),
+            iterations: estimate.counters.iterations as u64,
+            verdict: match estimate.verdict {
+                Verdict::Failed => 0,
+                Verdict::Plausible => 1,
+                Verdict::Physical => 2,
+            },
+            is_final: u32::from(occasion.is_final),
+        };
+        self.sequence += 1;
+        self.estimates.send(record)?;
+        for (port, samples) in self.frames.iter().zip(&bodies) {
+            for (index, sample) in samples.iter().enumerate() {
+                port.send(EstimatedPoseRecord {
+                    estimate: record.sequence,
+                    take: occasion.take,
+                    index: index as u64,
+                    count: samples.len() as u64,
+                    sample_ns: sample.stamp.0,
+                    position_m: sample.position_m.into(),
+                    quaternion_xyzw: sample.quaternion_xyzw,
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn duration_s(estimate: &Estimate) -> f64 {
+    let starts = estimate.arcs.iter().map(|arc| arc.start_s);
+    let ends = estimate.arcs.iter().map(|arc| arc.end_s);
+    (ends.fold(f64::NEG_INFINITY, f64::max) - starts.fold(f64::INFINITY, f64::min)).max(0.0)
+}
+
+/// Root mean square over all samples of what segments have.
+fn residual(estimate: &Estimate, of: impl Fn(&crate::motion::SegmentResidual) -> f64) -> f64 {
+    let residuals = &estimate.residuals;
+    let samples: usize = residuals.iter().map(|r| r.samples).sum();
+    let sum: f64 = residuals
+        .iter()
+        .map(|r| r.samples as f64 * of(r).powi(2))
+        .sum();
+    (sum / samples.max(1) as f64).sqrt()
+}

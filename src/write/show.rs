@@ -1,0 +1,249 @@
+//! A motion for those who watch live: it is played in a loop, in real time, beside the
+//! performance that it fits.
+//!
+//! Stamps are of the wall clock, for a live viewer draws what is now. Frames are those of an
+//! estimate's file, and `<body>_live` where the tracker is. A body is drawn in its estimate's
+//! frame, as a ghost in its sketch's, and as a paler one in its live frame.
+
+use std::path::Path;
+
+use super::drawing;
+use super::error::WriteError;
+use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, surface_side_m};
+use super::motion;
+use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
+use super::topics;
+use crate::math::Pose;
+use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
+use crate::wire::encode::{self, SchemaRecord};
+use crate::wire::{Encoded, Transform};
+
+/// What is said of what, in errors: there is no file.
+const VIEWER: &str = "the viewer";
+
+/// A topic that viewers are shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShownTopic {
+    /// Its name.
+    pub topic: String,
+    /// What its messages are.
+    pub schema: SchemaRecord,
+    /// How they are encoded.
+    pub encoding: &'static str,
+}
+
+impl ShownTopic {
+    /// A topic of protobuf messages.
+    fn protobuf(topic: &str, kind: Encoded) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            schema: kind.schema(),
+            encoding: "protobuf",
+        }
+    }
+
+    fn json(topic: &str, name: &str, schema: &str) -> Self {
+        let schema = SchemaRecord {
+            name: name.to_owned(),
+            encoding: "jsonschema".to_owned(),
+            data: schema.as_bytes().to_vec(),
+        };
+        Self {
+            topic: topic.to_owned(),
+            schema,
+            encoding: "json",
+        }
+    }
+
+    /// Poses of one frame.
+    pub fn poses(topic: &str) -> Self {
+        Self::protobuf(topic, Encoded::PoseInFrame)
+    }
+
+    /// Marks.
+    pub fn marks(topic: &str) -> Self {
+        Self::protobuf(topic, Encoded::Event)
+    }
+
+    /// Transforms of all frames: [`topics::TRANSFORMS`].
+    pub fn transforms() -> Self {
+        Self::protobuf(topics::TRANSFORMS, Encoded::FrameTransforms)
+    }
+
+    /// What is drawn: [`topics::SCENE`].
+    pub fn scene() -> Self {
+        Self::protobuf(topics::SCENE, Encoded::SceneUpdate)
+    }
+
+    /// The whole estimate: [`topics::REPORT`].
+    pub fn report() -> Self {
+        Self::json(topics::REPORT, "enact.EstimateReport", REPORT_SCHEMA)
+    }
+
+    /// Acted time against physical time: [`topics::TIME_MAP`].
+    pub fn time_map() -> Self {
+        Self::json(topics::TIME_MAP, "enact.TimeMap", TIME_MAP_SCHEMA)
+    }
+}
+
+/// An estimate that is played.
+#[derive(Clone, Debug)]
+pub struct Showing {
+    estimates: Vec<Vec<PoseSample>>,
+    sketches: Vec<Vec<PoseSample>>,
+    from: Stamp,
+    until: Stamp,
+    /// The message of [`ShownTopic::report`].
+    pub report: Vec<u8>,
+    /// The message of [`ShownTopic::time_map`].
+    pub time_map: Vec<u8>,
+}
+
+impl Showing {
+    /// Samples the motion at [`DEFAULT_FRAME_RATE_HZ`]. Fails where it is too long for that.
+    pub fn new(of: &Reported) -> Result<Self, WriteError> {
+        let (scene, sketch, estimate) = (of.scene, of.sketch, of.estimate);
+        let zero = motion::zero(estimate, sketch);
+        let bodies = 0..scene.bodies.len();
+        let rate_hz = DEFAULT_FRAME_RATE_HZ;
+        let estimates: Vec<Vec<PoseSample>> = bodies
+            .clone()
+            .map(|body| {
+                let path = Path::new(VIEWER);
+                motion::estimate_samples(path, scene, estimate, body, zero, rate_hz)
+            })
+            .collect::<Result<_, _>>()?;
+        let sketches = bodies.map(|body| motion::sketch_samples(estimate, sketch, body, zero));
+        let stamps = || estimates.iter().flatten().map(|sample| sample.stamp);
+        Ok(Self {
+            from: stamps().min().unwrap_or(zero),
+            until: stamps().max().unwrap_or(zero),
+            sketches: sketches.collect(),
+            report: json(&EstimateReport::new(of, zero)),
+            time_map: json(&TimeMap::new(scene, sketch, estimate, zero)),
+            estimates,
+        })
+    }
+
+    /// How long the motion lasts \[s\].
+    pub fn duration_s(&self) -> f64 {
+        self.until.seconds_since(self.from)
+    }
+
+    /// Where a body's estimate and its performance are so long after the beginning, stamped
+    /// `now`; none of a body without samples.
+    pub fn at(&self, body: usize, time_s: f64, now: Stamp) -> [Option<PoseSample>; 2] {
+        let stamp = motion::stamp(self.from, time_s);
+        [&self.estimates[body], &self.sketches[body]].map(|samples| {
+            let after = samples.partition_point(|sample| sample.stamp <= stamp);
+            let sample = samples.get(after.saturating_sub(1))?;
+            Some(PoseSample {
+                stamp: now,
+                ..*sample
+            })
+        })
+    }
+}
+
+/// The pose of a body whose tracker reads that; `None` of numbers that make no pose.
+pub fn body_pose(body: &SceneBody, reading: &PoseSample) -> Option<PoseSample> {
+    let [x, y, z, w] = reading.quaternion_xyzw;
+    let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+    let is_pose = (quaternion.norm() - 1.0).abs() <= 0.01;
+    if !is_pose || reading.position_m.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let rotation = nalgebra::UnitQuaternion::from_quaternion(quaternion);
+    let world_from_tracker = Pose::from_parts(reading.position_m.into(), rotation);
+    let world_from_body = world_from_tracker * body.body_from_tracker.inverse();
+    Some(PoseSample::from_pose(reading.stamp, &world_from_body))
+}
+
+/// The message of [`ShownTopic::poses`].
+pub fn pose(sample: &PoseSample) -> Option<Vec<u8>> {
+    encode::pose_in_frame(DEFAULT_WORLD_FRAME, sample).ok()
+}
+
+/// The message of [`ShownTopic::marks`].
+pub fn mark(mark: &Mark) -> Option<Vec<u8>> {
+    encode::event(mark).ok()
+}
+
+/// The message of [`ShownTopic::transforms`]: frames and where they are in the world's.
+pub fn transforms(frames: &[(String, PoseSample)]) -> Option<Vec<u8>> {
+    let transforms: Vec<Transform> = frames
+        .iter()
+        .map(|(child, sample)| Transform {
+            parent: DEFAULT_WORLD_FRAME,
+            child,
+            sample: *sample,
+        })
+        .collect();
+    encode::frame_transforms(&transforms).ok()
+}
+
+/// The message of [`ShownTopic::scene`].
+pub fn scene(scene: &Scene, now: Stamp) -> Option<Vec<u8>> {
+    let side_m = surface_side_m(scene, &[]);
+    drawing::live_scene_update(scene, DEFAULT_WORLD_FRAME, now, side_m).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::motion::SampleCounts;
+    use crate::write::estimate::samples;
+
+    #[test]
+    fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {
+        let (scene, sketch, estimate) = (samples::scene(), samples::sketch(), samples::estimate());
+        let showing = Showing::new(&Reported {
+            scene: &scene,
+            sketch: &sketch,
+            counts: &SampleCounts::default(),
+            estimate: &estimate,
+            verification: None,
+            settled: None,
+        })
+        .expect("a motion");
+        let now = Stamp(7);
+        let at = |time_s: f64| showing.at(0, time_s, now)[0].expect("a pose");
+        let duration_s = showing.duration_s();
+        assert!(duration_s > 0.0);
+        assert_eq!(at(0.0).stamp, now);
+        let distance_m = (at(duration_s).position_m - at(0.0).position_m).norm();
+        assert!(distance_m > 0.0);
+        assert_eq!(at(duration_s + 0.4), at(duration_s));
+        // The ghost is never ahead of its last sample.
+        assert!(showing.at(0, duration_s, now)[1].is_some());
+    }
+
+    #[test]
+    fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
+        let mut scene = samples::scene();
+        let body = &mut scene.bodies[0];
+        body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
+        let reading = PoseSample {
+            stamp: Stamp(1),
+            position_m: Vector3::new(1.0, 2.0, 3.0),
+            quaternion_xyzw: [1.0, 0.0, 0.0, 0.0],
+        };
+        // Upside down, the tracker's z is the world's −z.
+        let pose = body_pose(body, &reading).expect("a pose");
+        assert!((pose.position_m - Vector3::new(1.0, 2.0, 3.1)).norm() < 1e-12);
+        for (position_m, quaternion_xyzw) in [
+            (Vector3::repeat(f64::NAN), [0.0, 0.0, 0.0, 1.0]),
+            (Vector3::zeros(), [0.0; 4]),
+            (Vector3::zeros(), [f64::NAN; 4]),
+        ] {
+            let wrong = PoseSample {
+                stamp: Stamp(1),
+                position_m,
+                quaternion_xyzw,
+            };
+            assert_eq!(body_pose(body, &wrong), None);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Eight trackers at 1 kHz on the daemon: what it received, how late, in how much memory.
+#
+#     tools/live/soak.sh [SECONDS] [TAKES]
+#
+# Prints the counts of every take, and the daemon's memory and processor time on the way. On an
+# iceoryx2 of its own.
+set -eu
+seconds=${1:-600}
+takes=${2:-1}
+cd "$(dirname "$0")/../.."
+cargo build -q --release --bin enact --example tracker
+release=$PWD/target/release
+made=$(mktemp -d)
+trap 'kill "$daemon" 2>/dev/null || true; rm -rf "$made" /dev/shm/enact_soak_$$_*' EXIT
+cd "$made"
+printf '[global]\nroot-path = "%s/iceoryx2/"\nprefix = "enact_soak_%s_"\n' "$made" $$ >iceoryx2.toml
+{
+    printf 'name = "eight trackers"\n[timing]\nstamps = "physical"\n'
+    for k in 1 2 3 4 5 6 7 8; do
+        printf '[[body]]\nname = "t%s"\nshape = { kind = "sphere", radius_mm = 20 }\nmass_g = 50\n' $k
+    done
+} >scene.toml
+"$release/enact" capture scene.toml -o takes --iceoryx2 iceoryx2.toml >said.txt &
+daemon=$!
+(while sleep 10 && kill -0 $daemon 2>/dev/null; do
+    grep -E 'VmRSS' /proc/$daemon/status | tr '\n\t' '  '
+    cut -d' ' -f14,15 /proc/$daemon/stat | sed 's/^/ticks of user and system: /'
+done) &
+for _ in $(seq "$takes"); do
+    "$release/examples/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
+done
+kill -TERM $daemon
+wait $daemon || true # 3: takes of ten minutes are left to `enact process`
+cat said.txt
