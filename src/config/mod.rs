@@ -27,7 +27,8 @@
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
 //! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
 //! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
-//! in the last `chunk_ms + sync_ms`.
+//! in the last `chunk_ms + sync_ms`. Takes begin and end when somebody says so; samples between
+//! them are counted and not kept, and no key changes that.
 //!
 //! Defaults, all of them:
 //!

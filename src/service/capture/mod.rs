@@ -26,6 +26,11 @@
 //! | → herald | 256 | recorder: dropped and logged; estimators wait |
 //! | herald → account | 1024 | dropped and logged |
 //!
+//! What comes while no take runs is counted ([`Status::outside`]) and not kept: a take begins with
+//! what came by the same poll as its start, at most 1 ms before it while samples come, and ends
+//! with what was sent before its stop. There is no pre-roll: who wants what led up to a motion
+//! starts the take before it, and discards the take if nothing follows.
+//!
 //! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
 //! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
 //! as long as it works.
