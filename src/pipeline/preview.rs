@@ -8,7 +8,8 @@
 //! answer: states, times, parameters and contacts are those of before, moved to where the
 //! flights' middles are now, and the Newton steps of the finish suffice. Where they do not, where
 //! another contact would come first, and whenever an open flight has grown by half, it begins
-//! anew too: a start from too few samples must not be kept for ever.
+//! anew too: a start from too few samples must not be kept for ever. Where samples come to fit
+//! worse than they did it is tried both ways, and the better is kept.
 //!
 //! Unnamed marks of a scene whose collision repeats are taken for collisions: that the last of
 //! them was the end is known when the take is over.
@@ -25,6 +26,9 @@ use crate::segment;
 /// How much more samples there are before the estimation begins anew.
 const GROWTH: f64 = 1.5;
 
+/// How much worse samples may fit than they did then.
+const DOUBT: f64 = 1.25;
+
 /// A performance that is being acted.
 #[derive(Clone, Debug)]
 pub struct Preview {
@@ -40,8 +44,25 @@ struct Last {
     asked: Scene,
     segments: Vec<Segment>,
     outcome: Outcome,
-    /// Samples that were used when it was last begun anew.
+    begun: Begun,
+}
+
+/// How it was when the estimation was last begun anew.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    /// Samples that were used.
     samples: usize,
+    /// The objective, divided by them.
+    per_sample: f64,
+}
+
+impl Begun {
+    fn new(samples: usize, estimate: &Estimate) -> Self {
+        Self {
+            samples,
+            per_sample: estimate.objective / samples.max(1) as f64,
+        }
+    }
 }
 
 /// An estimate so far.
@@ -86,26 +107,26 @@ impl Preview {
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
         let (segments, rounds) = segments(&scene, &mut sketch, &mut counts, observer)?;
         let last = self.last.take().filter(|last| last.asked == scene);
+        let last = last.filter(|last| (counts.used as f64) < GROWTH * last.begun.samples as f64);
         let warm = last.and_then(|last| {
-            let is_due = counts.used as f64 >= GROWTH * last.samples as f64;
-            let estimate = (!is_due).then(|| last.next(&sketch, &segments, observer))??;
-            Some((last.samples, last.outcome, estimate))
+            let estimate = last.next(&sketch, &segments, observer)?;
+            Some((last.begun, last.continued(estimate)))
         });
-        let is_warm = warm.is_some();
-        let (samples, mut inferred) = match warm {
-            Some((samples, outcome, estimate)) => {
-                let inferred = Inferred {
-                    scene: outcome.scene,
-                    events: outcome.inferred,
-                    search: outcome.search,
-                    estimate,
-                };
-                (samples, inferred)
-            }
-            None => {
+        let is_trusted = warm.as_ref().is_some_and(|(begun, warm)| {
+            warm.estimate.objective <= DOUBT * begun.per_sample * counts.used as f64
+        });
+        let (begun, mut inferred, is_warm) = match warm {
+            Some((begun, warm)) if is_trusted => (begun, warm, true),
+            warm => {
                 let cut = (&segments[..], rounds);
-                let inferred = solve_segments(&scene, &sketch, cut, observer)?;
-                (counts.used, inferred)
+                let anew = solve_segments(&scene, &sketch, cut, observer)?;
+                let is_better = |warm: &Inferred| {
+                    warm.estimate.verdict == anew.estimate.verdict
+                        && warm.estimate.objective < anew.estimate.objective
+                };
+                let warm = warm.map(|(_, warm)| warm).filter(is_better);
+                let (best, is_warm) = warm.map_or((anew, false), |warm| (warm, true));
+                (Begun::new(counts.used, &best.estimate), best, is_warm)
             }
         };
         inferred.estimate.counters.assignment_rounds = rounds;
@@ -122,7 +143,7 @@ impl Preview {
                 verification: None,
                 settled: None,
             },
-            samples,
+            begun,
         });
         observer.phase(Phase::Done);
         Ok(Some(Previewed {
@@ -156,6 +177,16 @@ impl Preview {
 }
 
 impl Last {
+    /// That estimate in place of this one, in the scene as it is understood.
+    fn continued(self, estimate: Estimate) -> Inferred {
+        Inferred {
+            scene: self.outcome.scene,
+            events: self.outcome.inferred,
+            search: self.outcome.search,
+            estimate,
+        }
+    }
+
     /// The estimate that goes on from this one; `None` where that does not lead to a motion.
     fn next(
         &self,

@@ -33,7 +33,7 @@
 //!
 //! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
 //! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
-//! as long as it works.
+//! as long as it works, or longer.
 //!
 //! # Watching
 //!

@@ -2,7 +2,8 @@
 //!
 //! One message waits at most; what comes meanwhile is in the next one, and of all that it brings
 //! one estimate is made. After a mark that is at once; between marks the thread rests as long as
-//! the last estimate took, so that it never has more than half a core.
+//! the last estimate took, so that it never has more than half a core, and four times as long
+//! where that is no longer a preview but a burden.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
@@ -16,6 +17,9 @@ use super::said::{Notice, Said};
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::{Outcome, Preview};
 use crate::service::words;
+
+/// An estimate that takes longer is a burden.
+const BURDEN: Duration = Duration::from_millis(50);
 
 /// What came since the last message.
 pub(super) struct Followed {
@@ -71,7 +75,8 @@ impl Previewer {
             };
             if following.marks > following.told || Instant::now() >= rested {
                 let took = self.estimate(following);
-                rested = Instant::now() + took;
+                let rest = if took > BURDEN { 4 * took } else { took };
+                rested = Instant::now() + rest;
             }
         }
     }
