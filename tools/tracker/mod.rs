@@ -87,6 +87,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Sent> {
     }
 }
 
+/// How often a question is repeated.
+const REPEAT: Duration = Duration::from_millis(100);
+
 /// Sends commands, and waits until they are answered: what was sent before is then taken.
 struct Director<'a> {
     publisher: &'a TrackerPublisher,
@@ -114,11 +117,11 @@ impl<'a> Director<'a> {
 
     /// Begins: with a take if one is wanted. Fails where no daemon answers.
     fn begin(&mut self, arguments: &Arguments) -> anyhow::Result<()> {
-        self.say(if arguments.take {
-            Command::Start
-        } else {
-            Command::Ask
-        })
+        self.say(Command::Ask)?;
+        if arguments.take {
+            self.say(Command::Start)?;
+        }
+        Ok(())
     }
 
     /// Ends as it began. Without a take of ours it does not matter whether somebody listens.
@@ -132,17 +135,19 @@ impl<'a> Director<'a> {
         Ok(())
     }
 
-    /// Repeats until it is answered: nobody hears what was said before they subscribed.
+    /// Says it until it is heard, and a question until it is answered: who hears may be a tunnel
+    /// that leads nowhere yet. A start or a stop that came twice would not be the same.
     fn say(&mut self, command: Command) -> anyhow::Result<()> {
         self.sequence += 1;
         let (session, sequence, begun) = (self.session, self.sequence, Instant::now());
-        let mut is_heard = false;
+        let mut heard: Option<Instant> = None;
         while begun.elapsed() < self.wait {
-            if !is_heard {
-                let heard = self
+            let is_due = |at: Instant| command == Command::Ask && at.elapsed() > REPEAT;
+            if heard.is_none_or(is_due) {
+                let subscribers = self
                     .publisher
                     .control(command, session, sequence, now_ns())?;
-                is_heard = heard > 0;
+                heard = (subscribers > 0).then(Instant::now);
             }
             while let Some(answer) = self.answers.next()? {
                 if (answer.control_session, answer.control_sequence) == (session, sequence) {

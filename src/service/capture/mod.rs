@@ -26,6 +26,14 @@
 //! | → herald | 256 | recorder: dropped and logged; estimators wait |
 //! | herald → account | 1024 | dropped and logged |
 //!
+//! What comes while no take runs is counted ([`Status::outside`]) and not kept: a take begins with
+//! what came by the same poll as its start, at most 1 ms before it while samples come, and ends
+//! with what was sent before its stop. There is no pre-roll: who wants what led up to a motion
+//! starts the take before it, and discards the take if nothing follows.
+//!
+//! Take after take can be recorded while earlier ones are estimated. A journal of more than two
+//! million messages is left to `enact process`.
+//!
 //! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
 //! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
 //! as long as it works, or longer.
@@ -41,9 +49,6 @@
 //!
 //! There is neither encryption nor a password: off loopback everybody who reaches the port sees
 //! what is acted. A port that is taken is an error at the start.
-//!
-//! Take after take can be recorded while earlier ones are estimated. A journal of more than two
-//! million messages is left to `enact process`.
 //!
 //! # As a service
 //!
