@@ -203,7 +203,9 @@ fn estimates_come_out_after_every_mark_and_at_the_end() {
     while let Some(sample) = takes.receive().expect("receive") {
         states.push(sample.state);
     }
+    // A tracker asks before it starts a take.
     let expected = [
+        TakeState::Ready,
         TakeState::Recording,
         TakeState::Closed,
         TakeState::Estimated,

@@ -28,7 +28,8 @@
 //! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
 //! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
 //! in the last `chunk_ms + sync_ms`. Takes begin and end when somebody says so; samples between
-//! them are counted and not kept, and no key changes that.
+//! them are counted and not kept, and no key changes that. `viewer_port` serves viewers,
+//! `metrics_port` health and metrics, both at the address `listen`.
 //!
 //! Defaults, all of them:
 //!
@@ -38,6 +39,8 @@
 //! | `marks_topic` | `"/marks"` |
 //! | `capture.folder` | `"takes"` |
 //! | `capture.chunk_ms`, `capture.sync_ms` | 100 ms, 1000 ms |
+//! | `capture.viewer_port`, `capture.metrics_port` | not served |
+//! | `capture.listen` | `"127.0.0.1"` |
 //! | `capture.tracker.stamps` | `"sample"` if the first valid sample has that time, else `"device"` if it has that, else `"receipt"` |
 //! | `settle_s` | the motion ends where the performance does |
 //! | `timing.tempo_sd_per_sqrt_s` | 0.5 |

@@ -31,6 +31,9 @@
 //! with what was sent before its stop. There is no pre-roll: who wants what led up to a motion
 //! starts the take before it, and discards the take if nothing follows.
 //!
+//! Take after take can be recorded while earlier ones are estimated. A journal of more than two
+//! million messages is left to `enact process`.
+//!
 //! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
 //! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
 //! as long as it works, or longer.
@@ -46,9 +49,6 @@
 //!
 //! There is neither encryption nor a password: off loopback everybody who reaches the port sees
 //! what is acted. A port that is taken is an error at the start.
-//!
-//! Take after take can be recorded while earlier ones are estimated. A journal of more than two
-//! million messages is left to `enact process`.
 //!
 //! # As a service
 //!
