@@ -24,7 +24,7 @@ const PUNCTUAL: f64 = 0.25;
 /// noise `|Δd − Δr| + |Δd − n·mean|`.
 ///
 /// A clock was set where the sample comes on time, `Δr ≈ n·mean`, and its reading does not,
-/// `|Δd − Δr|` beyond [`NOISES`] times the noise and [`LEAST_NS`]. A stall of delivery is off in
+/// `|Δd − Δr|` beyond 8 times the noise and 10 ms. A stall of delivery is off in
 /// `Δr`, a hole in both alike, a recording played fast in its pace: none of them is a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cadence {
