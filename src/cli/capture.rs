@@ -97,7 +97,7 @@ fn text(said: &Said, style: Style) -> String {
             verdict,
             seconds,
         } => format!(
-            "take {take}: {verdict} so far, by {marks} marks, in {:.1} ms\n",
+            "take {take}: {verdict} so far, after mark {marks}, in {:.1} ms\n",
             seconds * 1e3
         ),
         Said::Estimated { take, report } => format!("take {take}: {}", account(report, style)),
