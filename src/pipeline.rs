@@ -69,12 +69,35 @@ pub enum PipelineError {
     },
 }
 
+impl Outcome {
+    fn unchecked(inferred: Inferred, sketch: Sketch, counts: SampleCounts) -> Self {
+        Self {
+            scene: inferred.scene,
+            inferred: inferred.events,
+            search: inferred.search,
+            sketch,
+            counts,
+            estimate: inferred.estimate,
+            verification: None,
+            settled: None,
+        }
+    }
+}
+
 impl Pipeline {
     /// Begins a take of that scene.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,
             events: Vec::new(),
+        }
+    }
+
+    /// A take of that scene that is over.
+    pub fn of(scene: Scene, events: impl IntoIterator<Item = TakeEvent>) -> Self {
+        Self {
+            scene,
+            events: events.into_iter().collect(),
         }
     }
 
@@ -164,20 +187,11 @@ impl Pipeline {
         let scene = self.scene.with_marks(self.marks());
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
         let inferred = solve(&scene, &mut sketch, &mut counts, observer)?;
-        Ok(Outcome {
-            scene: inferred.scene,
-            inferred: inferred.events,
-            search: inferred.search,
-            sketch,
-            counts,
-            estimate: inferred.estimate,
-            verification: None,
-            settled: None,
-        })
+        Ok(Outcome::unchecked(inferred, sketch, counts))
     }
 
     /// Marks that were pushed: by these repeated collisions are counted.
-    fn marks(&self) -> usize {
+    pub fn marks(&self) -> usize {
         let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
         self.events.iter().filter(is_mark).count()
     }

@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::Parser;
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::ingest::live::{Command, Node, Quality, TakeState};
@@ -26,18 +25,6 @@ mod stamping;
 mod tracker;
 
 use harness::{Daemon, House, bytes, enact};
-
-/// Not a test: the tracker, when a test starts this binary again as another process.
-#[test]
-#[ignore = "a process of other tests"]
-fn tracker_process() {
-    let Ok(line) = std::env::var("ENACT_TEST_TRACKER") else {
-        return;
-    };
-    let arguments = tracker::Arguments::parse_from(line.split('\n'));
-    let sent = tracker::run(&arguments).expect("publish");
-    println!("\n{}", serde_json::to_string(&sent).expect("json"));
-}
 
 fn scene_of(recording: &Recording) -> Scene {
     let toml = recording.scene_toml().expect("scene attached");

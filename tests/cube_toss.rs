@@ -82,11 +82,7 @@ fn take(folder: &Path, toss: &Toss) -> Vec<TakeEvent> {
 }
 
 fn estimated(scene: &Scene, take: Vec<TakeEvent>) -> Outcome {
-    let mut pipeline = Pipeline::new(scene.clone());
-    for event in take {
-        pipeline.push(event);
-    }
-    pipeline.finish(&mut ()).unwrap()
+    Pipeline::of(scene.clone(), take).finish(&mut ()).unwrap()
 }
 
 #[test]

@@ -235,8 +235,7 @@ fn a_stream_too_many_is_refused_by_name() {
 }
 
 fn finished(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, PipelineError> {
-    let mut pipeline = Pipeline::new(scene.clone());
-    events.iter().for_each(|event| pipeline.push(event.clone()));
+    let pipeline = Pipeline::of(scene.clone(), events.to_vec());
     pipeline.finish(&mut ()).map(|outcome| outcome.sketch)
 }
 

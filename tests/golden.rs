@@ -93,11 +93,7 @@ fn scene(recording: &Recording) -> Scene {
 fn estimated(recording: &Recording) -> Outcome {
     let scene = scene(recording);
     let take = recording.take(&scene).unwrap();
-    let mut pipeline = Pipeline::new(scene);
-    for event in take.events {
-        pipeline.push(event);
-    }
-    pipeline.finish(&mut ()).unwrap()
+    Pipeline::of(scene, take.events).finish(&mut ()).unwrap()
 }
 
 fn truth(recording: &Recording) -> TrueMotion {
@@ -203,10 +199,7 @@ fn independent_checks_agree_and_the_pencil_rests_in_the_mug() {
 fn an_estimate_alone_is_the_same_without_checks() {
     let recording = open(golden()[0].file);
     let scene = scene(&recording);
-    let mut pipeline = Pipeline::new(scene.clone());
-    for event in recording.take(&scene).unwrap().events {
-        pipeline.push(event);
-    }
+    let pipeline = Pipeline::of(scene.clone(), recording.take(&scene).unwrap().events);
     let (alone, whole) = (
         pipeline.estimate(&mut ()).unwrap(),
         pipeline.finish(&mut ()).unwrap(),

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use clap::Parser;
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 
@@ -23,18 +22,6 @@ const SCENE: &str = "config/pencil_tip.toml";
 /// What the recording holds.
 const POSES: u64 = 269;
 const MARKS: u64 = 2;
-
-/// Not a test: the tracker, when a test starts this binary again as another process.
-#[test]
-#[ignore = "a process of other tests"]
-fn tracker_process() {
-    let Ok(line) = std::env::var("ENACT_TEST_TRACKER") else {
-        return;
-    };
-    let arguments = tracker::Arguments::parse_from(line.split('\n'));
-    let sent = tracker::run(&arguments).expect("publish");
-    println!("\n{}", serde_json::to_string(&sent).expect("json"));
-}
 
 /// Lines of a page as Prometheus reads them: name with labels, value.
 fn samples(page: &str) -> BTreeMap<String, f64> {

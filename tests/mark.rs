@@ -20,11 +20,8 @@ use tempfile::TempDir;
 const NEAR_SAMPLES: f64 = 8.5;
 
 fn estimated(performance: &Performance) -> Result<Outcome, PipelineError> {
-    let mut pipeline = Pipeline::new(performance.truth.scene.clone());
-    for event in &performance.events {
-        pipeline.push(event.clone());
-    }
-    pipeline.finish(&mut ())
+    let scene = performance.truth.scene.clone();
+    Pipeline::of(scene, performance.events.clone()).finish(&mut ())
 }
 
 /// Acted times of the events [s since the first sample].

@@ -115,85 +115,55 @@ fn enumerated(scene: &Scene, case: &Case) -> (f64, Vec<Event>, usize) {
     best
 }
 
-/// Performances of a solid, and how many estimates all of them together take.
-struct Exact {
+/// The search finds what trying all sequences finds, for bounces with the timing known or not, at
+/// these seeds. In all so many are tried, and so many solved by the search: as `tests/golden.rs`
+/// says of its counters, a change is no error by itself.
+fn assert_exact(
     solid: Polyhedron,
-    bounces: usize,
-    is_timing_known: bool,
-    seeds: std::ops::Range<u64>,
-    /// In all, by trying all sequences.
-    enumerated: usize,
-    /// In all, by the search. As `tests/golden.rs` says of its counters, a change is no error by
-    /// itself.
-    solved: usize,
-}
-
-impl Exact {
-    fn check(&self) {
-        let (mut enumerated_count, mut solved) = (0, 0);
-        for seed in self.seeds.clone() {
-            let acting = if self.is_timing_known {
-                Acting::timing_known()
-            } else {
-                Acting::default()
-            };
-            let truth = bounces_of(self.solid, self.bounces, seed).unwrap();
-            let case = Case::new(&truth, &acting, seed);
-            let mut scene = opened(case.scene());
-            scene.velocity_gaps = VelocityGaps::Never;
-            let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
-            let (objective, events, count) = enumerated(&scene, &case);
-            let name = format!("{:?}, {} bounces, seed {seed}", self.solid, self.bounces);
-            assert_eq!(found.scene.events, events, "{name}");
-            assert_eq!(found.estimate.objective, objective, "{name}");
-            enumerated_count += count;
-            solved += found.search.map_or(1, |work| work.solves);
-        }
-        assert_eq!((enumerated_count, solved), (self.enumerated, self.solved));
+    (bounces, is_timing_known, seeds): (usize, bool, std::ops::Range<u64>),
+    counts: (usize, usize),
+) {
+    let (mut tried, mut solved) = (0, 0);
+    for seed in seeds {
+        let acting = if is_timing_known {
+            Acting::timing_known()
+        } else {
+            Acting::default()
+        };
+        let truth = bounces_of(solid, bounces, seed).unwrap();
+        let case = Case::new(&truth, &acting, seed);
+        let mut scene = opened(case.scene());
+        scene.velocity_gaps = VelocityGaps::Never;
+        let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
+        let (objective, events, count) = enumerated(&scene, &case);
+        let name = format!("{solid:?}, {bounces} bounces, seed {seed}");
+        assert_eq!(found.scene.events, events, "{name}");
+        assert_eq!(found.estimate.objective, objective, "{name}");
+        tried += count;
+        solved += found.search.map_or(1, |work| work.solves);
     }
+    assert_eq!((tried, solved), counts);
 }
 
 #[test]
 fn bounces_of_a_tetrahedron_are_those_that_all_sequences_give() {
-    for (bounces, is_timing_known, seeds, enumerated, solved) in [
-        (1, true, 0..6, 24, 6),
-        (1, false, 0..6, 24, 6),
-        (2, true, 0..3, 48, 3),
-        (2, false, 0..3, 48, 3),
-        (3, true, 0..2, 128, 2),
-        (3, false, 0..2, 128, 2),
-    ] {
-        let exact = Exact {
-            solid: Polyhedron::Tetrahedron,
-            bounces,
-            is_timing_known,
-            seeds,
-            enumerated,
-            solved,
-        };
-        exact.check();
-    }
+    let exact = |of, counts| assert_exact(Polyhedron::Tetrahedron, of, counts);
+    exact((1, true, 0..6), (24, 6));
+    exact((1, false, 0..6), (24, 6));
+    exact((2, true, 0..3), (48, 3));
+    exact((2, false, 0..3), (48, 3));
+    exact((3, true, 0..2), (128, 2));
+    exact((3, false, 0..2), (128, 2));
 }
 
 #[test]
 fn bounces_of_a_cube_are_those_that_all_sequences_give() {
-    for (bounces, is_timing_known, seeds, enumerated, solved) in [
-        (1, true, 0..6, 48, 6),
-        (1, false, 0..6, 48, 6),
-        (2, true, 0..3, 192, 3),
-        (2, false, 0..2, 128, 2),
-        (3, true, 0..1, 512, 1),
-    ] {
-        let exact = Exact {
-            solid: Polyhedron::Cube,
-            bounces,
-            is_timing_known,
-            seeds,
-            enumerated,
-            solved,
-        };
-        exact.check();
-    }
+    let exact = |of, counts| assert_exact(Polyhedron::Cube, of, counts);
+    exact((1, true, 0..6), (48, 6));
+    exact((1, false, 0..6), (48, 6));
+    exact((2, true, 0..3), (192, 3));
+    exact((2, false, 0..2), (128, 2));
+    exact((3, true, 0..1), (512, 1));
 }
 
 #[test]

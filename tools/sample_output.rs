@@ -50,11 +50,7 @@ fn main() -> Result<()> {
 
     let recording = Recording::open(&input)?;
     let take = recording.take(&scene)?;
-    let mut pipeline = Pipeline::new(scene.clone());
-    for event in take.events {
-        pipeline.push(event);
-    }
-    let outcome = pipeline.finish(&mut ())?;
+    let outcome = Pipeline::of(scene.clone(), take.events).finish(&mut ())?;
     let world_frame = take.report.frame_ids.first();
     let written = write_estimate(
         &output,

@@ -121,19 +121,11 @@ fn counts_text(counts: &CountsLine) -> String {
                 clock.delay_ms, clock.delay_sd_ms
             ));
         }
-        for (what, count) in [
-            ("missing", of.missing),
-            ("overflows", of.overflows),
-            ("late", of.late),
-            ("duplicated", of.duplicated),
-            ("invalid", of.invalid),
-            ("malformed", of.malformed),
-            ("unstampable", of.unstampable),
-            ("frozen", of.frozen),
-            ("restarts", of.restarts),
+        let of_clock = [
             ("clock steps", clock.steps),
             ("without a time", clock.unstamped),
-        ] {
+        ];
+        for (what, count) in of.troubles().into_iter().chain(of_clock) {
             if count > 0 {
                 line.push_str(&format!(", {count} {what}"));
             }

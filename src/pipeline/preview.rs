@@ -133,16 +133,7 @@ impl Preview {
         let last = self.last.insert(Last {
             asked: scene,
             segments,
-            outcome: Outcome {
-                scene: inferred.scene,
-                inferred: inferred.events,
-                search: inferred.search,
-                sketch,
-                counts,
-                estimate: inferred.estimate,
-                verification: None,
-                settled: None,
-            },
+            outcome: Outcome::unchecked(inferred, sketch, counts),
             begun,
         });
         observer.phase(Phase::Done);

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 
 use super::finish::{check_distinct, lost, open, warnings};
-use crate::motion::{Mark, Stamp, TakeEvent};
+use crate::motion::{Mark, Stamp};
 use crate::pipeline::{MarkProposal, Pipeline};
 use crate::write::write_marks;
 
@@ -68,12 +68,8 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     let opened = open(&job.input, job.scene.as_deref())?;
     let path = opened.recording.path().display().to_string();
     let take = opened.recording.take(&opened.scene)?;
-    let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
-    let marks = take.events.iter().filter(is_mark).count();
-    let mut pipeline = Pipeline::new(opened.scene.clone());
-    for event in take.events {
-        pipeline.push(event);
-    }
+    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+    let marks = pipeline.marks();
     let proposals = pipeline.propose(job.count).with_context(|| path.clone())?;
     let found = proposals.iter().filter(|p| p.body.is_some()).count();
     let collisions = opened

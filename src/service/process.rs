@@ -107,10 +107,7 @@ fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<Report, Fail
     let estimate = || {
         let opened = open(input, scene)?;
         let take = opened.recording.take(&opened.scene)?;
-        let mut pipeline = Pipeline::new(opened.scene.clone());
-        for event in take.events {
-            pipeline.push(event);
-        }
+        let pipeline = Pipeline::of(opened.scene.clone(), take.events);
         finish(&opened, &pipeline, &take.report, output)
     };
     estimate().map_err(|error| Failure {

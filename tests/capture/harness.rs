@@ -6,8 +6,23 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::tracker;
+
+/// Not a test: the tracker, when a test starts its binary again as another process.
+#[test]
+#[ignore = "a process of other tests"]
+fn tracker_process() {
+    let Ok(line) = std::env::var("ENACT_TEST_TRACKER") else {
+        return;
+    };
+    let arguments = tracker::Arguments::parse_from(line.split('\n'));
+    let sent = tracker::run(&arguments).expect("publish");
+    println!("\n{}", serde_json::to_string(&sent).expect("json"));
+}
 
 /// Longer than anything takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -97,22 +112,19 @@ impl House {
     }
 
     pub fn spawn_enact(&self, arguments: &[&str]) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_enact"))
-            .args(arguments)
-            .arg("--iceoryx2")
-            .arg(&self.iceoryx2)
-            .stdout(Stdio::null())
-            .spawn()
-            .expect("enact")
+        let mut command = self.command(arguments);
+        command.stdout(Stdio::null()).spawn().expect("enact")
     }
 
     pub fn enact_with_iceoryx2(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_enact"))
-            .args(arguments)
-            .arg("--iceoryx2")
-            .arg(&self.iceoryx2)
-            .output()
-            .expect("enact")
+        self.command(arguments).output().expect("enact")
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command.args(arguments);
+        command.arg("--iceoryx2").arg(&self.iceoryx2);
+        command
     }
 
     /// The same as another user, who may look and not touch; `None` where that cannot be done.
@@ -126,11 +138,7 @@ impl House {
         }
         let open_to_all = std::fs::Permissions::from_mode(0o755);
         std::fs::set_permissions(self.whole.path(), open_to_all).expect("permissions");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
-        command
-            .args(arguments)
-            .arg("--iceoryx2")
-            .arg(&self.iceoryx2);
+        let mut command = self.command(arguments);
         command.uid(NOBODY).gid(NOBODY).output().ok()
     }
 
@@ -151,7 +159,12 @@ impl House {
         ]
         .concat();
         Command::new(std::env::current_exe().expect("this binary"))
-            .args(["--ignored", "--exact", "tracker_process", "--nocapture"])
+            .args([
+                "--ignored",
+                "--exact",
+                "harness::tracker_process",
+                "--nocapture",
+            ])
             .env("ENACT_TEST_TRACKER", line.join("\n"))
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

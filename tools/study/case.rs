@@ -59,13 +59,14 @@ impl Case {
         estimated(self.scene(), &self.performance.events, observer)
     }
 
+    /// The performance on its way.
+    pub fn pipeline(&self) -> Pipeline {
+        Pipeline::of(self.scene().clone(), self.performance.events.clone())
+    }
+
     /// The verdict with all checks.
     pub fn checked(&self) -> Option<Verdict> {
-        let mut pipeline = Pipeline::new(self.scene().clone());
-        for event in &self.performance.events {
-            pipeline.push(event.clone());
-        }
-        let outcome = pipeline.finish(&mut ()).ok()?;
+        let outcome = self.pipeline().finish(&mut ()).ok()?;
         Some(outcome.estimate.verdict)
     }
 
@@ -147,11 +148,7 @@ pub fn estimated(
     events: &[TakeEvent],
     observer: &mut dyn Observer,
 ) -> Result<Outcome, PipelineError> {
-    let mut pipeline = Pipeline::new(scene.clone());
-    for event in events {
-        pipeline.push(event.clone());
-    }
-    pipeline.estimate(observer)
+    Pipeline::of(scene.clone(), events.to_vec()).estimate(observer)
 }
 
 /// Whether another point than the one that touches would be inside a table at z = 0 by more than

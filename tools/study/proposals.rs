@@ -14,12 +14,11 @@ use crate::case::{Case, Posed};
 use crate::perform::{Acting, bounces};
 use crate::proposal::Stage;
 use crate::results::Options;
-use crate::sequences::opened;
+use crate::sequences::{opened, performances};
 use crate::statistics::median;
 use crate::table::{Table, number, percent};
 
 const BOUNCES: [usize; 3] = [6, 12, 20];
-const DISTORTIONS: [f64; 2] = [0.25, 1.0];
 /// Proposals that are solved, each whole.
 const SOLVED: usize = 3;
 /// Objectives this near are one [relative].
@@ -63,36 +62,14 @@ pub fn run(options: &Options) -> Result<()> {
             "max [s]",
         ],
     );
-    for count in BOUNCES {
-        for known in [true, false] {
-            for distortion in DISTORTIONS {
-                let timed = if known {
-                    Acting::timing_known()
-                } else {
-                    Acting::default()
-                };
-                let acting = Acting {
-                    distortion,
-                    ..timed
-                };
-                let timing = if known { "known" } else { "unknown" };
-                let label = format!("{count} bounces, {timing}, {distortion}");
-                if !options
-                    .only
-                    .as_ref()
-                    .is_none_or(|only| label.contains(only.as_str()))
-                {
-                    continue;
-                }
-                let block: Vec<Row> = (0..options.seeds)
-                    .filter_map(|seed| proposed(count, &acting, seed))
-                    .collect();
-                let cells = cells(&block, timing);
-                eprintln!("{}", cells.join(" | "));
-                table.row(cells);
-                rows.extend(block);
-            }
-        }
+    for (count, timing, acting) in performances(options, &BOUNCES) {
+        let block: Vec<Row> = (0..options.seeds)
+            .filter_map(|seed| proposed(count, &acting, seed))
+            .collect();
+        let cells = cells(&block, timing);
+        eprintln!("{}", cells.join(" | "));
+        table.row(cells);
+        rows.extend(block);
     }
     println!("{table}");
     match options.only {

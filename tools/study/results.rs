@@ -15,8 +15,8 @@ pub struct Options {
     #[arg(long, global = true, default_value_t = 200)]
     pub seeds: u64,
     /// Only the rows of `stress` whose description (`theme: name, timing`) holds this, while the
-    /// others stay as they were measured; only those of `sequences` and `proposals`
-    /// (`6 bounces, known, 1`).
+    /// others stay as they were measured; only those of `scenes` (`hat and box`), and of `sequences` and
+    /// `proposals` (`6 bounces, known, 1`), and then no raw numbers.
     #[arg(long, global = true)]
     pub only: Option<String>,
     /// Folder for the raw numbers.
@@ -25,6 +25,13 @@ pub struct Options {
 }
 
 impl Options {
+    /// Whether a row of that description is to be made.
+    pub fn wants(&self, row: &str) -> bool {
+        self.only
+            .as_ref()
+            .is_none_or(|only| row.contains(only.as_str()))
+    }
+
     /// Writes `<name>.json`, numbers to six digits.
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<()> {
         let mut value = serde_json::to_value(value)?;

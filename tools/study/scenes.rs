@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::motion::{VelocityGaps, Verdict};
-use enact::pipeline::Pipeline;
 use serde::Serialize;
 
 use crate::case::{Case, Posed};
@@ -99,11 +98,10 @@ pub fn run(options: &Options) -> Result<()> {
     ];
     let mut table = Table::new(title, &header);
     let mut all = Vec::new();
-    let is_chosen = |scenario: &Scenario| {
-        let only = options.only.as_ref();
-        only.is_none_or(|only| scenario.name.contains(only.as_str()))
-    };
-    for scenario in scenarios().into_iter().filter(is_chosen) {
+    for scenario in scenarios() {
+        if !options.wants(&scenario.name) {
+            continue;
+        }
         let seeds: Vec<Seed> = (0..options.seeds)
             .map(|seed| judged(&scenario, seed))
             .collect();
@@ -147,10 +145,7 @@ fn judged(scenario: &Scenario, seed: u64) -> Seed {
         iterations: 0,
         time_ms: 0.0,
     };
-    let mut pipeline = Pipeline::new(case.scene().clone());
-    for event in &case.performance.events {
-        pipeline.push(event.clone());
-    }
+    let pipeline = case.pipeline();
     let began = Instant::now();
     let outcome = match pipeline.estimate(&mut ()) {
         Ok(outcome) => outcome,

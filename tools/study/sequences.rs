@@ -87,38 +87,42 @@ pub fn run(options: &Options) -> Result<()> {
             "named [s]",
         ],
     );
-    for count in BOUNCES {
-        for known in [true, false] {
-            for distortion in DISTORTIONS {
-                let acting = Acting {
-                    distortion,
-                    ..if known {
-                        Acting::timing_known()
-                    } else {
-                        Acting::default()
-                    }
-                };
-                let seeds = 0..options.seeds;
-                let timing = if known { "known" } else { "unknown" };
-                let label = format!("{count} bounces, {timing}, {distortion}");
-                let is_wanted = |only: &String| label.contains(only.as_str());
-                if !options.only.as_ref().is_none_or(is_wanted) {
-                    continue;
-                }
-                let block: Vec<Row> = seeds
-                    .filter_map(|seed| searched(count, &acting, seed))
-                    .collect();
-                table.row(cells(&block));
-                eprintln!("{}", cells(&block).join(" | "));
-                rows.extend(block);
-            }
-        }
+    for (count, _, acting) in performances(options, &BOUNCES) {
+        let block: Vec<Row> = (0..options.seeds)
+            .filter_map(|seed| searched(count, &acting, seed))
+            .collect();
+        table.row(cells(&block));
+        eprintln!("{}", cells(&block).join(" | "));
+        rows.extend(block);
     }
     println!("{table}");
     match options.only {
         Some(_) => Ok(()),
         None => options.write_json("sequences", &rows),
     }
+}
+
+/// Kinds of performances of as many bounces: each with its timing known and unknown, little
+/// distorted and more, those that are wanted.
+pub fn performances(options: &Options, bounces: &[usize]) -> Vec<(usize, &'static str, Acting)> {
+    let mut all = Vec::new();
+    for count in bounces {
+        for (timing, timed) in [
+            ("known", Acting::timing_known()),
+            ("unknown", Acting::default()),
+        ] {
+            for distortion in DISTORTIONS {
+                if options.wants(&format!("{count} bounces, {timing}, {distortion}")) {
+                    let acting = Acting {
+                        distortion,
+                        ..timed
+                    };
+                    all.push((*count, timing, acting));
+                }
+            }
+        }
+    }
+    all
 }
 
 fn cells(block: &[Row]) -> Vec<String> {

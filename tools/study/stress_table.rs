@@ -100,8 +100,7 @@ fn in_order(all: &[Trouble], rows: &[Row]) -> Vec<Row> {
 fn is_chosen(trouble: &Trouble, options: &Options) -> bool {
     let (theme, name) = (trouble.theme, &trouble.name);
     let described = format!("{theme}: {name}, {}", trouble.timing.word());
-    let only = options.only.as_ref();
-    only.is_none_or(|only| described.contains(only.as_str()))
+    options.wants(&described)
 }
 
 fn row(trouble: &Trouble, seeds: u64) -> Row {

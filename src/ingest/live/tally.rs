@@ -39,6 +39,21 @@ pub struct TallyCounts {
 }
 
 impl TallyCounts {
+    /// What may be wrong with samples and how often it was, by name.
+    pub fn troubles(&self) -> [(&'static str, u64); 9] {
+        [
+            ("missing", self.missing),
+            ("overflows", self.overflows),
+            ("late", self.late),
+            ("duplicated", self.duplicated),
+            ("invalid", self.invalid),
+            ("malformed", self.malformed),
+            ("unstampable", self.unstampable),
+            ("frozen", self.frozen),
+            ("restarts", self.restarts),
+        ]
+    }
+
     /// Adds those of another take.
     pub fn add(&mut self, other: &Self) {
         self.received += other.received;

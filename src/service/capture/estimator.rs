@@ -13,7 +13,6 @@ use super::metrics::Metrics;
 use super::previewer::Shown;
 use super::said::{Notice, Said};
 use super::take::now_ns;
-use crate::motion::TakeEvent;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::service::Report;
 use crate::service::finish::{finished, open, output_path};
@@ -62,15 +61,10 @@ pub(super) fn finals(
 fn estimate_file(path: &std::path::Path) -> anyhow::Result<(Report, Outcome, u64)> {
     let opened = open(path, None)?;
     let take = opened.recording.take(&opened.scene)?;
-    let mut pipeline = Pipeline::new(opened.scene.clone());
-    let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
-    let marks = take.events.iter().filter(is_mark).count() as u64;
-    for event in take.events {
-        pipeline.push(event);
-    }
+    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;
     let (report, outcome) = finished(&opened, &pipeline, &take.report, &output)?;
-    Ok((report, outcome, marks))
+    Ok((report, outcome, pipeline.marks() as u64))
 }
 
 /// A bug in an estimation shall not end a recording.

@@ -249,20 +249,9 @@ fn trackers(text: &mut String, trackers: &[TrackerLine]) {
     for line in trackers {
         let topic = escaped(&line.topic);
         let of = &line.counts;
-        for (fate, count) in [
-            ("received", of.received),
-            ("missing", of.missing),
-            ("overflows", of.overflows),
-            ("late", of.late),
-            ("duplicated", of.duplicated),
-            ("invalid", of.invalid),
-            ("malformed", of.malformed),
-            ("unstampable", of.unstampable),
-            ("frozen", of.frozen),
-            ("restarts", of.restarts),
-            ("gaps", of.gaps),
-            ("clock_steps", line.clock.steps),
-        ] {
+        let received = [("received", of.received)].into_iter();
+        let others = [("gaps", of.gaps), ("clock_steps", line.clock.steps)];
+        for (fate, count) in received.chain(of.troubles()).chain(others) {
             let _ = writeln!(text, "{name}{{topic=\"{topic}\",fate=\"{fate}\"}} {count}");
         }
     }
