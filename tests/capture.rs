@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
-use enact::ingest::live::{Command, Node, Quality, TakeState};
+use enact::ingest::live::{Command, Node, Quality, TakeListener, TakeState};
 use enact::motion::{Scene, TakeEvent};
 use enact::wire::live::{
     ControlRecord, EstimateRecord, EstimatedPoseRecord, MarkRecord, PoseRecord, TakeRecord,
@@ -406,6 +406,41 @@ fn takes_follow_one_another_and_can_be_thrown_away() {
     }
     daemon.end();
     assert_eq!(house.recordings().len(), 6);
+}
+
+#[test]
+fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &[]);
+    let node = Node::join("director", Some(house.iceoryx2())).expect("node");
+    let answers = TakeListener::open(&node).expect("answers");
+    let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
+    let answer = |command: Command, sequence: u64| {
+        assert_eq!(director.control(command, 7, sequence, 5).expect("send"), 1);
+        loop {
+            let heard = answers.next().expect("answers");
+            let Some(heard) = heard else {
+                std::thread::sleep(Duration::from_millis(1));
+                continue;
+            };
+            if (heard.control_session, heard.control_sequence) == (7, sequence) {
+                return (heard.take, TakeState::of(heard.state));
+            }
+        }
+    };
+    for _ in 0..3 {
+        assert_eq!(answer(Command::Start, 1), (1, Some(TakeState::Recording)));
+    }
+    for _ in 0..2 {
+        assert_eq!(answer(Command::Discard, 2), (1, Some(TakeState::Discarded)));
+    }
+    // Late, as a tunnel may deliver it: the take is over, and none begins.
+    assert_eq!(answer(Command::Start, 1), (1, Some(TakeState::Recording)));
+    assert_eq!(answer(Command::Ask, 3), (0, Some(TakeState::Ready)));
+    daemon.wait_for("asked");
+    assert_eq!(daemon.kept("started"), 1);
+    assert_eq!(daemon.kept("discarded"), 1);
+    daemon.end();
 }
 
 /// Takes that were recovered, and what they were then.

@@ -15,6 +15,10 @@ use crate::write::TrackerPublisher;
 /// How often the answer is looked for.
 const POLL: Duration = Duration::from_millis(1);
 
+/// How often a command is repeated that has no answer: what carries it may lose it, or lead nowhere
+/// yet. The daemon obeys once.
+const REPEAT: Duration = Duration::from_millis(100);
+
 /// What is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Direction {
@@ -64,7 +68,8 @@ pub fn direct(job: &DirectJob) -> anyhow::Result<Answer> {
     let publisher = TrackerPublisher::open(&node, &[], &job.marks_topic)?;
     // Whoever asks at one time as another process is another process.
     let session = std::process::id();
-    let (mut is_marked, mut is_asked) = (false, false);
+    let mut is_marked = false;
+    let mut asked: Option<Instant> = None;
     let (event, command) = match &job.direction {
         Direction::Start => (None, Command::Start),
         Direction::Stop => (None, Command::Stop),
@@ -79,8 +84,10 @@ pub fn direct(job: &DirectJob) -> anyhow::Result<Answer> {
             is_marked = publisher.mark(mark(event, at_ns, session))? > 0;
         }
         // The mark first: what was sent before a command is there when the command is.
-        if (is_marked || event.is_none()) && !is_asked {
-            is_asked = publisher.control(command, session, at_ns as u64, now_ns())? > 0;
+        let is_due = asked.is_none_or(|at| at.elapsed() > REPEAT);
+        if (is_marked || event.is_none()) && is_due {
+            let hearers = publisher.control(command, session, at_ns as u64, at_ns)?;
+            asked = (hearers > 0).then(Instant::now);
         }
         while let Some(record) = answers.next()? {
             if (record.control_session, record.control_sequence) == (session, at_ns as u64) {

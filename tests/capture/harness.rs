@@ -302,6 +302,11 @@ impl Daemon {
         }
     }
 
+    /// How many things of that kind it said before what was waited for last, and nobody asked for.
+    pub fn kept(&self, what: &str) -> usize {
+        self.kept.iter().filter(|said| said["what"] == what).count()
+    }
+
     /// Waits until that many samples are in the journal: the daemon says nothing of each.
     pub fn wait_until_journalled(&mut self, samples: u64) {
         let begun = Instant::now();

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Sent> {
     }
 }
 
-/// How often a question is repeated.
+/// How often a command is repeated that has no answer.
 const REPEAT: Duration = Duration::from_millis(100);
 
 /// Sends commands, and waits until they are answered: what was sent before is then taken.
@@ -135,18 +135,18 @@ impl<'a> Director<'a> {
         Ok(())
     }
 
-    /// Says it until it is heard, and a question until it is answered: who hears may be a tunnel
-    /// that leads nowhere yet. A start or a stop that came twice would not be the same.
+    /// Says it until it is answered: who hears may be a tunnel that leads nowhere yet, or that loses
+    /// it. The daemon obeys the same command once.
     fn say(&mut self, command: Command) -> anyhow::Result<()> {
         self.sequence += 1;
         let (session, sequence, begun) = (self.session, self.sequence, Instant::now());
+        let asked_ns = now_ns();
         let mut heard: Option<Instant> = None;
         while begun.elapsed() < self.wait {
-            let is_due = |at: Instant| command == Command::Ask && at.elapsed() > REPEAT;
-            if heard.is_none_or(is_due) {
+            if heard.is_none_or(|at| at.elapsed() > REPEAT) {
                 let subscribers = self
                     .publisher
-                    .control(command, session, sequence, now_ns())?;
+                    .control(command, session, sequence, asked_ns)?;
                 heard = (subscribers > 0).then(Instant::now);
             }
             while let Some(answer) = self.answers.next()? {

@@ -17,19 +17,20 @@ use super::herald::Herald;
 use super::http::{self, Pages};
 use super::listen::Listen;
 use super::metrics::Metrics;
+use super::notice::{self, Notice, Speaker};
 use super::notify::tell;
 use super::previewer::{Followed, Previewer, Shown};
 use super::recorder::Recorder;
-use super::said::{Notice, Said, Status};
+use super::said::{Said, Status};
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
 use crate::ingest::live::{StreamTopic, stream_topics};
 use crate::motion::Scene;
 use crate::write::abandoned;
 
-/// Bounds of the queues; the policy of each is in the documentation of this room.
+/// Bounds of the queues, but for the herald's; the policy of each is in the documentation of this
+/// room.
 const BATCHES: usize = 1024;
-const NOTICES: usize = 256;
 const SO_FAR: usize = 1;
 const FINALS: usize = 8;
 const SAID: usize = 1024;
@@ -132,12 +133,12 @@ impl Running {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
         let left = abandoned(folder)?;
-        let (notices, notice_queue) = mpsc::sync_channel(NOTICES);
         let (batches, batch_queue) = mpsc::sync_channel(BATCHES);
         let (tellers, said) = tokio::sync::mpsc::channel(SAID);
         let stop = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
         let metrics = Arc::new(Metrics::default());
+        let (speaker, notices) = notice::queue(&metrics);
 
         let (opened, is_open) = mpsc::channel();
         let listen = Listen {
@@ -158,7 +159,7 @@ impl Running {
             metrics: Arc::clone(&metrics),
             opened,
         };
-        threads.push(spawn("herald", move || herald.run(&notice_queue))?);
+        threads.push(spawn("herald", move || herald.run(&notices))?);
         let opened = is_open.recv().context("the herald is gone")?;
         if opened.is_err() {
             stop.store(true, Ordering::Relaxed);
@@ -182,28 +183,28 @@ impl Running {
                 return Err(error);
             }
         };
-        notices.send(Notice::of(Said::Ready {
+        speaker.say(Notice::of(Said::Ready {
             viewer: served.viewer,
             metrics: served.metrics,
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
             shortcomings,
             abandoned: left.iter().map(|path| path.display().to_string()).collect(),
-        }))?;
+        }));
         let previewer = Previewer {
             scene: scene.clone(),
-            herald: notices.clone(),
+            herald: speaker.clone(),
             shown: shown_sender.clone(),
             metrics: Arc::clone(&metrics),
         };
         let recorder = Recorder {
             so_far: spawn_previewer(previewer, &mut threads)?,
-            finals: spawn_finals(&notices, (shown_sender, &metrics), &mut threads)?,
-            syncer: spawn_syncer(&notices, &mut threads)?,
+            finals: spawn_finals(&speaker, (shown_sender, &metrics), &mut threads)?,
+            syncer: spawn_syncer(&speaker, &mut threads)?,
             scene,
             scene_toml,
             settings,
             topics,
-            herald: notices,
+            herald: speaker,
             status: status_sender,
             metrics,
             feed: served.feed,
@@ -306,30 +307,30 @@ fn spawn_previewer(
 }
 
 fn spawn_finals(
-    notices: &SyncSender<Notice>,
+    speaker: &Speaker,
     (shown, metrics): (watch::Sender<Shown>, &Arc<Metrics>),
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<super::estimator::Finished>> {
     let (sender, queue) = mpsc::sync_channel(FINALS);
-    let (notices, metrics) = (notices.clone(), Arc::clone(metrics));
+    let (speaker, metrics) = (speaker.clone(), Arc::clone(metrics));
     threads.push(spawn("finals", move || {
-        finals(&queue, &notices, &shown, &metrics);
+        finals(&queue, &speaker, &shown, &metrics);
     })?);
     Ok(sender)
 }
 
 fn spawn_syncer(
-    notices: &SyncSender<Notice>,
+    speaker: &Speaker,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<std::fs::File>> {
     // One waits at most: while a sync takes long, the next one is for both.
     let (sender, queue): (_, Receiver<std::fs::File>) = mpsc::sync_channel(1);
-    let notices = notices.clone();
+    let speaker = speaker.clone();
     threads.push(spawn("sync", move || {
         for file in queue {
             if let Err(error) = file.sync_data() {
                 let text = format!("the journal was not synced: {error}");
-                let _ = notices.try_send(Notice::of(Said::Warning { text }));
+                speaker.say_at_once(Notice::of(Said::Warning { text }));
             }
         }
     })?);

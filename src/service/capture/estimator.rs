@@ -3,15 +3,16 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender};
+use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 use anyhow::anyhow;
 use tokio::sync::watch;
 
 use super::metrics::Metrics;
+use super::notice::{Notice, Speaker};
 use super::previewer::Shown;
-use super::said::{Notice, Said};
+use super::said::Said;
 use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::service::Report;
@@ -31,7 +32,7 @@ pub(super) struct Finished {
 /// so that the bytes are the same.
 pub(super) fn finals(
     queue: &Receiver<Finished>,
-    herald: &SyncSender<Notice>,
+    herald: &Speaker,
     shown: &watch::Sender<Shown>,
     metrics: &Metrics,
 ) {
@@ -43,8 +44,12 @@ pub(super) fn finals(
                 metrics.estimated(begun.elapsed());
                 shown.send_replace(Some(Arc::new(outcome.clone())));
                 let report = Box::new(report);
-                let outcome = (occasion(take, marks, true), outcome);
-                say(herald, Said::Estimated { take, report }, Some(outcome));
+                let said = Said::Estimated { take, report };
+                herald.say(Notice::estimated(
+                    said,
+                    occasion(take, marks, true),
+                    outcome,
+                ));
             }
             Err(error) => {
                 let said = Said::NotEstimated {
@@ -52,7 +57,7 @@ pub(super) fn finals(
                     recording: path.display().to_string(),
                     error: words(&error),
                 };
-                say(herald, said, None);
+                herald.say(Notice::of(said));
             }
         }
     }
@@ -80,18 +85,4 @@ pub(super) fn occasion(take: u64, marks: u64, is_final: bool) -> EstimateOccasio
         is_final,
         now_ns: now_ns(),
     }
-}
-
-pub(super) fn say(
-    herald: &SyncSender<Notice>,
-    said: Said,
-    outcome: Option<(EstimateOccasion, Outcome)>,
-) {
-    let outcome = outcome.map(|(occasion, outcome)| (occasion, Box::new(outcome)));
-    // These threads may wait; a herald that is gone has nobody left to tell.
-    let _ = herald.send(Notice {
-        said,
-        asked: None,
-        outcome,
-    });
 }

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use tokio::sync::mpsc::error::TrySendError;
 
 use super::metrics::Metrics;
-use super::said::{Notice, Said};
+use super::notice::Notice;
+use super::said::Said;
 use super::take::now_ns;
 use crate::ingest::live::{LiveError, Node};
 use crate::motion::Scene;
@@ -50,7 +51,10 @@ impl Herald {
         let (mut sequence, mut buried) = (0, Instant::now());
         loop {
             match queue.recv_timeout(BURY) {
-                Ok(notice) => self.tell(notice, &takes, &mut estimates, &mut sequence),
+                Ok(notice) => {
+                    self.metrics.notices_waiting.take();
+                    self.tell(notice, &takes, &mut estimates, &mut sequence);
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
@@ -71,7 +75,9 @@ impl Herald {
         estimates: &mut EstimatePublisher,
         sequence: &mut u64,
     ) {
-        self.metrics.said(&notice.said);
+        if !notice.is_repeated {
+            self.metrics.said(&notice.said);
+        }
         if let Some((occasion, outcome)) = &notice.outcome {
             let (sketch, estimate) = (&outcome.sketch, &outcome.estimate);
             if let Err(error) = estimates.send(*occasion, &outcome.scene, sketch, estimate) {
@@ -83,6 +89,9 @@ impl Herald {
             if let Err(error) = takes.send(record) {
                 tracing::warn!(%error, "the state of a take was not published");
             }
+        }
+        if notice.is_repeated {
+            return;
         }
         if let Err(TrySendError::Full(said)) = self.said.try_send(notice.said) {
             tracing::error!(lost = ?said, "the account is not read");

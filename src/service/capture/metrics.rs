@@ -79,6 +79,7 @@ pub(super) struct Metrics {
     pub(super) batches_waiting: Depth,
     pub(super) previews_waiting: Depth,
     pub(super) finals_waiting: Depth,
+    pub(super) notices_waiting: Depth,
     /// Samples that the viewer's queue had no room for.
     pub(super) not_shown: Count,
     pub(super) requests_refused: Count,
@@ -182,6 +183,7 @@ impl Metrics {
             ("record", &self.batches_waiting),
             ("previews", &self.previews_waiting),
             ("finals", &self.finals_waiting),
+            ("herald", &self.notices_waiting),
         ] {
             let _ = writeln!(page, "{name}{{queue=\"{queue}\"}} {}", depth.get());
         }

@@ -77,6 +77,7 @@ mod latency;
 mod listen;
 mod metrics;
 mod naming;
+mod notice;
 mod notify;
 mod previewer;
 mod recorder;

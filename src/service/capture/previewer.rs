@@ -6,14 +6,15 @@
 //! where that is no longer a preview but a burden.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
-use super::estimator::{guarded, occasion, say};
+use super::estimator::{guarded, occasion};
 use super::metrics::Metrics;
-use super::said::{Notice, Said};
+use super::notice::{Notice, Speaker};
+use super::said::Said;
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::{Outcome, Preview};
 use crate::service::words;
@@ -37,7 +38,7 @@ pub(super) type Shown = Option<Arc<Outcome>>;
 /// What the thread is given.
 pub(super) struct Previewer {
     pub(super) scene: Scene,
-    pub(super) herald: SyncSender<Notice>,
+    pub(super) herald: Speaker,
     pub(super) shown: watch::Sender<Shown>,
     pub(super) metrics: Arc<Metrics>,
 }
@@ -124,7 +125,7 @@ impl Previewer {
                         seconds: took.as_secs_f64(),
                     };
                     let occasion = occasion(take, marks, false);
-                    say(&self.herald, said, Some((occasion, outcome)));
+                    self.herald.say(Notice::estimated(said, occasion, outcome));
                 }
             }
             Ok(None) => {}

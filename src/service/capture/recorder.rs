@@ -1,5 +1,6 @@
 //! The thread that journals: whatever it does not do itself it hands on without waiting.
 
+use std::collections::VecDeque;
 use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,8 +13,9 @@ use super::estimator::Finished;
 use super::latency::Latencies;
 use super::metrics::Metrics;
 use super::naming::take_path;
+use super::notice::{Notice, Speaker};
 use super::previewer::Followed;
-use super::said::{Asked, CountsLine, Notice, Said, Status};
+use super::said::{CountsLine, Said, Status};
 use super::take::{Take, now_ns};
 use super::viewer::Feed;
 use crate::config::CaptureSettings;
@@ -31,13 +33,16 @@ const SO_FAR_EVENTS: usize = 200_000;
 /// Journals with more samples are not estimated while recording may go on: `enact process` does.
 const FINAL_MESSAGES: u64 = 2_000_000;
 
+/// Commands whose answers are kept for those who did not hear them.
+const ANSWERS: usize = 16;
+
 /// What the thread is given.
 pub(super) struct Recorder {
     pub(super) scene: Scene,
     pub(super) scene_toml: Vec<u8>,
     pub(super) settings: CaptureSettings,
     pub(super) topics: Vec<StreamTopic>,
-    pub(super) herald: SyncSender<Notice>,
+    pub(super) herald: Speaker,
     pub(super) so_far: SyncSender<Followed>,
     pub(super) finals: SyncSender<Finished>,
     pub(super) syncer: SyncSender<File>,
@@ -54,6 +59,8 @@ struct State {
     outside: u64,
     /// Events of the take that runs that the previewer was given, if it follows.
     followed: Option<usize>,
+    /// The last commands that were obeyed, and what was said to each.
+    answered: VecDeque<(ControlRecord, Said)>,
     /// Of takes that are over.
     totals: (CountsLine, Latencies),
     said: Instant,
@@ -67,6 +74,7 @@ impl Recorder {
             takes: 0,
             outside: 0,
             followed: None,
+            answered: VecDeque::new(),
             totals: Default::default(),
             said: Instant::now(),
         };
@@ -134,8 +142,17 @@ impl Recorder {
         }
     }
 
+    /// Obeys. A command that comes again was not heard to be answered: it is answered as it was,
+    /// and not obeyed twice.
     fn control(&self, state: &mut State, record: &ControlRecord) {
-        let asked = Some((record.session, record.sequence));
+        let asked = Some(record);
+        let mut answered = state.answered.iter();
+        if let Some((_, said)) = answered.find(|(answered, _)| answered == record) {
+            return self.herald.say_at_once(Notice {
+                is_repeated: true,
+                ..Notice::asked(said.clone(), asked)
+            });
+        }
         let runs = state.take.is_some();
         match Command::of(record.command) {
             Some(Command::Start) => {
@@ -152,7 +169,7 @@ impl Recorder {
                     take: take.map(|take| take.number),
                     messages: take.map_or(0, |take| take.journal.messages()),
                 };
-                self.say(Notice::asked(said, asked));
+                self.herald.say_at_once(Notice::asked(said, asked));
             }
             command => {
                 let reason = match command {
@@ -163,12 +180,12 @@ impl Recorder {
                     command: record.command,
                     reason: reason.to_owned(),
                 };
-                self.say(Notice::asked(said, asked));
+                self.herald.say_at_once(Notice::asked(said, asked));
             }
         }
     }
 
-    fn start(&self, state: &mut State, asked: Asked) {
+    fn start(&self, state: &mut State, asked: Option<&ControlRecord>) {
         state.takes += 1;
         let path = take_path(&self.settings.folder, now_ns());
         let (scene, toml) = (&self.scene, &self.scene_toml);
@@ -186,7 +203,7 @@ impl Recorder {
                     take: state.takes,
                     recording: path.display().to_string(),
                 };
-                self.say(Notice::asked(said, asked));
+                self.answer(state, said, asked);
                 state.take = Some(take);
             }
             Err(error) => {
@@ -196,12 +213,12 @@ impl Recorder {
                     messages: 0,
                     error: error.to_string(),
                 };
-                self.say(Notice::asked(said, asked));
+                self.answer(state, said, asked);
             }
         }
     }
 
-    fn stop(&self, state: &mut State, asked: Asked) {
+    fn stop(&self, state: &mut State, asked: Option<&ControlRecord>) {
         let Some(mut take) = state.take.take() else {
             return;
         };
@@ -222,7 +239,7 @@ impl Recorder {
                 messages,
                 error,
             };
-            return self.say(Notice::asked(said, asked));
+            return self.answer(state, said, asked);
         }
         let said = Said::Closed {
             take: number,
@@ -230,7 +247,7 @@ impl Recorder {
             messages,
             counts,
         };
-        self.say(Notice::asked(said, asked));
+        self.answer(state, said, asked);
         let reason = if messages > FINAL_MESSAGES {
             format!("{messages} messages are too many to estimate beside a recording")
         } else {
@@ -239,25 +256,34 @@ impl Recorder {
                 Err(_) => "too many takes wait for their estimates".to_owned(),
             }
         };
-        self.say(Notice::of(Said::NotEstimated {
+        self.herald.say_at_once(Notice::of(Said::NotEstimated {
             take: number,
             error: format!("{reason}: enact process {recording}"),
             recording,
         }));
     }
 
-    fn discard(&self, state: &mut State, asked: Asked) {
+    fn discard(&self, state: &mut State, asked: Option<&ControlRecord>) {
         let Some(take) = state.take.take() else {
             return;
         };
         state.end_of(&take);
         let number = take.number;
         if let Err(error) = take.journal.discard() {
-            self.say(Notice::of(Said::Warning {
+            self.herald.say_at_once(Notice::of(Said::Warning {
                 text: error.to_string(),
             }));
         }
-        self.say(Notice::asked(Said::Discarded { take: number }, asked));
+        self.answer(state, Said::Discarded { take: number }, asked);
+    }
+
+    /// Says what became of a command that was obeyed, and keeps it.
+    fn answer(&self, state: &mut State, said: Said, asked: Option<&ControlRecord>) {
+        if let Some(command) = asked {
+            state.answered.truncate(ANSWERS - 1);
+            state.answered.push_front((*command, said.clone()));
+        }
+        self.herald.say_at_once(Notice::asked(said, asked));
     }
 
     /// Recording stops: what was journalled so far becomes a file, if that is possible.
@@ -273,7 +299,7 @@ impl Recorder {
             Ok(()) => (path, error.to_string()),
             Err(worse) => (part, format!("{error}; then {worse}")),
         };
-        self.say(Notice::of(Said::Broken {
+        self.herald.say_at_once(Notice::of(Said::Broken {
             take: number,
             recording: recording.display().to_string(),
             messages,
@@ -340,12 +366,6 @@ impl Recorder {
                 take.pending = message.events;
             }
             Err(TrySendError::Disconnected(_)) => state.followed = None,
-        }
-    }
-
-    fn say(&self, notice: Notice) {
-        if let Err(TrySendError::Full(notice)) = self.herald.try_send(notice) {
-            tracing::error!(lost = ?notice.said, "nobody listens to what is said");
         }
     }
 }

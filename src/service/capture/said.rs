@@ -7,9 +7,7 @@ use crate::ingest::clock::ClockQuality;
 use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
 use crate::motion::Verdict;
-use crate::pipeline::Outcome;
 use crate::service::Report;
-use crate::write::live::EstimateOccasion;
 
 /// Something that happened.
 #[derive(Clone, Debug, Serialize)]
@@ -185,35 +183,6 @@ pub struct Status {
     pub(super) latency: Latencies,
 }
 
-/// A command's publisher and number, to answer it by.
-pub(super) type Asked = Option<(u32, u64)>;
-
-/// Something to say, and to publish.
-pub(super) struct Notice {
-    pub(super) said: Said,
-    /// The command that brought it about.
-    pub(super) asked: Asked,
-    /// An estimate to publish with it.
-    pub(super) outcome: Option<(EstimateOccasion, Box<Outcome>)>,
-}
-
-impl Notice {
-    pub(super) fn of(said: Said) -> Self {
-        Self {
-            said,
-            asked: None,
-            outcome: None,
-        }
-    }
-
-    pub(super) fn asked(said: Said, asked: Asked) -> Self {
-        Self {
-            asked,
-            ..Self::of(said)
-        }
-    }
-}
-
 impl Said {
     /// Whether it tells of data lost or of a motion that is not physical.
     pub fn is_whole(&self) -> bool {
@@ -226,7 +195,12 @@ impl Said {
     }
 
     /// The same for subscribers of `enact/take`, if it concerns them.
-    pub(super) fn record(&self, asked: Asked, sequence: u64, now_ns: i64) -> Option<TakeRecord> {
+    pub(super) fn record(
+        &self,
+        asked: Option<(u32, u64)>,
+        sequence: u64,
+        now_ns: i64,
+    ) -> Option<TakeRecord> {
         let (take, messages, state) = match self {
             Said::Ready { .. } => (0, 0, TakeState::Ready),
             Said::Started { take, .. } => (*take, 0, TakeState::Recording),

@@ -20,7 +20,8 @@
 //! gone if it leaves before: one that ends should stay for 20 ms, or ask (command 4) and wait
 //! for the answer, which comes after everything sent before it was taken.
 //!
-//! Every command is answered on `enact/take` by a record with its session and sequence number.
+//! Every command is answered on `enact/take` by a record with its session and sequence number. Who
+//! has no answer sends the same bytes again: a command is obeyed once.
 //!
 //! The iceoryx2 ports are opened by [`crate::ingest::live`] and [`crate::write::live`];
 //! [`Node`] is what both begin with, [`census`] what a doctor asks.

@@ -61,7 +61,8 @@ pub struct MarkRecord {
     pub session: u32,
 }
 
-/// What somebody wants of the daemon: `enact.Control.1`, 24 bytes.
+/// What somebody wants of the daemon: `enact.Control.1`, 24 bytes. The same bytes again are the same
+/// command: it is answered as before and not obeyed twice.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
 #[type_name("enact.Control.1")]
