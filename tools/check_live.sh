@@ -1,11 +1,11 @@
 #!/bin/sh
 # Runs the daemon against clients that are not ours and fails if they do not understand each
-# other: the PyPI package iceoryx2 as a driver and as a listener, the crate iceoryx2-cli,
-# and readers of MCAP, CDR and protobuf.
+# other: the PyPI package iceoryx2 as a driver and as a listener, the crate iceoryx2-cli, readers of
+# MCAP, CDR and protobuf, and the WebSocket client of Lichtblick.
 #
 #     tools/check_live.sh
 #
-# Clients are installed once, pinned, under target/clients. Needs python3 with venv.
+# Clients are installed once, pinned, under target/clients. Needs python3 with venv, node and npm.
 set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -16,6 +16,10 @@ python=$home/bin/python
 "$python" -c 'import iceoryx2, mcap_ros2, mcap_protobuf, jsonschema' 2>/dev/null ||
     "$home/bin/pip" install -q iceoryx2==0.10.0 mcap==1.6.0 mcap-protobuf-support==0.6.0 \
         mcap-ros2-support==0.6.0 jsonschema==4.26.0
+if [ ! -d "$home/node_modules/@foxglove/ws-protocol" ]; then
+    npm install --silent --no-audit --no-fund --prefix "$home" \
+        @foxglove/ws-protocol@0.8.0 ws@8.23.0 protobufjs@8.8.1 >/dev/null
+fi
 if [ ! -x "$home/bin/iox2-service" ]; then
     cargo install -q --locked --root "$home" --target-dir "$root/target/iox2" iceoryx2-cli --version 0.10.0
 fi
@@ -49,7 +53,7 @@ wait_for() { # WHAT FILE
 }
 
 : >said.txt
-"$enact" capture "$root/config/pencil_tip.toml" -o takes --format ndjson >said.txt &
+"$enact" capture "$root/config/pencil_tip.toml" -o takes --viewer-port 0 --format ndjson >said.txt &
 daemon=$!
 wait_for '"what":"ready"' said.txt
 
@@ -58,7 +62,10 @@ iox2-service details enact/tracker/pencil/pose >details.txt
 grep -q 'enact.Pose.1' details.txt || fail "the type name is not shown"
 grep -E 'type_name|max_buffer_size|size' details.txt | head -8
 
-echo "== a take, heard from Python"
+echo "== a take, heard from Python and watched as Lichtblick does"
+address=$("$python" -c 'import json; print(json.loads(open("said.txt").readline())["viewer"])')
+NODE_PATH=$home/node_modules node "$root/tools/live/watch.js" "$address" 60 >watched.txt 2>&1 &
+viewer=$!
 "$python" "$root/tools/live/subscribe.py" 12 config/iceoryx2.toml pencil >heard.txt &
 listener=$!
 sleep 1 # its interpreter starts; what it must hear comes seconds later
@@ -76,6 +83,8 @@ assert frames == final["frames"], (frames, final["frames"])
 print("estimate", final["objective"], "with", frames, "frames")
 EOF
 wait $listener
+wait $viewer || { cat watched.txt; fail "the viewer does not see what it should"; }
+tail -1 watched.txt
 
 echo "== the journal, read from Python"
 take=$(ls takes/take-*Z.mcap | head -1)

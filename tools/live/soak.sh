@@ -3,12 +3,14 @@
 #
 #     tools/live/soak.sh [SECONDS] [TAKES]
 #
-# Prints the counts of every take, and the daemon's memory and processor time on the way. On an
-# iceoryx2 of its own.
+# Prints the counts of every take, and the daemon's memory and processor time on the way; at the end
+# its metrics. Viewers look on if `../check_live.sh` has installed their client. On an iceoryx2 of
+# its own.
 set -eu
 seconds=${1:-600}
 takes=${2:-1}
 cd "$(dirname "$0")/../.."
+root=$PWD
 cargo build -q --release --bin enact --example tracker
 release=$PWD/target/release
 made=$(mktemp -d)
@@ -21,8 +23,14 @@ printf '[global]\nroot-path = "%s/iceoryx2/"\nprefix = "enact_soak_%s_"\n' "$mad
         printf '[[body]]\nname = "t%s"\nshape = { kind = "sphere", radius_mm = 20 }\nmass_g = 50\n' $k
     done
 } >scene.toml
-"$release/enact" capture scene.toml -o takes --iceoryx2 iceoryx2.toml >said.txt &
+"$release/enact" capture scene.toml -o takes --iceoryx2 iceoryx2.toml --format ndjson \
+    --viewer-port 0 --metrics-port 0 >said.txt &
 daemon=$!
+until grep -q '"ready"' said.txt; do sleep 0.1; done
+address() { head -1 said.txt | sed "s/.*\"$1\":\"\([^\"]*\)\".*/\1/"; }
+if [ -d "$root/target/clients/node_modules/@foxglove/ws-protocol" ]; then
+    NODE_PATH=$root/target/clients/node_modules node "$root/tools/live/watch.js" "$(address viewer)" "$seconds" stay >watched.txt 2>&1 &
+fi
 (while sleep 10 && kill -0 $daemon 2>/dev/null; do
     grep -E 'VmRSS' /proc/$daemon/status | tr '\n\t' '  '
     cut -d' ' -f14,15 /proc/$daemon/stat | sed 's/^/ticks of user and system: /'
@@ -30,6 +38,8 @@ done) &
 for _ in $(seq "$takes"); do
     "$release/examples/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
 done
+curl -s "$(address metrics)" | grep -v '^#'
+cat watched.txt 2>/dev/null || true
 kill -TERM $daemon
 wait $daemon || true # 3: takes of ten minutes are left to `enact process`
 cat said.txt
