@@ -38,7 +38,7 @@ done) &
 for _ in $(seq "$takes"); do
     "$release/examples/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
 done
-curl -s "$(address metrics)" | grep -v '^#'
+curl -s "$(address metrics)/metrics" | grep -v '^#'
 cat watched.txt 2>/dev/null || true
 kill -TERM $daemon
 wait $daemon || true # 3: takes of ten minutes are left to `enact process`

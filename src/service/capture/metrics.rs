@@ -9,8 +9,8 @@ use super::latency::Latencies;
 use super::said::{Said, Status, TrackerLine};
 
 /// Upper ends of the bins of histograms \[s\].
-pub(super) const BOUNDS_S: [f64; 12] = [
-    0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0, 10.0,
+pub(super) const BOUNDS_S: [f64; 13] = [
+    0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.004, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0, 10.0,
 ];
 
 /// How often something happened.
@@ -307,7 +307,7 @@ mod tests {
         for line in [
             "x_bucket{a=\"b\",le=\"0.0001\"} 2",
             "x_bucket{a=\"b\",le=\"0.002\"} 2",
-            "x_bucket{a=\"b\",le=\"0.005\"} 3",
+            "x_bucket{a=\"b\",le=\"0.004\"} 3",
             "x_bucket{a=\"b\",le=\"10\"} 3",
             "x_bucket{a=\"b\",le=\"+Inf\"} 4",
             "x_count{a=\"b\"} 4",
@@ -324,7 +324,7 @@ mod tests {
         }
         let histogram = latencies.histogram();
         assert_eq!(histogram.bins[..2], [2, 1]);
-        assert_eq!(histogram.bins[5], 1);
+        assert_eq!(histogram.bins[6], 1);
         assert_eq!(histogram.bins.iter().sum::<u64>(), 5);
     }
 

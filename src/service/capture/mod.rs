@@ -48,7 +48,9 @@
 //! ```
 //!
 //! There is neither encryption nor a password: off loopback everybody who reaches the port sees
-//! what is acted. A port that is taken is an error at the start.
+//! what is acted, and on loopback every page in a browser on this machine, for no origin is refused;
+//! nobody can do more than look. A port that is taken is an error at the start. Lichtblick speaks
+//! `foxglove.sdk.v1` since the end of 2025 (its pull request 819); earlier ones are refused.
 //!
 //! # As a service
 //!

@@ -22,14 +22,19 @@ use crate::service::words;
 /// An estimate that takes longer is a burden.
 const BURDEN: Duration = Duration::from_millis(50);
 
-/// What came since the last message.
-pub(super) struct Followed {
-    /// In which take; one with another number begins.
-    pub(super) take: u64,
-    /// Marks in it so far.
-    pub(super) marks: u64,
-    /// Samples and marks, in order.
-    pub(super) events: Vec<TakeEvent>,
+/// How the performance goes on.
+pub(super) enum Followed {
+    /// What came since the last message.
+    Events {
+        /// In which take; one with another number begins.
+        take: u64,
+        /// Marks in it so far.
+        marks: u64,
+        /// Samples and marks, in order.
+        events: Vec<TakeEvent>,
+    },
+    /// The take is over, or too long to be followed: its samples need not be kept.
+    Over,
 }
 
 /// The last estimate, for those who show it.
@@ -84,20 +89,29 @@ impl Previewer {
 
     fn take_in(&self, following: &mut Option<Following>, message: Followed) {
         self.metrics.previews_waiting.take();
+        let Followed::Events {
+            take,
+            marks,
+            events,
+        } = message
+        else {
+            *following = None;
+            return;
+        };
         let new = || Following {
-            take: message.take,
+            take,
             preview: Preview::new(self.scene.clone()),
             marks: 0,
             told: 0,
             is_due: false,
         };
         let following = match following {
-            Some(following) if following.take == message.take => following,
+            Some(following) if following.take == take => following,
             _ => following.insert(new()),
         };
-        following.is_due |= !message.events.is_empty();
-        following.marks = message.marks;
-        for event in message.events {
+        following.is_due |= !events.is_empty();
+        following.marks = marks;
+        for event in events {
             following.preview.push(event);
         }
     }

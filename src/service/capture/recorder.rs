@@ -59,6 +59,8 @@ struct State {
     outside: u64,
     /// Events of the take that runs that the previewer was given, if it follows.
     followed: Option<usize>,
+    /// The previewer is to be told that a take need not be followed any more.
+    is_over: bool,
     /// The last commands that were obeyed, and what was said to each.
     answered: VecDeque<(ControlRecord, Said)>,
     /// Of takes that are over.
@@ -74,6 +76,7 @@ impl Recorder {
             takes: 0,
             outside: 0,
             followed: None,
+            is_over: false,
             answered: VecDeque::new(),
             totals: Default::default(),
             said: Instant::now(),
@@ -198,7 +201,7 @@ impl Recorder {
             &self.settings,
         ) {
             Ok(take) => {
-                state.followed = Some(0);
+                (state.followed, state.is_over) = (Some(0), false);
                 let said = Said::Started {
                     take: state.takes,
                     recording: path.display().to_string(),
@@ -321,6 +324,10 @@ impl Recorder {
                 self.give_up(state, &error);
             }
         }
+        if state.is_over && self.so_far.try_send(Followed::Over).is_ok() {
+            self.metrics.previews_waiting.put();
+            state.is_over = false;
+        }
         if now.duration_since(state.said) >= STATUS {
             state.said = now;
             self.status.send_replace(status(state));
@@ -346,34 +353,43 @@ impl Recorder {
     /// Hands new events to the previewer. What it cannot take now waits until the next time and
     /// goes with what comes then; takes that grow too long are no longer followed.
     fn follow(&self, state: &mut State, take: &mut Take) {
-        let followed = state.followed.map(|count| count + take.pending.len());
-        state.followed = followed.filter(|count| *count <= SO_FAR_EVENTS);
+        if let Some(count) = &mut state.followed {
+            *count += take.pending.len();
+            if *count > SO_FAR_EVENTS {
+                state.unfollow();
+            }
+        }
         if state.followed.is_none() {
             take.pending = Vec::new();
         }
         if take.pending.is_empty() {
             return;
         }
-        let message = Followed {
+        let message = Followed::Events {
             take: take.number,
             marks: take.marks(),
             events: std::mem::take(&mut take.pending),
         };
         match self.so_far.try_send(message) {
             Ok(()) => self.metrics.previews_waiting.put(),
-            Err(TrySendError::Full(message)) => {
-                state.followed = state.followed.map(|count| count - message.events.len());
-                take.pending = message.events;
+            Err(TrySendError::Full(Followed::Events { events, .. })) => {
+                state.followed = state.followed.map(|count| count - events.len());
+                take.pending = events;
             }
-            Err(TrySendError::Disconnected(_)) => state.followed = None,
+            Err(_) => state.followed = None,
         }
     }
 }
 
 impl State {
+    /// What is followed needs no more previews.
+    fn unfollow(&mut self) {
+        self.is_over |= self.followed.take().is_some();
+    }
+
     /// A take is over: its counts go into the totals.
     fn end_of(&mut self, take: &Take) {
-        self.followed = None;
+        self.unfollow();
         self.totals.0.add(&take.counts());
         self.totals.1.merge(&take.latencies);
     }
