@@ -74,26 +74,22 @@ impl Block {
         }
     }
 
-    /// Adds `Jᵀ diag(w) J` to a matrix whose unknowns `columns` the block touches.
+    /// Adds `Jᵀ diag(w) J` to a matrix; `columns` are the block's, each with its unknown, in the
+    /// order of these. Most rows touch few of them, and rows of no weight none.
     pub(super) fn add_square(
         &self,
         pattern: &Pattern,
-        columns: &[usize],
+        columns: impl Iterator<Item = (usize, usize)> + Clone,
         weight: impl Fn(usize) -> f64,
         matrix: &mut Envelope,
     ) {
         let rows = self.values.len();
-        let mut weighted = [0.0; ROWS_MAX];
-        for (i, at) in columns.iter().enumerate() {
-            for (row, derivative) in self.jacobian[i * rows..][..rows].iter().enumerate() {
-                weighted[row] = weight(row) * derivative;
-            }
-            for (j, other) in columns[..=i].iter().enumerate() {
-                let partner = &self.jacobian[j * rows..][..rows];
-                let products = weighted[..rows].iter().zip(partner);
-                let value: f64 = products.map(|(a, b)| a * b).sum();
-                matrix.add(pattern, (*at).max(*other), (*at).min(*other), value);
-            }
+        let mut touched = Vec::with_capacity(self.jacobian.len() / rows.max(1));
+        for row in (0..rows).filter(|row| weight(*row) != 0.0) {
+            let derivative = |(column, at)| (at, self.jacobian[column * rows + row]);
+            touched.clear();
+            touched.extend(columns.clone().map(derivative).filter(|(_, d)| *d != 0.0));
+            matrix.add_outer(pattern, weight(row), &touched);
         }
     }
 

@@ -92,6 +92,26 @@ impl Envelope {
         self.values[pattern.diagonal[i] + j - i] += value;
     }
 
+    /// Adds `weight v vᵀ` for a vector of few entries: their rows, ascending, and values.
+    ///
+    /// # Panics
+    /// In debug builds, where a pair lies outside the envelope.
+    #[inline]
+    pub fn add_outer(&mut self, pattern: &Pattern, weight: f64, vector: &[(usize, f64)]) {
+        for (count, (i, value)) in vector.iter().enumerate() {
+            let scaled = weight * value;
+            // Where column 0 of the row would be.
+            let row = pattern.diagonal[*i].wrapping_sub(*i);
+            for (j, partner) in &vector[..=count] {
+                debug_assert!(
+                    j <= i && *j >= pattern.first[*i],
+                    "({i}, {j}) outside the envelope"
+                );
+                self.values[row.wrapping_add(*j)] += scaled * partner;
+            }
+        }
+    }
+
     /// The entry at row `i`, column `j ≤ i`.
     pub fn get(&self, pattern: &Pattern, i: usize, j: usize) -> f64 {
         if j < pattern.first[i] {
@@ -235,6 +255,21 @@ mod tests {
             put(i, i, 30.0 + i as f64);
         }
         (pattern, matrix, dense)
+    }
+
+    #[test]
+    fn adds_outer_products_as_a_dense_matrix_does() {
+        let (pattern, mut matrix, mut dense) = example();
+        let vector = [(3, 0.5), (4, -2.0), (7, 0.25), (38, 1.5), (39, 3.0)];
+        matrix.add_outer(&pattern, 0.7, &vector);
+        for (i, a) in vector {
+            for (j, b) in vector {
+                dense[(i, j)] += 0.7 * a * b;
+            }
+        }
+        for (i, j, value) in matrix.triplets(&pattern) {
+            assert!((value - dense[(i, j)]).abs() < 1e-15, "({i}, {j})");
+        }
     }
 
     #[test]
