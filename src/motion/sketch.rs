@@ -116,6 +116,8 @@ pub struct MarkChanges {
     pub proposed: Vec<usize>,
     /// Events whose mark was far from any kink of the stream, and was put at one.
     pub moved: Vec<usize>,
+    /// Starts and ends whose mark came before the first sample or after the last, put there.
+    pub late: Vec<usize>,
     /// Marks that stand for no event.
     pub ignored: usize,
 }

@@ -8,8 +8,9 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use super::complete::completed;
 use super::edited::join;
 use super::error::SegmentError;
-use super::marks::{Extent, check_extents, matched, seconds, union};
+use super::marks::{Extent, check_extents, matched, put_at_the_ends, seconds, union};
 use super::outliers::drop_outliers;
+use super::refine::reach_s;
 use super::units::check_units;
 use crate::math::Pose;
 use crate::motion::{
@@ -49,7 +50,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         mut counts,
     } = usable(scene, events)?;
     let whole = union(&extents).expect("a scene has bodies");
-    let stamps = match matched(scene, &marks, whole.first) {
+    let mut stamps = match matched(scene, &marks, whole.first) {
         Err(error @ SegmentError::MarkCount { .. }) => {
             let all = sketch(scene, &streams, &[], &mut SampleCounts::default());
             let (stamps, changes) = completed(scene, &marks, &all, error)?;
@@ -59,6 +60,8 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         stamps => stamps?,
     };
     let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
+    let reach_ns = (reach_s(scene) * 1e9) as i64;
+    counts.marks.late = put_at_the_ends(scene, &mut stamps, whole, (slack_ns, reach_ns));
     check_extents(scene, &stamps, &extents, slack_ns)?;
     for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
         let read = stream.len();

@@ -80,6 +80,28 @@ fn check_order(scene: &Scene, stamps: &[Stamp], origin: Stamp) -> Result<(), Seg
     Ok(())
 }
 
+/// Marks of starts and ends that come before or after all samples by more than a gap between two of
+/// them, but by no more than a performer's reaction time, are put at the first or the last sample:
+/// the recorder stopped first. Returns their events.
+pub(super) fn put_at_the_ends(
+    scene: &Scene,
+    stamps: &mut [Stamp],
+    whole: Extent,
+    (gap_ns, reach_ns): (i64, i64),
+) -> Vec<usize> {
+    let mut put = Vec::new();
+    for (index, (event, stamp)) in scene.events.iter().zip(stamps).enumerate() {
+        let nearest = (*stamp).clamp(whole.first, whole.last);
+        let outside_ns = stamp.0.abs_diff(nearest.0);
+        let is_late = outside_ns > gap_ns.unsigned_abs() && outside_ns <= reach_ns.unsigned_abs();
+        if is_late && matches!(event.kind, EventKind::Start | EventKind::End) {
+            *stamp = nearest;
+            put.push(index);
+        }
+    }
+    put
+}
+
 /// Refuses marks where there are no samples: of the body, for a collision; of any body, for a
 /// start or an end, which may also lie up to `slack_ns` outside.
 pub(super) fn check_extents(

@@ -86,6 +86,14 @@ impl Stretch {
     }
 }
 
+/// How far from the event a performer's mark may be \[s\].
+pub(super) fn reach_s(scene: &Scene) -> f64 {
+    match scene.timing {
+        Timing::Known | Timing::Edited => REACH_KNOWN_S,
+        Timing::Unknown { .. } => REACH_S,
+    }
+}
+
 /// Moves one mark to the best place between the neighbouring events of its bodies.
 fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: usize) -> bool {
     let Some(collision) = scene.events[event].kind.collision() else {
@@ -98,11 +106,7 @@ fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: us
     let samples = &sketch.bodies[collision.body].samples;
     let interval_s = median_interval_s(sketch, collision.body).max(1e-9);
     let now = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
-    let reach_s = match scene.timing {
-        Timing::Known | Timing::Edited => REACH_KNOWN_S,
-        Timing::Unknown { .. } => REACH_S,
-    };
-    let reach = REACH_SAMPLES.max((reach_s / interval_s).round() as usize);
+    let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
     let cuts = stretches[0].cuts();
     let least = now.saturating_sub(reach).max(*cuts.start());
     let most = (now + reach).min(*cuts.end());

@@ -222,6 +222,12 @@ fn mark_notes(scene: &Scene, outcome: &Outcome) -> Vec<String> {
             placed(&changes.moved)
         ));
     }
+    if !changes.late.is_empty() {
+        notes.push(format!(
+            "marks outside the data, put at its end: {}",
+            placed(&changes.late)
+        ));
+    }
     if changes.ignored > 0 {
         notes.push(format!("{} marks stand for no event", changes.ignored));
     }

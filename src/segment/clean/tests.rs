@@ -122,6 +122,30 @@ fn failure(take: &[TakeEvent]) -> SegmentError {
 }
 
 #[test]
+fn starts_and_ends_that_the_recorder_missed_are_its_first_and_last_sample() {
+    let scene = scene();
+    let with = |marks: [f64; 3]| {
+        let mut take = take(&scene);
+        take.retain(|event| matches!(event, TakeEvent::Pose { .. }));
+        take.extend(marks.map(|index| mark(index, None)));
+        clean(&scene, &take)
+    };
+    // The last sample is the 39th, 10 ms apart; marks may be 67 ms off.
+    let (sketch, counts) = with([-6.0, 20.0, 45.5]).unwrap();
+    assert_eq!(sketch.marks_s, [0.0, 0.2, 0.39]);
+    assert_eq!(counts.marks.late, [0, 2]);
+    // A sample or two may be missing.
+    let (sketch, counts) = with([0.0, 20.0, 41.0]).unwrap();
+    assert!((sketch.marks_s[2] - 0.41).abs() < 1e-12);
+    assert!(counts.marks.late.is_empty());
+    for marks in [[0.0, 20.0, 46.0], [-7.0, 20.0, 39.0], [0.0, 41.0, 45.0]] {
+        let error = with(marks).expect_err("accepted");
+        let outside = matches!(error, SegmentError::MarkOutsideData { .. });
+        assert!(outside, "{marks:?}: {error}");
+    }
+}
+
+#[test]
 fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
     let scene = scene();
     let (sketch, counts) = clean(&scene, &take(&scene)).unwrap();
@@ -283,8 +307,8 @@ fn marks_that_do_not_fit_the_events_are_refused_by_name() {
             "the mark of \"bounce\" is at 0.050 s, expected after that of \"release\" at 0.200 s",
         ),
         (
-            &[5.0, 20.0, 41.6].map(|i| mark(i, None)),
-            "the mark of \"landing\" is at 0.416 s, outside the data: expected 0.000 to 0.390 s",
+            &[5.0, 20.0, 47.0].map(|i| mark(i, None)),
+            "the mark of \"landing\" is at 0.470 s, outside the data: expected 0.000 to 0.390 s",
         ),
         (
             &[-300.0, 20.0, 35.0].map(|i| mark(i, None)),
