@@ -4,14 +4,26 @@
 //! cargo run --release --example chart             # everything, in minutes
 //! cargo run --release --example chart -- --quick  # the same with few repeats
 //! cargo run --release --example chart -- --only flow
+//! cargo run --release --example chart -- --draw   # page and drawings from the numbers there are
 //! ```
 //!
-//! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`.
+//! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`. Run it on a machine
+//! that does nothing else: times are measured.
 
+mod book;
 mod figure;
+mod page;
+mod plot;
+#[path = "../study/results.rs"]
+#[allow(dead_code, reason = "studies leave theirs elsewhere")]
+mod results;
+mod scale;
 
 use std::path::PathBuf;
+use std::time::Instant;
 
+use anyhow::Result;
+use book::{Book, Run};
 use clap::Parser;
 
 /// What every part is told.
@@ -23,12 +35,38 @@ pub struct Options {
     /// Only the parts whose name holds this.
     #[arg(long)]
     pub only: Option<String>,
+    /// Measures nothing: draws the figures and makes the page from the numbers that are there.
+    #[arg(long)]
+    pub draw: bool,
     /// Where the charts go.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/charts"))]
     pub folder: PathBuf,
 }
 
-fn main() -> anyhow::Result<()> {
-    let _options = Options::parse();
-    Ok(())
+/// A part: its name, and what makes it.
+type Part = (&'static str, fn(&Options, &mut Book) -> Result<()>);
+
+/// In the order of the page.
+const PARTS: &[Part] = &[];
+
+fn main() -> Result<()> {
+    let options = Options::parse();
+    let mut book = Book::open(&options.folder)?;
+    for (name, run) in PARTS {
+        let is_wanted = options.only.as_ref().is_none_or(|only| name.contains(only));
+        if options.draw || !is_wanted {
+            continue;
+        }
+        eprintln!("{name}");
+        let begin = Instant::now();
+        run(&options, &mut book)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        eprintln!("{name}: {seconds:.1} s");
+        let here = Run::here(options.quick);
+        book.ran(name, Run { seconds, ..here })?;
+    }
+    for name in book.figures()? {
+        book.draw(&name)?;
+    }
+    page::write(&book)
 }
