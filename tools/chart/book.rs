@@ -100,9 +100,10 @@ impl Book {
         self.write(&format!("{}{TABLE}", sheet.name), &json(&sheet)?)
     }
 
-    /// Keeps raw numbers that are no figure: `<name>.numbers.json`.
+    /// Keeps raw numbers that are no figure, all digits of them: `<name>.numbers.json`.
     pub fn numbers(&mut self, name: &str, value: &impl Serialize) -> Result<()> {
-        self.write(&format!("{name}{NUMBERS}"), &json(value)?)
+        let text = serde_json::to_string(value)?;
+        self.write(&format!("{name}{NUMBERS}"), &format!("{text}\n"))
     }
 
     /// Remembers on what a part was measured.

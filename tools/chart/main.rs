@@ -12,6 +12,7 @@
 
 mod book;
 mod figure;
+mod flow;
 mod page;
 mod plot;
 #[path = "../study/results.rs"]
@@ -47,7 +48,7 @@ pub struct Options {
 type Part = (&'static str, fn(&Options, &mut Book) -> Result<()>);
 
 /// In the order of the page.
-const PARTS: &[Part] = &[];
+const PARTS: &[Part] = &[("flow", flow::run)];
 
 fn main() -> Result<()> {
     let options = Options::parse();

@@ -50,18 +50,19 @@ struct Look {
 pub fn svg(figure: &Figure) -> Result<String> {
     let title = wrapped(&figure.title, 88);
     let note = wrapped(&figure.note, 150);
-    let names = longest_name(figure);
-    // Names that would run into each other are written aslant, below.
-    let crowded = names * 8 * figure.x.names.len() > PLOT.0 as usize;
-    let slant = if crowded {
-        (7 * names as i32).min(120)
-    } else {
-        0
-    };
+    // Names stand in columns.
+    let names: Vec<Vec<String>> = figure
+        .x
+        .names
+        .iter()
+        .map(|name| column(figure, name))
+        .collect();
+    let rows = names.iter().map(Vec::len).max().unwrap_or(1);
+    let sunk = 17 * (rows as i32 - 1);
     let top = 16 + 24 * title.len() as i32 + 8;
     let bottom = top + PLOT.1;
     let width = LEFT + PLOT.0 + RIGHT;
-    let height = bottom + slant + 58 + LINE * note.len() as i32 + 10;
+    let height = bottom + sunk + 58 + LINE * note.len() as i32 + 10;
     let mut text = String::new();
     {
         let size = (width as u32, height as u32);
@@ -74,11 +75,11 @@ pub fn svg(figure: &Figure) -> Result<String> {
                 sheet.draw(&Text::new(line.clone(), at, style.color(&INK)))?;
             }
             let frame = Frame::new(figure, top);
-            frame.grid(&sheet, figure, crowded)?;
+            frame.grid(&sheet, figure, sunk)?;
             frame.curves(&sheet, figure)?;
             frame.legend(&sheet, figure)?;
             for (index, line) in note.iter().enumerate() {
-                let at = (20, bottom + slant + 58 + LINE * index as i32);
+                let at = (20, bottom + sunk + 58 + LINE * index as i32);
                 write(&sheet, line, at, (15, FAINT), (HPos::Left, VPos::Top))?;
             }
             sheet.present()?;
@@ -89,9 +90,10 @@ pub fn svg(figure: &Figure) -> Result<String> {
     Ok(text)
 }
 
-fn longest_name(figure: &Figure) -> usize {
-    let lengths = figure.x.names.iter().map(|name| name.chars().count());
-    lengths.max().unwrap_or(0)
+/// The lines of a name below the axis.
+fn column(figure: &Figure, name: &str) -> Vec<String> {
+    let letters = PLOT.0 as usize / figure.x.names.len().max(1) / 8;
+    wrapped(name, letters)
 }
 
 type Drawn = Result<(), Box<dyn std::error::Error>>;
@@ -129,7 +131,7 @@ impl Frame {
         (self.x.at(mark.x), self.y.at(mark.y))
     }
 
-    fn grid(&self, sheet: &Sheet, figure: &Figure, crowded: bool) -> Drawn {
+    fn grid(&self, sheet: &Sheet, figure: &Figure, sunk: i32) -> Drawn {
         let colour = |tick: &Tick| if tick.minor { FINE_GRID } else { GRID };
         for tick in self.x.ticks(&figure.x) {
             line(
@@ -138,11 +140,14 @@ impl Frame {
                 colour(&tick),
                 1,
             )?;
-            if crowded {
-                slanted(sheet, &tick.label, (tick.at + 4, self.bottom + 8))?;
+            let lines = if figure.x.names.is_empty() {
+                vec![tick.label]
             } else {
-                let at = (tick.at, self.bottom + 7);
-                write(sheet, &tick.label, at, (16, INK), (HPos::Center, VPos::Top))?;
+                column(figure, &tick.label)
+            };
+            for (index, part) in lines.iter().enumerate() {
+                let at = (tick.at, self.bottom + 7 + 17 * index as i32);
+                write(sheet, part, at, (16, INK), (HPos::Center, VPos::Top))?;
             }
         }
         for tick in self.y.ticks(&figure.y) {
@@ -163,12 +168,7 @@ impl Frame {
         }
         let corners = [(self.left, self.top), (self.right, self.bottom)];
         sheet.draw(&Rectangle::new(corners, FAINT.stroke_width(1)))?;
-        let below = if crowded {
-            self.bottom + 30 + (7 * longest_name(figure) as i32).min(120)
-        } else {
-            self.bottom + 30
-        };
-        let middle = ((self.left + self.right) / 2, below);
+        let middle = ((self.left + self.right) / 2, self.bottom + 30 + sunk);
         write(
             sheet,
             &figure.x.label,
@@ -420,16 +420,6 @@ fn write(
     (across, up): (HPos, VPos),
 ) -> Drawn {
     let style = written(size, colour).pos(Pos::new(across, up));
-    sheet.draw(&Text::new(text.to_owned(), at, style))?;
-    Ok(())
-}
-
-fn slanted(sheet: &Sheet, text: &str, at: (i32, i32)) -> Drawn {
-    let style = ("sans-serif", 15)
-        .into_font()
-        .transform(FontTransform::Rotate90)
-        .color(&INK)
-        .pos(Pos::new(HPos::Left, VPos::Bottom));
     sheet.draw(&Text::new(text.to_owned(), at, style))?;
     Ok(())
 }
