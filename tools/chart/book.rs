@@ -7,7 +7,6 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::figure::{Figure, Sheet};
 use crate::plot;

@@ -79,7 +79,12 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let label = "wander, in units of 2 cm and 8°";
     let note = "Pencil, tip first, timing known, the hand's smooth wander and the tracker's noise, default weights.";
     book.keep(coverage("coverage_hand", title, label, note, &hand))?;
-    let all = [("noise", noise), ("rate", rate), ("number", number), ("hand", hand)];
+    let all = [
+        ("noise", noise),
+        ("rate", rate),
+        ("number", number),
+        ("hand", hand),
+    ];
     book.numbers("data", &all)
 }
 
@@ -286,11 +291,17 @@ impl Sums {
 
 fn event_times(name: &str, what: &str, label: &str, note: &str, levels: &[Level]) -> Figure {
     let bounds = levels.iter().map(|l| Mark::at(l.x, 1e3 * l.event_s[1]));
-    let errors = levels.iter().map(|level| level.mark(1e3 * level.event_s[0]));
+    let errors = levels
+        .iter()
+        .map(|level| level.mark(1e3 * level.event_s[0]));
     Figure {
         name: format!("data_{name}"),
-        title: format!("How exactly the bounce is timed, against {what}, beside the least error any unbiased estimate can have"),
-        note: format!("{note} Rms error; bars: 95 % of such an rms. Beside a point: how many gave a physical motion, where not all."),
+        title: format!(
+            "How exactly the bounce is timed, against {what}, beside the least error any unbiased estimate can have"
+        ),
+        note: format!(
+            "{note} Rms error; bars: 95 % of such an rms. Beside a point: how many gave a physical motion, where not all."
+        ),
         x: Axis::logarithmic(label),
         y: Axis::logarithmic("rms error of the bounce's time [ms]"),
         curves: vec![
@@ -311,11 +322,18 @@ fn efficiency(name: &str, what: &str, label: &str, note: &str, levels: &[Level])
     };
     let ends = [levels.first(), levels.last()].into_iter().flatten();
     let mut curves: Vec<Curve> = (0..5).map(of_kind).collect();
-    curves.push(Curve::bound("the bound", ends.map(|l| Mark::at(l.x, 1.0)).collect()));
+    curves.push(Curve::bound(
+        "the bound",
+        ends.map(|l| Mark::at(l.x, 1.0)).collect(),
+    ));
     Figure {
         name: format!("data_{name}_efficiency"),
-        title: format!("Errors of all unknowns over their Cramér–Rao bounds, against {what}: 1 is as good as can be"),
-        note: format!("{note} Rms over all unknowns of a kind; bars: 95 % of the rms of as many independent errors."),
+        title: format!(
+            "Errors of all unknowns over their Cramér–Rao bounds, against {what}: 1 is as good as can be"
+        ),
+        note: format!(
+            "{note} Rms over all unknowns of a kind; bars: 95 % of the rms of as many independent errors."
+        ),
         x: Axis::logarithmic(label),
         y: Axis::linear("rms error over its bound"),
         curves,
@@ -345,7 +363,9 @@ fn coverage(name: &str, title: &str, label: &str, note: &str, levels: &[Level]) 
     Figure {
         name: format!("data_{name}"),
         title: title.to_owned(),
-        note: format!("{note} {seeds} performances per point, bounce and landing; bars: 95 % intervals of the share."),
+        note: format!(
+            "{note} {seeds} performances per point, bounce and landing; bars: 95 % intervals of the share."
+        ),
         x: Axis::logarithmic(label),
         y: Axis::linear("intervals that hold the truth [%]"),
         curves,

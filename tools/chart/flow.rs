@@ -24,6 +24,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use crate::Options;
 use crate::book::Book;
 use crate::figure::{Axis, Curve, Figure, Mark, Sheet};
+use crate::statistics::median;
 use front::{Point, Task, Turning};
 use method::{Method, Start, Turned};
 use reference::Pair;
@@ -104,12 +105,12 @@ fn task(start: &Start, samples: usize, duration_s: f64, quick: bool) -> Task {
         .map(|k| duration_s * k as f64 / samples as f64)
         .collect();
     let truth = Truth::of(start, duration_s);
-    let speed = Vector3::from(start.omega).norm();
     let points = method::methods(start).into_iter();
     Task {
         samples,
         duration_s,
-        condition_rad: truth.by_spin.norm() * speed * f64::EPSILON / 2.0,
+        condition_rad: truth.condition[0],
+        condition_derivative: truth.condition[1],
         reference: truth.differs,
         points: points
             .map(|method| point(&method, start, &times_s, &truth, quick))
@@ -128,7 +129,7 @@ fn point(method: &Method, start: &Start, times_s: &[f64], truth: &Truth, quick: 
     });
     let derivative_error = last
         .and_then(|turned| number((turned.right() - truth.by_spin).norm() / truth.by_spin.norm()));
-    let [fastest_s, slowest_s] = time_s(quick, || {
+    let [fastest_s, median_s] = time_s(quick, || {
         turns.clear();
         (method.run)(black_box(start), black_box(times_s), &mut turns);
         black_box(&turns);
@@ -141,18 +142,17 @@ fn point(method: &Method, start: &Start, times_s: &[f64], truth: &Truth, quick: 
         error_rad,
         derivative_error,
         fastest_s: fastest_s / count,
-        slowest_s: slowest_s / count,
+        median_s: median_s / count,
     }
 }
 
-/// Seconds of one call: the fastest and the slowest of several runs of some milliseconds, or of one
+/// Seconds of one call: the fastest and the median of several runs of some milliseconds, or of one
 /// call where that is longer.
 fn time_s(quick: bool, mut call: impl FnMut()) -> [f64; 2] {
-    let (runs, least_s) = if quick { (3, 2e-4) } else { (7, 2e-3) };
+    let (runs, least_s) = if quick { (3, 1e-4) } else { (9, 1e-3) };
     let mut repeat = 1_u32;
-    let mut spread = [f64::INFINITY, 0.0_f64];
-    let mut done = 0;
-    while done < runs {
+    let mut times_s = Vec::new();
+    while times_s.len() < runs {
         let begin = Instant::now();
         for _ in 0..repeat {
             call();
@@ -162,12 +162,16 @@ fn time_s(quick: bool, mut call: impl FnMut()) -> [f64; 2] {
             repeat *= 2;
             continue;
         }
-        let one_s = elapsed_s / f64::from(repeat);
-        spread = [spread[0].min(one_s), spread[1].max(one_s)];
+        times_s.push(elapsed_s / f64::from(repeat));
         // Long calls are not repeated as often.
-        done += if elapsed_s > 25.0 * least_s { 3 } else { 1 };
+        if elapsed_s > 10.0 * least_s && times_s.len() >= 3 {
+            break;
+        }
     }
-    spread
+    [
+        times_s.iter().copied().fold(f64::INFINITY, f64::min),
+        median(&times_s),
+    ]
 }
 
 /// The turn to thirty digits.
@@ -175,7 +179,9 @@ struct Truth {
     rotation: Matrix3<f64>,
     /// Right perturbation by `ω(0)`.
     by_spin: Matrix3<f64>,
-    /// From the second method: rotation [rad], derivative, relative.
+    /// What half a rounding of the first angular velocity makes of both: \[rad\], relative.
+    condition: [f64; 2],
+    /// From the second method: rotation \[rad\], derivative, relative.
     differs: [f64; 2],
 }
 
@@ -183,6 +189,7 @@ impl Truth {
     /// By extrapolation, its derivative by central differences with a step of 1e-12; and both by
     /// Taylor series of order 40 in the same numbers.
     fn of(start: &Start, duration_s: f64) -> Self {
+        let speed = Vector3::from(start.omega).norm();
         let run =
             |omega: [Pair; 3]| reference::turn(start.moments, &reference::epoch(omega), duration_s);
         let centre = run(start.omega.map(Pair::from));
@@ -203,13 +210,31 @@ impl Truth {
             let turn = (rotation.quaternion().conjugate() * quaternion(&change)).imag() * 2.0;
             by_spin.set_column(column, &turn);
         }
-        let mut taylor = Taylor::<Pair, 41>::new(start.moments, start.omega, 1e-34);
-        let node = taylor.node(duration_s).expect("steps that end");
+        let series = |omega: [f64; 3]| {
+            let mut taylor = Taylor::<Pair, 41>::new(start.moments, omega, 1e-34);
+            let node = taylor.node(duration_s).expect("steps that end");
+            let by_spin = Matrix3::from_fn(|row, column| node.eta[column][row].0);
+            (node, by_spin)
+        };
+        let (node, second) = series(start.omega);
+        // Away from its direction, which matters more than its size.
+        let [a, b, c] = start.omega;
+        let half = f64::EPSILON / 2.0;
+        let (_, rounded) = series([a * (1.0 + half), b * (1.0 - half), c * (1.0 + half)]);
+        // Half a rounding more may be none: 1 + ε/2 is 1.
+        let (_, beyond) = series([
+            a * (1.0 + 2.0 * half),
+            b * (1.0 - half),
+            c * (1.0 + 2.0 * half),
+        ]);
         let apart = (0..4).map(|i| (node.turn[i] - centre[i]).0.powi(2));
-        let second = Matrix3::from_fn(|row, column| node.eta[column][row].0);
+        let changed = (rounded - second)
+            .norm()
+            .max((beyond - second).norm() / 2.0);
         Self {
             rotation: rotation.to_rotation_matrix().into_inner(),
             by_spin: second,
+            condition: [second.norm() * speed * half, changed / second.norm()],
             differs: [
                 2.0 * apart.sum::<f64>().sqrt(),
                 (second - by_spin).norm() / second.norm(),
@@ -234,9 +259,9 @@ fn figure(turning: &Turning, task: &Task) -> Figure {
     let curve = |name: &&str| {
         let own = task.points.iter().filter(|point| point.method == *name);
         let mark = |point: &Point| Mark {
-            x: point.error_rad.unwrap_or(f64::NAN).max(1e-17),
+            x: point.error_rad.map_or(f64::NAN, |error| error.max(1e-17)),
             y: point.fastest_s,
-            spread: Some([point.fastest_s, point.slowest_s]),
+            spread: Some([point.fastest_s, point.median_s]),
             setting: (!point.setting.is_empty()).then(|| point.setting.clone()),
             failed: point.failed(),
         };
@@ -259,7 +284,7 @@ fn figure(turning: &Turning, task: &Task) -> Figure {
         ),
         note: format!(
             "Moments {moments:?}, first angular velocity {omega:?} rad/s. One point per tolerance or step. \
-             Times: fastest run, bars to the slowest. Half a rounding of the first angular velocity \
+             Times: fastest run, bars to the median of all. Half a rounding of the first angular velocity \
              turns the end by {condition:.1e} rad."
         ),
         x: Axis::logarithmic(&format!(

@@ -11,14 +11,38 @@
 //! that does nothing else: times are measured.
 
 mod book;
+#[path = "../study/case.rs"]
+mod case;
+#[path = "../study/covariance.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod covariance;
+mod data;
+#[path = "../study/dense.rs"]
+mod dense;
+#[path = "../study/errors.rs"]
+mod errors;
 mod figure;
 mod flow;
+mod growth;
 mod page;
+#[path = "../perform/mod.rs"]
+mod perform;
 mod plot;
 #[path = "../study/results.rs"]
 #[allow(dead_code, reason = "studies leave theirs elsewhere")]
 mod results;
 mod scale;
+#[path = "../study/scaling.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod scaling;
+#[path = "../study/statistics.rs"]
+#[allow(dead_code, reason = "not all of it is wanted here")]
+mod statistics;
+#[path = "../study/stopwatch.rs"]
+mod stopwatch;
+#[path = "../study/table.rs"]
+#[allow(dead_code, reason = "only studies print theirs")]
+mod table;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -48,7 +72,11 @@ pub struct Options {
 type Part = (&'static str, fn(&Options, &mut Book) -> Result<()>);
 
 /// In the order of the page.
-const PARTS: &[Part] = &[("flow", flow::run)];
+const PARTS: &[Part] = &[
+    ("flow", flow::run),
+    ("data", data::run),
+    ("growth", growth::run),
+];
 
 fn main() -> Result<()> {
     let options = Options::parse();
