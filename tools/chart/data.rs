@@ -103,7 +103,9 @@ fn noise_levels() -> Vec<Setting> {
 }
 
 fn rates() -> Vec<Setting> {
-    let rates_hz = [15.0, 20.0, 30.0, 60.0, 125.0, 250.0, 500.0, 1000.0];
+    let rates_hz = [
+        8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 60.0, 125.0, 250.0, 500.0, 1000.0,
+    ];
     let setting = |x: f64| {
         let acting = Acting {
             rate_hz: x,
@@ -133,7 +135,7 @@ fn numbers() -> Vec<Setting> {
     truth.scene.bodies[0].body_from_tracker = enact::math::Pose::identity();
     truth.scene.weights.position_m = acting.noise_position_m;
     truth.scene.weights.orientation_rad = acting.noise_orientation_rad;
-    let counts = [5.0, 7.0, 10.0, 20.0, 50.0, 100.0];
+    let counts = [2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 50.0, 100.0];
     let setting = |x: f64| Setting {
         x,
         truth: truth.clone(),

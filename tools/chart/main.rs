@@ -28,6 +28,7 @@ mod page;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod plot;
+mod real;
 #[path = "../study/results.rs"]
 #[allow(dead_code, reason = "studies leave theirs elsewhere")]
 mod results;
@@ -43,6 +44,9 @@ mod stopwatch;
 #[path = "../study/table.rs"]
 #[allow(dead_code, reason = "only studies print theirs")]
 mod table;
+#[path = "../study/tosses.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod tosses;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -76,6 +80,7 @@ const PARTS: &[Part] = &[
     ("flow", flow::run),
     ("data", data::run),
     ("growth", growth::run),
+    ("real", real::run),
 ];
 
 fn main() -> Result<()> {

@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 pub const ORDER: usize = 20;
 
 /// Truncation allowed in a step, relative.
-const TRUNCATION: f64 = 1.0 / (1u64 << 54) as f64;
+const TRUNCATION: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// Lengths of steps are multiples of this, so that their sums are exact.
 const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;

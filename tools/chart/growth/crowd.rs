@@ -56,6 +56,8 @@ pub fn crowd(count: usize) -> Case {
     let acting = Acting {
         distortion: 0.25,
         marks_named: true,
+        // Bounces are milliseconds apart, and marks are to be in their order.
+        mark_error_s: 0.0,
         ..Acting::timing_known()
     };
     Case::new(&truth, &acting, 1)
