@@ -359,7 +359,7 @@ fn coverage(name: &str, title: &str, label: &str, note: &str, levels: &[Level]) 
     let ends = || [levels.first(), levels.last()].into_iter().flatten();
     for (share, _) in INTERVALS {
         let ends = ends().map(|level| Mark::at(level.x, share)).collect();
-        curves.push(Curve::bound(format!("{share} %"), ends));
+        curves.push(Curve::bound("as they say", ends));
     }
     let seeds = levels.first().map_or(0, |level| level.seeds);
     Figure {

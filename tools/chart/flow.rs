@@ -304,10 +304,8 @@ fn fronts(turnings: &[Turning]) -> Sheet {
         for task in &turning.tasks {
             let ours = task.ours();
             let other = task.fastest_exact_other();
-            let ahead = task.ahead_of_ours();
-            let first = ahead
-                .iter()
-                .min_by(|a, b| a.fastest_s.total_cmp(&b.fastest_s));
+            let faster = task.as_exact_and_faster().into_iter();
+            let faster = faster.min_by(|a, b| a.fastest_s.total_cmp(&b.fastest_s));
             let named = |point: &Point| format!("{} {}", point.method, point.setting);
             rows.push(vec![
                 turning.title.clone(),
@@ -320,7 +318,12 @@ fn fronts(turnings: &[Turning]) -> Sheet {
                 other.map_or("–".to_owned(), |other| {
                     format!("{:.2}", other.fastest_s / ours.fastest_s)
                 }),
-                first.map_or("yes".to_owned(), |point| format!("no: {}", named(point))),
+                faster.map_or("nothing".to_owned(), named),
+                if task.ahead_of_ours().is_empty() {
+                    "yes".to_owned()
+                } else {
+                    "no".to_owned()
+                },
             ]);
         }
     }
@@ -333,6 +336,7 @@ fn fronts(turnings: &[Turning]) -> Sheet {
         "its derivative's, relative",
         "fastest other that is exact to rounding",
         "its time over the program's",
+        "as exact to rounding, and faster",
         "program on the front",
     ];
     Sheet {

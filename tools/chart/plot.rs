@@ -276,7 +276,13 @@ impl Frame {
     fn legend(&self, sheet: &Sheet, figure: &Figure) -> Drawn {
         let left = self.right + 16;
         let mut y = self.top + 8;
+        let mut last = "";
         for (curve, look) in figure.curves.iter().zip(looks(figure)) {
+            // Several bounds may be one thing.
+            if look.role == Role::Bound && curve.name == last {
+                continue;
+            }
+            last = &curve.name;
             if look.role == Role::Bound {
                 dashed(sheet, &[(left, y), (left + 28, y)], look)?;
             } else {
@@ -332,6 +338,8 @@ fn looks(figure: &Figure) -> Vec<Look> {
             Role::Bound => (BOUND, 1),
             Role::Compared => (COLOURS[next % COLOURS.len()], 2),
         };
+        // Between things without order a line only leads the eye.
+        let width = if figure.x.names.is_empty() { width } else { 1 };
         let shape = if curve.role == Role::Ours {
             0
         } else {

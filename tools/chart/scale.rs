@@ -97,6 +97,7 @@ impl Scale {
         let [least, greatest] = self.range;
         let decades = greatest - least;
         let stride = (decades / 9.0).ceil().max(1.0) as i32;
+        let all_plain = least > -3.2 && greatest < 4.2;
         let mut ticks = Vec::new();
         for power in least.floor() as i32..=greatest.ceil() as i32 {
             for digit in 1..10_u8 {
@@ -107,7 +108,7 @@ impl Scale {
                 let is_power = digit == 1;
                 let plain = decades < 2.5 && matches!(digit, 1 | 2 | 5);
                 let label = match () {
-                    () if plain => plainly(f64::from(digit) * 10f64.powi(power)),
+                    () if plain || all_plain && is_power => plainly(digit, power),
                     () if is_power && power.rem_euclid(stride) == 0 => power_of_ten(power),
                     () => String::new(),
                 };
@@ -148,17 +149,14 @@ impl Scale {
 }
 
 /// 0.002, 0.5, 20, 5000; beyond, as powers.
-fn plainly(value: f64) -> String {
-    if (9e-4..2e5).contains(&value) {
-        let decimals = (-value.log10() + 1e-9).ceil().max(0.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        let power = (value.log10() + 1e-9).floor() as i32;
-        let digit = (value / 10f64.powi(power)).round();
-        match digit as i32 {
-            1 => power_of_ten(power),
-            digit => format!("{digit}·{}", power_of_ten(power)),
+fn plainly(digit: u8, power: i32) -> String {
+    match (power, digit) {
+        (-3..=4, _) => {
+            let decimals = (-power).max(0) as usize;
+            format!("{:.decimals$}", f64::from(digit) * 10f64.powi(power))
         }
+        (_, 1) => power_of_ten(power),
+        _ => format!("{digit}·{}", power_of_ten(power)),
     }
 }
 

@@ -82,7 +82,7 @@ impl Task {
 
     /// What is as exact as the program, to rounding, and faster by more than the spread: its median
     /// run than the program's fastest.
-    pub fn ahead_of_ours(&self) -> Vec<&Point> {
+    pub fn as_exact_and_faster(&self) -> Vec<&Point> {
         let ours = self.ours();
         let [rotation, derivative] = self.rounding();
         let as_exact = |error: Option<f64>, own: Option<f64>, rounding: f64| {
@@ -97,6 +97,23 @@ impl Task {
                 && as_exact(point.derivative_error, ours.derivative_error, derivative)
         };
         self.points.iter().filter(is_ahead).collect()
+    }
+
+    /// Those of them that are also more exact in one of the two, by more than rounding: what puts
+    /// the program off the front.
+    pub fn ahead_of_ours(&self) -> Vec<&Point> {
+        let ours = self.ours();
+        let [rotation, derivative] = self.rounding();
+        let more_exact = |error: Option<f64>, own: Option<f64>, rounding: f64| {
+            let own = own.unwrap_or(f64::INFINITY);
+            own > rounding && error.is_some_and(|error| error < own - rounding)
+        };
+        let faster = self.as_exact_and_faster().into_iter();
+        let is_ahead = |point: &&Point| {
+            more_exact(point.error_rad, ours.error_rad, rotation)
+                || more_exact(point.derivative_error, ours.derivative_error, derivative)
+        };
+        faster.filter(is_ahead).collect()
     }
 
     /// The fastest of the others among those that are exact to rounding.

@@ -38,7 +38,9 @@ pub struct Setting {
     /// With the impact, restitution and friction free.
     with_impact: Scene,
     body: Body,
+    /// Middles of the balls that the corners are, and their radius \[m\].
     corners_m: Vec<Vector3<f64>>,
+    pub radius_m: f64,
 }
 
 /// The first impact of a toss as estimated.
@@ -62,8 +64,8 @@ pub struct Miss {
 }
 
 impl Setting {
-    /// With that moment of inertia [kg m²].
-    pub fn new(moment_kg_m2: f64) -> Result<Self> {
+    /// With that moment of inertia [kg m²] and corners rounded by that radius \[m\].
+    pub fn new(moment_kg_m2: f64, radius_m: f64) -> Result<Self> {
         let text = scene_toml()?;
         let side_mm = 2e3 * HALF_M;
         let text = text
@@ -83,26 +85,39 @@ impl Setting {
         let free = "[[free]]\nquantity = \"impact.restitution\"\n\
                     [[free]]\nquantity = \"impact.friction\"\nlower = 0\nupper = 2\n";
         let with_impact = format!("{head}{impact}{}{free}", end("end"));
-        let with_impact = scene_from_toml(&with_impact)?;
+        let mut with_impact = scene_from_toml(&with_impact)?;
         let before = scene_from_toml(&format!("{head}{}", end("impact")))?;
-        let features = before.bodies[0].features.iter();
-        let corners_m = features.filter_map(|feature| match feature.geometry {
-            Feature::Point { point_m, .. } => Some(point_m),
-            _ => None,
-        });
+        let mut corners_m = Vec::new();
+        for feature in &mut with_impact.bodies[0].features {
+            if let Feature::Point {
+                point_m,
+                radius_m: r,
+            } = &mut feature.geometry
+            {
+                *point_m *= 1.0 - radius_m / HALF_M;
+                *r = radius_m;
+                corners_m.push(*point_m);
+            }
+        }
         Ok(Self {
             body: before.bodies[0].body,
-            corners_m: corners_m.collect(),
+            corners_m,
+            radius_m,
             with_impact,
             before,
         })
+    }
+
+    /// Moment of inertia [kg m²].
+    pub fn moment_kg_m2(&self) -> f64 {
+        self.body.moments_kg_m2().x
     }
 
     /// Heights of the corners over the table \[m\].
     fn heights_m(&self, position_m: &Vector3<f64>, orientation: &UnitQuaternion<f64>) -> Vec<f64> {
         let corners = self.corners_m.iter();
         corners
-            .map(|corner| (position_m + orientation * corner).z)
+            .map(|corner| (position_m + orientation * corner).z - self.radius_m)
             .collect()
     }
 
@@ -221,9 +236,12 @@ impl Setting {
 
     /// The lowest corner that is in the table and goes on into it.
     fn arriving(&self, state: &State) -> Option<Vector3<f64>> {
-        let height_m = |corner: &Vector3<f64>| (state.position_m + state.orientation * corner).z;
+        let down_m = state.orientation.inverse_transform_vector(&Vector3::z()) * self.radius_m;
+        let height_m = |corner: &Vector3<f64>| {
+            (state.position_m + state.orientation * corner).z - self.radius_m
+        };
         let sinks = |corner: &&Vector3<f64>| {
-            let spin = state.angular_velocity_rad_s.cross(corner);
+            let spin = state.angular_velocity_rad_s.cross(&(*corner - down_m));
             height_m(corner) <= 0.0 && (state.velocity_m_s + state.orientation * spin).z < 0.0
         };
         let sinking = self.corners_m.iter().filter(sinks);
@@ -239,7 +257,11 @@ impl Setting {
         friction: f64,
     ) -> Result<State, String> {
         let table = Feature::face(Vector3::zeros(), Vector3::z());
-        let contact = Contact::new(Feature::corner(corner_m), table).map_err(|e| e.to_string())?;
+        let corner = Feature::Point {
+            point_m: corner_m,
+            radius_m: self.radius_m,
+        };
+        let contact = Contact::new(corner, table).map_err(|e| e.to_string())?;
         let meeting = Meeting::with_friction(&[contact]).map_err(|e| e.to_string())?;
         let law = Law {
             restitution,
