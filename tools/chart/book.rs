@@ -161,9 +161,9 @@ impl Book {
     }
 }
 
-/// Numbers to six digits, one entry per line.
+/// Numbers to six digits.
 fn json(value: &impl Serialize) -> Result<String> {
     let mut value = serde_json::to_value(value)?;
     crate::results::round(&mut value);
-    Ok(format!("{value:#}\n"))
+    Ok(format!("{value}\n"))
 }

@@ -67,6 +67,8 @@ const BODIES: [(&str, &str, [f64; 3], [f64; 3]); 7] = [
 ];
 
 const DURATIONS_S: [f64; 3] = [0.1, 1.0, 10.0];
+/// The one that is drawn; the others are in the table and in the numbers.
+const DRAWN_S: f64 = 1.0;
 /// Times asked for.
 const SAMPLES: [usize; 2] = [1, 60];
 
@@ -94,7 +96,8 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
             chosen: method::ours(&start).to_owned(),
             tasks,
         };
-        for task in &turning.tasks {
+        let drawn = |task: &&Task| task.duration_s == DRAWN_S;
+        for task in turning.tasks.iter().filter(drawn) {
             book.keep(figure(&turning, task))?;
         }
         book.numbers(&format!("flow_{name}"), &turning)?;

@@ -16,7 +16,7 @@ use bounce::{AHEAD_S, Bounce, Miss, Setting};
 /// Documented, measured by others, and what impulses fit [kg m²].
 const MOMENTS_KG_M2: [f64; 3] = [6.2e-4, 8.1e-4, 1.1e-3];
 /// Radii that a corner may have \[m\].
-const RADII_M: [f64; 4] = [0.0, 0.003, 0.005, 0.007];
+const RADII_M: [f64; 5] = [0.0, 0.003, 0.005, 0.006, 0.007];
 /// Half width of a 95 % interval [standard deviations].
 const INTERVAL: f64 = 1.96;
 /// Friction that sticks is not determined: an interval wider than this is none.
