@@ -22,7 +22,7 @@ use crate::table::{Table, number, percent};
 /// A 95 % interval of a normal distribution [standard deviations].
 const INTERVAL: f64 = 1.96;
 /// Kinds of unknown.
-const KINDS: [&str; 5] = [
+pub const KINDS: [&str; 5] = [
     "position",
     "orientation",
     "velocity",
@@ -208,19 +208,20 @@ impl Row {
 
 /// Errors over standard deviations, rms over the unknowns of each kind.
 fn ratios(posed: &Posed, uncertainty: &Uncertainty, covariance: &DMatrix<f64>) -> [f64; 5] {
-    let layout = &posed.layout;
     let ratio = |at: usize| uncertainty.error[at] / covariance[(at, at)].sqrt();
+    rms_by_kind(posed, ratio)
+}
+
+/// The rms of a value of each unknown over the unknowns of each kind.
+pub fn rms_by_kind(posed: &Posed, value: impl Fn(usize) -> f64) -> [f64; 5] {
+    let layout = &posed.layout;
     std::array::from_fn(|kind| {
         let values: Vec<f64> = if kind == 4 {
-            layout
-                .events
-                .iter()
-                .flatten()
-                .map(|at| ratio(*at))
-                .collect()
+            let events = layout.events.iter().flatten();
+            events.map(|at| value(*at)).collect()
         } else {
             let arcs = layout.arcs.iter().map(|at| at + 3 * kind);
-            arcs.flat_map(|at| (at..at + 3).map(ratio)).collect()
+            arcs.flat_map(|at| (at..at + 3).map(&value)).collect()
         };
         rms(&values)
     })

@@ -8,7 +8,8 @@ use enact::estimate::outcome;
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::solve;
-use enact::estimate::system::{Frame, System};
+use enact::estimate::system::{Frame, Guidance, System};
+use enact::motion::Sketch;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::case::{Case, Posed};
@@ -42,16 +43,10 @@ impl Uncertainty {
         let covariance = Covariance::new(&frame, system, &solution.multipliers, &residuals)?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all) / covariance.variance_factor;
-        let (hessian, jacobian) = (hessian(&frame, system), jacobian(&frame, system));
-        let scale = hessian
-            .diagonal()
-            .map(|h| if h > 0.0 { h.sqrt().recip() } else { 1e-3 });
-        let free = null_space(&(&jacobian * DMatrix::from_diagonal(&scale)));
-        let directions = DMatrix::from_diagonal(&scale) * &free;
-        let inner = (directions.transpose() * hessian * &directions).try_inverse()?;
+        let Exact { free, scale, exact } = Exact::of(&frame, system)?;
         Some(Self {
             error: error(case, posed, point, &frame.epochs_s, offset_s),
-            exact: &directions * inner * directions.transpose(),
+            exact,
             free,
             scale,
             library,
@@ -73,6 +68,42 @@ impl Uncertainty {
         let covariance = &to_free * covariance * to_free.transpose();
         let solved = covariance.cholesky().map(|c| c.solve(&error));
         solved.map_or(f64::NAN, |solved| error.dot(&solved))
+    }
+}
+
+/// The covariance of all unknowns at the truth: no unbiased estimate has a smaller one where
+/// residuals are weighed by their white noise (Cramér–Rao).
+pub fn bound(case: &Case, posed: &Posed, sketch: &Sketch) -> Option<DMatrix<f64>> {
+    let (problem, layout) = (&posed.problem, &posed.layout);
+    let guess = case.true_guess(posed, sketch);
+    let point = Point::new(problem, &guess);
+    let frame = Frame::new(problem, layout, recipe::epochs_s(&guess), &point);
+    let mut system = System::new(&frame);
+    system.evaluate(&frame, &Guidance::none(problem), &point);
+    Some(Exact::of(&frame, &system)?.exact)
+}
+
+/// See [`Uncertainty`].
+struct Exact {
+    free: DMatrix<f64>,
+    scale: DVector<f64>,
+    exact: DMatrix<f64>,
+}
+
+impl Exact {
+    fn of(frame: &Frame, system: &System) -> Option<Self> {
+        let (hessian, jacobian) = (hessian(frame, system), jacobian(frame, system));
+        let scale = hessian
+            .diagonal()
+            .map(|h| if h > 0.0 { h.sqrt().recip() } else { 1e-3 });
+        let free = null_space(&(&jacobian * DMatrix::from_diagonal(&scale)));
+        let directions = DMatrix::from_diagonal(&scale) * &free;
+        let inner = (directions.transpose() * hessian * &directions).try_inverse()?;
+        Some(Self {
+            exact: &directions * inner * directions.transpose(),
+            free,
+            scale,
+        })
     }
 }
 

@@ -8,19 +8,10 @@ use serde::Serialize;
 use crate::case::Case;
 use crate::perform::{Acting, Style};
 use crate::results::Options;
+use crate::scaling::PHASES;
 use crate::statistics::median;
 use crate::stopwatch::Stopwatch;
 use crate::table::{Table, number};
-
-const PHASES: [Phase; 7] = [
-    Phase::Clean,
-    Phase::Marks,
-    Phase::ArcFits,
-    Phase::Sweep,
-    Phase::Multipliers,
-    Phase::Finish,
-    Phase::Covariance,
-];
 
 /// Runs of each performance, of which the fastest counts: whatever else the machine does makes a
 /// run slower, never faster.

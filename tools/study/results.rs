@@ -56,7 +56,7 @@ impl Options {
 }
 
 /// Leaves six digits of every number that is no integer.
-fn round(value: &mut Value) {
+pub fn round(value: &mut Value) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(round),
         Value::Object(fields) => fields.iter_mut().for_each(|(_, value)| round(value)),

@@ -16,7 +16,7 @@ use crate::table::{Table, number};
 /// Runs of each size; the medians count.
 const RUNS: usize = 5;
 /// Phases told apart.
-const PHASES: [Phase; 7] = [
+pub const PHASES: [Phase; 7] = [
     Phase::Clean,
     Phase::Marks,
     Phase::ArcFits,
@@ -30,72 +30,42 @@ const SOLVER: [Phase; 3] = [Phase::Sweep, Phase::Multipliers, Phase::Finish];
 
 /// One size.
 #[derive(Serialize)]
-struct Size {
-    what: &'static str,
-    samples: usize,
-    segments: usize,
-    verdict: &'static str,
-    reason: String,
-    iterations: usize,
+pub struct Size {
+    pub what: &'static str,
+    pub samples: usize,
+    pub segments: usize,
+    pub verdict: &'static str,
+    pub reason: String,
+    pub iterations: usize,
     /// Of sweep, multiplier rounds and finish, per iteration [s].
-    per_iteration_s: f64,
+    pub per_iteration_s: f64,
     /// Of sweep, multiplier rounds and finish [s].
-    solver_s: f64,
-    total_s: f64,
-    phases_s: BTreeMap<&'static str, f64>,
+    pub solver_s: f64,
+    /// Of everything, the median and the fastest run [s].
+    pub total_s: f64,
+    pub fastest_s: f64,
+    pub phases_s: BTreeMap<&'static str, f64>,
 }
 
 /// Runs it.
 pub fn run(options: &Options) -> Result<()> {
     let mut samples = Vec::new();
     let mut unknown = Vec::new();
-    let truth = Style::Tip.truth();
     for power in 0..=6 {
         let count = 100.0 * 10f64.powf(0.5 * f64::from(power));
-        let known = Acting::timing_known();
-        let rate_hz = count / truth.duration_s;
-        // The stamps of a mark and of samples stay within a sample of each other.
-        let mark_error_s = 0.5 / rate_hz;
-        let acting = Acting {
-            rate_hz,
-            mark_error_s,
-            ..known
-        };
-        samples.extend(size(
-            "samples, timing known",
-            &Case::new(&truth, &acting, 1),
-        ));
+        samples.extend(size("samples, timing known", &timing_known(count), RUNS));
         if power <= 4 {
-            let slow = Acting {
-                hold_after_s: 0.0,
-                ..Acting::default()
-            };
-            let rate_hz = rate_hz / slow.slowdown;
-            let acting = Acting {
-                rate_hz,
-                stamp_jitter_s: 0.05 / rate_hz,
-                ..slow
-            };
-            unknown.extend(size(
-                "samples, timing unknown",
-                &Case::new(&truth, &acting, 1),
-            ));
+            let case = timing_unknown(count);
+            unknown.extend(size("samples, timing unknown", &case, RUNS));
         }
     }
     let mut segments = Vec::new();
     for count in [1, 3, 10, 30, 100, 300, 1000] {
-        let Ok(truth) = bounces(count, 1) else {
+        let Some(case) = bouncing(count) else {
             eprintln!("no motion with {count} bounces was found");
             continue;
         };
-        let acting = Acting {
-            distortion: 0.25,
-            ..Acting::timing_known()
-        };
-        segments.extend(size(
-            "segments, timing known",
-            &Case::new(&truth, &acting, 1),
-        ));
+        segments.extend(size("segments, timing known", &case, RUNS));
     }
     println!(
         "{}",
@@ -125,11 +95,50 @@ pub fn run(options: &Options) -> Result<()> {
     options.write_json("scaling", &[samples, unknown, segments])
 }
 
+/// A pencil, tip first, in about so many samples with stamps of physical times.
+pub fn timing_known(count: f64) -> Case {
+    let truth = Style::Tip.truth();
+    let rate_hz = count / truth.duration_s;
+    let acting = Acting {
+        rate_hz,
+        // The stamps of a mark and of samples stay within a sample of each other.
+        mark_error_s: 0.5 / rate_hz,
+        ..Acting::timing_known()
+    };
+    Case::new(&truth, &acting, 1)
+}
+
+/// The same, acted slowly.
+pub fn timing_unknown(count: f64) -> Case {
+    let truth = Style::Tip.truth();
+    let slow = Acting {
+        hold_after_s: 0.0,
+        ..Acting::default()
+    };
+    let rate_hz = count / truth.duration_s / slow.slowdown;
+    let acting = Acting {
+        rate_hz,
+        stamp_jitter_s: 0.05 / rate_hz,
+        ..slow
+    };
+    Case::new(&truth, &acting, 1)
+}
+
+/// A cube that bounces so often, if such a motion is found; a quarter of the wander.
+pub fn bouncing(count: usize) -> Option<Case> {
+    let truth = bounces(count, 1).ok()?;
+    let acting = Acting {
+        distortion: 0.25,
+        ..Acting::timing_known()
+    };
+    Some(Case::new(&truth, &acting, 1))
+}
+
 /// Medians of several runs; none where there is nothing to estimate from.
-fn size(what: &'static str, case: &Case) -> Option<Size> {
+pub fn size(what: &'static str, case: &Case, runs: usize) -> Option<Size> {
     let mut watches = Vec::new();
     let mut last = None;
-    for _ in 0..RUNS {
+    for _ in 0..runs {
         let mut stopwatch = Stopwatch::default();
         match case.estimated(&mut stopwatch) {
             Ok(outcome) => last = Some(outcome),
@@ -157,6 +166,10 @@ fn size(what: &'static str, case: &Case) -> Option<Size> {
         iterations,
         per_iteration_s: solver_s / iterations.max(1) as f64,
         solver_s,
+        fastest_s: watches
+            .iter()
+            .map(Stopwatch::total_s)
+            .fold(f64::INFINITY, f64::min),
         total_s: of(&Stopwatch::total_s),
         phases_s: PHASES
             .iter()

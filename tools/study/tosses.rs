@@ -19,36 +19,42 @@ use crate::statistics::{mean, median, quantile, robust_sd};
 use crate::table::{Table, number};
 
 /// As the data are numbered, and as the cameras really ran [Hz].
-const RATES_HZ: [f64; 2] = [148.308, 148.0];
+pub const RATES_HZ: [f64; 2] = [148.308, 148.0];
 /// A corner nearer to the table than this may have touched it [m].
 const NEAR_TABLE_M: f64 = 0.003;
 
 /// One toss.
-struct Toss {
-    number: usize,
+pub struct Toss {
+    /// In the manifest.
+    pub number: usize,
     /// In order; the cube's centre.
-    poses: Vec<(Vector3<f64>, UnitQuaternion<f64>)>,
-    flight: usize,
+    pub poses: Vec<(Vector3<f64>, UnitQuaternion<f64>)>,
+    /// Samples of the first flight.
+    pub flight: usize,
     flight_is_given: bool,
 }
 
 /// What became of a toss at a rate.
-struct Flight {
-    number: usize,
+pub struct Flight {
+    /// In the manifest.
+    pub number: usize,
     rate_hz: f64,
     samples: usize,
     flight_is_given: bool,
-    result: Result<Fit, String>,
+    /// What it says, or why nothing.
+    pub result: Result<Fit, String>,
 }
 
 /// What a flight says.
-struct Fit {
-    gravity_m_s2: Vector3<f64>,
+pub struct Fit {
+    /// All three free.
+    pub gravity_m_s2: Vector3<f64>,
     /// Reported standard deviation of the vertical part.
-    sd_m_s2: Option<f64>,
+    pub sd_m_s2: Option<f64>,
     /// Per axis, the degrees of freedom of a parabola or a constant spin taken off.
-    position_mm: f64,
-    orientation_deg: f64,
+    pub position_mm: f64,
+    /// The same of the orientation.
+    pub orientation_deg: f64,
     /// Of the whole displacement and angle.
     position_total_mm: f64,
     orientation_total_deg: f64,
@@ -56,13 +62,10 @@ struct Fit {
 
 /// Runs it.
 pub fn run(options: &Options) -> Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/real/tosses");
-    if !folder.is_dir() {
-        eprintln!("skipped: no real tosses at {}", folder.display());
+    let Some(folder) = folder() else {
         return Ok(());
-    }
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/cube_toss.toml");
-    let scene = scene_from_toml(&fs::read_to_string(config)?)?;
+    };
+    let scene = scene_from_toml(&scene_toml()?)?;
     let tosses = read(&folder, &scene)?;
     let flights: Vec<Flight> = RATES_HZ
         .iter()
@@ -79,7 +82,27 @@ pub fn run(options: &Options) -> Result<()> {
     )
 }
 
-fn read(folder: &Path, scene: &Scene) -> Result<Vec<Toss>> {
+/// Where the data are, if they are there: in `tosses` of the folder that the environment's
+/// `ENACT_REAL` names, or of `../shared/real`.
+pub fn folder() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/real");
+    let real = std::env::var_os("ENACT_REAL").map_or(beside, PathBuf::from);
+    let folder = real.join("tosses");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: no real tosses at {}", folder.display());
+    None
+}
+
+/// The scene of a first flight.
+pub fn scene_toml() -> Result<String> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/cube_toss.toml");
+    Ok(fs::read_to_string(file)?)
+}
+
+/// All tosses of the manifest.
+pub fn read(folder: &Path, scene: &Scene) -> Result<Vec<Toss>> {
     let manifest = fs::read_to_string(folder.join("manifest.csv"))?;
     manifest
         .lines()
@@ -130,7 +153,8 @@ fn until_near_table(scene: &Scene, poses: &[(Vector3<f64>, UnitQuaternion<f64>)]
     poses.iter().take_while(is_clear).count()
 }
 
-fn flight(scene: &Scene, toss: &Toss, rate_hz: f64) -> Flight {
+/// The first flight alone, gravity free.
+pub fn flight(scene: &Scene, toss: &Toss, rate_hz: f64) -> Flight {
     Flight {
         number: toss.number,
         rate_hz,
@@ -140,24 +164,35 @@ fn flight(scene: &Scene, toss: &Toss, rate_hz: f64) -> Flight {
     }
 }
 
-fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
-    let stamp = |index: usize| Stamp((index as f64 / rate_hz * 1e9).round() as i64);
-    let poses = toss.poses.iter().take(toss.flight).enumerate();
-    let mut events: Vec<TakeEvent> = poses
-        .map(|(index, (position_m, q))| TakeEvent::Pose {
-            body: 0,
-            stream: 0,
-            sample: PoseSample {
-                stamp: stamp(index),
-                position_m: *position_m,
-                quaternion_xyzw: [q.i, q.j, q.k, q.w],
-            },
+/// The first samples of a toss, and marks at places between them, counted in samples.
+pub fn take(toss: &Toss, rate_hz: f64, samples: usize, marks: &[(f64, &str)]) -> Vec<TakeEvent> {
+    let stamp = |place: f64| Stamp((place / rate_hz * 1e9).round() as i64);
+    let poses = toss.poses.iter().take(samples).enumerate();
+    let poses = poses.map(|(index, (position_m, q))| TakeEvent::Pose {
+        body: 0,
+        stream: 0,
+        sample: PoseSample {
+            stamp: stamp(index as f64),
+            position_m: *position_m,
+            quaternion_xyzw: [q.i, q.j, q.k, q.w],
+        },
+    });
+    let marks = marks.iter().map(|(place, event)| {
+        TakeEvent::Mark(Mark {
+            stamp: stamp(place.max(0.0)),
+            event: Some((*event).into()),
         })
-        .collect();
-    events.push(TakeEvent::Mark(Mark {
-        stamp: stamp(toss.flight.saturating_sub(1)),
-        event: Some("impact".into()),
-    }));
+    });
+    poses.chain(marks).collect()
+}
+
+fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
+    let events = take(
+        toss,
+        rate_hz,
+        toss.flight,
+        &[(toss.flight as f64 - 1.0, "impact")],
+    );
     let outcome = estimated(scene, &events, &mut ()).map_err(|error| error.to_string())?;
     let estimate = &outcome.estimate;
     if estimate.verdict != Verdict::Physical {

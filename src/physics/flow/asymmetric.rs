@@ -3,7 +3,7 @@
 //!
 //! It has a closed form in elliptic functions, which loses its derivatives' digits where
 //! moments are nearly equal or the body turns about a principal axis, and costs more where one
-//! arc is asked for at many times (`tools/flows`). Steps know no such cases, serve all times
+//! arc is asked for at many times (`tools/charts`). Steps know no such cases, serve all times
 //! within them, and their derivatives are those of the flow itself.
 //!
 //! Time is counted in units of the first angular speed, down to a power of two so that nothing

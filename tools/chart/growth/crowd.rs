@@ -1,0 +1,71 @@
+//! Several cubes side by side, each with a bounce of its own, in one scene.
+
+use enact::motion::{Event, EventKind, SceneBody};
+use nalgebra::Vector3;
+
+use crate::case::Case;
+use crate::perform::{Acting, Truth, bounces, simulate};
+
+/// When all of it ends [s].
+const END_S: f64 = 0.6;
+/// A cube bounces within this [s],
+const BOUNCE_S: std::ops::Range<f64> = 0.2..0.45;
+/// and not again before the end and this [s].
+const CLEAR_S: f64 = 0.02;
+/// From cube to cube [m].
+const SPACING_M: f64 = 1.0;
+
+/// So many cubes; a quarter of the wander, marks with names.
+pub fn crowd(count: usize) -> Case {
+    let mut cubes: Vec<Truth> = Vec::new();
+    for seed in 1.. {
+        if cubes.len() == count {
+            break;
+        }
+        cubes.extend(bounces(1, seed).ok().filter(fits));
+    }
+    // In the order of their bounces.
+    cubes.sort_by(|a, b| a.event_times_s[0].total_cmp(&b.event_times_s[0]));
+    let mut scene = cubes[0].scene.clone();
+    scene.name = format!("{count} cubes");
+    scene.bodies.clear();
+    scene.events.clear();
+    let mut initial = Vec::new();
+    for (index, cube) in cubes.iter().enumerate() {
+        scene.bodies.push(SceneBody {
+            name: format!("cube {index}"),
+            topic: format!("/tracker/cube_{index}/pose"),
+            ..cube.scene.bodies[0].clone()
+        });
+        let bounce = cube.scene.events[0].kind.collision();
+        let mut bounce = bounce.expect("a bounce comes first").clone();
+        bounce.body = index;
+        scene.events.push(Event {
+            name: format!("bounce {index}"),
+            kind: EventKind::Collision(bounce),
+        });
+        let mut state = cube.arcs[0].state;
+        state.position_m += Vector3::x() * (SPACING_M * index as f64);
+        initial.push(state);
+    }
+    scene.events.push(Event {
+        name: "end".to_owned(),
+        kind: EventKind::End,
+    });
+    let truth = simulate(&scene, &[], &initial, END_S).expect("they bounced before");
+    let acting = Acting {
+        distortion: 0.25,
+        marks_named: true,
+        // Bounces are milliseconds apart, and marks are to be in their order.
+        mark_error_s: 0.0,
+        ..Acting::timing_known()
+    };
+    Case::new(&truth, &acting, 1)
+}
+
+/// Whether a cube bounces once, and in time; its record ends half-way to the next bounce.
+fn fits(cube: &Truth) -> bool {
+    let bounce_s = cube.event_times_s[0];
+    let next_s = bounce_s + 2.0 * (cube.duration_s - bounce_s);
+    BOUNCE_S.contains(&bounce_s) && next_s > END_S + CLEAR_S
+}

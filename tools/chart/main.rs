@@ -1,0 +1,106 @@
+//! Speed against accuracy, charted, beside what a user would pick instead.
+//!
+//! ```text
+//! cargo run --release --example chart             # everything, in minutes
+//! cargo run --release --example chart -- --quick  # the same with few repeats
+//! cargo run --release --example chart -- --only flow
+//! cargo run --release --example chart -- --draw   # page and drawings from the numbers there are
+//! ```
+//!
+//! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`. Run it on a machine
+//! that does nothing else: times are measured.
+
+mod book;
+#[path = "../study/case.rs"]
+mod case;
+#[path = "../study/covariance.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod covariance;
+mod data;
+#[path = "../study/dense.rs"]
+mod dense;
+#[path = "../study/errors.rs"]
+mod errors;
+mod figure;
+mod flow;
+mod growth;
+mod page;
+#[path = "../perform/mod.rs"]
+mod perform;
+mod plot;
+mod real;
+#[path = "../study/results.rs"]
+#[allow(dead_code, reason = "studies leave theirs elsewhere")]
+mod results;
+mod scale;
+#[path = "../study/scaling.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod scaling;
+#[path = "../study/statistics.rs"]
+#[allow(dead_code, reason = "not all of it is wanted here")]
+mod statistics;
+#[path = "../study/stopwatch.rs"]
+mod stopwatch;
+#[path = "../study/table.rs"]
+#[allow(dead_code, reason = "only studies print theirs")]
+mod table;
+#[path = "../study/tosses.rs"]
+#[allow(dead_code, reason = "its own study is not run here")]
+mod tosses;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Result;
+use book::{Book, Run};
+use clap::Parser;
+
+/// What every part is told.
+#[derive(Parser)]
+pub struct Options {
+    /// Few repeats and seeds: a check that everything runs, not a measurement.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only the parts whose name holds this.
+    #[arg(long)]
+    pub only: Option<String>,
+    /// Measures nothing: draws the figures and makes the page from the numbers that are there.
+    #[arg(long)]
+    pub draw: bool,
+    /// Where the charts go.
+    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/charts"))]
+    pub folder: PathBuf,
+}
+
+/// A part: its name, and what makes it.
+type Part = (&'static str, fn(&Options, &mut Book) -> Result<()>);
+
+/// In the order of the page.
+const PARTS: &[Part] = &[
+    ("flow", flow::run),
+    ("data", data::run),
+    ("growth", growth::run),
+    ("real", real::run),
+];
+
+fn main() -> Result<()> {
+    let options = Options::parse();
+    let mut book = Book::open(&options.folder)?;
+    for (name, run) in PARTS {
+        let is_wanted = options.only.as_ref().is_none_or(|only| name.contains(only));
+        if options.draw || !is_wanted {
+            continue;
+        }
+        eprintln!("{name}");
+        let begin = Instant::now();
+        run(&options, &mut book)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        eprintln!("{name}: {seconds:.1} s");
+        let here = Run::here(options.quick);
+        book.ran(name, Run { seconds, ..here })?;
+    }
+    for name in book.figures()? {
+        book.draw(&name)?;
+    }
+    page::write(&book)
+}
