@@ -8,11 +8,25 @@
 //!
 //! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`.
 
+#[path = "../study/case.rs"]
+mod case;
+mod export;
 mod figure;
+mod peers;
+#[path = "../perform/mod.rs"]
+mod perform;
+#[path = "../study/starts.rs"]
+mod starts;
+#[path = "../study/statistics.rs"]
+mod statistics;
+#[path = "../study/table.rs"]
+mod table;
 
+use std::fs;
 use std::path::PathBuf;
 
 use clap::Parser;
+use figure::Figure;
 
 /// What every part is told.
 #[derive(Parser)]
@@ -28,7 +42,34 @@ pub struct Options {
     pub folder: PathBuf,
 }
 
+/// Where figures are kept.
+pub struct Book {
+    folder: PathBuf,
+}
+
+impl Book {
+    /// Writes a figure as JSON.
+    pub fn keep(&mut self, figure: Figure) -> anyhow::Result<()> {
+        fs::create_dir_all(&self.folder)?;
+        let path = self.folder.join(format!("{}.json", figure.name));
+        fs::write(path, serde_json::to_string(&figure)?)?;
+        Ok(())
+    }
+}
+
 fn main() -> anyhow::Result<()> {
-    let _options = Options::parse();
+    let options = Options::parse();
+    let mut book = Book {
+        folder: options.folder.clone(),
+    };
+    let is_wanted = |part: &str| {
+        options
+            .only
+            .as_deref()
+            .is_none_or(|only| part.contains(only))
+    };
+    if is_wanted("peers") {
+        peers::run(&options, &mut book)?;
+    }
     Ok(())
 }
