@@ -64,6 +64,49 @@ class Structure(ctypes.Structure):
     ]
 
 
+class Group:
+    """Some elements on their own unknowns: a part of the objective, or some rows."""
+
+    def __init__(self, problem, first, last, of_rows):
+        self.problem, self.first, self.last = problem, first, last
+        elements = problem.elements[first:last]
+        terms = [problem.library.terms[element[0]] for element in elements]
+        variables = {v for element in elements for v in element[1] if v >= 0}
+        self.variables = np.array(sorted(variables), np.int32)
+        place = {v: k for k, v in enumerate(self.variables)}
+        rows = [row for element in elements for row in element[4] if row >= 0]
+        self.rows = np.array(rows) if of_rows else None
+        self.is_linear = all(term["name"] == "step" for term in terms)
+        size = len(rows) if of_rows else 1
+        self.value, self.slope = np.zeros(size), np.zeros((size, len(self.variables)))
+        self.first_row, self.row_count = (rows[0], len(rows)) if of_rows else (0, 0)
+        self.pattern = [
+            (element[4][r] - self.first_row, place[element[1][c]])
+            for element, term in zip(elements, terms)
+            if of_rows
+            for r, c in zip(*term["slope"])
+            if element[4][r] >= 0 and element[1][c] >= 0
+        ]
+
+    def evaluate(self, x):
+        """Values and their derivatives; they are overwritten by the next call."""
+        x = np.ascontiguousarray(x, float)
+        code = self.problem.library.c.group_evaluate(
+            x.ctypes.data,
+            self.variables.ctypes.data,
+            len(self.variables),
+            self.first,
+            self.last,
+            self.first_row,
+            self.row_count,
+            self.value.ctypes.data,
+            self.slope.ctypes.data,
+        )
+        if code:
+            raise TimeoutError("over the limit")
+        return self.value, self.slope
+
+
 class Assembled:
     """Unknowns, bounds, rows and elements of one problem."""
 
@@ -72,6 +115,8 @@ class Assembled:
         self.start = self.point_named(start)
         self.epochs = [arc["epoch_s"] for arc in given["arcs"]]
         self.elements = []
+        # What elements belong together.
+        self.label = None
         self.row_bounds = []
         self._place_unknowns(scaled)
         self._add_samples()
@@ -161,7 +206,7 @@ class Assembled:
         assert len(variables) == term["z"] == len(values), name
         rows = [-1] * term["rows"] if rows is None else rows
         assert len(rows) == term["rows"], name
-        self.elements.append((self.library.index[name], variables, values, p, rows, weight))
+        self.elements.append((self.library.index[name], variables, values, p, rows, weight, self.label))
 
     def _row(self, lower=0.0, upper=0.0):
         self.row_bounds.append((lower, upper))
@@ -183,6 +228,7 @@ class Assembled:
         times = self.start["node_times_s"]
         gravity = np.array(given["gravity_m_s2"])
         for index, arc in enumerate(given["arcs"]):
+            self.label = ("arc", index)
             epoch, state = self.epochs[index], self.states[index]
             common = {
                 **self._body(arc["body"]),
@@ -223,11 +269,13 @@ class Assembled:
 
     def _add_rows(self):
         given = self.given
-        for collision in given["collisions"]:
+        for index, collision in enumerate(given["collisions"]):
+            self.label = ("collision", index)
             self._add_collision(collision)
         units = given["constraint_units"]
         gravity = np.array(given["gravity_m_s2"])
-        for goal in given["goals"]:
+        for index, goal in enumerate(given["goals"]):
+            self.label = ("goal", index)
             arc, event = goal["arc"], goal["event"]
             state, time = self.states[arc], self.times[event]
             at = self.start["event_times_s"][event]
@@ -255,10 +303,12 @@ class Assembled:
                 constants = {"gravity": gravity[axis], "epoch": self.epochs[arc], "unit": unit}
                 variables = [state[axis], state[6 + axis], time]
                 self._add("goal_coordinate", variables, constants, [0, 0, at], [self._row(*bounds)])
-        for circle in given["cones"]:
+        for index, circle in enumerate(given["cones"]):
+            self.label = ("cone", index)
             variables = [self.parameters[p] for p in circle["parameters"]]
             row = self._row(-INF, 1.0)
             self._add("cone", variables, {"limit": circle["limit"]}, [0, 0], [row])
+        self.label = "steps"
         for node in range(1, len(self.nodes)):
             if self.nodes[node] >= 0:
                 variables = [self.nodes[node - 1], self.nodes[node], self.gaps[node - 1]]
@@ -315,6 +365,7 @@ class Assembled:
 
     def _add_priors(self):
         given = self.given
+        self.label = "priors"
         for free, at in zip(given["parameters"], self.parameters):
             if free["prior_sd"] is not None:
                 constants = {"initial": free["initial"], "sd": free["prior_sd"]}
@@ -332,7 +383,7 @@ class Assembled:
         terms = self.library.terms
         self.m = len(self.row_bounds)
         jacobian, upper = {}, {}
-        for kind, variables, _, _, rows, _ in self.elements:
+        for kind, variables, _, _, rows, _, _ in self.elements:
             term = terms[kind]
             if not term["is_scalar"]:
                 for r, c in zip(*term["slope"]):
@@ -348,7 +399,7 @@ class Assembled:
         slope_map, curve_map = [], []
         slope_at, curve_at, variable_at, p_at, row_at = [], [], [], [], []
         variable, constant, p, row = [], [], [], []
-        for kind, variables, values, constants, rows, _ in self.elements:
+        for kind, variables, values, constants, rows, _, _ in self.elements:
             term = terms[kind]
             for start, array in zip(
                 (slope_at, curve_at, variable_at, p_at, row_at),
@@ -403,6 +454,21 @@ class Assembled:
         self.row_lower = np.array([low for low, _ in self.row_bounds])
         self.row_upper = np.array([high for _, high in self.row_bounds])
         self.hessian_entries = len(upper)
+
+    def groups(self):
+        """The objective arc by arc, the rows event by event, and what is left."""
+        groups, first = [], 0
+        labels = [element[6] for element in self.elements]
+        for at in range(1, len(labels) + 1):
+            if at == len(labels) or labels[at] != labels[first]:
+                of_rows = any(row >= 0 for e in self.elements[first:at] for row in e[4])
+                is_priced = any(e[5] > 0 for e in self.elements[first:at])
+                if of_rows:
+                    groups.append(Group(self, first, at, True))
+                if is_priced or not of_rows:
+                    groups.append(Group(self, first, at, False))
+                first = at
+        return groups
 
     # Values.
 

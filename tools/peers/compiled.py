@@ -137,6 +137,8 @@ class Library:
         self.c.clock_start.argtypes = [ctypes.c_double]
         pointer = ctypes.c_void_p
         self.c.problem_evaluate.argtypes = [pointer] * 5
+        whole = ctypes.c_int
+        self.c.group_evaluate.argtypes = [pointer, pointer, *[whole] * 5, pointer, pointer]
         self.c.problem_hessian.argtypes = [pointer, ctypes.c_double, pointer, pointer]
 
 

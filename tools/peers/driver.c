@@ -195,6 +195,51 @@ int problem_evaluate(const real *x, real *f, real *gradient, real *g, real *jaco
     return failed;
 }
 
+/* Elements `from` to `to` on their own unknowns: the sum of what they add to the objective, and
+ * its gradient; or else their rows, from `first` on, and the Jacobian, row by row. */
+static int place_of[65536];
+int group_evaluate(const real *x, const int *own, int n, int from, int to, int first, int rows,
+                   real *value, real *slope) {
+    double began = now();
+    if (began > deadline) return 2;
+    for (int k = 0; k < n; ++k) {
+        unknowns[own[k]] = P.offset[own[k]] + P.scale[own[k]] * x[k];
+        place_of[own[k]] = k;
+    }
+    memset(slope, 0, sizeof(real) * n * (rows ? rows : 1));
+    memset(value, 0, sizeof(real) * (rows ? rows : 1));
+    for (int e = from; e < to; ++e) {
+        const term *t = &terms[P.kind[e]];
+        const int *variable = P.variable + P.variable_at[e], *row = P.row + P.row_at[e];
+        gather(e);
+        const real *arg[2] = {gathered, P.p + P.p_at[e]};
+        real *res[2] = {values, slopes}, weight = P.weight[e];
+        if (t->slope(arg, res, integers, work, 0)) return 1;
+        if (t->is_scalar) {
+            value[0] += values[0];
+            for (int k = 0; k < t->z; ++k)
+                if (variable[k] >= 0)
+                    slope[place_of[variable[k]]] += slopes[k] * P.scale[variable[k]];
+            continue;
+        }
+        for (int r = 0; r < t->rows; ++r) {
+            if (rows && row[r] >= 0) value[row[r] - first] = values[r];
+            if (!rows && row[r] == -1) value[0] += weight * values[r] * values[r];
+        }
+        for (int k = 0; k < t->slope_entries; ++k) {
+            int v = variable[t->slope_column[k]], r = t->slope_row[k];
+            if (v < 0) continue;
+            if (rows && row[r] >= 0)
+                slope[(row[r] - first) * n + place_of[v]] = slopes[k] * P.scale[v];
+            if (!rows && row[r] == -1)
+                slope[place_of[v]] += 2.0 * weight * values[r] * slopes[k] * P.scale[v];
+        }
+    }
+    counts[0] += from == 0;
+    spent += now() - began;
+    return 0;
+}
+
 int problem_hessian(const real *x, real sigma, const real *lambda, real *out) {
     return hessian_upper(x, sigma, lambda, out);
 }

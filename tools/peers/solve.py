@@ -1,0 +1,120 @@
+"""Solves exported problems by general solvers.
+
+    solve.py FOLDER ANSWERS [--repeats N] [--limit S] [--from POINT] [--peers NAMES]
+
+reads every `*.json` of the folder in the order of their names, shows that its own formulas agree
+with what the files say, solves, and writes ANSWERS (JSON). README.md has both formats.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import platform
+import sys
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import casadi as ca
+import numpy as np
+import pydrake
+
+import agree
+import solvers
+from assemble import Assembled, Unsupported
+from compiled import FLAGS, LEVELS, Library
+
+# A Hessian this wrong, or formulas that differ by this, make no comparison.
+AGREES, DERIVES = 1e-9, 1e-5
+
+
+def number(value):
+    """For JSON: none in place of what is no number."""
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def answers_of(index, problem, names, repeats, limit):
+    for name in names:
+        solve = solvers.PEERS[name](problem, limit)
+        best, seconds = None, []
+        for _ in range(repeats):
+            outcome = solve(limit)
+            formulas = problem.library.c.clock_spent()
+            evaluations = int(problem.library.c.clock_count(0))
+            seconds.append(outcome.seconds)
+            if outcome.seconds <= min(seconds):
+                best = (outcome, formulas, evaluations)
+            if outcome.x is None or outcome.seconds > 0.5 * limit:
+                break
+        outcome, formulas, evaluations = best
+        objective = violation = None
+        is_in_order = False
+        problem.library.c.clock_start(1e9)
+        if outcome.x is not None and np.all(np.isfinite(outcome.x)):
+            objective = problem.evaluate(outcome.x)[0]
+            violation = problem.violation(outcome.x)
+            is_in_order = problem.is_in_order(outcome.x)
+        late = outcome.seconds >= limit
+        yield {
+            "problem": index,
+            "peer": name,
+            "status": "over the limit" if late else str(outcome.status),
+            "seconds": [min(seconds), max(seconds)],
+            "formula_seconds": formulas,
+            "callback_seconds": outcome.callback_seconds,
+            "objective": number(objective),
+            "violation": number(violation),
+            "is_in_order": bool(is_in_order),
+            "evaluations": evaluations,
+            "iterations": outcome.iterations,
+        }
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("answers", type=pathlib.Path)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--limit", type=float, default=2.0)
+    parser.add_argument("--from", dest="start", default="start")
+    parser.add_argument("--peers", default="|".join(solvers.PEERS))
+    options = parser.parse_args()
+    names = options.peers.split("|")
+
+    library = Library()
+    agreements, answers = [], []
+    # What is loaded or made at the first solve is not the solver's time.
+    is_warm = False
+    for index, path in enumerate(sorted(options.folder.glob("*.json"))):
+        given = json.loads(path.read_text())
+        agreement = {"objective": 0.0, "constraint": 0.0, "derivative": 0.0, "refused": None}
+        try:
+            problem = Assembled(library, given, options.start)
+            agreement |= agree.agreement(problem)
+            worst = max(agreement["objective"], agreement["constraint"])
+            if not (worst < AGREES and agreement["derivative"] < DERIVES):
+                agreement["refused"] = f"formulas differ by {worst:.1e}"
+        except Unsupported as reason:
+            agreement["refused"] = str(reason)
+        agreements.append({"problem": index, **agreement})
+        if agreement["refused"] is not None:
+            continue
+        if not is_warm:
+            list(answers_of(index, problem, names, 1, options.limit))
+            is_warm = True
+        answers += answers_of(index, problem, names, options.repeats, options.limit)
+    versions = {
+        "python": platform.python_version(),
+        "casadi": ca.__version__,
+        "drake": getattr(pydrake, "__version__", None) or solvers.drake_version(),
+        "numpy": np.__version__,
+        "flags": " ".join([*FLAGS, *LEVELS.values()]),
+        "compile_s": library.seconds,
+    }
+    report = {"versions": versions, "agreements": agreements, "answers": answers}
+    options.answers.write_text(json.dumps(report))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
