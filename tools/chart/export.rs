@@ -13,9 +13,9 @@ use enact::estimate::problem::{
 use enact::estimate::recipe;
 use enact::estimate::system::{Frame, Guidance, System};
 use enact::motion::{Cone, FreeParameter, Guess};
+use enact::physics::State;
 use enact::physics::body::{Body, Symmetry};
 use enact::physics::contact::{Contact, Feature};
-use enact::physics::State;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -202,7 +202,9 @@ pub fn problem(
     let epochs_s = recipe::epochs_s(guess);
     let start = Point::new(problem, guess);
     let frame = Frame::new(problem, layout, epochs_s.clone(), &start);
-    let points = [("start", &start)].into_iter().chain(others.iter().copied());
+    let points = [("start", &start)]
+        .into_iter()
+        .chain(others.iter().copied());
     let events = problem.event_is_free.iter().zip(&problem.events_acted_s);
     Problem {
         format: FORMAT.to_owned(),

@@ -17,6 +17,7 @@ mod peers;
 mod perform;
 #[path = "../study/starts.rs"]
 mod starts;
+#[allow(dead_code)]
 #[path = "../study/statistics.rs"]
 mod statistics;
 #[path = "../study/table.rs"]

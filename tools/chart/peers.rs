@@ -4,7 +4,8 @@
 //! solves them, and answers as JSON. Where `tools/peers/install.sh` has not been run there are no
 //! peers, and that is said.
 
-mod scenes;
+mod account;
+pub mod scenes;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,10 +14,13 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
-use crate::export;
-use crate::figure::Figure;
-use crate::{Book, Options};
+use crate::case::Case;
+use crate::starts::is_best;
+use crate::{Book, Options, export};
 use scenes::Given;
+
+/// Violation up to which a motion counts [units].
+pub const FEASIBLE: f64 = 1e-6;
 
 /// How the peers are run.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +72,9 @@ pub struct Answer {
     pub seconds: [f64; 2],
     /// Of the least: inside the compiled formulas [s].
     pub formula_seconds: f64,
+    /// Of the least: in Python between solver and formulas, the latter included, where the solver
+    /// calls Python [s].
+    pub callback_seconds: Option<f64>,
     /// Sum of squares where it ended; `None` where that is no number.
     pub objective: Option<f64>,
     /// Largest violation there [units].
@@ -78,6 +85,21 @@ pub struct Answer {
     pub evaluations: usize,
     /// Iterations, where it says.
     pub iterations: Option<usize>,
+}
+
+impl Answer {
+    /// Whether it is a motion: constraints hold and events are in order.
+    pub fn is_motion(&self) -> bool {
+        self.objective.is_some() && self.is_in_order && self.violation.is_some_and(|v| v < FEASIBLE)
+    }
+
+    /// Whether it is the motion of that objective, or as good.
+    pub fn is_success(&self, lowest: f64) -> bool {
+        self.is_motion()
+            && self
+                .objective
+                .is_some_and(|objective| is_best(objective, lowest))
+    }
 }
 
 fn tools() -> PathBuf {
@@ -117,19 +139,39 @@ pub fn solve(problems: &[export::Problem], settings: &Settings) -> Result<Option
 }
 
 /// Runs it.
-pub fn run(options: &Options, _book: &mut Book) -> Result<()> {
-    let distortions: &[f64] = if options.quick { &[1.0] } else { &[1.0, 2.0, 4.0] };
-    for (index, scenario) in scenes::all(distortions).iter().enumerate() {
-        for seed in 0..2 {
-            let case = crate::case::Case::new(&(scenario.truth)(seed), &scenario.acting, seed);
-            let Some(given) = scenes::given(&scenario.name, &case, seed, 3) else { continue };
-            let own = &given.own;
-            println!("{} {:?} {:?} {} {} {:?} {}", scenario.name, own.seconds, own.whole_seconds, own.objective, own.violation, own.lowest, own.whole_objective);
-            fs::create_dir_all("/tmp/problems")?;
-            fs::write(format!("/tmp/problems/{index:02}_{seed}.json"), serde_json::to_string(&given.problem)?)?;
-        }
+pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+    if !are_installed() {
+        println!("peers: none installed, skipped (tools/peers/install.sh installs them)");
+        return Ok(());
     }
-    Ok(())
+    let (distortions, seeds): (&[f64], u64) = if options.quick {
+        (&[1.0], 1)
+    } else {
+        (&[1.0, 2.0, 4.0], 8)
+    };
+    let settings = Settings {
+        repeats: if options.quick { 2 } else { 3 },
+        limit_s: if options.quick { 0.5 } else { 2.0 },
+        from: "start",
+    };
+    let mut scenes = Vec::new();
+    let mut problems = Vec::new();
+    let mut owns = Vec::new();
+    for scenario in scenes::all(distortions) {
+        let first = problems.len();
+        for seed in 0..seeds {
+            let case = Case::new(&(scenario.truth)(seed), &scenario.acting, seed);
+            if let Some(Given { problem, own }) =
+                scenes::given(&scenario.name, &case, seed, settings.repeats)
+            {
+                problems.push(problem);
+                owns.push(own);
+            }
+        }
+        scenes.push((scenario.name, first..problems.len()));
+    }
+    let Some(report) = solve(&problems, &settings)? else {
+        return Ok(());
+    };
+    account::show(&scenes, &owns, &report, &settings, (options, book))
 }
-#[allow(unused)]
-fn unused(_: Figure, _: Given) {}

@@ -25,8 +25,17 @@ import solvers
 from assemble import Assembled, Unsupported
 from compiled import FLAGS, LEVELS, Library
 
-# A Hessian this wrong, or formulas that differ by this, make no comparison.
+# Formulas that differ by more, or derivatives that are off by more, make no comparison.
 AGREES, DERIVES = 1e-9, 1e-5
+
+
+def disagreement(agreement):
+    for key in ("objective", "constraint"):
+        if not agreement[key] < AGREES:
+            return f"the {key} differs by {agreement[key]:.1e}"
+    if not agreement["derivative"] < DERIVES:
+        return f"a derivative is off by {agreement['derivative']:.1e}"
+    return None
 
 
 def number(value):
@@ -83,26 +92,23 @@ def main():
     names = options.peers.split("|")
 
     library = Library()
-    agreements, answers = [], []
-    # What is loaded or made at the first solve is not the solver's time.
-    is_warm = False
+    agreements, problems, answers = [], [], []
     for index, path in enumerate(sorted(options.folder.glob("*.json"))):
         given = json.loads(path.read_text())
         agreement = {"objective": 0.0, "constraint": 0.0, "derivative": 0.0, "refused": None}
         try:
             problem = Assembled(library, given, options.start)
             agreement |= agree.agreement(problem)
-            worst = max(agreement["objective"], agreement["constraint"])
-            if not (worst < AGREES and agreement["derivative"] < DERIVES):
-                agreement["refused"] = f"formulas differ by {worst:.1e}"
+            agreement["refused"] = disagreement(agreement)
         except Unsupported as reason:
             agreement["refused"] = str(reason)
         agreements.append({"problem": index, **agreement})
-        if agreement["refused"] is not None:
-            continue
-        if not is_warm:
-            list(answers_of(index, problem, names, 1, options.limit))
-            is_warm = True
+        if agreement["refused"] is None:
+            problems.append((index, problem))
+    # What is loaded or made at the first solve is not the solver's time.
+    for index, problem in problems[:1]:
+        list(answers_of(index, problem, names, 1, options.limit))
+    for index, problem in problems:
         answers += answers_of(index, problem, names, options.repeats, options.limit)
     versions = {
         "python": platform.python_version(),
