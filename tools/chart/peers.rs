@@ -170,6 +170,11 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
         }
         scenes.push((scenario.name, first..problems.len()));
     }
+    if let Ok(folder) = std::env::var("KEEP") {
+        for (i, p) in problems.iter().enumerate() {
+            fs::write(format!("{folder}/{i:03}.json"), serde_json::to_string(p)?)?;
+        }
+    }
     let Some(report) = solve(&problems, &settings)? else {
         return Ok(());
     };

@@ -161,13 +161,11 @@ class Assembled:
             high = INF if high is None else high
             value = start["parameters"][index]
             self.parameters.append(take(value, free["unit"], low, high))
-        self.nodes, self.gaps = [-1] * len(given["nodes_acted_s"]), []
+        self.nodes, self.steps = [-1] * len(given["nodes_acted_s"]), 0
         if given["tempo_sd_per_sqrt_s"] is not None:
             times = start["node_times_s"]
             for node in range(1, len(times)):
                 self.nodes[node] = take(times[node], TIME_SIZE)
-                gap = max(times[node] - times[node - 1], 2 * LEAST_GAP_S)
-                self.gaps.append(take(gap, TIME_SIZE, LEAST_GAP_S))
         self.offset, self.scale = np.array(offset), np.array(scale)
         self.lower = (np.array(lower) - self.offset) / self.scale
         self.upper = (np.array(upper) - self.offset) / self.scale
@@ -190,7 +188,6 @@ class Assembled:
         for node, at in enumerate(self.nodes):
             if at >= 0:
                 z[at] = times[node]
-                z[self.gaps[node - 1]] = times[node] - times[node - 1]
         return (z - self.offset) / self.scale
 
     # Elements.
@@ -311,10 +308,11 @@ class Assembled:
         self.label = "steps"
         for node in range(1, len(self.nodes)):
             if self.nodes[node] >= 0:
-                variables = [self.nodes[node - 1], self.nodes[node], self.gaps[node - 1]]
                 first = self.start["node_times_s"][node - 1]
-                row = self._row()
-                self._add("step", variables, {"unit": TIME_SIZE}, [first, 0, 0], [row])
+                row = self._row(LEAST_GAP_S / TIME_SIZE, INF)
+                variables = [self.nodes[node - 1], self.nodes[node]]
+                self._add("step", variables, {"unit": TIME_SIZE}, [first, 0], [row])
+                self.steps += 1
 
     def _add_collision(self, collision):
         given = self.given
@@ -518,9 +516,8 @@ class Assembled:
         """All rows in the order of the format, bounded parameters included."""
         _, g = self.evaluate(x)
         z = self.offset + self.scale * np.asarray(x)
-        steps = len(self.gaps)
         cones = len(self.given["cones"])
-        own = self.m - steps - cones
+        own = self.m - self.steps - cones
         bounded = [
             z[self.parameters[k]] / self.given["parameters"][k]["unit"]
             for k in self.given["bounded"]

@@ -24,7 +24,8 @@ TABLE = BUILD / "terms.json"
 
 def functions(term):
     """Value, first derivative, second derivative, square of the Jacobian."""
-    name, z, p = term.name, term.z, term.p
+    # The prefix keeps them apart from what else the process has: the C library has a `step`.
+    name, z, p = "term_" + term.name, term.z, term.p
     is_scalar = term.value.is_scalar()
     if is_scalar and term.name in OBJECTIVE:
         slope = ca.densify(ca.gradient(term.value, z))
@@ -110,7 +111,7 @@ def build():
         command = ["gcc", level, *FLAGS, f"-I{BUILD}", "-c", source, "-o", f"{BUILD}/{name}.o"]
         subprocess.run(command, check=True)
     objects = [f"{BUILD}/{name}.o" for name in sources]
-    subprocess.run(["gcc", "-shared", *objects, "-lm", "-o", str(LIBRARY)], check=True)
+    subprocess.run(["gcc", "-shared", "-Wl,-Bsymbolic", *objects, "-lm", "-o", str(LIBRARY)], check=True)
     seconds = {"casadi_s": written - began, "gcc_s": time.perf_counter() - written}
     TABLE.write_text(json.dumps({"key": key(), "seconds": seconds, "terms": about}))
 

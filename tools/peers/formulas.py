@@ -303,11 +303,11 @@ def cone():
 
 
 def step():
-    """t' − t − d: ties the times of neighbouring nodes by their gap, in seconds."""
+    """Time between neighbouring nodes, in a unit."""
     p = Constants()
-    z = ca.SX.sym("z", 3)
+    z = ca.SX.sym("z", 2)
     unit = p.take("unit")
-    return Term("step", z, p, (z[1] - z[0] - z[2]) / unit)
+    return Term("step", z, p, (z[1] - z[0]) / unit)
 
 
 def terms():

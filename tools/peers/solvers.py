@@ -19,6 +19,10 @@ QUIET = {
     "calc_multipliers": False,
 }
 QUIET_QP = {"print_iter": False, "print_header": False, "print_info": False}
+QUIET_PIQP = {"error_on_fail": False, "piqp": {"verbose": False}}
+# Unknowns up to which CasADi's dense-minded active set method is the fastest for the programmes
+# of its SQP, and beyond which PIQP is.
+SMALL = 50
 QUIET_QP |= {"error_on_fail": False, "max_iter": 300}
 
 
@@ -92,10 +96,11 @@ def casadi_ipopt(problem, limit, **more):
 
 def casadi_sqp(problem, limit, least_squares=GAUSS_NEWTON, **more):
     """With the exact Hessian instead it solves half as many, with each of CasADi's other SQP
-    methods fewer, with OSQP, qpOASES, PIQP or HiGHS for its programmes as many or fewer."""
+    methods fewer, with OSQP, qpOASES or DAQP for its programmes as many or fewer."""
+    is_small = problem.n <= SMALL
     options = {
-        "qpsol": "qrqp",
-        "qpsol_options": QUIET_QP,
+        "qpsol": "qrqp" if is_small else "piqp",
+        "qpsol_options": QUIET_QP if is_small else QUIET_PIQP,
         "print_header": False,
         "print_iteration": False,
         "print_status": False,

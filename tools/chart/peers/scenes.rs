@@ -27,7 +27,7 @@ pub struct Scenario {
 const COUNTS: &[usize] = &[1, 2, 4, 6, 8, 12];
 const FEWER_COUNTS: &[usize] = &[1, 4, 8];
 
-/// Every scene at those distortions, timing known.
+/// Every scene at those distortions; timing is known but where it is said not to be.
 pub fn all(distortions: &[f64]) -> Vec<Scenario> {
     let mut all = Vec::new();
     for distortion in distortions {
@@ -42,12 +42,13 @@ pub fn all(distortions: &[f64]) -> Vec<Scenario> {
             });
         };
         for style in Style::ALL {
-            let name = format!("pencil, {} first,", style.word());
-            add(
-                name,
-                Acting::timing_known(),
-                Box::new(move |_| style.truth()),
-            );
+            for (timing, acting) in [
+                ("", Acting::timing_known()),
+                (" timing unknown,", Acting::default()),
+            ] {
+                let name = format!("pencil, {} first,{timing}", style.word());
+                add(name, acting, Box::new(move |_| style.truth()));
+            }
         }
         let known = Acting::timing_known;
         add(
