@@ -170,13 +170,29 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
         }
         scenes.push((scenario.name, first..problems.len()));
     }
-    if let Ok(folder) = std::env::var("KEEP") {
-        for (i, p) in problems.iter().enumerate() {
-            fs::write(format!("{folder}/{i:03}.json"), serde_json::to_string(p)?)?;
-        }
-    }
     let Some(report) = solve(&problems, &settings)? else {
         return Ok(());
     };
-    account::show(&scenes, &owns, &report, &settings, (options, book))
+    account::show(&scenes, &owns, &report, &settings, (options, book))?;
+    // Formulas that were wrong would fail from there too.
+    let control = Settings {
+        repeats: 1,
+        from: "truth",
+        ..settings
+    };
+    let few: Vec<export::Problem> = scenes
+        .iter()
+        .filter(|(_, range)| !range.is_empty())
+        .map(|(_, range)| problems[range.start].clone())
+        .filter(|problem| {
+            problem
+                .points
+                .iter()
+                .any(|point| point.name == control.from)
+        })
+        .collect();
+    if let Some(report) = solve(&few, &control)? {
+        account::show_control(few.len(), &report);
+    }
+    Ok(())
 }

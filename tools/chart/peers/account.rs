@@ -61,10 +61,9 @@ pub fn show(
     let agreements = &report.agreements;
     let worst = |of: fn(&super::Agreement) -> f64| agreements.iter().map(of).fold(0.0, f64::max);
     println!(
-        "peers: on {} problems, {} points each at least, objectives agree to {:.1e} of them, \
+        "peers: on {} problems, at every start and solution, objectives agree to {:.1e} of them, \
          constraints to {:.1e} units, derivatives with difference quotients to {:.1e}; {} refused",
         agreements.len(),
-        2,
         worst(|a| a.objective),
         worst(|a| a.constraint),
         worst(|a| a.derivative),
@@ -73,12 +72,8 @@ pub fn show(
     for agreement in agreements.iter().filter(|a| a.refused.is_some()) {
         println!("  problem {}: {:?}", agreement.problem, agreement.refused);
     }
-    let mut names: Vec<String> = vec![OWN.into(), WHOLE.into()];
-    for answer in &report.answers {
-        if !names.contains(&answer.peer) {
-            names.push(answer.peer.clone());
-        }
-    }
+    let own_names = [OWN, WHOLE].map(str::to_owned);
+    let names: Vec<String> = own_names.into_iter().chain(peers(report)).collect();
     let cells: Vec<Vec<Option<Cell>>> = (0..owns.len())
         .map(|problem| cells(problem, &names, &owns[problem], report))
         .collect();
@@ -106,6 +101,29 @@ pub fn show(
     fs::create_dir_all(&options.folder)?;
     fs::write(options.folder.join("peers_raw.json"), format!("{raw}\n"))?;
     Ok(())
+}
+
+/// Prints how many motions the peers find from the truth.
+pub fn show_control(problems: usize, report: &Report) {
+    println!(
+        "From the truth, of {problems} problems, one of each scene that has one, a motion is found by"
+    );
+    for name in peers(report) {
+        let answers = report.answers.iter().filter(|answer| answer.peer == name);
+        let motions = answers.filter(|answer| answer.is_motion()).count();
+        println!("  {name}: {motions}");
+    }
+}
+
+/// Names of the peers in the order in which they answered.
+fn peers(report: &Report) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for answer in &report.answers {
+        if !names.contains(&answer.peer) {
+            names.push(answer.peer.clone());
+        }
+    }
+    names
 }
 
 /// What every solver made of a problem; `None` of those that were not given it.
@@ -234,7 +252,7 @@ fn figures(
     settings: &Settings,
 ) -> Vec<Figure> {
     let note = format!(
-        "Known timing, {} problems a scene; least of {} solves, a solve longer than {} s has failed; \
+        "{} problems a scene; least of {} solves, a solve longer than {} s has failed; \
          derivatives compiled, compiling not counted.",
         scenes
             .iter()
