@@ -18,6 +18,8 @@ use crate::{Book, Options};
 /// What this program is called beside its peers.
 const OWN: &str = "enact";
 const WHOLE: &str = "enact, whole estimate";
+/// Every scene together.
+const ALL: &str = "all";
 
 /// One solver on one problem.
 #[derive(Clone, Debug, Serialize)]
@@ -40,6 +42,8 @@ struct Row {
     late: usize,
     /// Median time, of those that succeed [s].
     seconds: f64,
+    /// Median time of ours, of all [s].
+    own_seconds: f64,
     /// Time over ours, where both succeed: quartile, median, quartile.
     ratio: [f64; 3],
     /// Median of the same without Python callbacks.
@@ -77,8 +81,10 @@ pub fn show(
     let cells: Vec<Vec<Option<Cell>>> = (0..owns.len())
         .map(|problem| cells(problem, &names, &owns[problem], report))
         .collect();
+    let all = (ALL.to_owned(), 0..owns.len());
     let rows: Vec<Row> = scenes
         .iter()
+        .chain([&all])
         .flat_map(|(scene, range)| {
             let cells = &cells[range.clone()];
             (0..names.len()).map(move |solver| (scene, solver, cells))
@@ -182,6 +188,10 @@ fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> R
     let solver_ratios: Vec<f64> = both()
         .map(|(own, o)| o.solver_seconds / own.seconds[0])
         .collect();
+    let own_seconds: Vec<f64> = cells
+        .iter()
+        .filter_map(|cells| Some(cells[0].as_ref()?.seconds[0]))
+        .collect();
     let of_good = |value: fn(&Cell) -> f64| median(&good().map(value).collect::<Vec<f64>>());
     Row {
         scene: scene.to_owned(),
@@ -190,6 +200,7 @@ fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> R
         succeeds: good().count(),
         late: all().filter(|cell| cell.is_late).count(),
         seconds: of_good(|cell| cell.seconds[0]),
+        own_seconds: median(&own_seconds),
         ratio: [0.25, 0.5, 0.75].map(|share| quantile(&ratios, share)),
         solver_ratio: median(&solver_ratios),
         spread: of_good(|cell| cell.seconds[1] / cell.seconds[0]),
@@ -354,12 +365,12 @@ fn curves(
     names.iter().map(of).collect()
 }
 
-/// A solver that succeeded nowhere is at the limit.
+/// A solver that succeeded nowhere has taken the limit at least.
 fn ratio_mark(row: &Row, settings: &Settings) -> Mark {
     let [low, middle, high] = row.ratio;
     if middle.is_nan() {
         return Mark {
-            y: settings.limit_s * 1e3,
+            y: settings.limit_s / row.own_seconds,
             failed: true,
             ..Mark::default()
         };
