@@ -21,10 +21,15 @@ mod data;
 mod dense;
 #[path = "../study/errors.rs"]
 mod errors;
+mod estimation;
+mod export;
+mod failure;
 mod figure;
 mod flow;
 mod growth;
+mod methods;
 mod page;
+mod peers;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod plot;
@@ -36,17 +41,23 @@ mod scale;
 #[path = "../study/scaling.rs"]
 #[allow(dead_code, reason = "its own study is not run here")]
 mod scaling;
+#[path = "../study/starts.rs"]
+mod starts;
 #[path = "../study/statistics.rs"]
 #[allow(dead_code, reason = "not all of it is wanted here")]
 mod statistics;
 #[path = "../study/stopwatch.rs"]
 mod stopwatch;
+#[path = "../study/stress/mod.rs"]
+mod stress;
 #[path = "../study/table.rs"]
 #[allow(dead_code, reason = "only studies print theirs")]
 mod table;
+mod tasks;
 #[path = "../study/tosses.rs"]
 #[allow(dead_code, reason = "its own study is not run here")]
 mod tosses;
+mod troubles;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -78,6 +89,9 @@ type Part = (&'static str, fn(&Options, &mut Book) -> Result<()>);
 /// In the order of the page.
 const PARTS: &[Part] = &[
     ("flow", flow::run),
+    ("estimation", estimation::run),
+    ("peers", peers::run),
+    ("failure", failure::run),
     ("data", data::run),
     ("growth", growth::run),
     ("real", real::run),
