@@ -1,16 +1,16 @@
 //! What a chart shows, as data: every figure is kept as JSON, and its drawing is made from that
 //! alone.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// One chart.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Figure {
     /// Name of its files.
     pub name: String,
     /// What it shows, as a sentence.
     pub title: String,
-    /// On what, how often, from which revision and machine.
+    /// On what, how often, and how to read it.
     pub note: String,
     /// Across.
     pub x: Axis,
@@ -21,29 +21,103 @@ pub struct Figure {
 }
 
 /// An axis.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
     /// Whether it is logarithmic.
     pub logarithmic: bool,
+    /// What stands at 0, 1, 2, … where the axis is no quantity.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<String>,
+}
+
+impl Axis {
+    /// Of a quantity, evenly spaced.
+    pub fn linear(label: &str) -> Self {
+        Self {
+            label: label.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// Of a quantity, by its logarithm.
+    pub fn logarithmic(label: &str) -> Self {
+        Self {
+            logarithmic: true,
+            ..Self::linear(label)
+        }
+    }
+
+    /// Of things that have no order but this.
+    pub fn named(label: &str, names: Vec<String>) -> Self {
+        Self {
+            names,
+            ..Self::linear(label)
+        }
+    }
+}
+
+/// What a curve is among the others.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// One of several.
+    #[default]
+    Compared,
+    /// What the program does: drawn heavier than the others.
+    Ours,
+    /// A bound or a fit and no measurement: dashed, without points.
+    Bound,
 }
 
 /// One method, one point per setting.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Curve {
     /// The method.
     pub name: String,
+    /// What it is among the others.
+    #[serde(default)]
+    pub role: Role,
     /// In the order in which a line joins them.
     pub points: Vec<Mark>,
+}
+
+impl Curve {
+    /// One of several.
+    pub fn new(name: impl Into<String>, points: Vec<Mark>) -> Self {
+        Self {
+            name: name.into(),
+            role: Role::Compared,
+            points,
+        }
+    }
+
+    /// What the program does.
+    pub fn ours(name: impl Into<String>, points: Vec<Mark>) -> Self {
+        Self {
+            role: Role::Ours,
+            ..Self::new(name, points)
+        }
+    }
+
+    /// A bound or a fit.
+    pub fn bound(name: impl Into<String>, points: Vec<Mark>) -> Self {
+        Self {
+            role: Role::Bound,
+            ..Self::new(name, points)
+        }
+    }
 }
 
 /// One setting of a method.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Mark {
     /// Across.
+    #[serde(deserialize_with = "or_nan")]
     pub x: f64,
-    /// Up.
+    /// Up; where a failure has no such number, it is not one.
+    #[serde(deserialize_with = "or_nan")]
     pub y: f64,
     /// Spread of `y` over repeats: least and greatest.
     pub spread: Option<[f64; 2]>,
@@ -51,4 +125,33 @@ pub struct Mark {
     pub setting: Option<String>,
     /// Whether the method failed here: drawn, as a cross, and never left out.
     pub failed: bool,
+}
+
+impl Mark {
+    /// A point.
+    pub fn at(x: f64, y: f64) -> Self {
+        Self {
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+}
+
+/// JSON has no number for what is none.
+fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+/// A table for the page.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub struct Sheet {
+    /// Name of its file.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// First row.
+    pub header: Vec<String>,
+    /// The others, as long as the first.
+    pub rows: Vec<Vec<String>>,
 }

@@ -9,6 +9,7 @@
 //! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`.
 
 mod figure;
+mod methods;
 
 use std::path::PathBuf;
 
