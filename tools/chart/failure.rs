@@ -7,6 +7,7 @@
 use anyhow::Result;
 use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe};
+use enact::motion::Sketch;
 use rayon::prelude::*;
 
 use crate::case::{Case, Posed};
@@ -18,27 +19,29 @@ use crate::{Book, Options};
 
 /// Performances of each setting.
 const SEEDS: u64 = 24;
-/// Evaluations of the evolution strategy.
+/// Evaluations of the evolution strategy, and the most performances that it is asked.
 const EVALUATIONS: usize = 10_000;
-/// And the most performances that it is asked.
-const SAMPLED: u64 = 8;
+const SAMPLED: usize = 8;
 /// Starts among which the best optimum is.
 const STARTS: usize = 8;
+/// Two-sided, 95 %.
+const NORMAL: f64 = 1.96;
 
 /// One performance of one setting of a trouble.
-pub struct Posed1 {
+pub struct Asked {
     /// Index of the trouble.
     pub trouble: usize,
     /// Index of its setting.
     pub setting: usize,
-    /// Problem, guesses, best; none where segmentation refused, which fails every method.
+    /// Problem, guesses, best known objective; none where segmentation refused it, which fails
+    /// every method.
     pub task: Option<Task>,
-    /// The same with the performer's marks as they are: problem, guesses.
+    /// The same with the performer's marks as they are.
     as_they_are: Option<Posed>,
 }
 
 /// Every problem of this part, trouble by trouble, setting by setting.
-pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Posed1> {
+pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Asked> {
     let seeds = if quick { 3 } else { SEEDS };
     let mut all = Vec::new();
     for (trouble, of) in troubles.iter().enumerate() {
@@ -50,15 +53,166 @@ pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Posed1> {
         let of = &troubles[trouble];
         // A seed without a motion is no performance.
         let case = (of.make)(of.settings[setting], seed).ok()?;
-        let posing = posing(&case, seed, if quick { 4 } else { STARTS });
-        let as_they_are = posing.as_ref().ok().filter(|_| of.acts_before);
-        let as_they_are = as_they_are.and_then(|posing| as_they_are_posed(&case, &posing.sketch));
-        Some(Posed1 {
+        let posing = posing(&case, seed, if quick { 4 } else { STARTS }).ok();
+        let raw = posing.as_ref().filter(|_| of.acts_before);
+        let raw = raw.and_then(|posing| as_they_are(&case, &posing.sketch));
+        let task = posing.map(|posing| posing.task);
+        // Without any optimum there is nothing to miss.
+        let is_task = task.as_ref().is_none_or(|task| task.best.is_some());
+        is_task.then_some(Asked {
             trouble,
             setting,
-            task: posing.ok().map(|posing| posing.task),
-            as_they_are,
+            task,
+            as_they_are: raw,
         })
     });
     made.collect()
+}
+
+fn as_they_are(case: &Case, sketch: &Sketch) -> Option<Posed> {
+    let sketch = with_marks_as_they_are(case, sketch)?;
+    enact::segment::cut(case.scene(), &sketch).ok()?;
+    Some(Posed::new(case.scene(), &sketch))
+}
+
+/// Makes one figure for each trouble.
+pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+    let troubles = troubles();
+    let asked = cases(&troubles, options.quick);
+    for (index, trouble) in troubles.iter().enumerate() {
+        let asked: Vec<&Asked> = asked.iter().filter(|a| a.trouble == index).collect();
+        book.keep(figure(trouble, &asked, options.quick))?;
+    }
+    Ok(())
+}
+
+fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
+    let of_setting = |setting: usize| -> Vec<&Asked> {
+        let all = asked.iter().filter(|a| a.setting == setting);
+        all.copied().collect()
+    };
+    let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
+    let is_known = tasks.all(|task| !task.problem.times_are_unknown());
+    let mut curves = Vec::new();
+    for method in methods(is_known, quick) {
+        let most = if matches!(method, Method::Sampling(_)) { SAMPLED } else { usize::MAX };
+        let points = trouble.settings.iter().enumerate().map(|(setting, x)| {
+            let asked = of_setting(setting);
+            let asked = &asked[..asked.len().min(most)];
+            let succeeds = |asked: &&&Asked| {
+                let task = asked.task.as_ref();
+                task.is_some_and(|task| succeeds(task, method))
+            };
+            let count = asked.par_iter().filter(succeeds).count();
+            rate(*x, count, asked.len())
+        });
+        let points: Vec<Mark> = points.collect();
+        curves.push(match method {
+            Method::Program => Curve::ours(method.name(), points),
+            _ => Curve::new(method.name(), points),
+        });
+    }
+    if trouble.acts_before {
+        let points = trouble.settings.iter().enumerate().map(|(setting, x)| {
+            let asked = of_setting(setting);
+            let count = asked.par_iter().filter(|asked| succeeds_raw(asked)).count();
+            rate(*x, count, asked.len())
+        });
+        let name = "sliding grid, lifted event times, marks as they are";
+        curves.push(Curve::new(name, points.collect()));
+    }
+    Figure {
+        name: format!("failure_{}", trouble.name),
+        title: format!("How often the best optimum is found: {}", trouble.what),
+        note: format!(
+            "Up to {} performances of each setting (evolution strategy: {SAMPLED}, {EVALUATIONS} \
+             evaluations). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
+             the best of {STARTS} starts, the truth among them. Bars: 95 % intervals (Wilson). All methods \
+             get the program's segmentation{}.",
+            if quick { 3 } else { SEEDS },
+            if trouble.acts_before {
+                "; of marks as they are it counts whether the end leads to the best optimum after they \
+                 are refined"
+            } else {
+                ""
+            }
+        ),
+        x: Axis {
+            logarithmic: trouble.logarithmic,
+            ..Axis::linear(trouble.label)
+        },
+        y: Axis::linear("share that ends at the best known optimum"),
+        curves,
+    }
+}
+
+fn methods(is_known: bool, quick: bool) -> Vec<Method> {
+    let mut all = vec![
+        Method::Program,
+        Method::Over(Grid::Implicit),
+        Method::Multiple(1),
+        Method::Multiple(3),
+        Method::Over(Grid::Shooting { intervals: 1 }),
+    ];
+    if is_known {
+        let evaluations = if quick { EVALUATIONS / 10 } else { EVALUATIONS };
+        all.push(Method::Sampling(evaluations));
+    }
+    all
+}
+
+fn succeeds(task: &Task, method: Method) -> bool {
+    let answer = task.answer(method, &Tolerances::default());
+    task.best.is_some_and(|best| answer.succeeds(best))
+}
+
+/// Whether the answer with marks as they are, gone on from after they are refined, is the best.
+fn succeeds_raw(asked: &Asked) -> bool {
+    let (Some(task), Some(raw)) = (&asked.task, &asked.as_they_are) else {
+        return false;
+    };
+    let recipe = Recipe::default();
+    let guess = &raw.guesses[0];
+    let rough = recipe::solve(&raw.problem, &raw.layout, guess, &recipe, &mut ());
+    if !rough.finished.converged {
+        return false;
+    }
+    let mut from = task.guesses[0].clone();
+    from.event_times_s.clone_from(&rough.point.event_times_s);
+    for (index, arc) in from.arcs.iter_mut().enumerate() {
+        let of = &task.problem.arcs[index];
+        let body = &task.problem.bodies[of.body];
+        let gravity = task.problem.gravity(&rough.point.parameters);
+        let past_s = arc.epoch_s - guess.arcs[index].epoch_s;
+        let state = &rough.point.arcs[index];
+        arc.state = enact::physics::flow::advance(body, &gravity, state, past_s);
+    }
+    let one = Task {
+        guesses: vec![from],
+        ..task.clone()
+    };
+    let near = recipe.without_sweep();
+    let end = recipe::solve(&one.problem, &one.layout, &one.guesses[0], &near, &mut ());
+    let best = one.best.unwrap_or(f64::NAN);
+    end.finished.converged && crate::starts::is_best(2.0 * end.system.cost, best)
+}
+
+/// A share with Wilson's interval.
+fn rate(x: f64, count: usize, of: usize) -> Mark {
+    if of == 0 {
+        return Mark {
+            failed: true,
+            ..Mark::at(x, 0.0)
+        };
+    }
+    let (n, share) = (of as f64, count as f64 / of as f64);
+    let square = NORMAL * NORMAL / n;
+    let middle = (share + 0.5 * square) / (1.0 + square);
+    let half = NORMAL * (share * (1.0 - share) / n + 0.25 * square / n).sqrt() / (1.0 + square);
+    Mark {
+        spread: Some([(middle - half).max(0.0), (middle + half).min(1.0)]),
+        setting: Some(format!("{count} of {of}")),
+        failed: count == 0,
+        ..Mark::at(x, share)
+    }
 }

@@ -8,8 +8,23 @@
 //!
 //! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`.
 
+#[path = "../study/case.rs"]
+mod case;
+mod estimation;
+mod failure;
 mod figure;
 mod methods;
+#[path = "../perform/mod.rs"]
+mod perform;
+#[path = "../study/starts.rs"]
+mod starts;
+#[path = "../study/statistics.rs"]
+#[allow(dead_code, reason = "studies use the rest of it")]
+mod statistics;
+#[path = "../study/stress/mod.rs"]
+mod stress;
+mod tasks;
+mod troubles;
 
 use std::path::PathBuf;
 
@@ -29,7 +44,32 @@ pub struct Options {
     pub folder: PathBuf,
 }
 
+/// Where figures go.
+pub struct Book {
+    folder: PathBuf,
+}
+
+impl Book {
+    /// Keeps a figure as JSON.
+    fn keep(&mut self, figure: figure::Figure) -> anyhow::Result<()> {
+        std::fs::create_dir_all(&self.folder)?;
+        let path = self.folder.join(format!("{}.json", figure.name));
+        std::fs::write(path, serde_json::to_string_pretty(&figure)?)?;
+        Ok(())
+    }
+}
+
 fn main() -> anyhow::Result<()> {
-    let _options = Options::parse();
+    let options = Options::parse();
+    let mut book = Book {
+        folder: options.folder.clone(),
+    };
+    let wants = |part: &str| options.only.as_ref().is_none_or(|only| part.contains(only));
+    if wants("estimation") {
+        estimation::run(&options, &mut book)?;
+    }
+    if wants("failure") {
+        failure::run(&options, &mut book)?;
+    }
     Ok(())
 }
