@@ -13,8 +13,6 @@ use crate::starts::{Start, optimum, starts};
 pub struct Posing {
     /// The task.
     pub task: Task,
-    /// Problem and guesses, as the program has them.
-    pub posed: Posed,
     /// After the program's segmentation.
     pub sketch: Sketch,
 }
@@ -26,13 +24,19 @@ pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, Strin
     let sketch = outcome.sketch;
     let mut posed = Posed::new(case.scene(), &sketch);
     let is_bent = case.scene().velocity_gaps == VelocityGaps::Always;
-    let guess = if is_bent {
+    let mut guess = if is_bent {
         // There is no true motion to start from.
         posed.problem = posed.problem.bent();
         posed.guesses[0].clone()
     } else {
         case.true_guess(&posed, &sketch)
     };
+    if !posed.problem.times_are_unknown() {
+        // Stamps are rounded to nanoseconds: at the true times it would be another problem, by 1e-10.
+        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
+            arc.sample_times_s.clone_from(&own.sample_times_s);
+        }
+    }
     let mut from = starts(&posed, &guess, seed);
     from.truncate(starts_max);
     // What is best is solved again, far tighter.
@@ -43,13 +47,12 @@ pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, Strin
         .map(|(objective, start)| tight(&posed, start).unwrap_or(objective).min(objective));
     Ok(Posing {
         task: Task {
-            problem: posed.problem.clone(),
-            layout: posed.layout.clone(),
-            guesses: posed.guesses.clone(),
+            problem: posed.problem,
+            layout: posed.layout,
+            guesses: posed.guesses,
             best,
             seed,
         },
-        posed,
         sketch,
     })
 }

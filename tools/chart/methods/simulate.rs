@@ -22,8 +22,8 @@ const STEP_MAX_S: f64 = 0.03;
 /// A root is found when the next step is shorter than this \[s\].
 const EXACT_S: f64 = 1e-14;
 /// Spacing and reach of the search where Newton's method finds no approach \[s\].
-const SCAN_S: f64 = 4e-3;
-const SCANS: usize = 150;
+const SCAN_S: f64 = 8e-3;
+const SCANS: usize = 40;
 
 /// Fills times and states that follow, beginning the search for each root at the point's own time;
 /// `gaps` are velocities that jump beyond the impacts. `None` where a contact is never made.

@@ -66,7 +66,9 @@ pub fn solve(model: &mut Model, start: Place, tolerances: &Tolerances) -> End {
     let (place, system, mut iterations) = (descent.place, descent.system, descent.iterations);
     let mut at = (place, system, price.multipliers.clone());
     let mut finished = conclude(model, &mut at, price.weight, recipe, tolerances, &mut iterations);
-    for retry in 0..recipe.retries {
+    // Who asks for no finish gets none.
+    let retries = if tolerances.steps > 0 { recipe.retries } else { 0 };
+    for retry in 0..retries {
         if finished.converged || retry > 0 && finished.decrease.is_infinite() {
             break;
         }

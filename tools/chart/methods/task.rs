@@ -166,9 +166,12 @@ impl Task {
 }
 
 fn own(problem: &Problem, layout: &Layout, guess: &Guess, tolerances: &Tolerances) -> (Point, bool) {
+    let usual = Recipe::default();
     let recipe = Recipe {
         tolerances: *tolerances,
-        ..Recipe::default()
+        // Who asks for no finish gets none.
+        retries: if tolerances.steps > 0 { usual.retries } else { 0 },
+        ..usual
     };
     let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());
     (solution.point, solution.finished.converged)
