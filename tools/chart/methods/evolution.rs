@@ -16,13 +16,15 @@ use super::model::{Model, Place};
 
 /// Size of the first samples: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s]; times [s]; velocity gaps [units].
-const STATE: [f64; 4] = [0.03, 0.3, 0.3, 3.0];
-const TIME_S: f64 = 0.01;
-const GAP: f64 = 3.0;
-/// Weight of the constraints, per squared unit and information.
-const WEIGHT: f64 = 100.0;
+const STATE: [f64; 4] = [0.01, 0.1, 0.1, 1.0];
+const TIME_S: f64 = 0.005;
+const GAP: f64 = 1.0;
+/// First and greatest weight of the constraints, per squared unit and information; it grows by
+/// this factor where multipliers do not halve the violation.
+const WEIGHTS: (f64, f64) = (10.0, 1e4);
+const GROWTH: f64 = 3.0;
 /// Generations between two updates of the multipliers.
-const GENERATIONS: usize = 10;
+const GENERATIONS: usize = 30;
 
 /// The best mean within so many evaluations; a seed gives the same one always.
 pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -> Place {
@@ -39,7 +41,7 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
     let scale = model.by_unknown(of, GAP);
     let mut system = model.system();
     model.evaluate(&guidance, start, &mut system);
-    let price = RefCell::new(Price::new(&system, WEIGHT * problem.information()));
+    let price = RefCell::new(Price::new(&system, WEIGHTS.0 * problem.information()));
     let shared = RefCell::new((model, system));
     let place = |model: &Model, x: &[f64]| {
         model.moved(start, &DVector::from_column_slice(x).component_mul(&scale))
@@ -65,6 +67,7 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
         .build(cost)
         .expect("a size and a dimension that are positive");
     let mut generation = 0;
+    let mut violation = f64::INFINITY;
     while strategy.next().is_none() {
         generation += 1;
         if generation % GENERATIONS == 0 {
@@ -72,7 +75,15 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
             let mean = place(model, strategy.mean().as_slice());
             if mean.exists {
                 model.values(&guidance, &mean, system);
-                price.borrow_mut().update(system);
+                let mut price = price.borrow_mut();
+                price.update(system);
+                let now = system.violation();
+                if now > 0.5 * violation {
+                    let most = WEIGHTS.1 * problem.information();
+                    price.weight = (price.weight * GROWTH).min(most);
+                    price.approach_weight = price.weight;
+                }
+                violation = now;
             }
         }
     }

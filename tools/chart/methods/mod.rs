@@ -1,7 +1,7 @@
 //! Methods of estimation, all on the program's own problem, from the same arc fits, through the same
 //! stages, judged alike.
 //!
-//! [`split`] says where a method holds states, [`simulate`] what follows from them, [`columns`] where
+//! [`split`] says where a method holds states, [`touch`] lets it begin, [`simulate`] what follows from them, [`columns`] where
 //! the unknowns sit, [`chain`] and [`join`] how derivatives reach them, [`model`] puts it together;
 //! [`descent`], [`finish`] and [`stages`] are the program's recipe over any of these grids,
 //! [`evolution`] samples. A [`task`] is what one is asked, and what it answers.
@@ -18,6 +18,7 @@ pub mod simulate;
 pub mod split;
 pub mod stages;
 pub mod task;
+pub mod touch;
 
 pub use split::Grid;
 pub use task::{Answer, Method, Task};

@@ -121,7 +121,7 @@ fn at(
 
 /// The time at which a gap closes, by Newton's method from a time nearby; else the closing nearest
 /// to it.
-fn root_s(gap: &impl Fn(f64) -> Option<(f64, f64)>, near_s: f64) -> Option<f64> {
+pub fn root_s(gap: &impl Fn(f64) -> Option<(f64, f64)>, near_s: f64) -> Option<f64> {
     newton_s(gap, near_s).or_else(|| {
         let (low, high) = bracket_s(gap, near_s)?;
         bisected_s(gap, low, high)

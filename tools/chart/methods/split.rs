@@ -9,6 +9,8 @@ use enact::estimate::problem::{Arc, Collision, Problem};
 use enact::motion::Guess;
 use enact::physics::{State, flow};
 
+use super::touch::touching;
+
 /// Where states are held, and what follows from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
@@ -54,7 +56,10 @@ pub struct Split {
 
 /// Cuts the arcs of a problem for a grid.
 pub fn split(problem: &Problem, guess: &Guess, grid: Grid) -> Split {
-    let fits = Point::new(problem, guess);
+    let mut fits = Point::new(problem, guess);
+    if grid.finds_times() {
+        fits = touching(problem, guess, fits);
+    }
     let gravity = problem.gravity(&fits.parameters);
     let nodes_s = nodes_s(&fits, grid);
     let mut split = Split {
