@@ -56,7 +56,10 @@ fn scenes() -> Vec<(&'static str, Case)> {
         ("tip", Case::pencil(Style::Tip, &known, 3)),
         ("eraser, unknown", Case::pencil(Style::Eraser, &unknown, 3)),
         ("hat and box", Case::new(&hat_box::truth(), &known, 3)),
-        ("die", Case::new(&die::reference(), &slightly(Acting::edited()), 3)),
+        (
+            "die",
+            Case::new(&die::reference(), &slightly(Acting::edited()), 3),
+        ),
         (
             "flips",
             Case::new(&flips(1, 3).expect("a flipping brick"), &known, 3),
@@ -66,7 +69,9 @@ fn scenes() -> Vec<(&'static str, Case)> {
 
 /// Directions in which derivatives are compared with differences.
 fn direction(size: usize, seed: usize) -> DVector<f64> {
-    DVector::from_fn(size, |i, _| ((i * 7919 + seed * 104_729) % 1000) as f64 / 500.0 - 1.0)
+    DVector::from_fn(size, |i, _| {
+        ((i * 7919 + seed * 104_729) % 1000) as f64 / 500.0 - 1.0
+    })
 }
 
 #[test]
@@ -138,14 +143,30 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
     for (name, case) in scenes() {
         let posed = posed(&case);
         let guess = &posed.guesses[0];
-        let own = recipe::solve(&posed.problem, &posed.layout, guess, &Recipe::default(), &mut ());
+        let own = recipe::solve(
+            &posed.problem,
+            &posed.layout,
+            guess,
+            &Recipe::default(),
+            &mut (),
+        );
         assert!(own.finished.converged, "{name}");
         for grid in GRIDS {
             let setting = Setting::new(&posed.problem, guess, grid);
             let mut model = Model::new(&setting);
             let start = model.start();
-            let end = stages::solve(&mut model, start, &Tolerances::default());
-            let judged = methods::judged(&posed.problem, &posed.layout, guess, &setting.whole(&end.place));
+            let end = stages::solve(
+                &mut model,
+                start,
+                &Recipe::default(),
+                &Tolerances::default(),
+            );
+            let judged = methods::judged(
+                &posed.problem,
+                &posed.layout,
+                guess,
+                &setting.whole(&end.place),
+            );
             let off = judged.objective / (2.0 * own.system.cost) - 1.0;
             println!(
                 "{name}, {grid:?}: {} {:e} {:e}, {} iterations for {}",
@@ -157,7 +178,11 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
             }
             assert!(end.converged, "{name}, {grid:?}");
             assert!(off.abs() < 1e-7, "{name}, {grid:?}: {off:e}");
-            assert!(judged.violation < 1e-6, "{name}, {grid:?}: {:e}", judged.violation);
+            assert!(
+                judged.violation < 1e-6,
+                "{name}, {grid:?}: {:e}",
+                judged.violation
+            );
         }
     }
 }

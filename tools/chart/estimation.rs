@@ -1,5 +1,7 @@
 //! Distance to the best optimum against time, as tolerances vary, on every scene.
 
+use std::time::Instant;
+
 use anyhow::{Context, Result};
 use enact::estimate::finish::Tolerances;
 
@@ -36,7 +38,9 @@ struct Point {
 /// Performances of each scene.
 const SEEDS: u64 = 10;
 /// Of them, those that the evolution strategy is asked.
-const SAMPLED: usize = 4;
+const SAMPLED: usize = 3;
+/// Most evaluations: so many that they take no longer than this [s].
+const LONGEST_S: f64 = 4.0;
 /// Starts among which the best optimum is.
 const STARTS: usize = 20;
 /// Errors below this are rounding.
@@ -56,25 +60,45 @@ fn scenes() -> Vec<Scene> {
         truth,
     };
     vec![
-        scene("pencil_tip", "a pencil, tip first", known, |_| Style::Tip.truth()),
-        scene("pencil_eraser", "a pencil, eraser first", known, |_| Style::Eraser.truth()),
+        scene("pencil_tip", "a pencil, tip first", known, |_| {
+            Style::Tip.truth()
+        }),
+        scene("pencil_eraser", "a pencil, eraser first", known, |_| {
+            Style::Eraser.truth()
+        }),
         scene("cube_2", "a cube, two bounces", known, |seed| cube(2, seed)),
         scene("cube_6", "a cube, six bounces", known, |seed| cube(6, seed)),
-        scene("cube_12", "a cube, twelve bounces", known, |seed| cube(12, seed)),
-        scene("die", "a die, six faces asked for", Acting::edited(), |_| die::reference()),
+        scene("cube_12", "a cube, twelve bounces", known, |seed| {
+            cube(12, seed)
+        }),
+        scene(
+            "die",
+            "a die, six faces asked for",
+            Acting::edited(),
+            |_| die::reference(),
+        ),
         scene("hat_box", "a hat and a box", known, |_| hat_box::truth()),
         scene("brick", "a brick that flips twice", known, |seed| {
             flips(2, seed).expect("a flipping brick")
         }),
-        scene("pencil_tip_unknown", "a pencil, tip first, timing unknown", unknown, |_| {
-            Style::Tip.truth()
-        }),
-        scene("cube_4_unknown", "a cube, four bounces, timing unknown", unknown, |seed| {
-            cube(4, seed)
-        }),
-        scene("hat_box_unknown", "a hat and a box, timing unknown", unknown, |_| {
-            hat_box::truth()
-        }),
+        scene(
+            "pencil_tip_unknown",
+            "a pencil, tip first, timing unknown",
+            unknown,
+            |_| Style::Tip.truth(),
+        ),
+        scene(
+            "cube_4_unknown",
+            "a cube, four bounces, timing unknown",
+            unknown,
+            |seed| cube(4, seed),
+        ),
+        scene(
+            "hat_box_unknown",
+            "a hat and a box, timing unknown",
+            unknown,
+            |_| hat_box::truth(),
+        ),
     ]
 }
 
@@ -86,6 +110,7 @@ fn cube(count: usize, seed: u64) -> Truth {
 pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let seeds = if options.quick { 1 } else { SEEDS };
     for scene in scenes() {
+        let begin = Instant::now();
         let tasks: Vec<Task> = (0..seeds)
             .filter_map(|seed| {
                 let case = Case::new(&(scene.truth)(seed), &scene.acting, seed);
@@ -96,6 +121,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
             .collect();
         let figure = figure(&scene, &tasks, options.quick);
         book.keep(figure).context(scene.name)?;
+        eprintln!("  {}: {:.1} s", scene.name, begin.elapsed().as_secs_f64());
     }
     Ok(())
 }
@@ -103,7 +129,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
 fn figure(scene: &Scene, tasks: &[Task], quick: bool) -> Figure {
     let is_known = scene.acting.is_timing_known() || scene.name == "die";
     let curves = methods(is_known).into_iter().map(|method| {
-        let settings = settings(method, quick);
+        let settings = settings(method, tasks, quick);
         let name = method.name();
         let is_sampling = matches!(method, Method::Sampling(_));
         let most = if is_sampling { SAMPLED } else { tasks.len() };
@@ -150,12 +176,19 @@ fn methods(is_known: bool) -> Vec<Method> {
 }
 
 /// From rough to tight.
-fn settings(method: Method, quick: bool) -> Vec<Setting> {
+fn settings(method: Method, tasks: &[Task], quick: bool) -> Vec<Setting> {
     let tight = Tolerances::default();
     if let Method::Sampling(_) = method {
-        let most = if quick { 2 } else { 5 };
-        let budgets = (0..most).map(|power| 1000 * 3usize.pow(power));
+        let first = if quick { 100 } else { 1000 };
+        let trial = Method::Sampling(first);
+        let took_s = tasks
+            .first()
+            .map_or(0.0, |task| task.answer(trial, &tight).took_s);
+        let powers = if quick { 0..2 } else { 0..5 };
+        let budgets = powers.map(|power| 3usize.pow(power));
+        let budgets = budgets.filter(|times| *times as f64 * took_s < LONGEST_S);
         return budgets
+            .map(|times| times * first)
             .map(|evaluations| Setting {
                 method: Method::Sampling(evaluations),
                 tolerances: tight,
@@ -177,14 +210,20 @@ fn settings(method: Method, quick: bool) -> Vec<Setting> {
             ..tight
         },
     ]);
-    all.map(|tolerances| Setting { method, tolerances }).collect()
+    all.map(|tolerances| Setting { method, tolerances })
+        .collect()
 }
 
 /// Points of a curve, and how many tasks it solves.
 fn marks(tasks: &[Task], settings: &[Setting], quick: bool) -> (Vec<Mark>, usize) {
     let solves: Vec<Vec<Point>> = tasks
         .iter()
-        .map(|task| settings.iter().map(|setting| point(task, setting, quick)).collect())
+        .map(|task| {
+            settings
+                .iter()
+                .map(|setting| point(task, setting, quick))
+                .collect()
+        })
         .collect();
     let ends_well = |points: &&Vec<Point>| {
         points
@@ -237,7 +276,11 @@ fn point(task: &Task, setting: &Setting, quick: bool) -> Point {
     let error = first.error(best).max(ROUNDING);
     Point {
         // What is not even a motion has no error: far right.
-        error: if error.is_finite() { error.min(1e6) } else { 1e6 },
+        error: if error.is_finite() {
+            error.min(1e6)
+        } else {
+            1e6
+        },
         took_s,
         is_in_order: first.is_in_order,
     }

@@ -67,7 +67,13 @@ fn tight(posed: &Posed, start: &Start) -> Option<f64> {
         },
         ..start.recipe.clone()
     };
-    let solution = recipe::solve(&posed.problem, &posed.layout, &start.guess, &recipe, &mut ());
+    let solution = recipe::solve(
+        &posed.problem,
+        &posed.layout,
+        &start.guess,
+        &recipe,
+        &mut (),
+    );
     let converged = solution.finished.converged;
     converged.then_some(2.0 * solution.system.cost)
 }

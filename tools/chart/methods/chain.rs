@@ -31,9 +31,11 @@ pub fn rows_of(block: &Block, rows: &[usize]) -> DMatrix<f64> {
 /// Some rows of a lifted block with other derivatives.
 pub fn fill_block(lifted: &Block, rows: &[usize], by: &DMatrix<f64>, out: &mut Block) {
     out.values.clear();
-    out.values.extend(rows.iter().map(|row| lifted.values[*row]));
+    out.values
+        .extend(rows.iter().map(|row| lifted.values[*row]));
     out.bounds.clear();
-    out.bounds.extend(rows.iter().map(|row| lifted.bounds[*row]));
+    out.bounds
+        .extend(rows.iter().map(|row| lifted.bounds[*row]));
     out.jacobian.clear();
     out.jacobian.extend_from_slice(by.as_slice());
     out.approach = 0..0;
@@ -122,7 +124,10 @@ impl<'a> Chains<'a> {
         let rows = rows_of(&system.blocks[index], &[0]);
         let (mut at, mut kept, mut by_time) = (0, Vec::new(), 0.0);
         for part in of_collision(problem, index) {
-            let is_before = collision.sides.iter().any(|s| part == Part::Piece(s.before));
+            let is_before = collision
+                .sides
+                .iter()
+                .any(|s| part == Part::Piece(s.before));
             if part == Part::Event(collision.event) {
                 by_time = rows[at];
             } else if is_before || gravity(problem).any(|g| g == part) {
@@ -146,12 +151,22 @@ impl<'a> Chains<'a> {
             placed.push((at, *part));
             at += part.width();
         }
-        let is_after = |part: &Part| collision.sides.iter().any(|s| *part == Part::Piece(s.after));
-        let others: Vec<(usize, Part)> = placed.iter().copied().filter(|p| !is_after(&p.1)).collect();
+        let is_after = |part: &Part| {
+            collision
+                .sides
+                .iter()
+                .any(|s| *part == Part::Piece(s.after))
+        };
+        let others: Vec<(usize, Part)> =
+            placed.iter().copied().filter(|p| !is_after(&p.1)).collect();
         for (body, side) in collision.sides.iter().enumerate() {
             let rows = continuity(block, gaps, body);
-            let own = placed.iter().find(|(_, part)| *part == Part::Piece(side.after));
-            let own = rows.columns(own.expect("a state after").0, STATE).into_owned();
+            let own = placed
+                .iter()
+                .find(|(_, part)| *part == Part::Piece(side.after));
+            let own = rows
+                .columns(own.expect("a state after").0, STATE)
+                .into_owned();
             let target = &self.columns.pieces[side.after];
             let mut by = -self.chained_from(&rows, &others, target);
             if let Some(first) = self.columns.gaps[index] {
@@ -178,7 +193,8 @@ impl<'a> Chains<'a> {
             let (at, own) = (from.arcs[piece], &self.columns.pieces[piece]);
             let chain = self.pieces[piece].as_ref();
             let gradient = lifted.gradient.rows(at, STATE).into_owned();
-            let square = DMatrix::from_fn(STATE, STATE, |i, j| entry(frame, lifted, at + i, at + j));
+            let square =
+                DMatrix::from_fn(STATE, STATE, |i, j| entry(frame, lifted, at + i, at + j));
             add_gradient(own, &pulled(chain, gradient), out);
             let square = match chain {
                 Some(chain) => chain.tr_mul(&(square * chain)),
@@ -215,7 +231,11 @@ impl<'a> Chains<'a> {
         let nodes = from.nodes.iter().zip(&to.nodes);
         let nodes = nodes.filter_map(|(from, to)| Some(((*from)?, (*to)?)));
         let nodes: Vec<(usize, usize)> = nodes.collect();
-        let parameters = from.parameters.iter().copied().zip(to.parameters.iter().copied());
+        let parameters = from
+            .parameters
+            .iter()
+            .copied()
+            .zip(to.parameters.iter().copied());
         let parameters: Vec<(usize, usize)> = parameters.collect();
         for (index, (with, column)) in nodes.iter().enumerate() {
             out.gradient[*column] += lifted.gradient[*with];
@@ -246,7 +266,12 @@ impl<'a> Chains<'a> {
             add_gradient(own, &pulled(chain, gradient), out);
             if weight != 0.0 {
                 let by = pulled(chain, DVector::repeat(1, 1.0));
-                add_square(pattern, own, &(&by * by.transpose() * weight), &mut out.hessian);
+                add_square(
+                    pattern,
+                    own,
+                    &(&by * by.transpose() * weight),
+                    &mut out.hessian,
+                );
             }
         }
     }
@@ -266,7 +291,11 @@ fn continuity(block: &Block, gaps: &Block, body: usize) -> DMatrix<f64> {
         let rows: Vec<usize> = (0..STATE).map(|row| first + STATE * body + row).collect();
         return rows_of(block, &rows);
     }
-    let half = |from: usize| (0..GAP).map(|row| from + GAP * body + row).collect::<Vec<_>>();
+    let half = |from: usize| {
+        (0..GAP)
+            .map(|row| from + GAP * body + row)
+            .collect::<Vec<_>>()
+    };
     let (poses, velocities) = (rows_of(block, &half(first)), rows_of(gaps, &half(0)));
     let columns = poses.ncols();
     DMatrix::from_fn(STATE, columns, |row, column| {
@@ -279,7 +308,9 @@ fn continuity(block: &Block, gaps: &Block, body: usize) -> DMatrix<f64> {
 }
 
 fn entry(frame: &Frame, lifted: &System, i: usize, j: usize) -> f64 {
-    lifted.hessian.get(&frame.layout.pattern, i.max(j), i.min(j))
+    lifted
+        .hessian
+        .get(&frame.layout.pattern, i.max(j), i.min(j))
 }
 
 fn pulled(chain: Option<&DMatrix<f64>>, gradient: DVector<f64>) -> DVector<f64> {

@@ -132,7 +132,12 @@ impl Columns {
         let mut pieces: Vec<BTreeSet<Source>> = (0..problem.arcs.len()).map(own).collect();
         let free = problem.event_is_free.iter().enumerate();
         let mut events: Vec<BTreeSet<Source>> = free
-            .map(|(event, is_free)| is_free.then_some(Source::Event(event)).into_iter().collect())
+            .map(|(event, is_free)| {
+                is_free
+                    .then_some(Source::Event(event))
+                    .into_iter()
+                    .collect()
+            })
             .collect();
         for (index, collision) in problem.collisions.iter().enumerate() {
             let mut before = BTreeSet::new();
@@ -249,7 +254,9 @@ impl Columns {
     }
 
     fn union(&self, parts: impl IntoIterator<Item = Part>) -> Vec<usize> {
-        let all = parts.into_iter().flat_map(|part| self.of_part(part).to_vec());
+        let all = parts
+            .into_iter()
+            .flat_map(|part| self.of_part(part).to_vec());
         all.collect::<BTreeSet<usize>>().into_iter().collect()
     }
 

@@ -131,7 +131,11 @@ impl<'m, 'a> Descent<'m, 'a> {
         let layout = self.model.outer.layout;
         let correction = merit::correction(layout, systems, delta, weights, &self.matrix);
         let size = |d: &DVector<f64>| -> f64 {
-            d.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum::<f64>().sqrt()
+            d.iter()
+                .zip(&self.scale)
+                .map(|(d, s)| d * d * s)
+                .sum::<f64>()
+                .sqrt()
         };
         if !(size(&correction) < 0.75 * size(delta)) {
             return after;
@@ -147,9 +151,14 @@ impl<'m, 'a> Descent<'m, 'a> {
 
     fn evaluate_trial(&mut self, guidance: &Guidance, price: &Price, delta: &DVector<f64>) -> f64 {
         self.trial.0 = self.model.moved(&self.place, delta);
-        self.model.evaluate(guidance, &self.trial.0, &mut self.trial.1);
+        self.model
+            .evaluate(guidance, &self.trial.0, &mut self.trial.1);
         let merit = price.merit(&self.trial.1);
-        if merit.is_finite() { merit } else { f64::INFINITY }
+        if merit.is_finite() {
+            merit
+        } else {
+            f64::INFINITY
+        }
     }
 }
 

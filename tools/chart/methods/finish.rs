@@ -126,7 +126,8 @@ impl Finish<'_, '_> {
                 let layout = self.model.outer.layout;
                 let systems = (&self.system, &trial.1);
                 let weights = &factor.weights;
-                let correction = merit::correction(layout, systems, &delta, weights, &factor.matrix);
+                let correction =
+                    merit::correction(layout, systems, &delta, weights, &factor.matrix);
                 self.evaluate(guidance, &(&delta + correction), trial);
                 if merit(&trial.1) <= enough {
                     return true;
@@ -165,7 +166,9 @@ fn solved(
     let mut multipliers = multipliers.to_vec();
     let mut delta = DVector::zeros(layout.size());
     let mut rows = vec![0.0; multipliers.len()];
-    let largest = violations.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let largest = violations
+        .iter()
+        .fold(0.0, |most: f64, v| most.max(v.abs()));
     for _ in 0..REFINEMENTS {
         let mut residual = system.gradient.clone();
         system.hessian.multiply_add(pattern, &delta, &mut residual);

@@ -44,7 +44,9 @@ pub fn between(frame: &Frame, point: &Point, left: usize, right: usize) -> Join 
     set(r, w, &(by_turn * turn.orientation_by_angular_velocity));
     set(w, w, &turn.angular_velocity_by_angular_velocity);
     let mut by_right = -SMatrix::<f64, STATE, STATE>::identity();
-    by_right.fixed_view_mut::<3, 3>(r, r).copy_from(&-by_turn.transpose());
+    by_right
+        .fixed_view_mut::<3, 3>(r, r)
+        .copy_from(&-by_turn.transpose());
 
     let free: Vec<Part> = gravity(problem).collect();
     let axes = (0..3).filter(|axis| problem.gravity_parameters[*axis].is_some());

@@ -134,14 +134,28 @@ impl<'a> Model<'a> {
     }
 
     fn followed(&self, mut lifted: Point, gaps: Vec<[StateTangent; 2]>) -> Place {
-        let Setting { split, grid, columns, .. } = self.setting;
+        let Setting {
+            split,
+            grid,
+            columns,
+            ..
+        } = self.setting;
         let exists = simulate(split, columns, *grid, &mut lifted, &gaps).is_some();
-        Place { lifted, gaps, exists }
+        Place {
+            lifted,
+            gaps,
+            exists,
+        }
     }
 
     /// Moves a place by `delta`.
     pub fn moved(&self, from: &Place, delta: &DVector<f64>) -> Place {
-        let Setting { split, columns, lifted: layout, .. } = self.setting;
+        let Setting {
+            split,
+            columns,
+            lifted: layout,
+            ..
+        } = self.setting;
         let mut all = DVector::zeros(layout.size());
         let mut free = |at: usize, of: &[usize]| {
             for (index, column) in of.iter().enumerate() {
@@ -155,7 +169,9 @@ impl<'a> Model<'a> {
         }
         let follows = |event: usize| {
             let collisions = split.problem.collisions.iter().zip(&columns.times_follow);
-            collisions.into_iter().any(|(c, follows)| c.event == event && *follows)
+            collisions
+                .into_iter()
+                .any(|(c, follows)| c.event == event && *follows)
         };
         for (event, at) in layout.events.iter().enumerate() {
             if let Some(at) = at
@@ -228,7 +244,12 @@ impl<'a> Model<'a> {
             out.cost = f64::INFINITY;
             return;
         }
-        let Setting { split, columns, grid, .. } = self.setting;
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
         self.system.evaluate(&self.inner, guidance, &place.lifted);
         let chains = Chains::new(split, columns, *grid, &self.system);
         out.cost = self.system.cost;
@@ -245,11 +266,20 @@ impl<'a> Model<'a> {
             out.cost = f64::INFINITY;
             return;
         }
-        let Setting { split, columns, grid, .. } = self.setting;
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
         self.system.evaluate(&self.inner, guidance, &place.lifted);
         out.cost = self.system.cost;
         if let Some(weight) = self.gap_weight() {
-            let gaps = self.system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
+            let gaps = self
+                .system
+                .velocity_gaps
+                .iter()
+                .flat_map(|gaps| &gaps.values);
             out.cost += 0.5 * weight * gaps.map(|v| v * v).sum::<f64>();
         }
         for (index, (lifted, block)) in self.system.blocks.iter().zip(&mut out.blocks).enumerate() {
@@ -269,7 +299,12 @@ impl<'a> Model<'a> {
         let Some(weight) = self.gap_weight() else {
             return;
         };
-        let Setting { split, columns, grid, .. } = self.setting;
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
         let pattern = &columns.layout.pattern;
         for (index, gaps) in self.system.velocity_gaps.iter().enumerate() {
             out.cost += 0.5 * weight * gaps.values.iter().map(|v| v * v).sum::<f64>();
@@ -298,14 +333,23 @@ impl<'a> Model<'a> {
     }
 
     fn fill_rows(&self, place: &Place, chains: &Chains, out: &mut System) {
-        let Setting { split, columns, grid, .. } = self.setting;
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
         let problem = &split.problem;
         let blocks = &columns.layout.blocks;
         let mut next = 0;
         for (index, collision) in problem.collisions.iter().enumerate() {
             let lifted = &self.system.blocks[index];
             let skipped = usize::from(columns.times_follow[index]);
-            let end = if grid.shoots() { lifted.approach.end } else { lifted.values.len() };
+            let end = if grid.shoots() {
+                lifted.approach.end
+            } else {
+                lifted.values.len()
+            };
             let rows: Vec<usize> = (skipped..end).collect();
             let mut parts = of_collision(problem, index);
             let mut at = 0;

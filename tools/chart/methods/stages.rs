@@ -29,8 +29,8 @@ pub struct End {
     pub iterations: usize,
 }
 
-/// Solves from a place.
-pub fn solve(model: &mut Model, start: Place, tolerances: &Tolerances) -> End {
+/// Solves from a place, by a recipe whose tolerances are those.
+pub fn solve(model: &mut Model, start: Place, usual: &Recipe, tolerances: &Tolerances) -> End {
     if !start.exists {
         return End {
             place: start,
@@ -40,7 +40,7 @@ pub fn solve(model: &mut Model, start: Place, tolerances: &Tolerances) -> End {
     }
     let problem = model.outer.problem;
     let information = problem.information();
-    let recipe = &scaled(&Recipe::default(), problem);
+    let recipe = &scaled(usual, problem);
     let mut guidance = leading(model);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
     let mut descent = Descent::new(model, &guidance, start);
@@ -65,9 +65,20 @@ pub fn solve(model: &mut Model, start: Place, tolerances: &Tolerances) -> End {
     descent.refresh(&exact);
     let (place, system, mut iterations) = (descent.place, descent.system, descent.iterations);
     let mut at = (place, system, price.multipliers.clone());
-    let mut finished = conclude(model, &mut at, price.weight, recipe, tolerances, &mut iterations);
+    let mut finished = conclude(
+        model,
+        &mut at,
+        price.weight,
+        recipe,
+        tolerances,
+        &mut iterations,
+    );
     // Who asks for no finish gets none.
-    let retries = if tolerances.steps > 0 { recipe.retries } else { 0 };
+    let retries = if tolerances.steps > 0 {
+        recipe.retries
+    } else {
+        0
+    };
     for retry in 0..retries {
         if finished.converged || retry > 0 && finished.decrease.is_infinite() {
             break;
@@ -83,7 +94,14 @@ pub fn solve(model: &mut Model, start: Place, tolerances: &Tolerances) -> End {
         tighten(&mut descent, &exact, &mut price, &patient);
         iterations += descent.iterations;
         at = (descent.place, descent.system, price.multipliers.clone());
-        finished = conclude(model, &mut at, price.weight, recipe, tolerances, &mut iterations);
+        finished = conclude(
+            model,
+            &mut at,
+            price.weight,
+            recipe,
+            tolerances,
+            &mut iterations,
+        );
     }
     End {
         place: at.0,

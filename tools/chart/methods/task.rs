@@ -145,13 +145,17 @@ impl Task {
                 let setting = Setting::new(&self.problem, guess, grid);
                 let mut model = Model::new(&setting);
                 let start = model.start();
-                let end = stages::solve(&mut model, start, tolerances);
+                let end = stages::solve(&mut model, start, &Recipe::default(), tolerances);
                 (setting.whole(&end.place), end.converged)
             }
             Method::Multiple(per_flight) => {
                 let bodies = self.problem.bodies.len();
                 let intervals = per_flight * self.problem.arcs.len().div_ceil(bodies);
-                self.solved(Method::Over(Grid::Shooting { intervals }), guess, tolerances)
+                self.solved(
+                    Method::Over(Grid::Shooting { intervals }),
+                    guess,
+                    tolerances,
+                )
             }
             Method::Sampling(evaluations) => {
                 let single = Grid::Shooting { intervals: 1 };
@@ -165,12 +169,21 @@ impl Task {
     }
 }
 
-fn own(problem: &Problem, layout: &Layout, guess: &Guess, tolerances: &Tolerances) -> (Point, bool) {
+fn own(
+    problem: &Problem,
+    layout: &Layout,
+    guess: &Guess,
+    tolerances: &Tolerances,
+) -> (Point, bool) {
     let usual = Recipe::default();
     let recipe = Recipe {
         tolerances: *tolerances,
         // Who asks for no finish gets none.
-        retries: if tolerances.steps > 0 { usual.retries } else { 0 },
+        retries: if tolerances.steps > 0 {
+            usual.retries
+        } else {
+            0
+        },
         ..usual
     };
     let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());

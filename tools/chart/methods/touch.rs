@@ -79,7 +79,10 @@ fn contact(
     let b = (states.len() > 1).then(|| side(1));
     let law = collision.law(&fits.parameters);
     let mut by = ImpactDerivative::default();
-    let impact = collision.meeting.derivative(&side(0), b.as_ref(), &law, &mut by).ok()?;
+    let impact = collision
+        .meeting
+        .derivative(&side(0), b.as_ref(), &law, &mut by)
+        .ok()?;
     let normal = by.gap[0][0].fixed_columns::<3>(part::POSITION).transpose();
     Some(Contact {
         gap_m: impact.gaps_m[0],
