@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::case::{Case, Posed};
 use crate::figure::{Axis, Curve, Figure, Mark};
-use crate::methods::{Grid, Method, Task};
+use crate::methods::{Answer, Grid, Method, Task};
 use crate::tasks::{posing, with_marks_as_they_are};
 use crate::troubles::{Trouble, troubles};
 use crate::{Book, Options};
@@ -25,7 +25,7 @@ use crate::{Book, Options};
 const SEEDS: u64 = 24;
 /// Evaluations of the evolution strategy, and the most performances that it is asked.
 const EVALUATIONS: usize = 30_000;
-const SAMPLED: usize = 6;
+const SAMPLED: u64 = 6;
 /// Where a turn has no closed form an evaluation takes thirty times as long: a tenth of them.
 const SHARE: usize = 10;
 /// Starts among which the best optimum is.
@@ -39,6 +39,8 @@ pub struct Asked {
     pub trouble: usize,
     /// Index of its setting.
     pub setting: usize,
+    /// Of the performance.
+    pub seed: u64,
     /// Problem, guesses, best known objective; none where segmentation refused it, which fails
     /// every method.
     pub task: Option<Task>,
@@ -68,6 +70,7 @@ pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Asked> {
         is_task.then_some(Asked {
             trouble,
             setting,
+            seed,
             task,
             as_they_are: raw,
         })
@@ -101,10 +104,6 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
 }
 
 fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
-    let of_setting = |setting: usize| -> Vec<&Asked> {
-        let all = asked.iter().filter(|a| a.setting == setting);
-        all.copied().collect()
-    };
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
     let is_known = tasks.all(|task| !task.problem.times_are_unknown());
     let is_closed = |body: &Body| body.symmetry() != Symmetry::Asymmetric;
@@ -120,32 +119,17 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
     } else {
         evaluations
     };
-    let mut curves = Vec::new();
-    for method in methods(is_known, evaluations) {
-        let most = if matches!(method, Method::Sampling(_)) {
-            SAMPLED
-        } else {
-            usize::MAX
-        };
-        let points = trouble.settings.iter().enumerate().map(|(setting, x)| {
-            let asked = of_setting(setting);
-            let asked = &asked[..asked.len().min(most)];
-            let succeeds = |asked: &&&Asked| {
-                let task = asked.task.as_ref();
-                task.is_some_and(|task| succeeds(task, method))
-            };
-            let count = asked.par_iter().filter(succeeds).count();
-            rate(*x, count, asked.len())
-        });
-        let points: Vec<Mark> = points.collect();
-        curves.push(match method {
-            Method::Program => Curve::ours(method.name(), points),
-            _ => Curve::new(method.name(), points),
-        });
-    }
+    let methods = methods(is_known, evaluations);
+    let rates = rates(trouble, asked, &methods);
+    let curves = methods.iter().zip(rates);
+    let curves = curves.map(|(method, points)| match method {
+        Method::Program => Curve::ours(method.name(), points),
+        _ => Curve::new(method.name(), points),
+    });
+    let mut curves: Vec<Curve> = curves.collect();
     if trouble.acts_before {
         let points = trouble.settings.iter().enumerate().map(|(setting, x)| {
-            let asked = of_setting(setting);
+            let asked: Vec<&&Asked> = asked.iter().filter(|a| a.setting == setting).collect();
             let count = asked.par_iter().filter(|asked| succeeds_raw(asked)).count();
             rate(*x, count, asked.len())
         });
@@ -158,7 +142,7 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
         note: format!(
             "Up to {} performances of each setting (evolution strategy: {SAMPLED}, {evaluations} \
              evaluations). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
-             the best of {STARTS} starts, the truth among them. Bars: 95 % intervals (Wilson). All methods \
+             the best of all methods and {STARTS} starts, the truth among them. Bars: 95 % intervals (Wilson). All methods \
              get the program's segmentation{}.",
             if quick { 2 } else { SEEDS },
             if trouble.acts_before {
@@ -191,9 +175,43 @@ fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
     all
 }
 
-fn succeeds(task: &Task, method: Method) -> bool {
-    let answer = task.answer(method, &Tolerances::default());
-    task.best.is_some_and(|best| answer.succeeds(best))
+/// Success rates of every method at every setting. The best known answer is that of the starts or
+/// of any method.
+fn rates(trouble: &Trouble, asked: &[&Asked], methods: &[Method]) -> Vec<Vec<Mark>> {
+    let is_asked = |method: &Method, asked: &Asked| match method {
+        Method::Sampling(_) => asked.seed < SAMPLED,
+        _ => true,
+    };
+    let succeed = asked.par_iter().map(|asked| {
+        let Some(task) = &asked.task else {
+            return vec![false; methods.len()];
+        };
+        let answers = methods.iter().map(|method| {
+            is_asked(method, asked).then(|| task.answer(*method, &Tolerances::default()))
+        });
+        let answers: Vec<Option<Answer>> = answers.collect();
+        let best = task.best.unwrap_or(f64::INFINITY);
+        let best = answers
+            .iter()
+            .flatten()
+            .fold(best, |best, answer| answer.lowers(best));
+        let good = answers.iter();
+        good.map(|answer| answer.as_ref().is_some_and(|a| a.succeeds(best)))
+            .collect()
+    });
+    let succeed: Vec<Vec<bool>> = succeed.collect();
+    let rates = methods.iter().enumerate().map(|(index, method)| {
+        let settings = trouble.settings.iter().enumerate();
+        settings
+            .map(|(setting, x)| {
+                let here = asked.iter().zip(&succeed);
+                let here = here.filter(|(a, _)| a.setting == setting && is_asked(method, a));
+                let good: Vec<bool> = here.map(|(_, succeed)| succeed[index]).collect();
+                rate(*x, good.iter().filter(|good| **good).count(), good.len())
+            })
+            .collect()
+    });
+    rates.collect()
 }
 
 /// Whether the answer with marks as they are, gone on from after they are refined, is the best.

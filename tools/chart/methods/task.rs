@@ -21,6 +21,8 @@ use super::{Judged, evolution, judged, stages};
 const NUDGE: f64 = 1e-13;
 /// Violation of a success, in units.
 const HOLDS: f64 = 1e-6;
+/// Violation of an answer that may be the best one.
+const EXACT: f64 = 1e-8;
 
 /// A method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +83,6 @@ pub struct Answer {
     pub is_in_order: bool,
     /// From guess to answer [s].
     pub took_s: f64,
-    /// Where it is.
-    pub point: Point,
 }
 
 impl Answer {
@@ -91,6 +91,16 @@ impl Answer {
         self.judged.violation <= HOLDS
             && self.is_in_order
             && crate::starts::is_best(self.judged.objective, best)
+    }
+
+    /// The lower of a best known objective and this one, if it is one.
+    pub fn lowers(&self, best: f64) -> f64 {
+        let is_one = self.judged.violation <= EXACT && self.is_in_order && self.converged;
+        if is_one {
+            best.min(self.judged.objective)
+        } else {
+            best
+        }
     }
 
     /// Relative distance of the objective from the best, plus violation.
@@ -126,7 +136,6 @@ impl Task {
             judged,
             converged,
             took_s,
-            point,
         }
     }
 
