@@ -1,0 +1,205 @@
+//! Newton steps on the optimality conditions, as the program's finish, over any grid's unknowns.
+
+use enact::estimate::acting::ActingSet;
+use enact::estimate::finish::{Finished, KktStep, Tolerances};
+use enact::estimate::merit;
+use enact::estimate::system::{Frame, Guidance, System};
+use enact::math::envelope::Envelope;
+use nalgebra::DVector;
+
+use super::model::{Model, Place};
+
+/// Constants of the program's finish.
+const DAMPING: f64 = 1e-9;
+const EXACT: f64 = 1e-5;
+const ROUNDING: f64 = 1e-14;
+const ACTING_ROUNDS: usize = 12;
+const REFINEMENTS: usize = 8;
+const HALVINGS_MAX: usize = 12;
+const NO_COST: f64 = 1e-6;
+
+/// A place on its way through the finish.
+pub struct Finish<'m, 'a> {
+    /// What is evaluated.
+    pub model: &'m mut Model<'a>,
+    /// Where it stands.
+    pub place: Place,
+    /// Objective and constraints there.
+    pub system: System,
+    /// Multipliers, row by row.
+    pub multipliers: Vec<f64>,
+    /// Factorisations so far.
+    pub iterations: usize,
+}
+
+/// The factorised matrix of a step.
+struct Factor {
+    matrix: Envelope,
+    weights: Vec<f64>,
+}
+
+impl Finish<'_, '_> {
+    /// Steps until within tolerances or no step helps.
+    pub fn run(&mut self, tolerances: &Tolerances) -> Finished {
+        let guidance = Guidance::none(self.model.outer.problem);
+        let mut trial = (self.place.clone(), self.system.clone());
+        let mut finished = Finished {
+            converged: false,
+            violation: self.system.violation(),
+            decrease: f64::INFINITY,
+        };
+        for _ in 0..tolerances.steps {
+            let Some((factor, step)) = self.step() else {
+                break;
+            };
+            let decrease = self.system.gradient.dot(&step.delta).abs();
+            finished.violation = self.system.violation();
+            finished.decrease = decrease / self.system.cost.max(NO_COST);
+            let done = finished.violation < tolerances.violation
+                && finished.decrease < tolerances.decrease;
+            let accepted = if done {
+                self.evaluate(&guidance, &step.delta, &mut trial);
+                trial.1.cost.is_finite() && trial.1.violation() <= finished.violation
+            } else {
+                self.search(&guidance, &factor, &step, &mut trial)
+            };
+            if accepted {
+                std::mem::swap(&mut self.place, &mut trial.0);
+                std::mem::swap(&mut self.system, &mut trial.1);
+                self.multipliers = step.multipliers;
+            }
+            if done {
+                finished.converged = true;
+                finished.violation = self.system.violation();
+            }
+            if done || !accepted {
+                break;
+            }
+        }
+        finished
+    }
+
+    fn step(&mut self) -> Option<(Factor, KktStep)> {
+        let frame = &self.model.outer;
+        let mut acting = ActingSet::of(frame, &self.system, &self.multipliers);
+        let mut last = None;
+        for _ in 0..ACTING_ROUNDS {
+            self.iterations += 1;
+            let (factor, step) = solved(frame, &self.system, &self.multipliers, &acting)?;
+            let changed = acting.revise(frame, &self.system, &step);
+            last = Some((factor, step));
+            if !changed {
+                break;
+            }
+        }
+        last
+    }
+
+    fn evaluate(&mut self, guidance: &Guidance, delta: &DVector<f64>, trial: &mut (Place, System)) {
+        trial.0 = self.model.moved(&self.place, delta);
+        self.model.evaluate(guidance, &trial.0, &mut trial.1);
+    }
+
+    /// Finds along `step` what lowers the ℓ₁ merit.
+    fn search(
+        &mut self,
+        guidance: &Guidance,
+        factor: &Factor,
+        step: &KktStep,
+        trial: &mut (Place, System),
+    ) -> bool {
+        let largest =
+            |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
+        let merit = |system: &System| match system.cost {
+            cost if cost.is_finite() => cost + price * system.total_violation(),
+            _ => f64::INFINITY,
+        };
+        let enough = merit(&self.system) * (1.0 + 1e-14);
+        let mut delta = step.delta.clone();
+        for halving in 0..HALVINGS_MAX {
+            self.evaluate(guidance, &delta, trial);
+            if merit(&trial.1) <= enough {
+                return true;
+            }
+            if halving == 0 && trial.1.cost.is_finite() {
+                let layout = self.model.outer.layout;
+                let systems = (&self.system, &trial.1);
+                let weights = &factor.weights;
+                let correction =
+                    merit::correction(layout, systems, &delta, weights, &factor.matrix);
+                self.evaluate(guidance, &(&delta + correction), trial);
+                if merit(&trial.1) <= enough {
+                    return true;
+                }
+            }
+            delta *= 0.5;
+        }
+        false
+    }
+}
+
+/// The step to the optimum of the quadratic model with those rows acting, by the method of
+/// multipliers on one factorisation; `None` where an unknown is undetermined.
+fn solved(
+    frame: &Frame,
+    system: &System,
+    multipliers: &[f64],
+    acting: &ActingSet,
+) -> Option<(Factor, KktStep)> {
+    let layout = frame.layout;
+    let pattern = &layout.pattern;
+    let (weights, violations) = acting.weights_and_violations(frame, system);
+    let acts = |row: usize| weights[row] > 0.0;
+    let mut matrix = system.hessian.clone();
+    let pull = |row: usize| if acts(row) { multipliers[row] } else { 0.0 };
+    let curvature = merit::curvature(layout, system, pull);
+    for (at, value) in &curvature {
+        matrix.add(pattern, *at, *at, *value);
+    }
+    for row in 0..pattern.size() {
+        let diagonal = matrix.get(pattern, row, row);
+        matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
+    }
+    merit::add_square(layout, system, &weights, &mut matrix);
+    matrix.factorise(pattern).ok()?;
+    let mut multipliers = multipliers.to_vec();
+    let mut delta = DVector::zeros(layout.size());
+    let mut rows = vec![0.0; multipliers.len()];
+    let largest = violations
+        .iter()
+        .fold(0.0, |most: f64, v| most.max(v.abs()));
+    for _ in 0..REFINEMENTS {
+        let mut residual = system.gradient.clone();
+        system.hessian.multiply_add(pattern, &delta, &mut residual);
+        for (at, value) in &curvature {
+            residual[*at] += value * delta[*at];
+        }
+        let pull = |row: usize| match acts(row) {
+            true => multipliers[row] + weights[row] * (violations[row] + rows[row]),
+            false => 0.0,
+        };
+        merit::add_pull(layout, system, pull, &mut residual);
+        residual.neg_mut();
+        matrix.solve(pattern, &mut residual);
+        delta += &residual;
+        merit::along(layout, system, &delta, &mut rows);
+        let mut worst: f64 = 0.0;
+        for (row, multiplier) in multipliers.iter_mut().enumerate() {
+            if acts(row) {
+                let error = violations[row] + rows[row];
+                *multiplier += weights[row] * error;
+                worst = worst.max(error.abs());
+            }
+        }
+        if worst <= (EXACT * largest).max(ROUNDING) {
+            break;
+        }
+    }
+    for (multiplier, weight) in multipliers.iter_mut().zip(&weights) {
+        if *weight == 0.0 {
+            *multiplier = 0.0;
+        }
+    }
+    Some((Factor { matrix, weights }, KktStep { delta, multipliers }))
+}

@@ -1,0 +1,389 @@
+//! A grid's unknowns with objective and constraints, derived from the program's own lifted system.
+//!
+//! What follows is first simulated, so that the lifted unknowns are consistent; the program's system
+//! is evaluated there; and its derivatives are chained to the grid's unknowns. The chain comes from
+//! the lifted rows themselves: of a contact `φ(x, τ) = 0` that
+//! `dτ = −(∂φ/∂x dx)/φ̇`, division by the approach speed (paper §5.2), and of the continuity through
+//! the impact the change of the state after it, saltation included. So samples, impacts and goals are
+//! the same code for every method, and exact wherever the program's derivatives are.
+
+use enact::estimate::constraint::Block;
+use enact::estimate::layout::Layout;
+use enact::estimate::point::Point;
+use enact::estimate::problem::Problem;
+use enact::estimate::system::{Frame, Guidance, System};
+use enact::motion::Guess;
+use enact::physics::flow;
+use enact::physics::state::StateTangent;
+use nalgebra::DVector;
+
+use super::chain::{Chains, fill_block, rows_of};
+use super::columns::{Columns, GAP, Part, of_collision, of_goal};
+use super::join;
+use super::simulate::{gaps, simulate};
+use super::split::{Grid, Split, split};
+
+/// A problem on a grid.
+pub struct Setting {
+    /// Which.
+    pub grid: Grid,
+    /// As given.
+    pub problem: Problem,
+    /// Its pieces.
+    pub split: Split,
+    /// Where the pieces' unknowns would sit if all were free.
+    pub lifted: Layout,
+    /// Where the grid's unknowns sit.
+    pub columns: Columns,
+    /// Epochs of the given guess \[s\].
+    pub guess: Guess,
+}
+
+impl Setting {
+    /// Of a problem and where to start.
+    pub fn new(problem: &Problem, guess: &Guess, grid: Grid) -> Self {
+        let split = split(problem, guess, grid);
+        let lifted = Layout::new(&split.problem);
+        Self {
+            columns: Columns::new(&split, &lifted, grid),
+            grid,
+            problem: problem.clone(),
+            split,
+            lifted,
+            guess: guess.clone(),
+        }
+    }
+
+    /// The point as one of the given problem: of every arc the piece with the most samples.
+    pub fn whole(&self, place: &Place) -> Point {
+        let gravity = self.problem.gravity(&place.lifted.parameters);
+        let arcs = self.problem.arcs.iter().enumerate().map(|(arc, of)| {
+            let pieces = (0..self.split.arc_of.len()).filter(|p| self.split.arc_of[*p] == arc);
+            let samples = |piece: &usize| self.split.problem.arcs[*piece].samples.len();
+            let piece = pieces.max_by_key(samples).expect("every arc has a piece");
+            let past_s = self.guess.arcs[arc].epoch_s - self.split.epochs_s[piece];
+            let body = &self.problem.bodies[of.body];
+            flow::advance(body, &gravity, &place.lifted.arcs[piece], past_s)
+        });
+        Point {
+            arcs: arcs.collect(),
+            ..place.lifted.clone()
+        }
+    }
+}
+
+/// A value of a grid's unknowns and of all that follows from them.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// All unknowns of the lifted problem.
+    pub lifted: Point,
+    /// Velocity gaps of every collision and body, in units.
+    pub gaps: Vec<[StateTangent; 2]>,
+    /// Whether there is such a motion.
+    pub exists: bool,
+}
+
+/// What is evaluated again and again.
+pub struct Model<'a> {
+    setting: &'a Setting,
+    /// Of the lifted problem.
+    inner: Frame<'a>,
+    /// Of the grid's unknowns: what the solver's parts need of it.
+    pub outer: Frame<'a>,
+    /// Lifted system at the last place.
+    system: System,
+}
+
+impl<'a> Model<'a> {
+    /// Of a setting.
+    pub fn new(setting: &'a Setting) -> Self {
+        let split = &setting.split;
+        let epochs_s = split.epochs_s.clone();
+        let inner = Frame::new(&split.problem, &setting.lifted, epochs_s, &split.start);
+        Self {
+            system: System::new(&inner),
+            outer: Frame {
+                problem: &setting.problem,
+                layout: &setting.columns.layout,
+                epochs_s: Vec::new(),
+                sums: Vec::new(),
+            },
+            inner,
+            setting,
+        }
+    }
+
+    /// Where the arcs' own fits put it.
+    pub fn start(&self) -> Place {
+        let Setting { split, grid, .. } = self.setting;
+        let gaps = if grid.shoots() && self.gap_weight().is_some() {
+            gaps(&split.problem, split, &split.start)
+        } else {
+            vec![[StateTangent::zeros(); 2]; split.problem.collisions.len()]
+        };
+        self.followed(split.start.clone(), gaps)
+    }
+
+    /// Frame and point of the fits themselves, for what leads the way.
+    pub fn fits(&self) -> (&Frame<'a>, &Point) {
+        (&self.inner, &self.setting.split.start)
+    }
+
+    fn gap_weight(&self) -> Option<f64> {
+        self.setting.problem.velocity_gap_weight
+    }
+
+    fn followed(&self, mut lifted: Point, gaps: Vec<[StateTangent; 2]>) -> Place {
+        let Setting {
+            split,
+            grid,
+            columns,
+            ..
+        } = self.setting;
+        let exists = simulate(split, columns, *grid, &mut lifted, &gaps).is_some();
+        Place {
+            lifted,
+            gaps,
+            exists,
+        }
+    }
+
+    /// Moves a place by `delta`.
+    pub fn moved(&self, from: &Place, delta: &DVector<f64>) -> Place {
+        let Setting {
+            split,
+            columns,
+            lifted: layout,
+            ..
+        } = self.setting;
+        let mut all = DVector::zeros(layout.size());
+        let mut free = |at: usize, of: &[usize]| {
+            for (index, column) in of.iter().enumerate() {
+                all[at + index] = delta[*column];
+            }
+        };
+        for (piece, at) in layout.arcs.iter().enumerate() {
+            if !split.follows[piece] {
+                free(*at, &columns.pieces[piece]);
+            }
+        }
+        let follows = |event: usize| {
+            let collisions = split.problem.collisions.iter().zip(&columns.times_follow);
+            collisions
+                .into_iter()
+                .any(|(c, follows)| c.event == event && *follows)
+        };
+        for (event, at) in layout.events.iter().enumerate() {
+            if let Some(at) = at
+                && !follows(event)
+            {
+                free(*at, &columns.events[event]);
+            }
+        }
+        for (at, column) in layout.nodes.iter().zip(&columns.nodes) {
+            if let (Some(at), Some(column)) = (at, column) {
+                free(*at, &[*column]);
+            }
+        }
+        for (at, column) in layout.parameters.iter().zip(&columns.parameters) {
+            free(*at, &[*column]);
+        }
+        let mut lifted = from.lifted.clone();
+        lifted.retract_from(&from.lifted, &split.problem, layout, &all);
+        let mut gaps = from.gaps.clone();
+        for (index, first) in columns.gaps.iter().enumerate() {
+            let Some(first) = first else { continue };
+            for body in 0..split.problem.collisions[index].sides.len() {
+                for row in 0..GAP {
+                    gaps[index][body][GAP + row] += delta[first + GAP * body + row];
+                }
+            }
+        }
+        self.followed(lifted, gaps)
+    }
+
+    /// Lengths of a step, by which damping weighs the unknowns, in the order of the columns.
+    pub fn by_unknown(&self, of: impl Fn(Part) -> Vec<f64>, gap: f64) -> DVector<f64> {
+        let Setting { split, columns, .. } = self.setting;
+        let mut lengths = DVector::repeat(columns.layout.size(), f64::NAN);
+        let mut set = |columns: &[usize], values: &[f64]| {
+            for (column, value) in columns.iter().zip(values) {
+                lengths[*column] = *value;
+            }
+        };
+        for (piece, own) in columns.pieces.iter().enumerate() {
+            if !split.follows[piece] {
+                set(own, &of(Part::Piece(piece)));
+            }
+        }
+        for (event, own) in columns.events.iter().enumerate() {
+            if own.len() == 1 {
+                set(own, &of(Part::Event(event)));
+            }
+        }
+        for at in columns.nodes.iter().flatten() {
+            set(&[*at], &of(Part::Event(0)));
+        }
+        for (p, at) in columns.parameters.iter().enumerate() {
+            set(&[*at], &of(Part::Parameter(p)));
+        }
+        for value in lengths.iter_mut().filter(|value| value.is_nan()) {
+            *value = gap;
+        }
+        lengths
+    }
+
+    /// An empty system of the grid's unknowns.
+    pub fn system(&self) -> System {
+        System::new(&self.outer)
+    }
+
+    /// Objective and constraints at a place; an infinite objective where there is no such motion.
+    pub fn evaluate(&mut self, guidance: &Guidance, place: &Place, out: &mut System) {
+        if !place.exists {
+            out.cost = f64::INFINITY;
+            return;
+        }
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
+        self.system.evaluate(&self.inner, guidance, &place.lifted);
+        let chains = Chains::new(split, columns, *grid, &self.system);
+        out.cost = self.system.cost;
+        out.gradient.fill(0.0);
+        out.hessian.clear();
+        chains.add_objective(&self.inner, &self.system, out);
+        self.add_gaps(place, &chains, out);
+        self.fill_rows(place, &chains, out);
+    }
+
+    /// The values of the same, with derivatives that mean nothing: for methods that use none.
+    pub fn values(&mut self, guidance: &Guidance, place: &Place, out: &mut System) {
+        if !place.exists {
+            out.cost = f64::INFINITY;
+            return;
+        }
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
+        self.system.evaluate(&self.inner, guidance, &place.lifted);
+        out.cost = self.system.cost;
+        if let Some(weight) = self.gap_weight() {
+            let gaps = self
+                .system
+                .velocity_gaps
+                .iter()
+                .flat_map(|gaps| &gaps.values);
+            out.cost += 0.5 * weight * gaps.map(|v| v * v).sum::<f64>();
+        }
+        for (index, (lifted, block)) in self.system.blocks.iter().zip(&mut out.blocks).enumerate() {
+            let is_collision = index < split.problem.collisions.len();
+            let skipped = usize::from(is_collision && columns.times_follow[index]);
+            let end = match is_collision && grid.shoots() {
+                true => lifted.approach.end,
+                false => lifted.values.len(),
+            };
+            block.values.clear();
+            block.values.extend_from_slice(&lifted.values[skipped..end]);
+        }
+    }
+
+    /// The price of velocity gaps.
+    fn add_gaps(&self, place: &Place, chains: &Chains, out: &mut System) {
+        let Some(weight) = self.gap_weight() else {
+            return;
+        };
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
+        let pattern = &columns.layout.pattern;
+        for (index, gaps) in self.system.velocity_gaps.iter().enumerate() {
+            out.cost += 0.5 * weight * gaps.values.iter().map(|v| v * v).sum::<f64>();
+            if let Some(first) = columns.gaps[index] {
+                for row in 0..gaps.values.len() {
+                    let value = place.gaps[index][row / GAP][GAP + row % GAP];
+                    out.gradient[first + row] += weight * value;
+                    out.hessian.add(pattern, first + row, first + row, weight);
+                }
+                continue;
+            }
+            debug_assert!(!grid.shoots());
+            let parts = of_collision(&split.problem, index);
+            let own = &columns.layout.blocks[index];
+            let rows: Vec<usize> = (0..gaps.values.len()).collect();
+            let by = chains.chained(&rows_of(gaps, &rows), &parts, own);
+            let values = DVector::from_column_slice(&gaps.values);
+            let (pull, square) = (by.tr_mul(&values) * weight, by.tr_mul(&by) * weight);
+            for (i, at) in own.iter().enumerate() {
+                out.gradient[*at] += pull[i];
+                for (j, other) in own[..=i].iter().enumerate() {
+                    out.hessian.add(pattern, *at, *other, square[(i, j)]);
+                }
+            }
+        }
+    }
+
+    fn fill_rows(&self, place: &Place, chains: &Chains, out: &mut System) {
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
+        let problem = &split.problem;
+        let blocks = &columns.layout.blocks;
+        let mut next = 0;
+        for (index, collision) in problem.collisions.iter().enumerate() {
+            let lifted = &self.system.blocks[index];
+            let skipped = usize::from(columns.times_follow[index]);
+            let end = if grid.shoots() {
+                lifted.approach.end
+            } else {
+                lifted.values.len()
+            };
+            let rows: Vec<usize> = (skipped..end).collect();
+            let mut parts = of_collision(problem, index);
+            let mut at = 0;
+            let mut kept = Vec::new();
+            for part in parts.drain(..) {
+                let is_after = collision.sides.iter().any(|s| part == Part::Piece(s.after));
+                if !(grid.shoots() && is_after) {
+                    kept.push((at, part));
+                }
+                at += part.width();
+            }
+            let by = chains.chained_from(&rows_of(lifted, &rows), &kept, &blocks[index]);
+            let out = &mut out.blocks[index];
+            fill_block(lifted, &rows, &by, out);
+            out.approach = lifted.approach.start - skipped..lifted.approach.end - skipped;
+        }
+        next += problem.collisions.len();
+        for goal in 0..problem.goals.len() {
+            let lifted = &self.system.blocks[next];
+            let rows: Vec<usize> = (0..lifted.values.len()).collect();
+            let parts = of_goal(problem, goal);
+            let by = chains.chained(&rows_of(lifted, &rows), &parts, &blocks[next]);
+            fill_block(lifted, &rows, &by, &mut out.blocks[next]);
+            next += 1;
+        }
+        for _ in 0..problem.bounded.len() + problem.cones.len() {
+            out.blocks[next].clone_from(&self.system.blocks[next]);
+            next += 1;
+        }
+        for (left, right) in &split.joins {
+            let gap = join::between(&self.inner, &place.lifted, *left, *right);
+            let block: &mut Block = &mut out.blocks[next];
+            gap.fill(chains, (*left, *right), &blocks[next], block);
+            next += 1;
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Performances as tasks for methods: what the program's segmentation makes of them, and the best
+//! optimum known.
+
+use enact::estimate::finish::Tolerances;
+use enact::estimate::recipe::{self, Recipe};
+use enact::motion::{Sketch, Stamp, TakeEvent, VelocityGaps};
+
+use crate::case::{Case, Posed};
+use crate::methods::Task;
+use crate::starts::{Start, optimum, starts};
+
+/// A performance as a task.
+pub struct Posing {
+    /// The task.
+    pub task: Task,
+    /// After the program's segmentation.
+    pub sketch: Sketch,
+}
+
+/// The task of a performance, its best optimum from so many starts, the truth among them; why
+/// there is none, where segmentation refuses.
+pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, String> {
+    let outcome = case.estimated(&mut ()).map_err(|error| error.to_string())?;
+    let sketch = outcome.sketch;
+    let mut posed = Posed::new(case.scene(), &sketch);
+    let is_bent = case.scene().velocity_gaps == VelocityGaps::Always;
+    let mut guess = if is_bent {
+        // There is no true motion to start from.
+        posed.problem = posed.problem.bent();
+        posed.guesses[0].clone()
+    } else {
+        case.true_guess(&posed, &sketch)
+    };
+    if !posed.problem.times_are_unknown() {
+        // Stamps are rounded to nanoseconds: at the true times it would be another problem, by 1e-10.
+        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
+            arc.sample_times_s.clone_from(&own.sample_times_s);
+        }
+    }
+    let mut from = starts(&posed, &guess, seed);
+    from.truncate(starts_max);
+    // What is best is solved again, far tighter.
+    let best = from
+        .iter()
+        .filter_map(|start| Some((optimum(&posed, start)?.objective, start)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(objective, start)| tight(&posed, start).unwrap_or(objective).min(objective));
+    Ok(Posing {
+        task: Task {
+            problem: posed.problem,
+            layout: posed.layout,
+            guesses: posed.guesses,
+            best,
+            seed,
+        },
+        sketch,
+    })
+}
+
+/// The objective at tolerances near rounding.
+fn tight(posed: &Posed, start: &Start) -> Option<f64> {
+    let recipe = Recipe {
+        tolerances: Tolerances {
+            violation: 1e-12,
+            decrease: 1e-14,
+            ..Tolerances::default()
+        },
+        ..start.recipe.clone()
+    };
+    let solution = recipe::solve(
+        &posed.problem,
+        &posed.layout,
+        &start.guess,
+        &recipe,
+        &mut (),
+    );
+    let converged = solution.finished.converged;
+    converged.then_some(2.0 * solution.system.cost)
+}
+
+/// The sketch with the performer's marks as they are, in the order of the events; `None` where
+/// there are not as many.
+pub fn with_marks_as_they_are(case: &Case, sketch: &Sketch) -> Option<Sketch> {
+    let events = &case.performance.events;
+    let marks = events.iter().filter_map(|event| match event {
+        TakeEvent::Mark(mark) => Some(mark.stamp),
+        TakeEvent::Pose { .. } => None,
+    });
+    let mut marks: Vec<Stamp> = marks.collect();
+    marks.sort();
+    let sample = sketch.bodies.iter().flat_map(|body| &body.samples).next()?;
+    let mut as_they_are = sketch.clone();
+    if marks.len() != as_they_are.marks_s.len() {
+        return None;
+    }
+    for (mark_s, stamp) in as_they_are.marks_s.iter_mut().zip(marks) {
+        *mark_s = sample.acted_s + (stamp.0 - sample.stamp.0) as f64 * 1e-9;
+    }
+    Some(as_they_are)
+}
