@@ -273,10 +273,10 @@ fn figures(
         settings.repeats,
         settings.limit_s,
     );
-    // Scenes as numbers, and those of the cube at the default distortion by their bounces.
+    // Scenes in their order, and those of the cube at the default distortion by their bounces.
     let by_scene = |row: &Row| {
         let at = scenes.iter().position(|(name, _)| *name == row.scene)?;
-        Some((1 + at) as f64)
+        Some(at as f64)
     };
     let by_bounces = |row: &Row| {
         let text = row
@@ -285,17 +285,9 @@ fn figures(
             .strip_suffix(" bounces, 1×")?;
         text.parse::<f64>().ok()
     };
-    let axis = |label: &str, logarithmic| Axis {
-        label: label.to_owned(),
-        logarithmic,
-    };
-    let numbered: Vec<String> = scenes
-        .iter()
-        .enumerate()
-        .map(|(index, (name, _))| format!("{} {name}", 1 + index))
-        .collect();
-    let scene_axis = || axis("scene", false);
-    let bounce_axis = || axis("bounces", true);
+    let scene_names = || scenes.iter().map(|(name, _)| name.clone()).collect();
+    let scene_axis = || Axis::named("scene", scene_names());
+    let bounce_axis = || Axis::logarithmic("bounces");
     let figure = |name: &str, title: &str, note: String, x: Axis, y: Axis, curves| Figure {
         name: name.to_owned(),
         title: title.to_owned(),
@@ -304,23 +296,22 @@ fn figures(
         y,
         curves,
     };
-    let all_scenes = format!("{note} Scenes: {}.", numbered.join("; "));
     let ratio = |row: &Row| ratio_mark(row, settings);
     vec![
         figure(
             "peers_ratio",
             "How many times as long general solvers take for the same problem from the same start",
-            all_scenes.clone(),
+            note.clone(),
             scene_axis(),
-            axis("time over enact's", true),
+            Axis::logarithmic("time over enact's"),
             curves(&names[1..], rows, by_scene, ratio),
         ),
         figure(
             "peers_success",
             "How often the best known optimum is found",
-            all_scenes,
+            note.clone(),
             scene_axis(),
-            axis("best optimum found, %", false),
+            Axis::linear("best optimum found, %"),
             curves(names, rows, by_scene, success_mark),
         ),
         figure(
@@ -328,7 +319,7 @@ fn figures(
             "Time to the best known optimum as a cube bounces more often",
             note.clone(),
             bounce_axis(),
-            axis("time, s", true),
+            Axis::logarithmic("time, s"),
             curves(names, rows, by_bounces, |row| time_mark(row, settings)),
         ),
         figure(
@@ -336,7 +327,7 @@ fn figures(
             "How often the best known optimum is found as a cube bounces more often",
             note,
             bounce_axis(),
-            axis("best optimum found, %", false),
+            Axis::linear("best optimum found, %"),
             curves(names, rows, by_bounces, success_mark),
         ),
     ]
@@ -348,19 +339,21 @@ fn curves(
     x: impl Fn(&Row) -> Option<f64>,
     y: impl Fn(&Row) -> Mark,
 ) -> Vec<Curve> {
-    let of = |name: &String| Curve {
-        name: name.clone(),
-        points: rows
-            .iter()
-            .filter(|row| row.solver == *name)
-            .filter_map(|row| {
-                Some(Mark {
-                    x: x(row)?,
-                    setting: Some(row.scene.clone()),
-                    ..y(row)
-                })
+    let of = |name: &String| {
+        let rows = rows.iter().filter(|row| row.solver == *name);
+        let points = rows.filter_map(|row| {
+            Some(Mark {
+                x: x(row)?,
+                setting: Some(row.scene.clone()),
+                ..y(row)
             })
-            .collect(),
+        });
+        let points = points.collect();
+        if name == OWN {
+            Curve::ours(name, points)
+        } else {
+            Curve::new(name, points)
+        }
     };
     names.iter().map(of).collect()
 }
