@@ -31,7 +31,17 @@ pub struct Settings {
     pub limit_s: f64,
     /// Name of the point from which they start.
     pub from: &'static str,
+    /// Which of [`PEERS`].
+    pub peers: &'static [&'static str],
 }
+
+/// All of them, as `solvers.py` calls them.
+pub const PEERS: &[&str] = &[
+    "CasADi, IPOPT",
+    "CasADi, SQP",
+    "Drake, SNOPT",
+    "Drake, IPOPT",
+];
 
 /// What came back.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -129,6 +139,7 @@ pub fn solve(problems: &[export::Problem], settings: &Settings) -> Result<Option
         .args(["--repeats", &settings.repeats.to_string()])
         .args(["--limit", &settings.limit_s.to_string()])
         .args(["--from", settings.from])
+        .args(["--peers", &settings.peers.join("|")])
         .status()
         .context("cannot run the peers")?;
     if !status.success() {
@@ -147,12 +158,13 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let (distortions, seeds): (&[f64], u64) = if options.quick {
         (&[1.0], 1)
     } else {
-        (&[1.0, 2.0, 4.0], 8)
+        (&[1.0, 2.0, 4.0], 6)
     };
     let settings = Settings {
         repeats: if options.quick { 2 } else { 3 },
         limit_s: if options.quick { 0.5 } else { 2.0 },
         from: "start",
+        peers: PEERS,
     };
     let mut scenes = Vec::new();
     let mut problems = Vec::new();

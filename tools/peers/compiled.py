@@ -14,7 +14,7 @@ import formulas
 
 HERE = pathlib.Path(__file__).parent
 BUILD = HERE / "build"
-FLAGS = ["-march=native", "-fno-math-errno", "-fPIC"]
+FLAGS = ["-fno-math-errno", "-fPIC"]
 # What is called once per sample; what is called once per event is so long that gcc would take
 # minutes at -O3, for little.
 LEVELS = {"often": "-O3", "seldom": "-O1"}
