@@ -12,6 +12,8 @@ const END_S: f64 = 0.6;
 const BOUNCE_S: std::ops::Range<f64> = 0.2..0.45;
 /// and not again before the end and this [s].
 const CLEAR_S: f64 = 0.02;
+/// Bounces are further apart than this [s].
+const APART_S: f64 = 0.001;
 /// From cube to cube [m].
 const SPACING_M: f64 = 1.0;
 
@@ -22,7 +24,13 @@ pub fn crowd(count: usize) -> Case {
         if cubes.len() == count {
             break;
         }
-        cubes.extend(bounces(1, seed).ok().filter(fits));
+        let is_apart = |cube: &Truth| {
+            let bounce_s = cube.event_times_s[0];
+            let mut others = cubes.iter().map(|other| other.event_times_s[0]);
+            others.all(|other_s| (other_s - bounce_s).abs() > APART_S)
+        };
+        let cube = bounces(1, seed).ok().filter(fits);
+        cubes.extend(cube.filter(is_apart));
     }
     // In the order of their bounces.
     cubes.sort_by(|a, b| a.event_times_s[0].total_cmp(&b.event_times_s[0]));
