@@ -17,7 +17,7 @@ const APART_S: f64 = 0.001;
 /// From cube to cube [m].
 const SPACING_M: f64 = 1.0;
 
-/// So many cubes; a quarter of the wander, marks with names.
+/// So many cubes; the tracker's noise and no wander, marks with names.
 pub fn crowd(count: usize) -> Case {
     let mut cubes: Vec<Truth> = Vec::new();
     for seed in 1.. {
@@ -62,10 +62,10 @@ pub fn crowd(count: usize) -> Case {
     });
     let truth = simulate(&scene, &[], &initial, END_S).expect("they bounced before");
     let acting = Acting {
-        distortion: 0.25,
-        marks_named: true,
-        // Bounces are milliseconds apart, and marks are to be in their order.
+        // Bounces are milliseconds apart, marks and estimates are to be in their order.
+        distortion: 0.0,
         mark_error_s: 0.0,
+        marks_named: true,
         ..Acting::timing_known()
     };
     Case::new(&truth, &acting, 1)
