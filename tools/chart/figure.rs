@@ -120,6 +120,7 @@ pub struct Mark {
     #[serde(deserialize_with = "or_nan")]
     pub y: f64,
     /// Spread of `y` over repeats: least and greatest.
+    #[serde(default, deserialize_with = "both_or_none")]
     pub spread: Option<[f64; 2]>,
     /// The setting, where it has a name.
     pub setting: Option<String>,
@@ -141,6 +142,12 @@ impl Mark {
 /// JSON has no number for what is none.
 fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+/// A spread with an end that is no number is none.
+fn both_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f64; 2]>, D::Error> {
+    let ends = Option::<[Option<f64>; 2]>::deserialize(deserializer)?;
+    Ok(ends.and_then(|[least, greatest]| Some([least?, greatest?])))
 }
 
 /// A table for the page.

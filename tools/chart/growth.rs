@@ -2,8 +2,10 @@
 
 mod crowd;
 
+use std::env;
 use std::fs;
 use std::hint::black_box;
+use std::process::Command;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -40,23 +42,17 @@ struct Sweep {
     case: fn(usize) -> Option<Case>,
 }
 
-/// Sizes are not made larger once one takes this long [s].
-const LONG_S: f64 = 15.0;
-
-/// Runs it.
-pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+/// All of them.
+fn sweeps(quick: bool) -> [Sweep; 4] {
     let powers =
         |last: i32| (4..=last).map(|half| 10f64.powf(0.5 * f64::from(half)).round() as usize);
-    let (known, unknown) = if options.quick { (8, 6) } else { (12, 9) };
-    let most = if options.quick { 30 } else { 1000 };
-    let crowded = if options.quick { 8 } else { 64 };
+    let (known, unknown) = if quick { (8, 6) } else { (12, 9) };
+    let (most, crowded) = if quick { (30, 8) } else { (1000, 64) };
     let upto = |counts: &[usize], most: usize| {
         let counts = counts.iter().copied();
-        counts
-            .filter(|count| *count <= most)
-            .collect::<Vec<usize>>()
+        counts.filter(|count| *count <= most).collect()
     };
-    let sweeps = [
+    [
         Sweep {
             name: "samples",
             curve: "timing known",
@@ -81,13 +77,21 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
             counts: upto(&[1, 2, 4, 8, 16, 32, 64], crowded),
             case: |count| Some(crowd::crowd(count)),
         },
-    ];
+    ]
+}
+
+/// Sizes are not made larger once one takes this long [s].
+const LONG_S: f64 = 15.0;
+
+/// Runs it.
+pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+    let sweeps = sweeps(options.quick);
     let mut all = Vec::new();
     for sweep in &sweeps {
         all.push((
             sweep.name,
             sweep.curve,
-            grown(sweep, if options.quick { 1 } else { 5 }),
+            grown(sweep, if options.quick { 1 } else { 3 }),
         ));
     }
     for (name, label, title) in [
@@ -125,9 +129,8 @@ fn grown(sweep: &Sweep, runs: usize) -> Vec<Grown> {
             eprintln!("{}: no case of {count}", sweep.curve);
             continue;
         };
-        let watch = Memory::reset();
         let size = scaling::size(sweep.curve, &case, runs);
-        let memory_bytes = watch.and_then(|watch| watch.peak());
+        let memory_bytes = memory_of_another(sweep.curve, *count);
         let Some(size) = size else { continue };
         let is_long = size.total_s > LONG_S;
         all.push(Grown {
@@ -146,24 +149,29 @@ fn grown(sweep: &Sweep, runs: usize) -> Vec<Grown> {
     all
 }
 
-/// Memory of this process, as the system counts it.
-struct Memory {
-    before_bytes: u64,
+/// What [`peak_bytes`] says in a process of its own: one that has estimated before uses again what
+/// it has kept.
+fn memory_of_another(curve: &str, count: usize) -> Option<u64> {
+    let output = Command::new(env::current_exe().ok()?)
+        .args(["--memory", &format!("{count} {curve}")])
+        .output()
+        .ok()?;
+    String::from_utf8(output.stdout).ok()?.trim().parse().ok()
 }
 
-impl Memory {
-    /// Begins to watch for the peak.
-    fn reset() -> Option<Self> {
-        fs::write("/proc/self/clear_refs", "5").ok()?;
-        Some(Self {
-            before_bytes: status("VmRSS:")?,
-        })
-    }
-
-    /// Beyond what was in use at the beginning.
-    fn peak(&self) -> Option<u64> {
-        Some(status("VmHWM:")?.saturating_sub(self.before_bytes))
-    }
+/// The most memory in use during one estimate beyond what was before it \[bytes\]; the size by its
+/// count and the name of its curve.
+pub fn peak_bytes(size: &str) -> Option<u64> {
+    let (count, curve) = size.split_once(' ')?;
+    let sweeps = sweeps(false);
+    let sweep = sweeps.iter().find(|sweep| sweep.curve == curve)?;
+    let case = (sweep.case)(count.parse().ok()?)?;
+    fs::write("/proc/self/clear_refs", "5").ok()?;
+    let before_bytes = status("VmRSS:")?;
+    let estimated = case.estimated(&mut ());
+    let peak_bytes = status("VmHWM:")?;
+    estimated.ok()?;
+    Some(peak_bytes.saturating_sub(before_bytes))
 }
 
 /// A figure of the process's status [bytes].
@@ -217,7 +225,7 @@ fn times(name: &str, label: &str, title: &str, all: &[&Sized]) -> Figure {
     Figure {
         name: format!("growth_{name}"),
         title: title.to_owned(),
-        note: "Fastest of up to five runs, bars to their median. Powers are fitted over the upper half of \
+        note: "Fastest of up to three runs, bars to their median. Powers are fitted over the upper half of \
                the sizes. A cross: the estimate did not end as a physical motion."
             .to_owned(),
         x: Axis::logarithmic(label),
@@ -240,10 +248,10 @@ fn memory(name: &str, label: &str, all: &[&Sized]) -> Figure {
     }
     Figure {
         name: format!("growth_{name}_memory"),
-        title: format!("Most memory in use during an estimate, beyond what was before it, against {name}"),
-        note: "As the system counts it (VmHWM), in pages of 4 kB; what the process keeps from earlier \
-               estimates is used again and not counted, so that small sizes read too low."
-            .to_owned(),
+        title: format!(
+            "Most memory in use during an estimate, beyond what was before it, against {name}"
+        ),
+        note: "As the system counts it (VmHWM), each in a process of its own.".to_owned(),
         x: Axis::logarithmic(label),
         y: Axis::logarithmic("memory [MB]"),
         curves,

@@ -78,6 +78,9 @@ pub struct Options {
     /// Measures nothing: draws the figures and makes the page from the numbers that are there.
     #[arg(long)]
     pub draw: bool,
+    /// Says how much memory one estimate takes, for the part that asks it of another process.
+    #[arg(long, hide = true)]
+    pub memory: Option<String>,
     /// Where the charts go.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/charts"))]
     pub folder: PathBuf,
@@ -99,6 +102,11 @@ const PARTS: &[Part] = &[
 
 fn main() -> Result<()> {
     let options = Options::parse();
+    if let Some(size) = &options.memory {
+        let bytes = growth::peak_bytes(size);
+        println!("{}", bytes.map_or(String::new(), |bytes| bytes.to_string()));
+        return Ok(());
+    }
     let mut book = Book::open(&options.folder)?;
     for (name, run) in PARTS {
         let is_wanted = options.only.as_ref().is_none_or(|only| name.contains(only));

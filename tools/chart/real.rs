@@ -341,7 +341,7 @@ fn predictions(
             title: format!("What is predicted of the {what} after the first impact, from before it"),
             note: format!(
                 "{} real tosses, {refused} more without a predicted impact. From the first flight alone; every \
-                 later contact is an impact by the same law. Medians, bars from quartile to quartile.",
+                 later contact is an impact by the same law. The moment and the corners' radius are common to all tosses, restitution and friction are the other tosses'. Medians, bars from quartile to quartile.",
                 tosses.len() - refused
             ),
             x: Axis::linear("time since the impact [ms]"),

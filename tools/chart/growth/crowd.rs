@@ -12,17 +12,25 @@ const END_S: f64 = 0.6;
 const BOUNCE_S: std::ops::Range<f64> = 0.2..0.45;
 /// and not again before the end and this [s].
 const CLEAR_S: f64 = 0.02;
+/// Bounces are further apart than this [s].
+const APART_S: f64 = 0.001;
 /// From cube to cube [m].
 const SPACING_M: f64 = 1.0;
 
-/// So many cubes; a quarter of the wander, marks with names.
+/// So many cubes; the tracker's noise and no wander, marks with names.
 pub fn crowd(count: usize) -> Case {
     let mut cubes: Vec<Truth> = Vec::new();
     for seed in 1.. {
         if cubes.len() == count {
             break;
         }
-        cubes.extend(bounces(1, seed).ok().filter(fits));
+        let is_apart = |cube: &Truth| {
+            let bounce_s = cube.event_times_s[0];
+            let mut others = cubes.iter().map(|other| other.event_times_s[0]);
+            others.all(|other_s| (other_s - bounce_s).abs() > APART_S)
+        };
+        let cube = bounces(1, seed).ok().filter(fits);
+        cubes.extend(cube.filter(is_apart));
     }
     // In the order of their bounces.
     cubes.sort_by(|a, b| a.event_times_s[0].total_cmp(&b.event_times_s[0]));
@@ -54,10 +62,10 @@ pub fn crowd(count: usize) -> Case {
     });
     let truth = simulate(&scene, &[], &initial, END_S).expect("they bounced before");
     let acting = Acting {
-        distortion: 0.25,
-        marks_named: true,
-        // Bounces are milliseconds apart, and marks are to be in their order.
+        // Bounces are milliseconds apart, marks and estimates are to be in their order.
+        distortion: 0.0,
         mark_error_s: 0.0,
+        marks_named: true,
         ..Acting::timing_known()
     };
     Case::new(&truth, &acting, 1)
