@@ -14,7 +14,8 @@ use case::{Case, Posed};
 use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::system::Guidance;
-use methods::model::{Model, Setting};
+use methods::model::Model;
+use methods::setting::Setting;
 use methods::{Answer, Grid, Method, Task, stages};
 use nalgebra::DVector;
 use perform::{Acting, Style, bounces, die, flips, hat_box};
@@ -93,7 +94,7 @@ fn derivatives_are_those_of_the_values() {
                 // A tenth of a millisecond, of a millimetre, …
                 let scale = model.by_unknown(
                     |part| match part {
-                        methods::columns::Part::Piece(_) => vec![1e-2; 12],
+                        methods::parts::Part::Piece(_) => vec![1e-2; 12],
                         _ => vec![1e-4],
                     },
                     1e-2,

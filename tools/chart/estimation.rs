@@ -8,18 +8,10 @@ use enact::estimate::finish::Tolerances;
 use crate::case::Case;
 use crate::figure::{Axis, Curve, Figure, Mark};
 use crate::methods::{Answer, Grid, Method, Task};
-use crate::perform::{Acting, Style, Truth, bounces, die, flips, hat_box};
+use crate::scenes::{Scene, scenes};
 use crate::statistics::quantile;
 use crate::tasks::posing;
 use crate::{Book, Options};
-
-/// A scene, acted in one way.
-struct Scene {
-    name: &'static str,
-    title: &'static str,
-    acting: Acting,
-    truth: fn(u64) -> Truth,
-}
 
 /// What varies along a curve.
 #[derive(Clone, Copy)]
@@ -50,61 +42,6 @@ const NEAR: f64 = 1e-4;
 /// Repeats of a solve, of which the fastest counts, until they take this long together [s].
 const REPEATS: usize = 5;
 const ENOUGH_S: f64 = 0.02;
-
-fn scenes() -> Vec<Scene> {
-    let (known, unknown) = (Acting::timing_known(), Acting::default());
-    let scene = |name, title, acting, truth| Scene {
-        name,
-        title,
-        acting,
-        truth,
-    };
-    vec![
-        scene("pencil_tip", "a pencil, tip first", known, |_| {
-            Style::Tip.truth()
-        }),
-        scene("pencil_eraser", "a pencil, eraser first", known, |_| {
-            Style::Eraser.truth()
-        }),
-        scene("cube_2", "a cube, two bounces", known, |seed| cube(2, seed)),
-        scene("cube_6", "a cube, six bounces", known, |seed| cube(6, seed)),
-        scene("cube_12", "a cube, twelve bounces", known, |seed| {
-            cube(12, seed)
-        }),
-        scene(
-            "die",
-            "a die, six faces asked for",
-            Acting::edited(),
-            |_| die::reference(),
-        ),
-        scene("hat_box", "a hat and a box", known, |_| hat_box::truth()),
-        scene("brick", "a brick that flips twice", known, |seed| {
-            flips(2, seed).expect("a flipping brick")
-        }),
-        scene(
-            "pencil_tip_unknown",
-            "a pencil, tip first, timing unknown",
-            unknown,
-            |_| Style::Tip.truth(),
-        ),
-        scene(
-            "cube_4_unknown",
-            "a cube, four bounces, timing unknown",
-            unknown,
-            |seed| cube(4, seed),
-        ),
-        scene(
-            "hat_box_unknown",
-            "a hat and a box, timing unknown",
-            unknown,
-            |_| hat_box::truth(),
-        ),
-    ]
-}
-
-fn cube(count: usize, seed: u64) -> Truth {
-    bounces(count, seed).expect("a bouncing cube")
-}
 
 /// Makes one figure for each scene.
 pub fn run(options: &Options, book: &mut Book) -> Result<()> {

@@ -16,6 +16,7 @@ mod figure;
 mod methods;
 #[path = "../perform/mod.rs"]
 mod perform;
+mod scenes;
 #[path = "../study/starts.rs"]
 mod starts;
 #[path = "../study/statistics.rs"]

@@ -2,7 +2,8 @@
 //! stages, judged alike.
 //!
 //! [`split`] says where a method holds states, [`touch`] lets it begin, [`simulate`] what follows from them, [`columns`] where
-//! the unknowns sit, [`chain`] and [`join`] how derivatives reach them, [`model`] puts it together;
+//! the unknowns sit, [`chain`], [`objective`] and [`join`] how derivatives reach them, [`model`] puts
+//! it together ([`setting`]); [`parts`] and [`rows`] are how the program's rows are read;
 //! [`descent`], [`finish`] and [`stages`] are the program's recipe over any of these grids,
 //! [`evolution`] samples. A [`task`] is what one is asked, and what it answers.
 #![allow(dead_code, reason = "no part and no test uses all of it")]
@@ -14,6 +15,10 @@ pub mod evolution;
 pub mod finish;
 pub mod join;
 pub mod model;
+pub mod objective;
+pub mod parts;
+pub mod rows;
+pub mod setting;
 pub mod simulate;
 pub mod split;
 pub mod stages;

@@ -12,7 +12,8 @@ use enact::physics::Body;
 use enact::physics::body::Symmetry;
 use nalgebra::Vector3;
 
-use super::model::{Model, Setting};
+use super::model::Model;
+use super::setting::Setting;
 use super::split::Grid;
 use super::{Judged, evolution, judged, stages};
 
