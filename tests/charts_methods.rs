@@ -14,9 +14,9 @@ use case::{Case, Posed};
 use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::system::Guidance;
-use methods::Grid;
-use methods::model::{Model, Setting};
-use methods::stages;
+use methods::model::Model;
+use methods::setting::Setting;
+use methods::{Answer, Grid, Method, Task, stages};
 use nalgebra::DVector;
 use perform::{Acting, Style, bounces, die, flips, hat_box};
 
@@ -94,7 +94,7 @@ fn derivatives_are_those_of_the_values() {
                 // A tenth of a millisecond, of a millimetre, …
                 let scale = model.by_unknown(
                     |part| match part {
-                        methods::columns::Part::Piece(_) => vec![1e-2; 12],
+                        methods::parts::Part::Piece(_) => vec![1e-2; 12],
                         _ => vec![1e-4],
                     },
                     1e-2,
@@ -183,6 +183,33 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
                 "{name}, {grid:?}: {:e}",
                 judged.violation
             );
+        }
+    }
+}
+
+/// The best of one bounce of a cube, and of the pencil, by methods that share no step with the program.
+#[test]
+fn sampling_and_the_general_flow_end_there_too() {
+    let known = slightly(Acting::timing_known());
+    let cube = bounces(1, 3).expect("a bouncing cube");
+    for (case, evaluations, near) in [
+        (Case::new(&cube, &known, 3), 5_000, 1e-9),
+        (Case::pencil(Style::Tip, &known, 3), 30_000, 1e-6),
+    ] {
+        let posed = posed(&case);
+        let task = Task {
+            problem: posed.problem,
+            layout: posed.layout,
+            guesses: posed.guesses,
+            best: None,
+            seed: 3,
+        };
+        let answer = |method| -> Answer { task.answer(method, &Tolerances::default()) };
+        let best = answer(Method::Program).judged.objective;
+        let others = [Method::Sampling(evaluations), Method::FullFlow].map(answer);
+        for (other, near) in others.iter().zip([near, 1e-8]) {
+            assert!(other.succeeds(best), "{other:?}");
+            assert!(other.error(best) < near, "{other:?} for {best}");
         }
     }
 }

@@ -6,8 +6,9 @@ use enact::estimate::system::{Guidance, System};
 use enact::math::envelope::Envelope;
 use nalgebra::DVector;
 
-use super::columns::Part;
-use super::model::{Model, Place};
+use super::model::Model;
+use super::parts::Part;
+use super::setting::Place;
 
 /// Lengths of the damping: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s]; times [s]; velocity gaps [units]. The program's.

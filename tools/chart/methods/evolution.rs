@@ -11,8 +11,9 @@ use enact::estimate::merit::Price;
 use enact::estimate::system::Guidance;
 use nalgebra::DVector;
 
-use super::columns::Part;
-use super::model::{Model, Place};
+use super::model::Model;
+use super::parts::Part;
+use super::setting::Place;
 
 /// Size of the first samples: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s]; times [s]; velocity gaps [units].

@@ -7,7 +7,8 @@ use enact::estimate::system::{Frame, Guidance, System};
 use enact::math::envelope::Envelope;
 use nalgebra::DVector;
 
-use super::model::{Model, Place};
+use super::model::Model;
+use super::setting::Place;
 
 /// Constants of the program's finish.
 const DAMPING: f64 = 1e-9;

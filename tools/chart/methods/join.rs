@@ -10,7 +10,7 @@ use enact::physics::state::part;
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 
 use super::chain::Chains;
-use super::columns::{Part, gravity};
+use super::parts::{Part, gravity};
 use super::simulate::units;
 
 /// Twelve rows, in units, and their derivatives by both pieces' states and by gravity.

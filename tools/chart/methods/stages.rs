@@ -11,7 +11,8 @@ use enact::estimate::system::{Guidance, System};
 
 use super::descent::Descent;
 use super::finish::Finish;
-use super::model::{Model, Place};
+use super::model::Model;
+use super::setting::Place;
 
 /// A violation that the greatest weight leaves only where there is nothing better, in units.
 const HOPELESS: f64 = 1.0;

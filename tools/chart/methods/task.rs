@@ -12,7 +12,8 @@ use enact::physics::Body;
 use enact::physics::body::Symmetry;
 use nalgebra::Vector3;
 
-use super::model::{Model, Setting};
+use super::model::Model;
+use super::setting::Setting;
 use super::split::Grid;
 use super::{Judged, evolution, judged, stages};
 
@@ -45,7 +46,7 @@ impl Method {
         match self {
             Method::Program => "sliding grid, lifted event times (enact)".into(),
             Method::FullFlow => "enact with the general flow for every body".into(),
-            Method::Over(Grid::Lifted) => "sliding grid, lifted, in the study's code".into(),
+            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (study's code)".into(),
             Method::Over(Grid::Implicit) => "sliding grid, implicit event times".into(),
             Method::Over(Grid::Shooting { .. }) => "single shooting".into(),
             Method::Multiple(1) => "multiple shooting, an interval per flight".into(),

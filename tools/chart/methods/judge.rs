@@ -1,0 +1,28 @@
+//! One judgement for all methods.
+
+use enact::estimate::layout::Layout;
+use enact::estimate::point::Point;
+use enact::estimate::problem::Problem;
+use enact::estimate::recipe;
+use enact::estimate::system::{Frame, Guidance, System};
+use enact::motion::Guess;
+
+/// What an answer is worth, by the program's own objective and constraints.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    /// Sum of squared residuals.
+    pub objective: f64,
+    /// Largest violation of any constraint, in units.
+    pub violation: f64,
+}
+
+/// Judges a point of a problem; not finite where the point is not.
+pub fn judged(problem: &Problem, layout: &Layout, guess: &Guess, point: &Point) -> Judged {
+    let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
+    let mut system = System::new(&frame);
+    system.evaluate(&frame, &Guidance::none(problem), point);
+    Judged {
+        objective: 2.0 * system.cost,
+        violation: system.violation(),
+    }
+}
