@@ -41,6 +41,7 @@ mod scale;
 #[path = "../study/scaling.rs"]
 #[allow(dead_code, reason = "its own study is not run here")]
 mod scaling;
+mod scenes;
 #[path = "../study/starts.rs"]
 mod starts;
 #[path = "../study/statistics.rs"]
