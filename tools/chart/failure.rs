@@ -2,7 +2,8 @@
 //!
 //! [`cases`] makes every problem once, with where to start and the best known answer, so that other
 //! solvers may be asked the same. Marks and outliers act before any solve: all methods get what the
-//! program's segmentation makes of them, unless a curve says otherwise.
+//! program's segmentation makes of them, unless a curve says otherwise. General solvers ([`peers`]) are
+//! asked where they are installed.
 
 use std::time::Instant;
 
@@ -17,15 +18,19 @@ use rayon::prelude::*;
 use crate::case::{Case, Posed};
 use crate::figure::{Axis, Curve, Figure, Mark};
 use crate::methods::{Answer, Grid, Method, Task};
+use crate::peers::{self, PEERS};
 use crate::tasks::{posing, with_marks_as_they_are};
 use crate::troubles::{Trouble, troubles};
-use crate::{Book, Options};
+use crate::{Book, Options, export};
 
 /// Performances of each setting.
 const SEEDS: u64 = 24;
 /// Evaluations of the evolution strategy, and the most performances that it is asked.
 const EVALUATIONS: usize = 30_000;
 const SAMPLED: u64 = 6;
+/// The most performances that peers are asked, and how long they may take [s].
+const PEERED: u64 = 6;
+const LIMIT_S: f64 = 1.0;
 /// Where a turn has no closed form an evaluation takes thirty times as long: a tenth of them.
 const SHARE: usize = 10;
 /// Starts among which the best optimum is.
@@ -46,6 +51,8 @@ pub struct Asked {
     pub task: Option<Task>,
     /// The same with the performer's marks as they are.
     as_they_are: Option<Posed>,
+    /// What peers make of it, those that were asked.
+    peers: Vec<peers::Answer>,
 }
 
 /// Every problem of this part, trouble by trouble, setting by setting.
@@ -73,6 +80,7 @@ pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Asked> {
             seed,
             task,
             as_they_are: raw,
+            peers: Vec::new(),
         })
     });
     made.collect()
@@ -84,16 +92,44 @@ fn as_they_are(case: &Case, sketch: &Sketch) -> Option<Posed> {
     Some(Posed::new(case.scene(), &sketch))
 }
 
+/// Asks the peers for the same, in two processes: here only success counts.
+fn ask_peers(asked: &mut [Asked], quick: bool) -> Result<()> {
+    let seeds = if quick { 1 } else { PEERED };
+    let mut given: Vec<&mut Asked> = asked
+        .iter_mut()
+        .filter(|asked| asked.seed < seeds && asked.task.is_some())
+        .collect();
+    let settings = peers::Settings {
+        repeats: 1,
+        limit_s: LIMIT_S,
+        tolerance: 1e-8,
+        from: "start",
+        peers: PEERS,
+    };
+    let half = given.len().div_ceil(2).max(1);
+    let halves = given.par_chunks_mut(half).map(|asked| -> Result<()> {
+        let tasks = asked.iter().filter_map(|asked| asked.task.as_ref());
+        let problem =
+            |task: &Task| export::problem("", &task.problem, &task.layout, &task.guesses[0], &[]);
+        let problems: Vec<export::Problem> = tasks.map(problem).collect();
+        let report = peers::solve(&problems, &settings)?;
+        for answer in report.into_iter().flat_map(|report| report.answers) {
+            asked[answer.problem].peers.push(answer);
+        }
+        Ok(())
+    });
+    halves.collect()
+}
+
 /// Makes one figure for each trouble.
 pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let troubles = troubles();
     let begin = Instant::now();
-    let asked = cases(&troubles, options.quick);
-    eprintln!(
-        "  {} problems: {:.1} s",
-        asked.len(),
-        begin.elapsed().as_secs_f64()
-    );
+    let mut asked = cases(&troubles, options.quick);
+    let seconds = || begin.elapsed().as_secs_f64();
+    eprintln!("  {} problems: {:.1} s", asked.len(), seconds());
+    ask_peers(&mut asked, options.quick)?;
+    eprintln!("  peers: {:.1} s", seconds());
     for (index, trouble) in troubles.iter().enumerate() {
         let asked: Vec<&Asked> = asked.iter().filter(|a| a.trouble == index).collect();
         let begin = Instant::now();
@@ -120,13 +156,18 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
         evaluations
     };
     let methods = methods(is_known, evaluations);
-    let rates = rates(trouble, asked, &methods);
-    let curves = methods.iter().zip(rates);
-    let curves = curves.map(|(method, points)| match method {
-        Method::Program => Curve::ours(method.name(), points),
-        _ => Curve::new(method.name(), points),
-    });
-    let mut curves: Vec<Curve> = curves.collect();
+    let mut rates = rates(trouble, asked, &methods);
+    let of_peers = PEERS.iter().zip(rates.split_off(methods.len()));
+    let of_peers = of_peers.filter(|(_, points)| !points.is_empty());
+    let of_peers = of_peers.map(|(name, points)| Curve::new(*name, points));
+    let curves = methods
+        .iter()
+        .zip(rates)
+        .map(|(method, points)| match method {
+            Method::Program => Curve::ours(method.name(), points),
+            _ => Curve::new(method.name(), points),
+        });
+    let mut curves: Vec<Curve> = curves.chain(of_peers).collect();
     if trouble.acts_before {
         let points = trouble.settings.iter().enumerate().map(|(setting, x)| {
             let asked: Vec<&&Asked> = asked.iter().filter(|a| a.setting == setting).collect();
@@ -141,7 +182,7 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
         title: format!("How often the best optimum is found: {}", trouble.what),
         note: format!(
             "Up to {} performances of each setting (evolution strategy: {SAMPLED}, {evaluations} \
-             evaluations). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
+             evaluations; peers: {PEERED}, at most {LIMIT_S} s each). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
              the best of all methods and {STARTS} starts, the truth among them. Bars: 95 % intervals (Wilson). All methods \
              get the program's segmentation{}.",
             if quick { 2 } else { SEEDS },
@@ -175,43 +216,60 @@ fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
     all
 }
 
-/// Success rates of every method at every setting. The best known answer is that of the starts or
-/// of any method.
-fn rates(trouble: &Trouble, asked: &[&Asked], methods: &[Method]) -> Vec<Vec<Mark>> {
-    let is_asked = |method: &Method, asked: &Asked| match method {
+/// Whether each method and then each peer ends at the best known answer, that of the starts or of any
+/// of them; `None` of those that were not asked.
+fn judge(asked: &Asked, methods: &[Method]) -> Vec<Option<bool>> {
+    let is_asked = |method: &Method| match method {
         Method::Sampling(_) => asked.seed < SAMPLED,
         _ => true,
     };
-    let succeed = asked.par_iter().map(|asked| {
-        let Some(task) = &asked.task else {
-            return vec![false; methods.len()];
-        };
-        let answers = methods.iter().map(|method| {
-            is_asked(method, asked).then(|| task.answer(*method, &Tolerances::default()))
-        });
-        let answers: Vec<Option<Answer>> = answers.collect();
-        let best = task.best.unwrap_or(f64::INFINITY);
-        let best = answers
-            .iter()
-            .flatten()
-            .fold(best, |best, answer| answer.lowers(best));
-        let good = answers.iter();
-        good.map(|answer| answer.as_ref().is_some_and(|a| a.succeeds(best)))
-            .collect()
+    let asked_methods = methods.iter().map(is_asked);
+    let Some(task) = &asked.task else {
+        let asked_peers = PEERS.iter().map(|_| asked.seed < PEERED);
+        let all = asked_methods.chain(asked_peers);
+        return all.map(|is_asked| is_asked.then_some(false)).collect();
+    };
+    let answers = methods.iter().zip(asked_methods);
+    let answers: Vec<Option<Answer>> = answers
+        .map(|(method, is_asked)| is_asked.then(|| task.answer(*method, &Tolerances::default())))
+        .collect();
+    let motions = asked.peers.iter().filter(|answer| answer.is_motion());
+    let best = motions
+        .filter_map(|answer| answer.objective)
+        .fold(task.best.unwrap_or(f64::INFINITY), f64::min);
+    let best = answers
+        .iter()
+        .flatten()
+        .fold(best, |best, answer| answer.lowers(best));
+    let of_methods = answers
+        .iter()
+        .map(|answer| Some(answer.as_ref()?.succeeds(best)));
+    let of_peers = PEERS.iter().map(|name| {
+        let answer = asked.peers.iter().find(|answer| answer.peer == *name)?;
+        Some(answer.is_success(best))
     });
-    let succeed: Vec<Vec<bool>> = succeed.collect();
-    let rates = methods.iter().enumerate().map(|(index, method)| {
+    of_methods.chain(of_peers).collect()
+}
+
+/// Success rates at every setting, of methods and then of peers; nothing of those that were given no
+/// problem.
+fn rates(trouble: &Trouble, asked: &[&Asked], methods: &[Method]) -> Vec<Vec<Mark>> {
+    let judged = asked.par_iter().map(|asked| judge(asked, methods));
+    let judged: Vec<Vec<Option<bool>>> = judged.collect();
+    let column = |index: usize| {
+        let rows = || asked.iter().zip(&judged);
+        if !rows().any(|(asked, good)| asked.task.is_some() && good[index].is_some()) {
+            return Vec::new();
+        }
         let settings = trouble.settings.iter().enumerate();
-        settings
-            .map(|(setting, x)| {
-                let here = asked.iter().zip(&succeed);
-                let here = here.filter(|(a, _)| a.setting == setting && is_asked(method, a));
-                let good: Vec<bool> = here.map(|(_, succeed)| succeed[index]).collect();
-                rate(*x, good.iter().filter(|good| **good).count(), good.len())
-            })
-            .collect()
-    });
-    rates.collect()
+        let points = settings.map(|(setting, x)| {
+            let here = rows().filter(|(asked, _)| asked.setting == setting);
+            let good: Vec<bool> = here.filter_map(|(_, good)| good[index]).collect();
+            rate(*x, good.iter().filter(|good| **good).count(), good.len())
+        });
+        points.collect()
+    };
+    (0..methods.len() + PEERS.len()).map(column).collect()
 }
 
 /// Whether the answer with marks as they are, gone on from after they are refined, is the best.
