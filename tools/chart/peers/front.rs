@@ -38,6 +38,9 @@ struct Subject {
 /// Time and distance of a solve; no distance where there is no end.
 type Reached = (f64, Option<f64>);
 
+/// What is performed at a seed.
+type Performed = Box<dyn Fn(u64) -> Truth>;
+
 /// Keeps a figure for each of some scenes.
 pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Result<()> {
     let (tolerances, seeds) = if options.quick {
@@ -45,7 +48,7 @@ pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Resul
     } else {
         (TOLERANCES, 5)
     };
-    let truths: [(&str, &str, Box<dyn Fn(u64) -> Truth>); 3] = [
+    let truths: [(&str, &str, Performed); 3] = [
         (
             "tip",
             "a pencil, tip first",
