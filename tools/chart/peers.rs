@@ -5,6 +5,7 @@
 //! peers, and that is said.
 
 mod account;
+mod front;
 pub mod scenes;
 
 use std::fs;
@@ -29,6 +30,9 @@ pub struct Settings {
     pub repeats: usize,
     /// Longest time of a solve; what takes longer has failed [s].
     pub limit_s: f64,
+    /// At which violation of constraints they may end [units]; each has a tolerance of optimality
+    /// that goes with it.
+    pub tolerance: f64,
     /// Name of the point from which they start.
     pub from: &'static str,
     /// Which of [`PEERS`].
@@ -138,6 +142,7 @@ pub fn solve(problems: &[export::Problem], settings: &Settings) -> Result<Option
         .arg(&answers)
         .args(["--repeats", &settings.repeats.to_string()])
         .args(["--limit", &settings.limit_s.to_string()])
+        .args(["--tolerance", &settings.tolerance.to_string()])
         .args(["--from", settings.from])
         .args(["--peers", &settings.peers.join("|")])
         .status()
@@ -163,6 +168,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let settings = Settings {
         repeats: if options.quick { 2 } else { 3 },
         limit_s: if options.quick { 0.5 } else { 2.0 },
+        tolerance: 1e-8,
         from: "start",
         peers: PEERS,
     };
@@ -186,6 +192,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
         return Ok(());
     };
     account::show(&scenes, &owns, &report, &settings, (options, book))?;
+    front::run(&settings, (options, book))?;
     // Formulas that were wrong would fail from there too.
     let control = Settings {
         repeats: 1,

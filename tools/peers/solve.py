@@ -1,6 +1,6 @@
 """Solves exported problems by general solvers.
 
-    solve.py FOLDER ANSWERS [--repeats N] [--limit S] [--from POINT] [--peers NAMES]
+    solve.py FOLDER ANSWERS [--repeats N] [--limit S] [--tolerance U] [--from POINT] [--peers NAMES]
 
 reads every `*.json` of the folder in the order of their names, shows that its own formulas agree
 with what the files say, solves, and writes ANSWERS (JSON). README.md has both formats.
@@ -48,9 +48,9 @@ def number(value):
     return float(value) if value is not None and np.isfinite(value) else None
 
 
-def answer_of(index, problem, name, repeats, limit):
+def answer_of(index, problem, name, repeats, limit, tolerance):
     """The best of some solves, as JSON has it."""
-    solve = solvers.PEERS[name](problem, limit)
+    solve = solvers.PEERS[name](problem, limit, tolerance)
     best, seconds = None, []
     for _ in range(repeats):
         outcome = solve(limit)
@@ -84,14 +84,14 @@ def answer_of(index, problem, name, repeats, limit):
     }
 
 
-def answer_within(index, problem, name, repeats, limit):
+def answer_within(index, problem, name, repeats, limit, tolerance):
     """The same in a process of its own, which is ended where a solver does not end by itself."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(reader)
         try:
-            answer = answer_of(index, problem, name, repeats, limit)
+            answer = answer_of(index, problem, name, repeats, limit, tolerance)
             os.write(writer, json.dumps(answer).encode())
         finally:
             os._exit(0)
@@ -128,6 +128,7 @@ def main():
     parser.add_argument("answers", type=pathlib.Path)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--limit", type=float, default=2.0)
+    parser.add_argument("--tolerance", type=float, default=solvers.TOLERANCE)
     parser.add_argument("--from", dest="start", default="start")
     parser.add_argument("--peers", default="|".join(solvers.PEERS))
     options = parser.parse_args()
@@ -150,10 +151,11 @@ def main():
     # What is loaded at the first solve is not the solver's time.
     for index, problem in problems[:1]:
         for name in names:
-            answer_of(index, problem, name, 1, options.limit)
+            answer_of(index, problem, name, 1, options.limit, options.tolerance)
     for index, problem in problems:
         for name in names:
-            answers.append(answer_within(index, problem, name, options.repeats, options.limit))
+            how = (options.repeats, options.limit, options.tolerance)
+            answers.append(answer_within(index, problem, name, *how))
     versions = {
         "python": platform.python_version(),
         "casadi": ca.__version__,

@@ -5,7 +5,8 @@ import time
 import casadi as ca
 import numpy as np
 
-# Far tighter than the judgement (1e-6 units, 2e-5 of the objective) needs would cost time.
+# Of constraints, in units. Far tighter than the judgement (1e-6 units, 2e-5 of the objective)
+# needs would cost time.
 TOLERANCE = 1e-8
 ITERATIONS = 3000
 # Which Hessian: `gauss_newton` of driver.c.
@@ -79,12 +80,12 @@ def casadi_solver(problem, plugin, options, full, least_squares):
     return solve
 
 
-def casadi_ipopt(problem, limit, **more):
+def casadi_ipopt(problem, limit, tolerance=TOLERANCE, **more):
     options = {
         "print_level": 0,
         "sb": "yes",
-        "tol": TOLERANCE,
-        "constr_viol_tol": 1e-7,
+        "tol": tolerance,
+        "constr_viol_tol": 10 * tolerance,
         "max_iter": ITERATIONS,
         "max_wall_time": float(limit),
         # Solves one in twenty more than the default, in as much time.
@@ -94,7 +95,7 @@ def casadi_ipopt(problem, limit, **more):
     return casadi_solver(problem, "ipopt", {"ipopt": options}, False, EXACT)
 
 
-def casadi_sqp(problem, limit, least_squares=GAUSS_NEWTON, **more):
+def casadi_sqp(problem, limit, tolerance=TOLERANCE, least_squares=GAUSS_NEWTON, **more):
     """With the exact Hessian instead it solves half as many, with each of CasADi's other SQP
     methods fewer, with OSQP, qpOASES or DAQP for its programmes as many or fewer."""
     is_small = problem.n <= SMALL
@@ -107,8 +108,8 @@ def casadi_sqp(problem, limit, least_squares=GAUSS_NEWTON, **more):
         "max_iter": ITERATIONS,
         "max_iter_ls": 10,
         "beta": 0.5,
-        "tol_pr": 1e-8,
-        "tol_du": 1e-5,
+        "tol_pr": tolerance,
+        "tol_du": 1e3 * tolerance,
         **more,
     }
     return casadi_solver(problem, "sqpmethod", options, True, least_squares)
@@ -179,10 +180,10 @@ def drake_solver(problem, limit, which, options=None):
     return solve
 
 
-def drake_snopt(problem, limit, **more):
+def drake_snopt(problem, limit, tolerance=TOLERANCE, **more):
     options = {
-        "Major optimality tolerance": 1e-6,
-        "Major feasibility tolerance": 1e-8,
+        "Major optimality tolerance": 100 * tolerance,
+        "Major feasibility tolerance": tolerance,
         "Major iterations limit": ITERATIONS,
         "Iterations limit": 100000,
         **{key.replace("_", " "): value for key, value in more.items()},
@@ -190,10 +191,10 @@ def drake_snopt(problem, limit, **more):
     return drake_solver(problem, limit, "snopt", options)
 
 
-def drake_ipopt(problem, limit, **more):
+def drake_ipopt(problem, limit, tolerance=TOLERANCE, **more):
     options = {
-        "tol": TOLERANCE,
-        "constr_viol_tol": 1e-7,
+        "tol": tolerance,
+        "constr_viol_tol": 10 * tolerance,
         "max_iter": ITERATIONS,
         "max_wall_time": float(limit),
         **more,

@@ -156,7 +156,7 @@ pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given
 }
 
 /// What a function gives, and its least and greatest time [s].
-fn timed<T>(repeats: usize, run: impl Fn() -> T) -> (T, [f64; 2]) {
+pub(super) fn timed<T>(repeats: usize, run: impl Fn() -> T) -> (T, [f64; 2]) {
     let mut seconds = [f64::INFINITY, 0.0];
     let mut last = None;
     for _ in 0..repeats.max(1) {
