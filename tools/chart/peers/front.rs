@@ -77,14 +77,8 @@ pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Resul
                 subjects.len(),
                 settings.repeats,
             ),
-            x: Axis {
-                label: "distance from the optimum".into(),
-                logarithmic: true,
-            },
-            y: Axis {
-                label: "time, s".into(),
-                logarithmic: true,
-            },
+            x: Axis::logarithmic("distance from the optimum"),
+            y: Axis::logarithmic("time, s"),
             curves,
         })?;
     }
@@ -115,17 +109,16 @@ fn solved(posed: &Posed, tolerances: Tolerances) -> Solution {
 }
 
 fn curves(subjects: &[Subject], tolerances: &[f64], settings: &Settings) -> Result<Vec<Curve>> {
-    let mut curves = vec![Curve {
-        name: "enact".into(),
-        points: tolerances
+    let own = tolerances
+        .iter()
+        .map(|tolerance| mark(*tolerance, &own(subjects, *tolerance, settings)));
+    let mut curves = vec![Curve::ours("enact", own.collect())];
+    curves.extend(
+        settings
+            .peers
             .iter()
-            .map(|tolerance| mark(*tolerance, &own(subjects, *tolerance, settings)))
-            .collect(),
-    }];
-    curves.extend(settings.peers.iter().map(|peer| Curve {
-        name: (*peer).to_owned(),
-        points: Vec::new(),
-    }));
+            .map(|peer| Curve::new(*peer, Vec::new())),
+    );
     let problems: Vec<export::Problem> = subjects.iter().map(|s| s.problem.clone()).collect();
     for tolerance in tolerances {
         let settings = Settings {
