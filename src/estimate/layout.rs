@@ -2,9 +2,9 @@
 //!
 //! Between two events come the sample times (where they are unknown), then the states of the
 //! arcs that end at the next event, then that event's time; parameters, which everything may
-//! share, come last.
+//! share, come last. Bodies that never meet come one after the other: nothing couples them.
 
-use super::problem::Problem;
+use super::problem::{Arc, Problem};
 use crate::math::envelope::Pattern;
 
 /// Number of unknowns of a state.
@@ -41,14 +41,22 @@ impl Layout {
         let mut arcs = vec![0; problem.arcs.len()];
         let mut events = vec![None; problem.event_is_free.len()];
         let mut nodes = vec![None; problem.nodes_acted_s.len()];
-        let mut placed = vec![false; problem.arcs.len()];
         let mut next_node = 1;
+        let groups = groups(problem);
+        let count = groups.iter().max().map_or(0, |last| last + 1);
+        // An event at which no flight ends is the first group's.
+        let owner = |event: usize| {
+            let mut ending = problem.arcs.iter().filter(|arc| arc.end == Some(event));
+            ending.next().map_or(0, |arc| groups[arc.body])
+        };
         // One round per event and one for what ends without any.
-        for event in (0..events.len()).map(Some).chain([None]) {
-            let ending = |arc: usize| event.is_none() || problem.arcs[arc].end == event;
-            let here: Vec<usize> = (0..arcs.len())
-                .filter(|a| !placed[*a] && ending(*a))
-                .collect();
+        let rounds = (0..events.len()).map(Some).chain([None]);
+        for (group, event) in (0..count).flat_map(|g| rounds.clone().map(move |event| (g, event))) {
+            let is_here = |arc: &usize| {
+                let arc = &problem.arcs[*arc];
+                arc.end == event && groups[arc.body] == group
+            };
+            let here: Vec<usize> = (0..arcs.len()).filter(is_here).collect();
             if problem.times_are_unknown() {
                 let last = here
                     .iter()
@@ -61,11 +69,11 @@ impl Layout {
                 }
             }
             for arc in here {
-                placed[arc] = true;
                 arcs[arc] = take(STATE);
             }
             if let Some(event) = event
                 && problem.event_is_free[event]
+                && group == owner(event)
             {
                 events[event] = Some(take(1));
             }
@@ -186,4 +194,45 @@ impl Layout {
         }
         couplings
     }
+}
+
+/// For every body the group it is in, numbered from zero: bodies at one event are in one, and all are
+/// where the samples of all share their unknown times.
+fn groups(problem: &Problem) -> Vec<usize> {
+    let mut groups: Vec<usize> = (0..problem.bodies.len()).collect();
+    let mut join = |members: &[usize]| {
+        let Some(first) = members.iter().map(|body| groups[*body]).min() else {
+            return;
+        };
+        let joined: Vec<usize> = members.iter().map(|body| groups[*body]).collect();
+        for group in &mut groups {
+            if joined.contains(group) {
+                *group = first;
+            }
+        }
+    };
+    if problem.times_are_unknown() {
+        join(&(0..problem.bodies.len()).collect::<Vec<_>>());
+    }
+    for (event, is_free) in problem.event_is_free.iter().enumerate() {
+        let at = |arc: &&Arc| arc.end == Some(event) || arc.start == Some(event);
+        let bodies = problem.arcs.iter().filter(at).map(|arc| arc.body);
+        if *is_free {
+            join(&bodies.collect::<Vec<_>>());
+        }
+    }
+    for collision in &problem.collisions {
+        join(
+            &collision
+                .sides
+                .iter()
+                .map(|side| side.body)
+                .collect::<Vec<_>>(),
+        );
+    }
+    let mut numbers: Vec<usize> = groups.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let number = |group: &usize| numbers.binary_search(group).expect("it is one of them");
+    groups.iter().map(number).collect()
 }
