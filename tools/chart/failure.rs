@@ -318,7 +318,6 @@ fn rate(x: f64, count: usize, of: usize) -> Mark {
     Mark {
         spread: Some([(middle - half).max(0.0), (middle + half).min(1.0)]),
         setting: Some(format!("{count} of {of}")),
-        failed: count == 0,
         ..Mark::at(x, share)
     }
 }

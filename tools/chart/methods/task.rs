@@ -114,13 +114,13 @@ impl Answer {
 impl Task {
     /// The answer of a method; of several guesses the best, as the program does.
     pub fn answer(&self, method: Method, tolerances: &Tolerances) -> Answer {
-        let begin = Instant::now();
         let mut best: Option<(Point, bool, Judged)> = None;
         let mut took_s = 0.0;
         for guess in &self.guesses {
+            let begin = Instant::now();
             let (point, converged) = self.solved(method, guess, tolerances);
             // Judging is not the method's work.
-            let spent_s = begin.elapsed().as_secs_f64();
+            took_s += begin.elapsed().as_secs_f64();
             let judged = judged(&self.problem, &self.layout, guess, &point);
             let rank = |converged: bool, judged: &Judged| (!converged, judged.objective);
             let is_better = best
@@ -129,7 +129,6 @@ impl Task {
             if is_better {
                 best = Some((point, converged, judged));
             }
-            took_s = spent_s;
         }
         let (point, converged, judged) = best.expect("a guess at least");
         Answer {
