@@ -74,21 +74,25 @@ impl Block {
         }
     }
 
-    /// Adds `Jᵀ diag(w) J` to a matrix; `columns` are the block's, each with its unknown, in the
-    /// order of these. Most rows touch few of them, and rows of no weight none.
+    /// Adds `Jᵀ diag(w) J` to a matrix whose unknowns `columns` the block touches. Most rows touch few
+    /// of them, and rows of no weight none.
     pub(super) fn add_square(
         &self,
         pattern: &Pattern,
-        columns: impl Iterator<Item = (usize, usize)> + Clone,
+        columns: &[usize],
         weight: impl Fn(usize) -> f64,
         matrix: &mut Envelope,
     ) {
         let rows = self.values.len();
-        let mut touched = Vec::with_capacity(self.jacobian.len() / rows.max(1));
+        let mut ascending: Vec<(usize, usize)> = columns.iter().copied().zip(0..).collect();
+        ascending.sort_unstable();
+        let mut touched = Vec::with_capacity(columns.len());
         for row in (0..rows).filter(|row| weight(*row) != 0.0) {
-            let derivative = |(column, at)| (at, self.jacobian[column * rows + row]);
+            let derivatives = ascending
+                .iter()
+                .map(|(at, column)| (*at, self.jacobian[column * rows + row]));
             touched.clear();
-            touched.extend(columns.clone().map(derivative).filter(|(_, d)| *d != 0.0));
+            touched.extend(derivatives.filter(|(_, derivative)| *derivative != 0.0));
             matrix.add_outer(pattern, weight(row), &touched);
         }
     }

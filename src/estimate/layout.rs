@@ -26,8 +26,6 @@ pub struct Layout {
     /// Unknowns that each block of constraints touches, in the order of its derivative's
     /// columns: collisions, then goals, then bounded parameters, then cones.
     pub blocks: Vec<Vec<usize>>,
-    /// The columns of each block in the order of their unknowns.
-    ascending: Vec<Vec<usize>>,
 }
 
 impl Layout {
@@ -86,7 +84,6 @@ impl Layout {
             parameters,
             pattern: Pattern::new(0, []),
             blocks: Vec::new(),
-            ascending: Vec::new(),
         };
         let collisions =
             (0..problem.collisions.len()).map(|index| layout.collision_columns(problem, index));
@@ -104,12 +101,6 @@ impl Layout {
             .chain(bounded)
             .chain(cones)
             .collect();
-        let ascending = |columns: &Vec<usize>| {
-            let mut order: Vec<usize> = (0..columns.len()).collect();
-            order.sort_by_key(|column| columns[*column]);
-            order
-        };
-        layout.ascending = layout.blocks.iter().map(ascending).collect();
         layout.pattern = Pattern::new(next, layout.couplings(problem));
         layout
     }
@@ -117,14 +108,6 @@ impl Layout {
     /// Number of unknowns.
     pub fn size(&self) -> usize {
         self.pattern.size()
-    }
-
-    /// Columns of a block in the order of their unknowns: each with its unknown.
-    pub fn ascending(&self, block: usize) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
-        let columns = &self.blocks[block];
-        self.ascending[block]
-            .iter()
-            .map(|column| (*column, columns[*column]))
     }
 
     /// State before and state after of every body, time, gravity, restitution, friction, tilts.

@@ -116,9 +116,9 @@ impl Price {
 /// Adds `Jᵀ diag(w) J` to a matrix.
 pub fn add_square(layout: &Layout, system: &System, weights: &[f64], matrix: &mut Envelope) {
     let mut offset = 0;
-    for (index, block) in system.blocks.iter().enumerate() {
+    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
         let weight = |row: usize| weights[offset + row];
-        block.add_square(&layout.pattern, layout.ascending(index), weight, matrix);
+        block.add_square(&layout.pattern, columns, weight, matrix);
         offset += block.values.len();
     }
 }

@@ -150,12 +150,11 @@ impl System {
     fn add_velocity_gaps(&mut self, frame: &Frame, weight: f64) {
         let layout = frame.layout;
         // A collision's gaps touch what its constraints touch.
-        for (index, block) in self.velocity_gaps.iter().enumerate() {
+        for (block, columns) in self.velocity_gaps.iter().zip(&layout.blocks) {
             let values = &block.values;
             self.cost += 0.5 * weight * values.iter().map(|v| v * v).sum::<f64>();
-            let (columns, ascending) = (&layout.blocks[index], layout.ascending(index));
             block.add_pull(columns, |row| weight * values[row], &mut self.gradient);
-            block.add_square(&layout.pattern, ascending, |_| weight, &mut self.hessian);
+            block.add_square(&layout.pattern, columns, |_| weight, &mut self.hessian);
         }
     }
 

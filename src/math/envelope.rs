@@ -49,6 +49,8 @@ impl Pattern {
 #[derive(Clone, Debug)]
 pub struct Envelope {
     values: Vec<f64>,
+    /// One over the diagonal, once factorised.
+    inverse: Vec<f64>,
 }
 
 /// The matrix is not positive definite.
@@ -66,6 +68,7 @@ impl Envelope {
     pub fn zeros(pattern: &Pattern) -> Self {
         Self {
             values: vec![0.0; pattern.stored()],
+            inverse: vec![0.0; pattern.size()],
         }
     }
 
@@ -149,7 +152,7 @@ impl Envelope {
                     &above[diagonal - length..diagonal],
                 );
                 let entry = &mut current[column - first];
-                *entry = (*entry - product) * above[diagonal].recip();
+                *entry = (*entry - product) * self.inverse[column];
             }
             let (off_diagonal, pivot) = current.split_at_mut(row - first);
             let value = pivot[0] - dot(off_diagonal, off_diagonal);
@@ -158,6 +161,7 @@ impl Envelope {
                 return Err(NotPositiveDefinite { row, pivot: value });
             }
             pivot[0] = value.sqrt();
+            self.inverse[row] = pivot[0].recip();
         }
         Ok(())
     }
@@ -206,6 +210,10 @@ impl Envelope {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let length = a.len().min(b.len());
     let (a, b) = (&a[..length], &b[..length]);
+    // Rows of unknown sample times have few entries.
+    if length < 4 {
+        return a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y);
+    }
     let mut sums = [0.0; 4];
     let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
     let tail: f64 = fours_a
