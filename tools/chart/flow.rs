@@ -98,7 +98,8 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
         };
         let drawn = |task: &&Task| task.duration_s == DRAWN_S;
         for task in turning.tasks.iter().filter(drawn) {
-            book.keep(figure(&turning, task))?;
+            book.keep(figure(&turning, task, Error::Rotation))?;
+            book.keep(figure(&turning, task, Error::Derivative))?;
         }
         book.numbers(&format!("flow_{name}"), &turning)?;
         turnings.push(turning);
@@ -249,7 +250,14 @@ impl Truth {
     }
 }
 
-fn figure(turning: &Turning, task: &Task) -> Figure {
+/// Which error stands across.
+#[derive(Clone, Copy)]
+enum Error {
+    Rotation,
+    Derivative,
+}
+
+fn figure(turning: &Turning, task: &Task, error: Error) -> Figure {
     let Turning {
         title,
         moments,
@@ -265,7 +273,11 @@ fn figure(turning: &Turning, task: &Task) -> Figure {
     let curve = |name: &&str| {
         let own = task.points.iter().filter(|point| point.method == *name);
         let mark = |point: &Point| Mark {
-            x: point.error_rad.map_or(f64::NAN, |error| error.max(1e-17)),
+            x: match error {
+                Error::Rotation => point.error_rad,
+                Error::Derivative => point.derivative_error,
+            }
+            .map_or(f64::NAN, |error| error.max(1e-17)),
             y: point.fastest_s,
             spread: Some([point.fastest_s, point.median_s]),
             setting: (!point.setting.is_empty()).then(|| point.setting.clone()),
@@ -279,23 +291,35 @@ fn figure(turning: &Turning, task: &Task) -> Figure {
         }
     };
     let (duration_s, condition) = (task.duration_s, task.condition_rad);
+    let (of, across, ending) = match error {
+        Error::Rotation => (
+            "Turn",
+            format!("error of the orientation after {duration_s} s [rad]"),
+            "",
+        ),
+        Error::Derivative => (
+            "Derivative of the turn",
+            format!(
+                "error of the orientation's derivative by the first angular velocity after {duration_s} s, relative"
+            ),
+            "_derivative",
+        ),
+    };
     let (asked, suffix) = match task.samples {
         1 => ("asked for once".to_owned(), "once"),
         samples => (format!("asked for at {samples} samples"), "flight"),
     };
     Figure {
-        name: format!("flow_{}_{duration_s}s_{suffix}", turning.name),
+        name: format!("flow_{}_{duration_s}s_{suffix}{ending}", turning.name),
         title: format!(
-            "Turn of {title} over {duration_s} s, {asked}: the further left the more exact, the further down the faster"
+            "{of} of {title} over {duration_s} s, {asked}: the further left the more exact, the further down the faster"
         ),
         note: format!(
             "Moments {moments:?}, first angular velocity {omega:?} rad/s. One point per tolerance or step. \
              Times: fastest run, bars to the median of all. Half a rounding of the first angular velocity \
              turns the end by {condition:.1e} rad."
         ),
-        x: Axis::logarithmic(&format!(
-            "error of the orientation after {duration_s} s [rad]"
-        )),
+        x: Axis::logarithmic(&across),
         y: Axis::logarithmic("time per evaluation with derivatives [s]"),
         curves: names.iter().map(curve).collect(),
     }

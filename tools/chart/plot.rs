@@ -210,7 +210,8 @@ impl Frame {
     }
 
     fn curve(&self, sheet: &Sheet, curve: &Curve, look: Look) -> Drawn {
-        let good = curve.points.iter().filter(|mark| !mark.failed);
+        let drawn = |mark: &&Mark| !mark.failed && mark.x.is_finite() && mark.y.is_finite();
+        let good = curve.points.iter().filter(drawn);
         let path: Vec<(i32, i32)> = good.map(|mark| self.at(mark)).collect();
         if look.role == Role::Bound {
             dashed(sheet, &path, look)?;

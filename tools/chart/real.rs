@@ -24,6 +24,9 @@ const WIDE: f64 = 1.0;
 /// Documented restitution and friction.
 const DOCUMENTED: (f64, f64) = (0.125, 0.165);
 
+/// A toss's impact, or why it has no estimate.
+type Tried = Result<Bounce, String>;
+
 /// Runs it.
 pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let Some(folder) = tosses::folder() else {
@@ -46,12 +49,11 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     book.keep(gravity(&fits))?;
     // The moment and the radius are not known well; those that leave the least are charted.
     let mut rows = Vec::new();
-    let mut best: Option<(f64, Setting, Vec<Result<Bounce, String>>)> = None;
+    let mut best: Option<(f64, Setting, Vec<Tried>)> = None;
     for moment_kg_m2 in MOMENTS_KG_M2 {
         for radius_m in RADII_M {
             let setting = Setting::new(moment_kg_m2, radius_m)?;
-            let bounces: Vec<Result<Bounce, String>> =
-                all.iter().map(|toss| setting.bounce(toss)).collect();
+            let bounces: Vec<Tried> = all.iter().map(|toss| setting.bounce(toss)).collect();
             rows.push(row(&setting, &bounces));
             let left = residual(&bounces);
             if best.as_ref().is_none_or(|(least, ..)| left < *least) {
@@ -89,7 +91,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
 
 /// Median over the tosses of what is left after the impact, in units of the documented noise;
 /// infinite where there are too few of them.
-fn residual(bounces: &[Result<Bounce, String>]) -> f64 {
+fn residual(bounces: &[Tried]) -> f64 {
     let good = bounces.iter().flatten();
     let left = good.map(|bounce| (bounce.residual.0 / 0.02).hypot(bounce.residual.1 / 0.025));
     let left: Vec<f64> = left.collect();
@@ -99,7 +101,7 @@ fn residual(bounces: &[Result<Bounce, String>]) -> f64 {
     median(&left)
 }
 
-fn row(setting: &Setting, bounces: &[Result<Bounce, String>]) -> Vec<String> {
+fn row(setting: &Setting, bounces: &[Tried]) -> Vec<String> {
     let (moment_kg_m2, radius_m) = (setting.moment_kg_m2(), setting.radius_m);
     let good: Vec<&Bounce> = bounces.iter().flatten().collect();
     let spread = |value: &dyn Fn(&Bounce) -> f64| {
@@ -226,7 +228,7 @@ fn gravity(fits: &[&Fit]) -> Figure {
 fn sorted(
     quantity: &str,
     setting: &Setting,
-    bounces: &[Result<Bounce, String>],
+    bounces: &[Tried],
     of: impl Fn(&Bounce) -> (f64, Option<f64>),
 ) -> Figure {
     let mut values: Vec<(f64, Option<f64>)> = bounces.iter().flatten().map(of).collect();
@@ -264,7 +266,7 @@ fn sorted(
 }
 
 /// The law that all tosses but one say.
-fn without(bounces: &[Result<Bounce, String>], toss: usize) -> (f64, f64) {
+fn without(bounces: &[Tried], toss: usize) -> (f64, f64) {
     let others = bounces
         .iter()
         .enumerate()
@@ -293,7 +295,7 @@ fn predictions(
     book: &mut Book,
     setting: &Setting,
     tosses: &[Toss],
-    bounces: &[Result<Bounce, String>],
+    bounces: &[Tried],
 ) -> Result<()> {
     let laws: [Laws; 4] = [
         (
@@ -341,7 +343,8 @@ fn predictions(
             title: format!("What is predicted of the {what} after the first impact, from before it"),
             note: format!(
                 "{} real tosses, {refused} more without a predicted impact. From the first flight alone; every \
-                 later contact is an impact by the same law. The moment and the corners' radius are common to all tosses, restitution and friction are the other tosses'. Medians, bars from quartile to quartile.",
+                 later contact is an impact by the same law. Moment and corners' radius are those that fit all \
+                 tosses best, restitution and friction those of the other tosses. Medians, bars from quartile to quartile.",
                 tosses.len() - refused
             ),
             x: Axis::linear("time since the impact [ms]"),

@@ -1,6 +1,7 @@
 //! Several cubes side by side, each with a bounce of its own, in one scene.
 
 use enact::motion::{Event, EventKind, SceneBody};
+use enact::physics::{State, flow};
 use nalgebra::Vector3;
 
 use crate::case::Case;
@@ -8,38 +9,36 @@ use crate::perform::{Acting, Truth, bounces, simulate};
 
 /// When all of it ends [s].
 const END_S: f64 = 0.6;
-/// A cube bounces within this [s],
-const BOUNCE_S: std::ops::Range<f64> = 0.2..0.45;
-/// and not again before the end and this [s].
+/// No cube bounces a second time before the end and this [s].
 const CLEAR_S: f64 = 0.02;
-/// Bounces are further apart than this [s].
-const APART_S: f64 = 0.001;
+/// The bounces are evenly between these [s].
+const FIRST_S: f64 = 0.22;
+const LAST_S: f64 = 0.45;
+/// Nothing touches the table with its centre as high as this, more than half a diagonal \[m\].
+const HIGH_M: f64 = 0.27;
 /// From cube to cube [m].
 const SPACING_M: f64 = 1.0;
 
 /// So many cubes; the tracker's noise and no wander, marks with names.
 pub fn crowd(count: usize) -> Case {
-    let mut cubes: Vec<Truth> = Vec::new();
+    let mut cubes: Vec<(Truth, State)> = Vec::new();
     for seed in 1.. {
         if cubes.len() == count {
             break;
         }
-        let is_apart = |cube: &Truth| {
-            let bounce_s = cube.event_times_s[0];
-            let mut others = cubes.iter().map(|other| other.event_times_s[0]);
-            others.all(|other_s| (other_s - bounce_s).abs() > APART_S)
-        };
-        let cube = bounces(1, seed).ok().filter(fits);
-        cubes.extend(cube.filter(is_apart));
+        let bounce_s = FIRST_S + (LAST_S - FIRST_S) * cubes.len() as f64 / count as f64;
+        let cube = bounces(1, seed).ok();
+        cubes.extend(cube.and_then(|cube| {
+            let state = begun(&cube, bounce_s)?;
+            Some((cube, state))
+        }));
     }
-    // In the order of their bounces.
-    cubes.sort_by(|a, b| a.event_times_s[0].total_cmp(&b.event_times_s[0]));
-    let mut scene = cubes[0].scene.clone();
+    let mut scene = cubes[0].0.scene.clone();
     scene.name = format!("{count} cubes");
     scene.bodies.clear();
     scene.events.clear();
     let mut initial = Vec::new();
-    for (index, cube) in cubes.iter().enumerate() {
+    for (index, (cube, state)) in cubes.iter().enumerate() {
         scene.bodies.push(SceneBody {
             name: format!("cube {index}"),
             topic: format!("/tracker/cube_{index}/pose"),
@@ -52,7 +51,7 @@ pub fn crowd(count: usize) -> Case {
             name: format!("bounce {index}"),
             kind: EventKind::Collision(bounce),
         });
-        let mut state = cube.arcs[0].state;
+        let mut state = *state;
         state.position_m += Vector3::x() * (SPACING_M * index as f64);
         initial.push(state);
     }
@@ -71,9 +70,14 @@ pub fn crowd(count: usize) -> Case {
     Case::new(&truth, &acting, 1)
 }
 
-/// Whether a cube bounces once, and in time; its record ends half-way to the next bounce.
-fn fits(cube: &Truth) -> bool {
-    let bounce_s = cube.event_times_s[0];
-    let next_s = bounce_s + 2.0 * (cube.duration_s - bounce_s);
-    BOUNCE_S.contains(&bounce_s) && next_s > END_S + CLEAR_S
+/// The state in which a cube begins whose first bounce is at that time, if it then is clear of the
+/// table and bounces no second time; its record ends half-way to the next bounce.
+fn begun(cube: &Truth, bounce_s: f64) -> Option<State> {
+    let own_s = cube.event_times_s[0];
+    let next_s = bounce_s + 2.0 * (cube.duration_s - own_s);
+    let body = &cube.scene.bodies[0].body;
+    let gravity_m_s2 = &cube.scene.gravity_m_s2;
+    let first = &cube.arcs[0].state;
+    let state = flow::advance(body, gravity_m_s2, first, own_s - bounce_s);
+    (next_s > END_S + CLEAR_S && state.position_m.z > HIGH_M).then_some(state)
 }
