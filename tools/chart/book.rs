@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::figure::{Figure, Sheet};
@@ -103,6 +104,12 @@ impl Book {
     pub fn numbers(&mut self, name: &str, value: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string(value)?;
         self.write(&format!("{name}{NUMBERS}"), &format!("{text}\n"))
+    }
+
+    /// Raw numbers that were kept, if they are there.
+    pub fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        let text = fs::read_to_string(self.folder.join(format!("{name}{NUMBERS}"))).ok()?;
+        serde_json::from_str(&text).ok()
     }
 
     /// Remembers on what a part was measured.

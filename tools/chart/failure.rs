@@ -317,7 +317,6 @@ fn rate(x: f64, count: usize, of: usize) -> Mark {
     let half = NORMAL * (share * (1.0 - share) / n + 0.25 * square / n).sqrt() / (1.0 + square);
     Mark {
         spread: Some([(middle - half).max(0.0), (middle + half).min(1.0)]),
-        setting: Some(format!("{count} of {of}")),
         ..Mark::at(x, share)
     }
 }

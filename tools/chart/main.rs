@@ -122,6 +122,9 @@ fn main() -> Result<()> {
         let here = Run::here(options.quick);
         book.ran(name, Run { seconds, ..here })?;
     }
+    if options.draw {
+        peers::redraw(&mut book)?;
+    }
     for name in book.figures()? {
         book.draw(&name)?;
     }

@@ -6,6 +6,7 @@
 
 mod account;
 mod front;
+mod present;
 pub mod scenes;
 
 use std::fs;
@@ -19,6 +20,8 @@ use crate::case::Case;
 use crate::starts::is_best;
 use crate::{Book, Options, export};
 use scenes::Given;
+
+pub use account::redraw;
 
 /// Violation up to which a motion counts [units].
 pub const FEASIBLE: f64 = 1e-6;
@@ -191,7 +194,7 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
     let Some(report) = solve(&problems, &settings)? else {
         return Ok(());
     };
-    account::show(&scenes, &owns, &report, &settings, (options, book))?;
+    account::show(&scenes, &owns, &report, &settings, book)?;
     front::run(&settings, (options, book))?;
     // Formulas that were wrong would fail from there too.
     let control = Settings {

@@ -3,7 +3,8 @@
 
 use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe};
-use enact::motion::{Sketch, Stamp, TakeEvent, VelocityGaps};
+use enact::motion::{Guess, Sketch, Stamp, TakeEvent, VelocityGaps};
+use enact::pipeline::Outcome;
 
 use crate::case::{Case, Posed};
 use crate::methods::Task;
@@ -21,22 +22,8 @@ pub struct Posing {
 /// there is none, where segmentation refuses.
 pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, String> {
     let outcome = case.estimated(&mut ()).map_err(|error| error.to_string())?;
+    let (posed, guess) = posed_with_truth(case, &outcome);
     let sketch = outcome.sketch;
-    let mut posed = Posed::new(case.scene(), &sketch);
-    let is_bent = case.scene().velocity_gaps == VelocityGaps::Always;
-    let mut guess = if is_bent {
-        // There is no true motion to start from.
-        posed.problem = posed.problem.bent();
-        posed.guesses[0].clone()
-    } else {
-        case.true_guess(&posed, &sketch)
-    };
-    if !posed.problem.times_are_unknown() {
-        // Stamps are rounded to nanoseconds: at the true times it would be another problem, by 1e-10.
-        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
-            arc.sample_times_s.clone_from(&own.sample_times_s);
-        }
-    }
     let mut from = starts(&posed, &guess, seed);
     from.truncate(starts_max);
     // What is best is solved again, far tighter.
@@ -55,6 +42,30 @@ pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, Strin
         },
         sketch,
     })
+}
+
+/// The problem that an outcome's sketch poses, and the truth as a guess for it: the program's own where
+/// velocities may jump, for then no motion is true.
+pub fn posed_with_truth(case: &Case, outcome: &Outcome) -> (Posed, Guess) {
+    let mut posed = Posed::new(&outcome.scene, &outcome.sketch);
+    if is_bent(outcome) {
+        posed.problem = posed.problem.bent();
+        let guess = posed.guesses[0].clone();
+        return (posed, guess);
+    }
+    let mut guess = case.true_guess(&posed, &outcome.sketch);
+    if !posed.problem.times_are_unknown() {
+        // Stamps are rounded to nanoseconds: at the true times it would be another problem, by 1e-10.
+        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
+            arc.sample_times_s.clone_from(&own.sample_times_s);
+        }
+    }
+    (posed, guess)
+}
+
+/// Whether its velocities may jump.
+pub fn is_bent(outcome: &Outcome) -> bool {
+    outcome.scene.velocity_gaps == VelocityGaps::Always
 }
 
 /// The objective at tolerances near rounding.

@@ -1,25 +1,26 @@
-//! What is said of the peers: a table, figures, raw numbers.
+//! What the peers' answers amount to, scene by scene and solver by solver.
 
-use std::fs;
 use std::ops::Range;
 
 use anyhow::Result;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
 
+use super::present::present;
 use super::scenes::Own;
 use super::{Answer, FEASIBLE, Report, Settings};
-use crate::figure::{Axis, Curve, Figure, Mark};
+use crate::Book;
+use crate::figure::or_nan;
 use crate::starts::is_best;
 use crate::statistics::{median, quantile};
-use crate::table::{Table, number, percent};
-use crate::{Book, Options};
 
 /// What this program is called beside its peers.
-const OWN: &str = "enact";
-const WHOLE: &str = "enact, whole estimate";
+pub const OWN: &str = "enact";
+pub const WHOLE: &str = "enact, whole estimate";
 /// Every scene together.
-const ALL: &str = "all";
+pub const ALL: &str = "all";
+/// Name of the numbers.
+const NUMBERS: &str = "peers";
 
 /// One solver on one problem.
 #[derive(Clone, Debug, Serialize)]
@@ -32,35 +33,57 @@ struct Cell {
     is_late: bool,
 }
 
-/// One solver on all problems of a scene.
-#[derive(Clone, Debug, Serialize)]
-struct Row {
-    scene: String,
-    solver: String,
-    problems: usize,
-    succeeds: usize,
-    late: usize,
+/// One solver on all problems of a scene; not a number where nothing is to be said.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Row {
+    pub scene: String,
+    pub solver: String,
+    pub problems: usize,
+    pub succeeds: usize,
+    pub late: usize,
     /// Median time, of those that succeed [s].
-    seconds: f64,
+    #[serde(deserialize_with = "or_nan")]
+    pub seconds: f64,
     /// Median time of ours, of all [s].
-    own_seconds: f64,
+    #[serde(deserialize_with = "or_nan")]
+    pub own_seconds: f64,
     /// Time over ours, where both succeed: quartile, median, quartile.
-    ratio: [f64; 3],
+    #[serde(deserialize_with = "or_nans")]
+    pub ratio: [f64; 3],
     /// Median of the same without Python callbacks.
-    solver_ratio: f64,
+    #[serde(deserialize_with = "or_nan")]
+    pub solver_ratio: f64,
     /// Median of greatest over least time of the repeats, of those that succeed.
-    spread: f64,
+    #[serde(deserialize_with = "or_nan")]
+    pub spread: f64,
     /// Median of the objective over the lowest known, of all motions.
-    objective: f64,
+    #[serde(deserialize_with = "or_nan")]
+    pub objective: f64,
 }
 
-/// Prints the table, keeps figures and raw numbers.
+fn or_nans<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+    let numbers = <[Option<f64>; 3]>::deserialize(deserializer)?;
+    Ok(numbers.map(|number| number.unwrap_or(f64::NAN)))
+}
+
+/// What tables and figures are made of.
+#[derive(Deserialize)]
+pub struct Measured {
+    /// Longest time of a solve [s].
+    pub limit_s: f64,
+    /// Solves of each problem.
+    pub repeats: usize,
+    /// Scene by scene, solver by solver.
+    pub rows: Vec<Row>,
+}
+
+/// Keeps raw numbers, and what is made of them.
 pub fn show(
     scenes: &[(String, Range<usize>)],
     owns: &[Own],
     report: &Report,
     settings: &Settings,
-    (options, book): (&Options, &mut Book),
+    book: &mut Book,
 ) -> Result<()> {
     let agreements = &report.agreements;
     let worst = |of: fn(&super::Agreement) -> f64| agreements.iter().map(of).fold(0.0, f64::max);
@@ -91,10 +114,6 @@ pub fn show(
         })
         .map(|(scene, solver, cells)| row(scene, &names[solver], solver, cells))
         .collect();
-    println!("{}", table(&rows));
-    for figure in figures(scenes, &names, &rows, settings) {
-        book.keep(figure)?;
-    }
     let raw = json!({
         "versions": report.versions,
         "limit_s": settings.limit_s,
@@ -104,9 +123,16 @@ pub fn show(
         "agreements": report.agreements,
         "answers": report.answers,
     });
-    fs::create_dir_all(&options.folder)?;
-    fs::write(options.folder.join("peers_raw.json"), format!("{raw}\n"))?;
-    Ok(())
+    book.numbers(NUMBERS, &raw)?;
+    redraw(book)
+}
+
+/// Makes table and figures from the numbers that were kept, if there are any.
+pub fn redraw(book: &mut Book) -> Result<()> {
+    match book.read::<Measured>(NUMBERS) {
+        Some(measured) => present(&measured, book),
+        None => Ok(()),
+    }
 }
 
 /// Prints how many motions the peers find from the truth.
@@ -209,188 +235,5 @@ fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> R
                 .filter_map(|cell| cell.objective)
                 .collect::<Vec<f64>>(),
         ),
-    }
-}
-
-fn table(rows: &[Row]) -> Table {
-    let title = "The same problems from the same start";
-    let header = [
-        "scene",
-        "solver",
-        "n",
-        "best optimum",
-        "over the limit",
-        "ms, median",
-        "times ours (quartiles)",
-        "without callbacks",
-        "greatest over least",
-        "objective over the lowest",
-    ];
-    let mut table = Table::new(title, &header);
-    let shown = |value: f64| {
-        if value.is_nan() {
-            "–".to_owned()
-        } else {
-            number(value)
-        }
-    };
-    for row in rows {
-        let [low, middle, high] = row.ratio.map(shown);
-        table.row([
-            row.scene.clone(),
-            row.solver.clone(),
-            row.problems.to_string(),
-            percent(row.succeeds, row.problems),
-            percent(row.late, row.problems),
-            shown(1e3 * row.seconds),
-            format!("{middle} ({low}–{high})"),
-            shown(row.solver_ratio),
-            shown(row.spread),
-            if row.objective.is_nan() {
-                "–".into()
-            } else {
-                format!("{:.5}", row.objective)
-            },
-        ]);
-    }
-    table
-}
-
-fn figures(
-    scenes: &[(String, Range<usize>)],
-    names: &[String],
-    rows: &[Row],
-    settings: &Settings,
-) -> Vec<Figure> {
-    let note = format!(
-        "{} problems a scene; least of {} solves, a solve longer than {} s has failed; \
-         derivatives compiled, compiling not counted.",
-        scenes
-            .iter()
-            .map(|(_, range)| range.len())
-            .max()
-            .unwrap_or(0),
-        settings.repeats,
-        settings.limit_s,
-    );
-    // Scenes in their order, and those of the cube at the default distortion by their bounces.
-    let by_scene = |row: &Row| {
-        let at = scenes.iter().position(|(name, _)| *name == row.scene)?;
-        Some(at as f64)
-    };
-    let by_bounces = |row: &Row| {
-        let text = row
-            .scene
-            .strip_prefix("cube, ")?
-            .strip_suffix(" bounces, 1×")?;
-        text.parse::<f64>().ok()
-    };
-    let scene_names = || scenes.iter().map(|(name, _)| name.clone()).collect();
-    let scene_axis = || Axis::named("scene", scene_names());
-    let bounce_axis = || Axis::logarithmic("bounces");
-    let figure = |name: &str, title: &str, note: String, x: Axis, y: Axis, curves| Figure {
-        name: name.to_owned(),
-        title: title.to_owned(),
-        note,
-        x,
-        y,
-        curves,
-    };
-    let ratio = |row: &Row| ratio_mark(row, settings);
-    vec![
-        figure(
-            "peers_ratio",
-            "How many times as long general solvers take for the same problem from the same start",
-            note.clone(),
-            scene_axis(),
-            Axis::logarithmic("time over enact's"),
-            curves(&names[1..], rows, by_scene, ratio),
-        ),
-        figure(
-            "peers_success",
-            "How often the best known optimum is found",
-            note.clone(),
-            scene_axis(),
-            Axis::linear("best optimum found, %"),
-            curves(names, rows, by_scene, success_mark),
-        ),
-        figure(
-            "peers_bounces_time",
-            "Time to the best known optimum as a cube bounces more often",
-            note.clone(),
-            bounce_axis(),
-            Axis::logarithmic("time, s"),
-            curves(names, rows, by_bounces, |row| time_mark(row, settings)),
-        ),
-        figure(
-            "peers_bounces_success",
-            "How often the best known optimum is found as a cube bounces more often",
-            note,
-            bounce_axis(),
-            Axis::linear("best optimum found, %"),
-            curves(names, rows, by_bounces, success_mark),
-        ),
-    ]
-}
-
-fn curves(
-    names: &[String],
-    rows: &[Row],
-    x: impl Fn(&Row) -> Option<f64>,
-    y: impl Fn(&Row) -> Mark,
-) -> Vec<Curve> {
-    let of = |name: &String| {
-        let rows = rows.iter().filter(|row| row.solver == *name);
-        let points = rows.filter_map(|row| {
-            Some(Mark {
-                x: x(row)?,
-                setting: Some(row.scene.clone()),
-                ..y(row)
-            })
-        });
-        let points = points.collect();
-        if name == OWN {
-            Curve::ours(name, points)
-        } else {
-            Curve::new(name, points)
-        }
-    };
-    names.iter().map(of).collect()
-}
-
-/// A solver that succeeded nowhere has taken the limit at least.
-fn ratio_mark(row: &Row, settings: &Settings) -> Mark {
-    let [low, middle, high] = row.ratio;
-    if middle.is_nan() {
-        return Mark {
-            y: settings.limit_s / row.own_seconds,
-            failed: true,
-            ..Mark::default()
-        };
-    }
-    Mark {
-        y: middle,
-        spread: Some([low, high]),
-        ..Mark::default()
-    }
-}
-
-fn time_mark(row: &Row, settings: &Settings) -> Mark {
-    Mark {
-        y: if row.seconds.is_nan() {
-            settings.limit_s
-        } else {
-            row.seconds
-        },
-        failed: row.seconds.is_nan(),
-        ..Mark::default()
-    }
-}
-
-fn success_mark(row: &Row) -> Mark {
-    Mark {
-        y: 100.0 * row.succeeds as f64 / row.problems.max(1) as f64,
-        failed: row.succeeds == 0,
-        ..Mark::default()
     }
 }

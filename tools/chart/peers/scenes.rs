@@ -4,14 +4,15 @@ use std::time::Instant;
 
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe, Solution};
-use enact::motion::{VelocityGaps, Verdict};
+use enact::motion::Verdict;
 
 use serde::Serialize;
 
-use crate::case::{Case, Posed};
+use crate::case::Case;
 use crate::export;
 use crate::perform::{Acting, Style, Truth, bounces, die, hat_box};
 use crate::starts::{lowest, starts};
+use crate::tasks::{is_bent, posed_with_truth};
 
 /// A scene, acted in one way.
 pub struct Scenario {
@@ -105,16 +106,9 @@ pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given
     let pipeline = case.pipeline();
     let (outcome, whole_seconds) = timed(repeats, || pipeline.clone().estimate(&mut ()));
     let outcome = outcome.ok()?;
-    let mut posed = Posed::new(&outcome.scene, &outcome.sketch);
-    let is_bent = outcome.scene.velocity_gaps == VelocityGaps::Always;
+    let (posed, true_guess) = posed_with_truth(case, &outcome);
+    let is_bent = is_bent(&outcome);
     let mut others = Vec::new();
-    let true_guess = if is_bent {
-        // There is no true motion to start from.
-        posed.problem = posed.problem.bent();
-        posed.guesses[0].clone()
-    } else {
-        case.true_guess(&posed, &outcome.sketch)
-    };
     let guess = &posed.guesses[0];
     let solve = || -> Solution {
         let recipe = Recipe::default();
@@ -123,12 +117,7 @@ pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given
     let (solution, seconds) = timed(repeats, solve);
     others.push(("solution", solution.point.clone()));
     if !is_bent {
-        // Hidden times differ from stamps by rounding: where stamps are the times, they are.
-        let mut point = Point::new(&posed.problem, &true_guess);
-        if !posed.problem.times_are_unknown() {
-            point.node_times_s = Point::new(&posed.problem, guess).node_times_s;
-        }
-        others.push(("truth", point));
+        others.push(("truth", Point::new(&posed.problem, &true_guess)));
     }
     let others: Vec<_> = others.iter().map(|(name, point)| (*name, point)).collect();
     let problem = export::problem(name, &posed.problem, &posed.layout, guess, &others);
