@@ -36,12 +36,7 @@ pub fn estimate(
     let covariance = Covariance::new(frame, &solution.system, &solution.multipliers, &errors);
     let events = events(scene, sketch, frame, solution, covariance.as_ref());
     let arcs = arcs(problem, frame, point, &events);
-    let (verdict, reason) = judge(
-        scene,
-        solution,
-        (&events, &arcs),
-        problem.velocity_gap_weight.is_some(),
-    );
+    let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
     let parameters: Vec<ParameterEstimate> = problem
         .parameters
         .iter()
@@ -144,11 +139,11 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
 
 /// The verdict and why the solver stopped.
 fn judge(
-    scene: &Scene,
+    (scene, problem): (&Scene, &Problem),
     solution: &Solution,
     (events, arcs): (&[EventEstimate], &[ArcEstimate]),
-    is_bent: bool,
 ) -> (Verdict, String) {
+    let is_bent = problem.velocity_gap_weight.is_some();
     let finished = &solution.finished;
     let reason = format!(
         "largest violation {:.1e} units, next decrease {:.1e} of the objective",
@@ -163,11 +158,18 @@ fn judge(
     if !finite || !solution.system.cost.is_finite() {
         return (Verdict::Failed, "the motion is not finite".into());
     }
-    for pair in events.windows(2) {
-        if pair[1].time_s < pair[0].time_s {
+    // Bodies that have nothing to do with one another need not keep an order.
+    let time_s = |event: Option<usize>| {
+        let found = events.iter().find(|of| Some(of.event) == event)?;
+        Some((found.event, found.time_s))
+    };
+    for arc in &problem.arcs {
+        if let (Some(start), Some(end)) = (time_s(arc.start), time_s(arc.end))
+            && end.1 < start.1
+        {
             let reason = format!(
                 "`{}` would come before `{}`: relax the physics or change the order of collisions",
-                scene.events[pair[1].event].name, scene.events[pair[0].event].name
+                scene.events[end.0].name, scene.events[start.0].name
             );
             return (Verdict::Failed, reason);
         }
