@@ -26,14 +26,17 @@ const MARGIN_S: f64 = 0.005;
 
 struct Golden {
     file: &'static str,
+    verdict: Verdict,
     counters: Counters,
-    event_times_s: [f64; 2],
+    event_times_s: &'static [f64],
 }
 
-fn golden() -> [Golden; 2] {
+/// `hat_box_bent.mcap` takes hundreds of iterations, which rounding may change.
+fn golden() -> [Golden; 4] {
     [
         Golden {
             file: "pencil_tip.mcap",
+            verdict: Verdict::Physical,
             counters: Counters {
                 iterations: 12,
                 evaluations: 16,
@@ -42,10 +45,11 @@ fn golden() -> [Golden; 2] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: [0.3468440, 0.7972444],
+            event_times_s: &[0.3468440, 0.7972444],
         },
         Golden {
             file: "pencil_eraser.mcap",
+            verdict: Verdict::Physical,
             counters: Counters {
                 iterations: 13,
                 evaluations: 17,
@@ -54,7 +58,35 @@ fn golden() -> [Golden; 2] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: [0.3520924, 0.7858622],
+            event_times_s: &[0.3520924, 0.7858622],
+        },
+        Golden {
+            file: "hat_box.mcap",
+            verdict: Verdict::Physical,
+            counters: Counters {
+                iterations: 30,
+                evaluations: 45,
+                factorisations: 30,
+                fit_iterations: 24,
+                assignment_rounds: 3,
+                starts: 1,
+            },
+            event_times_s: &[0.2668816, 0.5381448, 0.8673341],
+        },
+        Golden {
+            file: "die.mcap",
+            verdict: Verdict::Plausible,
+            counters: Counters {
+                iterations: 20,
+                evaluations: 34,
+                factorisations: 20,
+                fit_iterations: 32,
+                assignment_rounds: 0,
+                starts: 1,
+            },
+            event_times_s: &[
+                0.2172622, 0.3945496, 0.5605390, 0.7333414, 0.9067459, 1.0504556,
+            ],
         },
     ]
 }
@@ -103,6 +135,12 @@ fn truth(recording: &Recording) -> TrueMotion {
     serde_json::from_slice(container.attachment_data(attachment.unwrap())).unwrap()
 }
 
+/// Those of one pencil.
+fn pencils() -> impl Iterator<Item = Golden> {
+    let is_pencil = |golden: &Golden| golden.file.starts_with("pencil");
+    golden().into_iter().filter(is_pencil)
+}
+
 #[test]
 fn work_and_events_are_as_they_were() {
     let mut found = Vec::new();
@@ -110,16 +148,12 @@ fn work_and_events_are_as_they_were() {
     for golden in golden() {
         let outcome = estimated(&open(golden.file));
         let estimate = &outcome.estimate;
-        assert_eq!(
-            estimate.verdict,
-            Verdict::Physical,
-            "{}: {}",
-            golden.file,
-            estimate.reason
-        );
+        let (verdict, file) = (golden.verdict, golden.file);
+        assert_eq!(estimate.verdict, verdict, "{file}: {}", estimate.reason);
         let times_s: Vec<f64> = estimate.events.iter().map(|event| event.time_s).collect();
         is_same &= estimate.counters == golden.counters;
-        let pairs = times_s.iter().zip(&golden.event_times_s);
+        let pairs = times_s.iter().zip(golden.event_times_s);
+        is_same &= times_s.len() == golden.event_times_s.len();
         is_same &= pairs.fold(true, |same, (a, b)| same && (a - b).abs() < SAME_S);
         found.push(format!(
             "{}: {:#?}, event times {times_s:.8?}",
@@ -131,7 +165,7 @@ fn work_and_events_are_as_they_were() {
 
 #[test]
 fn events_are_where_they_really_were() {
-    for golden in golden() {
+    for golden in pencils() {
         let recording = open(golden.file);
         let outcome = estimated(&recording);
         let (scene, truth) = (scene(&recording), truth(&recording));
@@ -161,7 +195,7 @@ fn events_are_where_they_really_were() {
 
 #[test]
 fn independent_checks_agree_and_the_pencil_rests_in_the_mug() {
-    for golden in golden() {
+    for golden in pencils() {
         let recording = open(golden.file);
         let outcome = estimated(&recording);
         let checked = outcome.verification.expect("physical motions are checked");
