@@ -278,3 +278,42 @@ mod iteration {
         run(bencher, &cube());
     }
 }
+
+/// The solver alone, from the guess to the end of the finish: what the charts set beside the peers.
+mod solve {
+    use enact::estimate::recipe::{self, Recipe};
+
+    use super::*;
+    use crate::perform::{die, hat_box};
+
+    /// Scene by name.
+    fn case(name: &str) -> Case {
+        let of = |truth, acting: &Acting| Case::new(truth, acting, SEED);
+        let timing_known = Acting::timing_known();
+        let cube = |count| bounces(count, SEED).expect("a bouncing cube");
+        match name {
+            "tip" => known(Style::Tip),
+            "eraser" => known(Style::Eraser),
+            "tip_unknown" => unknown(Style::Tip),
+            "eraser_unknown" => unknown(Style::Eraser),
+            "cube_1" => of(&cube(1), &timing_known),
+            "cube_2" => of(&cube(2), &timing_known),
+            "cube_8" => of(&cube(8), &timing_known),
+            "hat_box" => of(&hat_box::truth(), &timing_known),
+            "die" => of(&die::reference(), &Acting::edited()),
+            _ => unreachable!("no scene of that name"),
+        }
+    }
+
+    #[divan::bench(args = [
+        "tip", "eraser", "tip_unknown", "eraser_unknown", "cube_1", "cube_2", "cube_8", "hat_box", "die",
+    ])]
+    fn from_the_guess(bencher: divan::Bencher, name: &str) {
+        let (_, posed) = posed(&case(name));
+        let recipe = Recipe::default();
+        bencher.bench_local(|| {
+            let guess = &posed.guesses[0];
+            recipe::solve(&posed.problem, &posed.layout, guess, &recipe, &mut ())
+        });
+    }
+}
