@@ -35,10 +35,11 @@ const LEG: usize = 4;
 /// gained.
 const PROMISES: f64 = 2.0;
 const LEGS: f64 = 4.0;
-/// A round ends when what may still be gained is less than this share of its value, or a step
-/// gains less than this share of the recipe's gain.
+/// A round ends when what may still be gained is less than this share of its value, or after a
+/// step less than this share of the recipe's gain is left; a sweep earlier.
 const SHARE: f64 = 1e-3;
-const GAIN: f64 = 0.01;
+const GAIN: f64 = 1e-3;
+const SWEEP_GAIN: f64 = 0.1;
 
 /// What is bounded: arcs of a performance, with those collisions that tie two of them and whose
 /// contacts the scene knows.
@@ -153,7 +154,7 @@ impl Bound {
         (leading, exact): (&Guidance, &Guidance),
         recipe: &Recipe,
     ) {
-        let (taken, gained) = run.leg(leading, recipe.gain);
+        let (taken, gained) = run.leg(leading, SWEEP_GAIN * recipe.gain);
         let may_gain = run.may_gain(gained, false);
         let steps = steps + LEG;
         if leading.event_sd_s.is_none() {

@@ -46,12 +46,24 @@ pub struct Descent<'a> {
     gradient: DVector<f64>,
 }
 
+/// Steps on end that change less than is worth a step, after which a descent stops.
+const IDLE_STEPS: usize = 2;
+
+/// A damped step.
+struct Direction {
+    delta: DVector<f64>,
+    /// Decrease of the model.
+    predicted: f64,
+    /// What the damping takes of it.
+    damped: f64,
+}
+
 /// When a descent may stop.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
     /// At most so many steps.
     pub steps: usize,
-    /// Enough when a step gained less than this, as predicted and in truth.
+    /// Enough when no more than this is left to gain, or two steps on end changed less.
     pub gain: f64,
 }
 
@@ -94,9 +106,15 @@ impl<'a> Descent<'a> {
     /// The same, with the damping as it is.
     pub fn go_on(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
         let mut growth = 2.0;
+        let mut idle = 0;
         for step in 1..=patience.steps {
             let before = price.merit(&self.system);
-            let Some((delta, predicted)) = self.direction(price) else {
+            let Some(Direction {
+                delta,
+                predicted,
+                damped,
+            }) = self.direction(price)
+            else {
                 self.damping = (self.damping * 10.0).max(1e-6);
                 continue;
             };
@@ -112,7 +130,16 @@ impl<'a> Descent<'a> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
-            if predicted < patience.gain && gained < patience.gain {
+            // After a whole step nothing is left but what damping kept back and the model did not
+            // know. At a kink (a contact between sticking and sliding, a bound) all steps promise
+            // what none keeps.
+            let left = (gained - predicted).abs() + damped;
+            idle = if gained.abs() < patience.gain {
+                idle + 1
+            } else {
+                0
+            };
+            if left < patience.gain || idle == IDLE_STEPS {
                 return step;
             }
         }
@@ -124,11 +151,11 @@ impl<'a> Descent<'a> {
         let damping = std::mem::replace(&mut self.damping, DAMPING.0);
         let direction = self.direction(price);
         self.damping = damping;
-        direction.map_or(f64::INFINITY, |(_, predicted)| predicted)
+        direction.map_or(f64::INFINITY, |direction| direction.predicted)
     }
 
-    /// The damped step and the decrease it promises.
-    fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64)> {
+    /// The damped step; `None` where there is none.
+    fn direction(&mut self, price: &Price) -> Option<Direction> {
         let layout = self.frame.layout;
         self.counters.iterations += 1;
         self.counters.factorisations += 1;
@@ -149,9 +176,14 @@ impl<'a> Descent<'a> {
         self.matrix.factorise(&layout.pattern).ok()?;
         let mut delta = -&self.gradient;
         self.matrix.solve(&layout.pattern, &mut delta);
-        let damped: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
-        let predicted = 0.5 * (-self.gradient.dot(&delta) + self.damping * damped);
-        Some((delta, predicted))
+        let size: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
+        let damped = self.damping * size;
+        let predicted = 0.5 * (-self.gradient.dot(&delta) + damped);
+        Some(Direction {
+            delta,
+            predicted,
+            damped,
+        })
     }
 
     /// Evaluates the step, corrected for the curvature of the constraints where that helps,

@@ -36,7 +36,7 @@ const NO_COST: f64 = 1e-6;
 pub struct Tolerances {
     /// Largest violation of a constraint, in units.
     pub violation: f64,
-    /// Decrease promised by the next step, relative to the objective.
+    /// Decrease that the next step would promise, relative to the objective.
     pub decrease: f64,
     /// Steps at most.
     pub steps: usize,
@@ -59,7 +59,8 @@ pub struct Finished {
     pub converged: bool,
     /// Largest violation left, in units.
     pub violation: f64,
-    /// Decrease the last step promised, relative to the objective.
+    /// Decrease that a further step would promise, relative to the objective, as far as the last
+    /// ones tell.
     pub decrease: f64,
 }
 
@@ -203,6 +204,14 @@ impl Kkt {
     }
 }
 
+/// What was taken of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Whole,
+    Part,
+    Not,
+}
+
 /// A point on its way through the finish.
 pub struct Finish<'a> {
     /// What stays fixed.
@@ -231,6 +240,7 @@ impl Finish<'_> {
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };
+        let mut promised_before: Option<f64> = None;
         for _ in 0..tolerances.steps {
             if should_stop() {
                 break;
@@ -240,29 +250,25 @@ impl Finish<'_> {
                 break;
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
-            finished.violation = self.system.violation();
-            finished.decrease = decrease / self.system.cost.max(NO_COST);
-            let done = finished.violation < tolerances.violation
-                && finished.decrease < tolerances.decrease;
-            let accepted = if done {
-                // The last step costs one evaluation and squares what error is left.
-                self.evaluate(&guidance, &step.delta, &mut trial);
-                trial.1.violation() <= finished.violation
-            } else {
-                self.search(&guidance, &kkt, &step, &mut trial)
+            let promised = decrease / self.system.cost.max(NO_COST);
+            let taken = self.search(&guidance, &kkt, &step, &mut trial);
+            finished.decrease = match (taken, promised_before) {
+                // Steps converge linearly at least: the next promises less by what this one did.
+                (Taken::Whole, Some(before)) => promised * (promised / before).min(1.0),
+                _ => promised,
             };
-            if accepted {
+            if taken != Taken::Not {
                 std::mem::swap(&mut self.point, &mut trial.0);
                 std::mem::swap(&mut self.system, &mut trial.1);
                 self.multipliers = step.multipliers;
             }
-            if done {
-                finished.converged = true;
-                finished.violation = self.system.violation();
-            }
-            if done || !accepted {
+            finished.violation = self.system.violation();
+            finished.converged = finished.violation < tolerances.violation
+                && finished.decrease < tolerances.decrease;
+            if finished.converged || taken == Taken::Not {
                 break;
             }
+            promised_before = (taken == Taken::Whole).then_some(promised);
         }
         finished
     }
@@ -307,7 +313,7 @@ impl Finish<'_> {
         kkt: &Kkt,
         step: &KktStep,
         trial: &mut (Point, System),
-    ) -> bool {
+    ) -> Taken {
         let largest =
             |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
@@ -317,17 +323,21 @@ impl Finish<'_> {
         for halving in 0..HALVINGS_MAX {
             self.evaluate(guidance, &delta, trial);
             if merit(&trial.1) <= enough {
-                return true;
+                return if halving == 0 {
+                    Taken::Whole
+                } else {
+                    Taken::Part
+                };
             }
             if halving == 0 {
                 let corrected = kkt.correct(self.frame, &self.system, &trial.1, &delta);
                 self.evaluate(guidance, &corrected, trial);
                 if merit(&trial.1) <= enough {
-                    return true;
+                    return Taken::Whole;
                 }
             }
             delta *= 0.5;
         }
-        false
+        Taken::Not
     }
 }

@@ -57,12 +57,12 @@ impl Default for Recipe {
         Self {
             sweep_weights: vec![10.0],
             sweep_steps: 10,
-            gain: 0.1,
+            gain: 1.0,
             event_sd_s: 0.002,
             multiplier_weight: 1000.0,
             multiplier_rounds: (12, 15),
             orientations_per_arc: 16,
-            finish_below: 0.1,
+            finish_below: 0.3,
             retries: 2,
             tolerances: Tolerances::default(),
         }
@@ -79,7 +79,7 @@ impl Recipe {
     pub fn without_sweep(&self) -> Self {
         Self {
             sweep_weights: Vec::new(),
-            gain: 1e-3 * self.gain,
+            gain: 1e-4 * self.gain,
             retries: 0,
             ..self.clone()
         }
@@ -202,7 +202,7 @@ pub fn solve(
         let mut price = Price::new(&descent.system, recipe.multiplier_weight);
         price.multipliers = solution.multipliers;
         let patient = Recipe {
-            gain: 1e-6 * recipe.gain,
+            gain: 1e-7 * recipe.gain,
             finish_below: 1e-5,
             ..recipe.clone()
         };

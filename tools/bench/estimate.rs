@@ -309,7 +309,11 @@ mod solve {
         "tip", "eraser", "tip_unknown", "eraser_unknown", "cube_1", "cube_2", "cube_8", "hat_box", "die",
     ])]
     fn from_the_guess(bencher: divan::Bencher, name: &str) {
-        let (_, posed) = posed(&case(name));
+        let (_, mut posed) = posed(&case(name));
+        // Whose flights are found to be bent: an exact motion there is not.
+        if name == "die" {
+            posed.problem = posed.problem.bent();
+        }
         let recipe = Recipe::default();
         bencher.bench_local(|| {
             let guess = &posed.guesses[0];
