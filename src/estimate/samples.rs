@@ -128,21 +128,16 @@ pub fn known_times(
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
 ) -> ArcTerms {
-    let mut terms = ArcTerms::default();
-    let mut spin = Spin::new(&problem.bodies[arc.body], &state.angular_velocity_rad_s);
     let unit = problem.orientation_unit_rad;
     let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
     let weight = arc.samples.len() as f64 / (readings.len() as f64 * unit * unit);
-    for sample in readings {
-        let s = times_s[sample.node] - epoch_s;
-        terms.turn.add(
-            &mut spin,
-            &state.orientation,
-            &sample.orientation,
-            s,
-            weight,
-        );
-    }
+    let start = (&state.orientation, &state.angular_velocity_rad_s);
+    let readings = readings.map(|sample| (times_s[sample.node] - epoch_s, &sample.orientation));
+    let turn = TurnTerms::of(&problem.bodies[arc.body], start, readings);
+    let mut terms = ArcTerms {
+        turn: turn.weighed(weight),
+        ..ArcTerms::default()
+    };
     sums.add_to(&mut terms, state, gravity_m_s2, problem.position_unit_m);
     terms
 }

@@ -6,7 +6,7 @@ use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 use crate::math::so3;
 use crate::physics::Body;
 use crate::physics::body::Symmetry;
-use crate::physics::flow::{self, Spin};
+use crate::physics::flow;
 use crate::physics::observe::TurnTerms;
 
 /// Samples that the starts are compared on; all are used by the last fit.
@@ -201,12 +201,9 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
 }
 
 fn evaluate(body: &Body, readings: &[Reading], fit: &TurnFit) -> TurnTerms {
-    let mut spin = Spin::new(body, &fit.angular_velocity_rad_s);
-    let mut terms = TurnTerms::default();
-    for (s, measured) in readings {
-        terms.add(&mut spin, &fit.orientation, measured, *s, 1.0);
-    }
-    terms
+    let start = (&fit.orientation, &fit.angular_velocity_rad_s);
+    let readings = readings.iter().map(|(s, measured)| (*s, measured));
+    TurnTerms::of(body, start, readings)
 }
 
 fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
@@ -284,6 +281,7 @@ mod tests {
     use rand_distr::Distribution;
 
     use super::*;
+    use crate::physics::flow::Spin;
 
     #[test]
     fn finds_a_fast_turn_from_clean_data_to_rounding() {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// Below this squared angle the series are used. Their first dropped term is below rounding
 /// there: θ⁶/5040 at θ² = 1e-4 is 2e-16 relative.
-const SERIES_BELOW: f64 = 1e-4;
+pub const SERIES_BELOW: f64 = 1e-4;
 
 /// `Exp(θ)`: rotation by `|θ|` about `θ` \[rad\].
 pub fn exp(theta: &Vector3<f64>) -> UnitQuaternion<f64> {

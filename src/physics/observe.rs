@@ -5,8 +5,11 @@
 //! exact `1 − θ²/12` across the residual, and of the three the cheapest. Seen from the frame of
 //! `R(0)` a turn of `R(s)` is `δθ + s K δω` ([`Spin::turn_and_derivative`]).
 
+mod lanes;
+
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::Body;
 use super::flow::Spin;
 use crate::math::so3;
 
@@ -28,6 +31,36 @@ pub struct TurnTerms {
 }
 
 impl TurnTerms {
+    /// Terms of measured orientations, each with its seconds from the epoch, where `orientation` and
+    /// `ω` [rad/s, body] hold; all of the weight one.
+    pub fn of<'m>(
+        body: &Body,
+        (orientation, angular_velocity_rad_s): (&UnitQuaternion<f64>, &Vector3<f64>),
+        readings: impl Iterator<Item = (f64, &'m UnitQuaternion<f64>)>,
+    ) -> Self {
+        let mut spin = Spin::new(body, angular_velocity_rad_s);
+        if let Some(precession) = spin.precession() {
+            return lanes::terms(precession, orientation, readings);
+        }
+        let mut terms = Self::default();
+        for (s, measured) in readings {
+            terms.add(&mut spin, orientation, measured, s, 1.0);
+        }
+        terms
+    }
+
+    /// The same at another weight.
+    pub fn weighed(self, weight: f64) -> Self {
+        Self {
+            cost: self.cost * weight,
+            gradient_orientation: self.gradient_orientation * weight,
+            gradient_spin: self.gradient_spin * weight,
+            count: self.count * weight,
+            cross: self.cross * weight,
+            square: self.square * weight,
+        }
+    }
+
     /// Adds one measured orientation, `s` seconds from the epoch; returns `K` and the residual
     /// \[rad\], both seen from the epoch's frame.
     #[inline]
@@ -57,7 +90,57 @@ impl TurnTerms {
 mod tests {
     use super::*;
     use crate::math::differentiate;
-    use crate::physics::Body;
+
+    /// Pencils along every axis, a ball; still, turning about the axis, across it, fast.
+    #[test]
+    fn four_at_a_time_are_as_one_by_one() {
+        let moments = [[2.0, 2.0, 0.3], [2.0, 0.1, 2.0], [0.5, 2.0, 2.0], [1.5; 3]];
+        let spins = [
+            [0.0, 0.0, 0.0],
+            [0.0, 0.0, 12.0],
+            [0.0, -7.0, 0.0],
+            [4.0, -3.0, 9.0],
+            [-80.0, 2.0, 60.0],
+            [1e-9, 0.0, 2e-9],
+        ];
+        let orientation = UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0);
+        for (moments, spin) in moments.iter().flat_map(|m| spins.map(|spin| (m, spin))) {
+            let body = Body::new(1.0, Vector3::from(*moments)).unwrap();
+            let omega = Vector3::from(spin);
+            for count in [0, 1, 3, 4, 9] {
+                let readings: Vec<_> = (0..count)
+                    .map(|index| {
+                        let s = 0.05 * f64::from(index) - 0.15;
+                        let off = Vector3::new(0.4, -1.0, 0.7) * (0.3 * f64::from(index) - 0.3);
+                        (
+                            s,
+                            orientation * Spin::new(&body, &omega).turn(s) * so3::exp(&off),
+                        )
+                    })
+                    .collect();
+                let mut one_by_one = TurnTerms::default();
+                for (s, measured) in &readings {
+                    let mut spin = Spin::new(&body, &omega);
+                    one_by_one.add(&mut spin, &orientation, measured, *s, 1.0);
+                }
+                let pairs = readings.iter().map(|(s, measured)| (*s, measured));
+                let at_once = TurnTerms::of(&body, (&orientation, &omega), pairs);
+                let numbers = |terms: &TurnTerms| {
+                    let mut all = vec![terms.cost, terms.count];
+                    all.extend(terms.gradient_orientation.iter());
+                    all.extend(terms.gradient_spin.iter());
+                    all.extend(terms.cross.iter().chain(terms.square.iter()));
+                    all
+                };
+                for (a, b) in numbers(&at_once).iter().zip(numbers(&one_by_one)) {
+                    assert!(
+                        (a - b).abs() < 1e-13 * (1.0 + b.abs()),
+                        "{moments:?} {spin:?} {count}: {a} {b}"
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn gradient_is_exact_and_the_hessian_is_for_small_residuals() {

@@ -19,11 +19,12 @@ use crate::physics::body::{Body, Symmetry};
 /// `I = I_t·diag(…)`, as the flow needs it.
 #[derive(Clone, Debug)]
 pub struct Turning {
-    axis: Vector3<f64>,
+    /// `a`.
+    pub axis: Vector3<f64>,
     /// `I_t⁻¹ I`, diagonal.
     scale: Vector3<f64>,
     /// `1 − I_a/I_t`.
-    excess: f64,
+    pub excess: f64,
 }
 
 impl Turning {
@@ -107,9 +108,12 @@ impl Turning {
 /// The free turn of one angular velocity.
 #[derive(Clone, Debug)]
 pub struct Precession {
-    turning: Turning,
-    alpha: Vector3<f64>,
-    beta: f64,
+    /// The body's part.
+    pub turning: Turning,
+    /// `α` [rad/s, body].
+    pub alpha: Vector3<f64>,
+    /// `β` [rad/s].
+    pub beta: f64,
 }
 
 impl Precession {

@@ -20,5 +20,6 @@ mod tests;
 mod turn;
 
 pub use asymmetric::ANGLE_MAX_RAD;
+pub(super) use axial::Precession;
 pub use flight::{advance, position, rate};
 pub use turn::{Spin, Turn, turn};

@@ -62,6 +62,14 @@ impl Spin {
         })
     }
 
+    /// The closed form, where two or three moments are equal.
+    pub(in crate::physics) fn precession(&self) -> Option<&Precession> {
+        match &self.0 {
+            Kind::Precession(precession) => Some(precession),
+            Kind::Steps(_) => None,
+        }
+    }
+
     /// `R(0)⁻¹R(s)` alone; with two or three equal moments, the same bits as
     /// [`super::advance`]'s.
     pub fn turn(&mut self, duration_s: f64) -> UnitQuaternion<f64> {
