@@ -225,11 +225,11 @@ impl Block {
                         add_one(to, pull, run.of(of));
                     }
                 }
-                Rows::Three(of) => {
+                Rows::Three([a, b, c]) => {
                     let pulls = [pull(row), pull(row + 1), pull(row + 2)];
                     for run in runs {
                         let to = &mut gradient[run.unknown..run.unknown + run.length];
-                        add_three(to, pulls, of.map(|row| run.of(row)));
+                        add_three(to, pulls, run.of(a), run.of(b), run.of(c));
                     }
                 }
             }
@@ -253,10 +253,10 @@ impl Block {
                     }
                     change[row] = sum;
                 }
-                Rows::Three(of) => {
+                Rows::Three([a, b, c]) => {
                     let mut sums = [0.0; PANEL];
                     for run in runs {
-                        let [a, b, c] = of.map(|row| run.of(row).iter());
+                        let (a, b, c) = (run.of(a).iter(), run.of(b), run.of(c));
                         for (by, ((a, b), c)) in moved(run).iter().zip(a.zip(b).zip(c)) {
                             sums[0] += a * by;
                             sums[1] += b * by;
@@ -312,24 +312,34 @@ fn add_square_of_one(
 
 fn add_square_of_three(
     runs: &[Run],
-    of: [&[f64]; PANEL],
+    [a, b, c]: [&[f64]; PANEL],
     weights: [f64; PANEL],
     (within, matrix): (&Pattern, &mut Envelope),
 ) {
     for (count, run) in runs.iter().enumerate() {
-        let own = of.map(|row| run.of(row));
+        let (own_a, own_b, own_c) = (run.of(a), run.of(b), run.of(c));
         for index in 0..run.length {
-            let scaled = [0, 1, 2].map(|row: usize| weights[row] * own[row][index]);
+            let scaled = [
+                weights[0] * own_a[index],
+                weights[1] * own_b[index],
+                weights[2] * own_c[index],
+            ];
             if scaled == [0.0; PANEL] {
                 continue;
             }
             let (first, entries) = matrix.row_mut(within, run.unknown + index);
             for other in &runs[..count] {
                 let to = &mut entries[other.unknown - first..][..other.length];
-                add_three(to, scaled, of.map(|row| other.of(row)));
+                add_three(to, scaled, other.of(a), other.of(b), other.of(c));
             }
             let to = &mut entries[run.unknown - first..][..=index];
-            add_three(to, scaled, own.map(|row| &row[..=index]));
+            add_three(
+                to,
+                scaled,
+                &own_a[..=index],
+                &own_b[..=index],
+                &own_c[..=index],
+            );
         }
     }
 }
@@ -342,10 +352,75 @@ fn add_one(to: &mut [f64], scale: f64, row: &[f64]) {
     }
 }
 
-/// Adds three scaled rows.
-#[inline]
-fn add_three(to: &mut [f64], scales: [f64; PANEL], [a, b, c]: [&[f64]; PANEL]) {
+/// Adds three scaled rows. Never inlined: of a call's arguments the compiler knows that they do not
+/// overlap, and need not ask before each short loop.
+#[inline(never)]
+fn add_three(to: &mut [f64], scales: [f64; PANEL], a: &[f64], b: &[f64], c: &[f64]) {
     for (entry, ((a, b), c)) in to.iter_mut().zip(a.iter().zip(b).zip(c)) {
         *entry += scales[0] * a + scales[1] * b + scales[2] * c;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::*;
+
+    /// Nine rows of ten unknowns in panels of three and of one, some with columns out of order, with
+    /// their derivatives as a dense matrix.
+    fn example() -> (BlockPattern, Block, DMatrix<f64>) {
+        let mut pattern = BlockPattern::default();
+        pattern.push(3, [5, 6, 7, 1, 2, 9]);
+        pattern.push(1, [8, 0]);
+        pattern.push(5, [2, 3, 4, 5]);
+        let mut block = Block::default();
+        block.reset(&pattern);
+        let mut dense = DMatrix::zeros(pattern.row_count(), 10);
+        for row in 0..pattern.row_count() {
+            let unknowns = pattern.unknowns(row).to_vec();
+            let derivatives = block.derivatives_mut(&pattern, row);
+            assert_eq!(derivatives.len(), unknowns.len());
+            for (column, (by, at)) in derivatives.iter_mut().zip(unknowns).enumerate() {
+                *by = (3 * row + column) as f64 - 7.0;
+                dense[(row, at)] = *by;
+            }
+        }
+        (pattern, block, dense)
+    }
+
+    #[test]
+    fn products_are_those_of_the_dense_matrix() {
+        let (pattern, block, dense) = example();
+        assert_eq!(dense.shape(), (9, 10));
+        let pull = DVector::from_fn(9, |row, _| row as f64 - 3.0);
+        let mut gradient = DVector::repeat(10, 2.0);
+        block.add_pull(&pattern, |row| pull[row], &mut gradient);
+        assert_eq!(gradient, dense.tr_mul(&pull).add_scalar(2.0));
+
+        let delta = DVector::from_fn(10, |at, _| at as f64 - 4.0);
+        let mut change = vec![f64::NAN; 9];
+        block.along(&pattern, &delta, &mut change);
+        assert_eq!(DVector::from_vec(change), &dense * delta);
+    }
+
+    #[test]
+    fn squares_are_those_of_the_dense_matrix_and_within_the_cliques() {
+        let (pattern, block, dense) = example();
+        let mut couplings = Vec::new();
+        for members in pattern.cliques() {
+            let first = members.clone().min().unwrap();
+            couplings.extend(members.map(|member| (member, first)));
+        }
+        let within = Pattern::new(10, couplings);
+        let mut matrix = Envelope::zeros(&within);
+        let weights = DVector::from_fn(9, |row, _| f64::from(row != 1 && row != 3) * row as f64);
+        block.add_square(&pattern, |row| weights[row], (&within, &mut matrix));
+        let expected = dense.transpose() * DMatrix::from_diagonal(&weights) * &dense;
+        for i in 0..10 {
+            for j in 0..=i {
+                assert_eq!(matrix.get(&within, i, j), expected[(i, j)], "({i}, {j})");
+            }
+        }
     }
 }
