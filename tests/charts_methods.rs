@@ -12,6 +12,7 @@ mod starts;
 
 use case::{Case, Posed};
 use enact::estimate::finish::Tolerances;
+use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::system::Guidance;
 use methods::model::Model;
@@ -33,6 +34,7 @@ fn posed(case: &Case) -> Posed {
     let mut posed = Posed::new(case.scene(), &outcome.sketch);
     if case.scene().velocity_gaps == enact::motion::VelocityGaps::Always {
         posed.problem = posed.problem.bent();
+        posed.layout = Layout::new(&posed.problem);
     }
     posed
 }

@@ -5,24 +5,20 @@
 //! position, orientation, velocity and angular velocity after it differ from the impact's. Where
 //! velocity gaps are priced instead of closed, the last two are rows of a block of their own.
 
-use nalgebra::{RowSVector, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use super::constraint::{Arrival, Block, add_gravity};
-use super::layout::STATE;
+use super::arrival::{Arrival, ByState};
+use super::block::{Block, BlockPattern};
+use super::layout::{Layout, STATE};
 use super::point::Point;
 use super::problem::{Collision, Problem, unit};
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::physics::State;
+use crate::physics::contact::Feature;
 use crate::physics::impact::{self, Impact, ImpactDerivative};
 use crate::physics::state::part;
 
-/// Units of a state's tangent.
-const STATE_UNITS: [f64; STATE] = {
-    let (x, r) = (unit::POSITION_M, unit::ORIENTATION_RAD);
-    let (v, w) = (unit::VELOCITY_M_S, unit::ANGULAR_VELOCITY_RAD_S);
-    [x, x, x, r, r, r, v, v, v, w, w, w]
-};
 /// Rows of a body's pose, and of its velocities.
 const HALF: usize = STATE / 2;
 
@@ -33,284 +29,403 @@ struct Places {
     /// Rows of every body in the constraints.
     rows_per_body: usize,
     bodies: usize,
-    /// Of the event's time; gravity and the other parameters follow.
-    time_column: usize,
-    columns: usize,
+    /// The first part of the states before that the velocities after hang on: one body bounces off
+    /// a face alike wherever it touches.
+    first_part: usize,
 }
 
 impl Places {
     fn new(problem: &Problem, collision: &Collision) -> Self {
         let bodies = collision.sides.len();
-        let approaches = collision.meeting.contacts().len();
-        let time_column = 2 * STATE * bodies;
-        let parameters = usize::from(collision.restitution_parameter.is_some())
-            + usize::from(collision.friction_parameter.is_some())
-            + collision.tilts.len();
+        let contacts = collision.meeting.contacts();
+        let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
+        let is_alike = bodies == 1 && contacts.iter().all(|contact| is_face(contact.b()));
         Self {
             contacts: if collision.touches_by_goal {
                 0
             } else {
-                approaches
+                contacts.len()
             },
-            approaches,
+            approaches: contacts.len(),
             rows_per_body: if problem.velocity_gap_weight.is_some() {
                 HALF
             } else {
                 STATE
             },
             bodies,
-            time_column,
-            columns: time_column + 1 + problem.gravity_count() + parameters,
+            first_part: if is_alike {
+                part::ORIENTATION
+            } else {
+                part::POSITION
+            },
         }
-    }
-
-    fn rows(&self) -> usize {
-        self.contacts + self.approaches + self.bodies * self.rows_per_body
     }
 
     /// First row of a body.
     fn of_body(&self, body: usize) -> usize {
         self.contacts + self.approaches + body * self.rows_per_body
     }
-
-    fn before(body: usize) -> usize {
-        2 * STATE * body
-    }
-
-    fn after(body: usize) -> usize {
-        2 * STATE * body + STATE
-    }
 }
 
-/// Fills `block` with the rows of a collision, and `gaps` with its velocity gaps where those are
-/// priced. `approach_limit_m_s` is the greatest normal speed contacts may have on arrival (zero:
-/// they must not recede). In poses in which the impact has no answer all rows are NaN.
+/// What the rows of a collision touch, and those of its velocity gaps where these are priced. In
+/// the order of a row's columns: states before, the event's time, the state after, gravity,
+/// restitution, friction, tilts, as far as they go.
+pub fn patterns(
+    problem: &Problem,
+    layout: &Layout,
+    collision: &Collision,
+) -> (BlockPattern, BlockPattern) {
+    let places = Places::new(problem, collision);
+    let (mut block, mut gaps) = (BlockPattern::default(), BlockPattern::default());
+    let time = layout.events[collision.event];
+    let parts = |arc: usize, parts: &[usize]| -> Vec<usize> {
+        let first = parts.iter().map(|part| layout.arcs[arc] + part);
+        first.flat_map(|first| first..first + 3).collect()
+    };
+    let before = |first_part: usize| -> Vec<usize> {
+        let arcs = collision.sides.iter().map(|side| layout.arcs[side.before]);
+        let states = arcs.flat_map(|at| at + first_part..at + STATE);
+        states.chain(time).collect()
+    };
+    let gravity = layout.gravity(problem);
+    let touching = [before(part::POSITION), gravity.clone()].concat();
+    block.push(places.contacts, touching.clone());
+    block.push(places.approaches, touching);
+    let law = [
+        collision.restitution_parameter,
+        collision.friction_parameter,
+    ];
+    let tilts = collision.tilts.iter().map(|(_, p)| *p);
+    let law = law.into_iter().flatten().chain(tilts);
+    let law: Vec<usize> = law.map(|p| layout.parameters[p]).collect();
+    for side in &collision.sides {
+        let [from, to] = [side.before, side.after].map(|arc| layout.arcs[arc]);
+        for axis in 0..3 {
+            let of = |arc: usize| [arc + part::POSITION + axis, arc + part::VELOCITY + axis];
+            let gravity = problem.gravity_parameters[axis].map(|p| layout.parameters[p]);
+            let states = of(from).into_iter().chain(time).chain(of(to));
+            block.push(1, states.chain(gravity));
+        }
+        let turn = [part::ORIENTATION, part::ANGULAR_VELOCITY];
+        let (from, to) = (parts(side.before, &turn), parts(side.after, &turn));
+        block.push(3, from.into_iter().chain(time).chain(to));
+        let velocities = if places.rows_per_body == STATE {
+            &mut block
+        } else {
+            &mut gaps
+        };
+        for part in [part::VELOCITY, part::ANGULAR_VELOCITY] {
+            let (before, after) = (before(places.first_part), parts(side.after, &[part]));
+            velocities.push(3, [before, after, gravity.clone(), law.clone()].concat());
+        }
+    }
+    (block, gaps)
+}
+
+/// Fills the block with the rows of a collision, and `gaps` with its velocity gaps where those are
+/// priced, each with its pattern. `approach_limit_m_s` is the greatest normal speed contacts may
+/// have on arrival (zero: they must not recede). In poses in which the impact has no answer all rows
+/// are NaN. The impact's derivatives are left in `derivative`.
 pub fn fill(
     problem: &Problem,
     collision: &Collision,
-    point: &Point,
-    epochs_s: &[f64],
+    (point, epochs_s): (&Point, &[f64]),
     approach_limit_m_s: f64,
-    (block, gaps): (&mut Block, &mut Block),
+    derivative: &mut ImpactDerivative,
+    [(pattern, block), (gap_pattern, gaps)]: [(&BlockPattern, &mut Block); 2],
 ) {
     let places = Places::new(problem, collision);
-    block.reset(places.rows(), places.columns);
+    block.reset(pattern);
     block.approach = places.contacts..places.contacts + places.approaches;
-    let gap_rows = places.bodies * (STATE - places.rows_per_body);
-    gaps.reset(gap_rows, places.columns);
+    gaps.reset(gap_pattern);
 
-    let gravity = problem.gravity(&point.parameters);
-    let time_s = point.event_times_s[collision.event];
-    let arrive = |body: usize, arc: usize| {
-        let flight = (&point.arcs[arc], epochs_s[arc]);
-        Arrival::new(&problem.bodies[body], &gravity, flight, time_s)
-    };
-    let first = &collision.sides[0];
-    let before = [
-        Some(arrive(first.body, first.before)),
-        collision.sides.get(1).map(|s| arrive(s.body, s.before)),
-    ];
-    let side = |index: usize| {
-        before[index].as_ref().map(|arrival| impact::Side {
-            body: &problem.bodies[collision.sides[index].body],
-            state: &arrival.state,
-        })
-    };
-    let (a, b) = (side(0).expect("a first body"), side(1));
+    let arrive = arrivals(problem, collision, point, epochs_s);
+    let before = [0, 1].map(|side| {
+        let side = collision.sides.get(side);
+        side.map(|side| arrive(side.body, side.before))
+    });
+    let [a, b] = sides(problem, collision, &before);
+    let a = a.expect("a first body");
     let law = collision.law(&point.parameters);
-    let mut derivative = ImpactDerivative::default();
-    let impact = collision
+    let Ok(impact) = collision
         .meeting
-        .derivative(&a, b.as_ref(), &law, &mut derivative);
-    let Ok(impact) = impact else {
-        block.values.fill(f64::NAN);
-        gaps.values.fill(f64::NAN);
+        .derivative(&a, b.as_ref(), &law, derivative)
+    else {
+        block.spoil();
+        gaps.spoil();
         return;
     };
-    fill_contacts(&places, &impact, approach_limit_m_s, block);
     let mut rows = Rows {
         problem,
+        collision,
         places,
-        block,
-        gaps,
+        block: (pattern, block),
+        gaps: (gap_pattern, gaps),
     };
-    for (body, arrival) in before.iter().enumerate() {
-        if let Some(arrival) = arrival {
-            rows.add_contacts(&derivative, body, arrival);
-        }
-    }
-    for (body, (side, arrival)) in collision
-        .sides
-        .iter()
-        .zip(before.iter().flatten())
-        .enumerate()
-    {
+    rows.fill_contacts(&impact, approach_limit_m_s);
+    rows.fill_contact_derivatives(derivative, &before);
+    for (body, side) in collision.sides.iter().enumerate() {
+        let Some(arrival) = &before[body] else {
+            continue;
+        };
         let after = arrive(side.body, side.after);
         let bounced = State {
             velocity_m_s: impact.after[body].velocity_m_s,
             angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
             ..arrival.state
         };
-        rows.add_continuity(&derivative, body, &before, (&bounced, &after));
+        let gap = after.state.minus(&bounced);
+        let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
+        rows.fill_positions(body, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
+        rows.fill_orientations(body, &turn, (arrival, &after));
+        for half in [Half::Velocity, Half::Spin] {
+            let gap = gap.fixed_rows::<3>(HALF + half as usize).into();
+            rows.fill_velocities(body, half, &gap, derivative, (&before, &after));
+        }
     }
-    rows.add_parameters(collision, &derivative);
 }
 
-fn fill_contacts(places: &Places, impact: &Impact, approach_limit_m_s: f64, block: &mut Block) {
-    for contact in 0..places.approaches {
-        if contact < places.contacts {
-            block.values[contact] = impact.gaps_m[contact] / unit::POSITION_M;
-        }
-        let row = places.contacts + contact;
-        block.values[row] = impact.speeds_m_s[contact] / unit::VELOCITY_M_S;
-        block.bounds[row] = (f64::NEG_INFINITY, approach_limit_m_s / unit::VELOCITY_M_S);
+/// How states arrive at the collision's event: of a body, by the arc.
+fn arrivals<'a>(
+    problem: &'a Problem,
+    collision: &Collision,
+    point: &'a Point,
+    epochs_s: &'a [f64],
+) -> impl Fn(usize, usize) -> Arrival + use<'a> {
+    let gravity = problem.gravity(&point.parameters);
+    let time_s = point.event_times_s[collision.event];
+    move |body, arc| {
+        let flight = (&point.arcs[arc], epochs_s[arc]);
+        Arrival::new(&problem.bodies[body], &gravity, flight, time_s)
     }
+}
+
+fn sides<'a>(
+    problem: &'a Problem,
+    collision: &Collision,
+    before: &'a [Option<Arrival>; 2],
+) -> [Option<impact::Side<'a>>; 2] {
+    [0, 1].map(|side: usize| {
+        let state = &before[side].as_ref()?.state;
+        let body = &problem.bodies[collision.sides[side].body];
+        Some(impact::Side { body, state })
+    })
+}
+
+/// The fastest approach of the contacts, as a negative speed [m/s]; zero where none approaches or
+/// the impact has no answer.
+pub fn fastest_approach_m_s(
+    problem: &Problem,
+    collision: &Collision,
+    point: &Point,
+    epochs_s: &[f64],
+) -> f64 {
+    let arrive = arrivals(problem, collision, point, epochs_s);
+    let before = [0, 1].map(|side| {
+        let side = collision.sides.get(side);
+        side.map(|side| arrive(side.body, side.before))
+    });
+    let [a, b] = sides(problem, collision, &before);
+    let a = a.expect("a first body");
+    let law = collision.law(&point.parameters);
+    let impact = collision.meeting.impact(&a, b.as_ref(), &law);
+    impact.map_or(0.0, |impact| {
+        let speeds = impact.speeds_m_s.into_iter();
+        speeds.fold(0.0, f64::min)
+    })
+}
+
+/// A body's velocities, by their first row among both.
+#[derive(Clone, Copy)]
+enum Half {
+    Velocity = 0,
+    Spin = 3,
 }
 
 /// The two blocks of a collision on their way.
 struct Rows<'a> {
     problem: &'a Problem,
+    collision: &'a Collision,
     places: Places,
-    block: &'a mut Block,
-    gaps: &'a mut Block,
+    block: (&'a BlockPattern, &'a mut Block),
+    gaps: (&'a BlockPattern, &'a mut Block),
 }
 
 impl Rows<'_> {
-    /// Derivatives of gaps and approach speeds by a body's arrival.
-    fn add_contacts(&mut self, derivative: &ImpactDerivative, body: usize, arrival: &Arrival) {
+    fn fill_contacts(&mut self, impact: &Impact, approach_limit_m_s: f64) {
+        let (_, block) = &mut self.block;
         for contact in 0..self.places.approaches {
             if contact < self.places.contacts {
-                let by_state = derivative.gap[contact][body] / unit::POSITION_M;
-                self.add_contact(contact, body, &by_state, arrival);
+                block.values[contact] = impact.gaps_m[contact] / unit::POSITION_M;
             }
-            let by_state = derivative.speed[contact][body] / unit::VELOCITY_M_S;
-            self.add_contact(self.places.contacts + contact, body, &by_state, arrival);
+            let row = self.places.contacts + contact;
+            block.values[row] = impact.speeds_m_s[contact] / unit::VELOCITY_M_S;
+            block.bounds[row] = (f64::NEG_INFINITY, approach_limit_m_s / unit::VELOCITY_M_S);
         }
     }
 
-    fn add_contact(
-        &mut self,
-        row: usize,
-        body: usize,
-        by_arrival: &RowSVector<f64, STATE>,
-        arrival: &Arrival,
-    ) {
-        let (by_state, by_time, by_gravity) = arrival.chain(by_arrival);
-        let time = self.places.time_column;
-        self.block.add((row, Places::before(body)), &by_state);
-        self.block.add((row, time), &by_time);
-        add_gravity(self.problem, self.block, (row, time + 1), &by_gravity);
-    }
-
-    /// What the state of a body after differs from the impact's, and its derivatives.
-    fn add_continuity(
+    /// Derivatives of gaps and approach speeds by the arrivals.
+    fn fill_contact_derivatives(
         &mut self,
         derivative: &ImpactDerivative,
-        body: usize,
         before: &[Option<Arrival>; 2],
-        (bounced, after): (&State, &Arrival),
     ) {
-        let gap = after.state.minus(bounced);
-        let units = SVector::from(STATE_UNITS);
-        self.set_values(body, &gap.component_div(&units));
-        let logarithm: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
-        let by_turn = so3::right_jacobian_inverse(&logarithm);
-        for (other, arrival) in before.iter().enumerate() {
-            let Some(arrival) = arrival else { continue };
-            let mut by_arrival = SMatrix::<f64, STATE, STATE>::zeros();
-            if other == body {
-                by_arrival
-                    .fixed_view_mut::<3, 3>(0, part::POSITION)
-                    .fill_diagonal(-1.0);
-                by_arrival
-                    .fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
-                    .copy_from(&-by_turn.transpose());
+        let (contacts, approaches) = (self.places.contacts, self.places.approaches);
+        let gaps = derivative.gap[..contacts].iter();
+        let speeds = derivative.speed[..approaches].iter();
+        let units = [unit::POSITION_M, unit::VELOCITY_M_S];
+        let gaps = gaps.map(|by| (by, 1.0 / units[0]));
+        let speeds = speeds.map(|by| (by, 1.0 / units[1]));
+        for (row, (by_arrivals, scale)) in gaps.chain(speeds).enumerate() {
+            let (pattern, block) = &mut self.block;
+            let (states, rest) = block
+                .derivatives_mut(pattern, row)
+                .split_at_mut(STATE * self.places.bodies);
+            rest.fill(0.0);
+            for (body, arrival) in before.iter().enumerate() {
+                let Some(arrival) = arrival else { continue };
+                let by = ByState::<1>::of(&by_arrivals[body], 0);
+                let state = &mut states[STATE * body..][..STATE];
+                arrival.chain(&by).put(0, scale, part::POSITION, state);
+                rest[0] += arrival.by_time(&by)[0] * scale;
+                for (axis, entry) in self.problem.free_gravity().zip(&mut rest[1..]) {
+                    *entry += arrival.by_gravity(&by, axis)[0] * scale;
+                }
             }
-            by_arrival
-                .fixed_rows_mut::<HALF>(HALF)
-                .copy_from(&-derivative.after[body][other]);
-            self.add_state(body, Places::before(other), &by_arrival, arrival);
-        }
-        let mut by_after = SMatrix::<f64, STATE, STATE>::identity();
-        by_after
-            .fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
-            .copy_from(&by_turn);
-        self.add_state(body, Places::after(body), &by_after, after);
-    }
-
-    fn set_values(&mut self, body: usize, values: &SVector<f64, STATE>) {
-        let at = self.places.of_body(body);
-        let closed = self.places.rows_per_body;
-        for row in 0..closed {
-            self.block.values[at + row] = values[row];
-        }
-        for row in closed..STATE {
-            self.gaps.values[body * HALF + row - closed] = values[row];
         }
     }
 
-    fn add_state(
+    /// What the position of a body after differs from that before, and its derivatives.
+    fn fill_positions(
         &mut self,
         body: usize,
-        column: usize,
-        by_arrival: &SMatrix<f64, STATE, STATE>,
-        arrival: &Arrival,
+        gap: &Vector3<f64>,
+        (before, after): (&Arrival, &Arrival),
     ) {
-        let mut scaled = *by_arrival;
-        for row in 0..STATE {
-            scaled.row_mut(row).scale_mut(1.0 / STATE_UNITS[row]);
-        }
-        let (by_state, by_time, by_gravity) = arrival.chain(&scaled);
-        let time = self.places.time_column;
-        self.add(body, column, &by_state);
-        self.add(body, time, &by_time);
-        let free = (0..3).filter(|axis| self.problem.gravity_parameters[*axis].is_some());
-        for (index, axis) in free.enumerate() {
-            let by_axis = by_gravity.fixed_columns::<1>(axis).into_owned();
-            self.add(body, time + 1 + index, &by_axis);
-        }
-    }
-
-    /// Adds derivatives of a body's rows to the block or blocks they are in.
-    fn add<const C: usize>(&mut self, body: usize, column: usize, by: &SMatrix<f64, STATE, C>) {
-        let at = (self.places.of_body(body), column);
-        if self.places.rows_per_body == STATE {
-            self.block.add(at, by);
-        } else {
-            self.block.add(at, &by.fixed_rows::<HALF>(0).into_owned());
-            let velocities = by.fixed_rows::<HALF>(HALF).into_owned();
-            self.gaps.add((body * HALF, column), &velocities);
-        }
-    }
-
-    /// Derivatives by restitution, friction and tilts.
-    fn add_parameters(&mut self, collision: &Collision, derivative: &ImpactDerivative) {
-        let mut column = self.places.time_column + 1 + self.problem.gravity_count();
-        if collision.restitution_parameter.is_some() {
-            self.add_parameter(column, &derivative.after_by_restitution);
-            column += 1;
-        }
-        if collision.friction_parameter.is_some() {
-            self.add_parameter(column, &derivative.after_by_friction);
-            column += 1;
-        }
-        for (tangent, _) in &collision.tilts {
-            let by_tilt = [0, 1]
-                .map(|body: usize| derivative.after_by_tilt[body].column(*tangent).into_owned());
-            self.add_parameter(column, &by_tilt);
-            column += 1;
-        }
-    }
-
-    fn add_parameter(&mut self, column: usize, after: &[SVector<f64, HALF>; 2]) {
-        for body in 0..self.places.bodies {
-            let mut rows = SVector::<f64, STATE>::zeros();
-            for row in 0..HALF {
-                rows[HALF + row] = -after[body][row] / STATE_UNITS[HALF + row];
+        let (pattern, block) = &mut self.block;
+        let (s, t) = (before.duration_s, after.duration_s);
+        let scale = 1.0 / unit::POSITION_M;
+        for axis in 0..3 {
+            let row = self.places.of_body(body) + axis;
+            block.values[row] = gap[axis] * scale;
+            let speed = after.rate[axis] - before.rate[axis];
+            let all = [-1.0, -s, speed, 1.0, t, 0.5 * (t * t - s * s)];
+            let to = block.derivatives_mut(pattern, row);
+            for (entry, by) in to.iter_mut().zip(all) {
+                *entry = by * scale;
             }
-            self.add(body, column, &rows);
         }
     }
+
+    /// What the orientation of a body after is turned from that before, and its derivatives.
+    fn fill_orientations(
+        &mut self,
+        body: usize,
+        turn: &Vector3<f64>,
+        (before, after): (&Arrival, &Arrival),
+    ) {
+        let (pattern, block) = &mut self.block;
+        let scale = 1.0 / unit::ORIENTATION_RAD;
+        let by_after = so3::right_jacobian_inverse(turn) * scale;
+        let by_before = -by_after.transpose();
+        let rate = |arrival: &Arrival| -> Vector3<f64> {
+            arrival.rate.fixed_rows::<3>(part::ORIENTATION).into()
+        };
+        let by_time = by_before * rate(before) + by_after * rate(after);
+        let chained = [(&by_before, before), (&by_after, after)]
+            .map(|(by, arrival)| [by * arrival.by_orientation, by * arrival.turn_by_spin]);
+        for axis in 0..3 {
+            let row = self.places.of_body(body) + part::ORIENTATION + axis;
+            block.values[row] = turn[axis] * scale;
+            let to = block.derivatives_mut(pattern, row);
+            for ([by_orientation, by_spin], first) in chained.iter().zip([0, HALF + 1]) {
+                for other in 0..3 {
+                    to[first + other] = by_orientation[(axis, other)];
+                    to[first + 3 + other] = by_spin[(axis, other)];
+                }
+            }
+            to[HALF] = by_time[axis];
+        }
+    }
+
+    /// What the velocity or the angular velocity of a body after differs from the impact's, and its
+    /// derivatives.
+    fn fill_velocities(
+        &mut self,
+        body: usize,
+        half: Half,
+        gap: &Vector3<f64>,
+        derivative: &ImpactDerivative,
+        (before, after): (&[Option<Arrival>; 2], &Arrival),
+    ) {
+        let scale = match half {
+            Half::Velocity => 1.0 / unit::VELOCITY_M_S,
+            Half::Spin => 1.0 / unit::ANGULAR_VELOCITY_RAD_S,
+        };
+        let first = half as usize;
+        let mut by_time: Vector3<f64> = after.rate.fixed_rows::<3>(HALF + first).into();
+        let (by_after, mut by_gravity) = match half {
+            Half::Velocity => (
+                Matrix3::identity(),
+                Matrix3::from_diagonal_element(after.duration_s),
+            ),
+            Half::Spin => (after.spin_by_spin, Matrix3::zeros()),
+        };
+        let from = self.places.first_part;
+        let ((pattern, block), row) = if self.places.rows_per_body == STATE {
+            (&mut self.block, self.places.of_body(body) + HALF + first)
+        } else {
+            (&mut self.gaps, body * HALF + first)
+        };
+        for (other, arrival) in before.iter().enumerate() {
+            let Some(arrival) = arrival else { continue };
+            let by = ByState::<3>::of(&derivative.after[body][other], first);
+            let chained = arrival.chain(&by);
+            for axis in 0..3 {
+                let to = block.derivatives_mut(pattern, row + axis);
+                let to = &mut to[(STATE - from) * other..][..STATE - from];
+                chained.put(axis, -scale, from, to);
+            }
+            by_time -= arrival.by_time(&by);
+            for axis in self.problem.free_gravity() {
+                let mut column = by_gravity.column_mut(axis);
+                column -= arrival.by_gravity(&by, axis);
+            }
+        }
+        for axis in 0..3 {
+            block.values[row + axis] = gap[axis] * scale;
+            let to = block.derivatives_mut(pattern, row + axis);
+            let states = (STATE - from) * self.places.bodies;
+            let by_law = by_law(self.collision, derivative, body, first + axis);
+            let gravity = self.problem.free_gravity();
+            let rest = std::iter::once(by_time[axis])
+                .chain((0..3).map(|other| by_after[(axis, other)]))
+                .chain(gravity.map(|other| by_gravity[(axis, other)]))
+                .chain(by_law.map(|by| -by));
+            for (entry, by) in to[states..].iter_mut().zip(rest) {
+                *entry = by * scale;
+            }
+        }
+    }
+}
+
+/// Derivatives of a velocity after by restitution, friction and tilts, where they are free.
+fn by_law<'a>(
+    collision: &'a Collision,
+    derivative: &'a ImpactDerivative,
+    body: usize,
+    row: usize,
+) -> impl Iterator<Item = f64> + 'a {
+    let restitution = collision.restitution_parameter;
+    let friction = collision.friction_parameter;
+    let tilts = collision.tilts.iter();
+    let by_restitution = restitution.map(|_| derivative.after_by_restitution[body][row]);
+    let by_friction = friction.map(|_| derivative.after_by_friction[body][row]);
+    let by_tilts = tilts.map(move |(tangent, _)| derivative.after_by_tilt[body][(row, *tangent)]);
+    by_restitution
+        .into_iter()
+        .chain(by_friction)
+        .chain(by_tilts)
 }
 
 /// What a collision's rows leave, in SI units.

@@ -4,7 +4,9 @@
 //! arcs that end at the next event, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet come one after the other: nothing couples them.
 
+use super::block::BlockPattern;
 use super::problem::{Arc, Problem};
+use super::{collision, constraint};
 use crate::math::envelope::Pattern;
 
 /// Number of unknowns of a state.
@@ -23,9 +25,11 @@ pub struct Layout {
     pub parameters: Vec<usize>,
     /// Which unknowns meet in a residual.
     pub pattern: Pattern,
-    /// Unknowns that each block of constraints touches, in the order of its derivative's
-    /// columns: collisions, then goals, then bounded parameters, then cones.
-    pub blocks: Vec<Vec<usize>>,
+    /// What each block of constraints touches: collisions, then goals, then bounded parameters, then
+    /// cones.
+    pub blocks: Vec<BlockPattern>,
+    /// What the velocity gaps of every collision touch; nothing, where they are closed.
+    pub velocity_gaps: Vec<BlockPattern>,
 }
 
 impl Layout {
@@ -84,23 +88,24 @@ impl Layout {
             parameters,
             pattern: Pattern::new(0, []),
             blocks: Vec::new(),
+            velocity_gaps: Vec::new(),
         };
-        let collisions =
-            (0..problem.collisions.len()).map(|index| layout.collision_columns(problem, index));
-        let goals = (0..problem.goals.len()).map(|index| layout.goal_columns(problem, index));
-        let bounded = problem
-            .bounded
-            .iter()
-            .map(|parameter| vec![layout.parameters[*parameter]]);
-        let cones = problem
-            .cones
-            .iter()
-            .map(|cone| cone.parameters.map(|p| layout.parameters[p]).to_vec());
-        layout.blocks = collisions
-            .chain(goals)
-            .chain(bounded)
-            .chain(cones)
-            .collect();
+        for of in &problem.collisions {
+            let (block, gaps) = collision::patterns(problem, &layout, of);
+            layout.blocks.push(block);
+            layout.velocity_gaps.push(gaps);
+        }
+        for goal in &problem.goals {
+            let pattern = constraint::goal_pattern(problem, &layout, goal);
+            layout.blocks.push(pattern);
+        }
+        let bounded = problem.bounded.iter().map(std::slice::from_ref);
+        let cones = problem.cones.iter().map(|cone| cone.parameters.as_slice());
+        for parameters in bounded.chain(cones) {
+            let columns = parameters.iter().map(|p| layout.parameters[*p]);
+            let pattern = BlockPattern::dense(1, columns.collect());
+            layout.blocks.push(pattern);
+        }
         layout.pattern = Pattern::new(next, layout.couplings(problem));
         layout
     }
@@ -108,31 +113,6 @@ impl Layout {
     /// Number of unknowns.
     pub fn size(&self) -> usize {
         self.pattern.size()
-    }
-
-    /// State before and state after of every body, time, gravity, restitution, friction, tilts.
-    fn collision_columns(&self, problem: &Problem, index: usize) -> Vec<usize> {
-        let collision = &problem.collisions[index];
-        let mut columns: Vec<usize> = Vec::with_capacity(4 * STATE + 8);
-        for side in &collision.sides {
-            columns.extend(self.state(side.before));
-            columns.extend(self.state(side.after));
-        }
-        columns.extend(self.events[collision.event]);
-        columns.extend(self.gravity(problem));
-        columns.extend(collision.restitution_parameter.map(|p| self.parameters[p]));
-        columns.extend(collision.friction_parameter.map(|p| self.parameters[p]));
-        columns.extend(collision.tilts.iter().map(|(_, p)| self.parameters[*p]));
-        columns
-    }
-
-    /// State, time, gravity.
-    fn goal_columns(&self, problem: &Problem, index: usize) -> Vec<usize> {
-        let goal = &problem.goals[index];
-        let mut columns: Vec<usize> = self.state(goal.arc).collect();
-        columns.extend(self.events[goal.event]);
-        columns.extend(self.gravity(problem));
-        columns
     }
 
     fn state(&self, arc: usize) -> impl Iterator<Item = usize> + use<> {
@@ -170,7 +150,11 @@ impl Layout {
                 }
             }
         }
-        self.blocks.iter().for_each(|columns| clique(columns));
+        for pattern in self.blocks.iter().chain(&self.velocity_gaps) {
+            for members in pattern.cliques() {
+                clique(&members.collect::<Vec<_>>());
+            }
+        }
         // The tempo prior compares neighbouring rates: three times in a row.
         for three in self.nodes.windows(3) {
             clique(&three.iter().flatten().copied().collect::<Vec<_>>());

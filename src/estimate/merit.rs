@@ -116,9 +116,9 @@ impl Price {
 /// Adds `Jᵀ diag(w) J` to a matrix.
 pub fn add_square(layout: &Layout, system: &System, weights: &[f64], matrix: &mut Envelope) {
     let mut offset = 0;
-    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
+    for (block, pattern) in system.blocks.iter().zip(&layout.blocks) {
         let weight = |row: usize| weights[offset + row];
-        block.add_square(&layout.pattern, columns, weight, matrix);
+        block.add_square(pattern, weight, (&layout.pattern, matrix));
         offset += block.values.len();
     }
 }
@@ -131,8 +131,8 @@ pub fn add_pull(
     gradient: &mut DVector<f64>,
 ) {
     let mut offset = 0;
-    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
-        block.add_pull(columns, |row| pull(offset + row), gradient);
+    for (block, pattern) in system.blocks.iter().zip(&layout.blocks) {
+        block.add_pull(pattern, |row| pull(offset + row), gradient);
         offset += block.values.len();
     }
 }
@@ -145,11 +145,13 @@ pub fn curvature(
 ) -> Vec<(usize, f64)> {
     let mut diagonal = Vec::new();
     let mut offset = 0;
-    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
-        // A pull inwards would make the matrix indefinite; it is on its way out.
-        let value = block.curvature * pull(offset).max(0.0);
-        if value > 0.0 {
-            diagonal.extend(columns.iter().map(|at| (*at, value)));
+    for (block, pattern) in system.blocks.iter().zip(&layout.blocks) {
+        if block.curvature > 0.0 {
+            // A pull inwards would make the matrix indefinite; it is on its way out.
+            let value = block.curvature * pull(offset).max(0.0);
+            if value > 0.0 {
+                diagonal.extend(pattern.unknowns(0).iter().map(|at| (*at, value)));
+            }
         }
         offset += block.values.len();
     }
@@ -161,24 +163,20 @@ pub fn along(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mu
     change.clear();
     change.resize(system.row_count(), 0.0);
     let mut offset = 0;
-    for (index, block) in system.blocks.iter().enumerate() {
+    for (block, pattern) in system.blocks.iter().zip(&layout.blocks) {
         let rows = block.values.len();
-        let change = &mut change[offset..offset + rows];
+        block.along(pattern, delta, &mut change[offset..offset + rows]);
         offset += rows;
-        for (column, at) in layout.blocks[index].iter().enumerate() {
-            for (entry, d) in change.iter_mut().zip(&block.jacobian[column * rows..]) {
-                *entry += d * delta[*at];
-            }
-        }
     }
 }
 
 /// Adds what curved rows change by beyond `J δ`, exactly, to `change`.
 pub fn add_curved(layout: &Layout, system: &System, delta: &DVector<f64>, change: &mut [f64]) {
     let mut row = 0;
-    for (block, columns) in system.blocks.iter().zip(&layout.blocks) {
+    for (block, pattern) in system.blocks.iter().zip(&layout.blocks) {
         if block.curvature > 0.0 {
-            let square: f64 = columns.iter().map(|at| delta[*at] * delta[*at]).sum();
+            let curved = pattern.unknowns(0).iter();
+            let square: f64 = curved.map(|at| delta[*at] * delta[*at]).sum();
             change[row] += 0.5 * block.curvature * square;
         }
         row += block.values.len();

@@ -2,13 +2,15 @@
 //! problem over states of arcs, event times, sample times and parameters.
 //!
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
-//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], summed into a
-//! [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
+//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], whose
+//! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
 //! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop.
 //! What is said of it: [`covariance`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
 pub mod acting;
+mod arrival;
+pub mod block;
 pub mod bound;
 pub mod collision;
 pub mod constraint;

@@ -299,8 +299,8 @@ impl Problem {
     }
 
     /// Components of gravity that are free.
-    pub fn gravity_count(&self) -> usize {
-        self.gravity_parameters.iter().flatten().count()
+    pub fn free_gravity(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..3).filter(|axis| self.gravity_parameters[*axis].is_some())
     }
 
     /// All samples of all arcs.

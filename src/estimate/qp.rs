@@ -38,12 +38,12 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
     let circles = circles(frame, system);
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (index, side) in sides.iter().enumerate() {
-        let block = &system.blocks[side.block];
-        let count = block.values.len();
-        for (column, at) in layout.blocks[side.block].iter().enumerate() {
+        let (block, pattern) = (&system.blocks[side.block], &layout.blocks[side.block]);
+        let derivatives = block.derivatives(pattern, side.row);
+        for (at, derivative) in pattern.unknowns(side.row).iter().zip(derivatives) {
             rows.push(index);
             columns.push(*at);
-            values.push(side.sign * block.jacobian[column * count + side.row]);
+            values.push(side.sign * derivative);
         }
     }
     let mut b: Vec<f64> = sides.iter().map(|side| side.room).collect();
@@ -53,7 +53,7 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
         SupportedConeT::NonnegativeConeT(sides.len() - equalities),
     ];
     for circle in &circles {
-        for (axis, at) in layout.blocks[circle.block].iter().enumerate() {
+        for (axis, at) in layout.blocks[circle.block].unknowns(0).iter().enumerate() {
             rows.push(b.len() + 1 + axis);
             columns.push(*at);
             values.push(-1.0);
@@ -109,11 +109,12 @@ fn circles(frame: &Frame, system: &System) -> Vec<Circle> {
     cones
         .map(|(number, cone)| {
             let block = &system.blocks[first + number];
+            let derivatives = block.derivatives(&frame.layout.blocks[first + number], 0);
             Circle {
                 index: rows_before + number,
                 block: first + number,
                 limit: cone.limit,
-                values: [0, 1].map(|axis: usize| block.jacobian[axis] / block.curvature),
+                values: [0, 1].map(|axis: usize| derivatives[axis] / block.curvature),
             }
         })
         .collect()

@@ -8,13 +8,12 @@
 //! times the distortion and on up to twenty bounces.
 
 use super::collision;
-use super::constraint::Block;
 use super::descend::{Descent, Patience};
 use super::finish::{Finish, Finished, Tolerances};
 use super::layout::Layout;
 use super::merit::Price;
 use super::point::Point;
-use super::problem::{Problem, unit};
+use super::problem::Problem;
 use super::system::{Frame, Guidance, System};
 use crate::motion::{Counters, Guess, Observer, Phase};
 
@@ -319,12 +318,8 @@ fn tighten(
 pub(super) fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Guidance {
     let mut guidance = Guidance::none(problem);
     guidance.event_times_s = guess.event_times_s.clone();
-    let (mut block, mut gaps) = (Block::default(), Block::default());
     for (index, of) in problem.collisions.iter().enumerate() {
-        let blocks = (&mut block, &mut gaps);
-        collision::fill(problem, of, start, &frame.epochs_s, 0.0, blocks);
-        let speeds = block.values[block.approach.clone()].iter();
-        let fastest_m_s = speeds.fold(0.0, |least: f64, v| least.min(v * unit::VELOCITY_M_S));
+        let fastest_m_s = collision::fastest_approach_m_s(problem, of, start, &frame.epochs_s);
         guidance.approach_limits_m_s[index] = (0.3 * fastest_m_s).min(-0.1);
     }
     guidance

@@ -28,43 +28,51 @@ pub fn estimate(
     observer: &mut dyn Observer,
 ) -> Estimate {
     let exact = Problem::new(scene, sketch, segments);
-    let layout = Layout::new(&exact);
+    let exact_layout = Layout::new(&exact);
     let may_bend = scene.velocity_gaps != VelocityGaps::Never && !exact.collisions.is_empty();
     let is_hopeless = scene.velocity_gaps == VelocityGaps::Always || exact.is_overconstrained();
     let bent = exact.bent();
+    let bent_layout;
 
     let mut work = Counters::default();
     let mut found = None;
     if !(may_bend && is_hopeless) {
-        let (best, solution) = best(&exact, &layout, guesses, recipe, observer);
+        let (best, solution) = best(&exact, &exact_layout, guesses, recipe, observer);
         work.add(&solution.counters);
-        found = Some((&exact, best, solution));
+        found = Some(((&exact, &exact_layout), best, solution));
     }
     let is_final = |s: &Solution| s.finished.converged || s.stopped || !may_bend;
     if !found
         .as_ref()
         .is_some_and(|(_, _, solution)| is_final(solution))
     {
-        let (best, solution) = best(&bent, &layout, guesses, recipe, observer);
+        bent_layout = Layout::new(&bent);
+        let (best, solution) = best(&bent, &bent_layout, guesses, recipe, observer);
         work.add(&solution.counters);
         let again = (!is_hopeless && !solution.stopped).then(|| {
             let guess = solution.point.guess(&exact, &guesses[best]);
-            recipe::solve(&exact, &layout, &guess, &recipe.without_sweep(), observer)
+            recipe::solve(
+                &exact,
+                &exact_layout,
+                &guess,
+                &recipe.without_sweep(),
+                observer,
+            )
         });
-        found = Some((&bent, best, solution));
+        found = Some(((&bent, &bent_layout), best, solution));
         if let Some(again) = again {
             work.add(&again.counters);
             if again.finished.converged {
-                found = Some((&exact, best, again));
+                found = Some(((&exact, &exact_layout), best, again));
             }
         }
     }
-    let (problem, best, mut solution) = found.expect("solved one way or the other");
+    let ((problem, layout), best, mut solution) = found.expect("solved one way or the other");
     solution.counters = work;
     observer.phase(Phase::Covariance);
     let epochs_s = recipe::epochs_s(&guesses[best]);
     let start = Point::new(problem, &guesses[best]);
-    let frame = Frame::new(problem, &layout, epochs_s, &start);
+    let frame = Frame::new(problem, layout, epochs_s, &start);
     outcome::estimate(scene, sketch, segments, &frame, &solution)
 }
 

@@ -2,14 +2,16 @@
 
 use nalgebra::DVector;
 
+use super::block::Block;
 use super::collision;
-use super::constraint::{self, Block};
+use super::constraint;
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
 use super::samples::{self, ArcSums, ArcTerms};
 use super::tempo;
 use crate::math::envelope::Envelope;
+use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;
 
 /// What stays fixed while one problem is solved.
@@ -90,6 +92,8 @@ pub struct System {
     pub blocks: Vec<Block>,
     /// Velocity gaps of every collision, where they are priced instead of closed.
     pub velocity_gaps: Vec<Block>,
+    /// Room for the derivatives of one impact.
+    impact: ImpactDerivative,
 }
 
 impl System {
@@ -102,6 +106,7 @@ impl System {
             hessian: Envelope::zeros(&frame.layout.pattern),
             blocks: vec![Block::default(); blocks],
             velocity_gaps: vec![Block::default(); frame.problem.collisions.len()],
+            impact: ImpactDerivative::zeros(),
         }
     }
 
@@ -112,49 +117,44 @@ impl System {
         self.hessian.clear();
         self.add_samples(frame, guidance, point);
         self.add_priors(frame, guidance, point);
+        self.fill_constraints(frame, guidance, point);
         let problem = frame.problem;
-        let (collisions, others) = self.blocks.split_at_mut(problem.collisions.len());
-        for (index, (of, block)) in problem.collisions.iter().zip(collisions).enumerate() {
-            let limit_m_s = guidance.approach_limits_m_s[index];
-            let gaps = &mut self.velocity_gaps[index];
-            collision::fill(
-                problem,
-                of,
-                point,
-                &frame.epochs_s,
-                limit_m_s,
-                (block, gaps),
-            );
-        }
-        let (goals, others) = others.split_at_mut(problem.goals.len());
-        let (bounded, cones) = others.split_at_mut(problem.bounded.len());
-        for (goal, block) in problem.goals.iter().zip(goals) {
-            constraint::goal(problem, goal, point, &frame.epochs_s, block);
-        }
-        for (parameter, block) in problem.bounded.iter().zip(bounded) {
-            constraint::bound(
-                &problem.parameters[*parameter],
-                point.parameters[*parameter],
-                block,
-            );
-        }
-        for (cone, block) in problem.cones.iter().zip(cones) {
-            constraint::cone(cone, cone.parameters.map(|p| point.parameters[p]), block);
-        }
         if let Some(weight) = problem.velocity_gap_weight {
             self.add_velocity_gaps(frame, weight);
+        }
+    }
+
+    fn fill_constraints(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
+        let (problem, layout) = (frame.problem, frame.layout);
+        let epochs_s = &frame.epochs_s;
+        let mut blocks = layout.blocks.iter().zip(&mut self.blocks);
+        let gaps = layout.velocity_gaps.iter().zip(&mut self.velocity_gaps);
+        let collisions = problem.collisions.iter().zip(&guidance.approach_limits_m_s);
+        for (((of, limit_m_s), gaps), block) in collisions.zip(gaps).zip(&mut blocks) {
+            let at = (point, epochs_s.as_slice());
+            let impact = &mut self.impact;
+            collision::fill(problem, of, at, *limit_m_s, impact, [block, gaps]);
+        }
+        for (goal, block) in problem.goals.iter().zip(&mut blocks) {
+            constraint::goal(problem, goal, point, epochs_s, block);
+        }
+        for (parameter, block) in problem.bounded.iter().zip(&mut blocks) {
+            let free = &problem.parameters[*parameter];
+            constraint::bound(free, point.parameters[*parameter], block);
+        }
+        for (cone, block) in problem.cones.iter().zip(&mut blocks) {
+            constraint::cone(cone, cone.parameters.map(|p| point.parameters[p]), block);
         }
     }
 
     /// Half the weighted squares of what velocities jump beyond their impacts.
     fn add_velocity_gaps(&mut self, frame: &Frame, weight: f64) {
         let layout = frame.layout;
-        // A collision's gaps touch what its constraints touch.
-        for (block, columns) in self.velocity_gaps.iter().zip(&layout.blocks) {
+        for (block, pattern) in self.velocity_gaps.iter().zip(&layout.velocity_gaps) {
             let values = &block.values;
             self.cost += 0.5 * weight * values.iter().map(|v| v * v).sum::<f64>();
-            block.add_pull(columns, |row| weight * values[row], &mut self.gradient);
-            block.add_square(&layout.pattern, columns, |_| weight, &mut self.hessian);
+            block.add_pull(pattern, |row| weight * values[row], &mut self.gradient);
+            block.add_square(pattern, |_| weight, (&layout.pattern, &mut self.hessian));
         }
     }
 

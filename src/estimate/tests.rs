@@ -297,10 +297,10 @@ fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
         }
         let (sketch, segments, guess) = sketch(&scene, offset);
         let mut problem = Problem::new(&scene, &sketch, &segments);
-        let layout = Layout::new(&problem);
         let point = Point::new(&problem, &guess);
         for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {
             problem.velocity_gap_weight = velocity_gap_weight;
+            let layout = Layout::new(&problem);
             let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &point);
             check(&frame, &Guidance::none(&problem), &point, &lengths(&layout));
         }
@@ -372,17 +372,14 @@ fn the_constraints_derivatives_are_exact_and_within_their_columns() {
             moved(frame, guidance, point, lengths, d).values().collect()
         });
         let mut offset = 0;
-        for (block, columns) in system.blocks.iter().zip(&frame.layout.blocks) {
+        for (block, pattern) in system.blocks.iter().zip(&frame.layout.blocks) {
             let rows = block.values.len();
-            assert_eq!(block.jacobian.len(), rows * columns.len());
+            assert_eq!(rows, pattern.row_count());
             for row in 0..rows {
+                let (unknowns, by) = (pattern.unknowns(row), block.derivatives(pattern, row));
                 for at in 0..size {
-                    let expected = columns
-                        .iter()
-                        .position(|column| *column == at)
-                        .map_or(0.0, |column| {
-                            block.jacobian[column * rows + row] * lengths[at]
-                        });
+                    let column = unknowns.iter().position(|unknown| *unknown == at);
+                    let expected = column.map_or(0.0, |column| by[column] * lengths[at]);
                     let error = (numeric[offset + row][at] - expected).abs();
                     assert!(
                         error < 1e-6 * (1.0 + expected.abs()),

@@ -95,24 +95,11 @@ impl Envelope {
         self.values[pattern.diagonal[i] + j - i] += value;
     }
 
-    /// Adds `weight v vᵀ` for a vector of few entries: their rows, ascending, and values.
-    ///
-    /// # Panics
-    /// In debug builds, where a pair lies outside the envelope.
+    /// Row `i` of the lower triangle within the envelope, and its first column.
     #[inline]
-    pub fn add_outer(&mut self, pattern: &Pattern, weight: f64, vector: &[(usize, f64)]) {
-        for (count, (i, value)) in vector.iter().enumerate() {
-            let scaled = weight * value;
-            // Where column 0 of the row would be.
-            let row = pattern.diagonal[*i].wrapping_sub(*i);
-            for (j, partner) in &vector[..=count] {
-                debug_assert!(
-                    j <= i && *j >= pattern.first[*i],
-                    "({i}, {j}) outside the envelope"
-                );
-                self.values[row.wrapping_add(*j)] += scaled * partner;
-            }
-        }
+    pub fn row_mut(&mut self, pattern: &Pattern, i: usize) -> (usize, &mut [f64]) {
+        let (first, diagonal) = (pattern.first[i], pattern.diagonal[i]);
+        (first, &mut self.values[diagonal + first - i..=diagonal])
     }
 
     /// The entry at row `i`, column `j ≤ i`.
@@ -266,17 +253,14 @@ mod tests {
     }
 
     #[test]
-    fn adds_outer_products_as_a_dense_matrix_does() {
-        let (pattern, mut matrix, mut dense) = example();
-        let vector = [(3, 0.5), (4, -2.0), (7, 0.25), (38, 1.5), (39, 3.0)];
-        matrix.add_outer(&pattern, 0.7, &vector);
-        for (i, a) in vector {
-            for (j, b) in vector {
-                dense[(i, j)] += 0.7 * a * b;
+    fn rows_are_those_of_the_matrix() {
+        let (pattern, mut matrix, dense) = example();
+        for i in 0..pattern.size() {
+            let (first, row) = matrix.row_mut(&pattern, i);
+            assert_eq!(first + row.len(), i + 1);
+            for (entry, j) in row.iter().zip(first..) {
+                assert_eq!(*entry, dense[(i, j)], "({i}, {j})");
             }
-        }
-        for (i, j, value) in matrix.triplets(&pattern) {
-            assert!((value - dense[(i, j)]).abs() < 1e-15, "({i}, {j})");
         }
     }
 

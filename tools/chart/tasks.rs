@@ -2,6 +2,7 @@
 //! optimum known.
 
 use enact::estimate::finish::Tolerances;
+use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::{Guess, Sketch, Stamp, TakeEvent, VelocityGaps};
 use enact::pipeline::Outcome;
@@ -50,6 +51,7 @@ pub fn posed_with_truth(case: &Case, outcome: &Outcome) -> (Posed, Guess) {
     let mut posed = Posed::new(&outcome.scene, &outcome.sketch);
     if is_bent(outcome) {
         posed.problem = posed.problem.bent();
+        posed.layout = Layout::new(&posed.problem);
         let guess = posed.guesses[0].clone();
         return (posed, guess);
     }

@@ -143,16 +143,17 @@ fn hessian(frame: &Frame, system: &System) -> DMatrix<f64> {
 fn jacobian(frame: &Frame, system: &System) -> DMatrix<f64> {
     let mut rows: Vec<DVector<f64>> = Vec::new();
     for (index, block) in system.blocks.iter().enumerate() {
-        let count = block.values.len();
-        for row in 0..count {
+        let pattern = &frame.layout.blocks[index];
+        for row in 0..block.values.len() {
             let (lower, upper) = block.bounds[row];
             let value = block.values[row];
             if value > lower + 1e-9 && value < upper - 1e-9 {
                 continue;
             }
             let mut dense = DVector::zeros(frame.layout.size());
-            for (column, at) in frame.layout.blocks[index].iter().enumerate() {
-                dense[*at] += block.jacobian[column * count + row];
+            let derivatives = block.derivatives(pattern, row);
+            for (at, derivative) in pattern.unknowns(row).iter().zip(derivatives) {
+                dense[*at] += derivative;
             }
             rows.push(dense);
         }

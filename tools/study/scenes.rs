@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use enact::estimate::layout::Layout;
 use enact::motion::{VelocityGaps, Verdict};
 use serde::Serialize;
 
@@ -166,6 +167,7 @@ fn judged(scenario: &Scenario, seed: u64) -> Seed {
     let guess = if is_bent {
         // There is no true motion to start from.
         posed.problem = posed.problem.bent();
+        posed.layout = Layout::new(&posed.problem);
         posed.guesses[0].clone()
     } else {
         case.true_guess(&posed, &outcome.sketch)

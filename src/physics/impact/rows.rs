@@ -5,7 +5,7 @@
 //! centre of mass: the point of contact `p` moves at `d·v + l·ω`. Rows of B are taken negative,
 //! so that their sums `J V` are speeds of A's points relative to B's.
 
-use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
 use super::meeting::{Side, Velocities};
 
@@ -164,9 +164,12 @@ impl Rows {
                 let mut velocity = result[body].fixed_rows_mut::<3>(0);
                 velocity += push * scale;
             }
-            let torque = turned(&by.levers[body]);
+            let mut torque = turned(&by.levers[body]);
+            for mut column in torque.column_iter_mut() {
+                column.component_mul_assign(&self.inverse_moments[body]);
+            }
             let mut spin = result[body].fixed_rows_mut::<3>(3);
-            spin += Matrix3::from_diagonal(&self.inverse_moments[body]) * torque;
+            spin += torque;
         }
         result
     }
@@ -177,13 +180,16 @@ impl Rows {
         change: &SMatrix<f64, ROWS, C>,
     ) -> [SMatrix<f64, 6, C>; 2] {
         let mut result = [SMatrix::<f64, 6, C>::zeros(); 2];
+        let push = Matrix3::from_columns(&self.directions) * change;
         for body in 0..self.bodies {
-            let mut scale = SVector::<f64, 6>::repeat(self.inverse_mass[body]);
-            scale
-                .fixed_rows_mut::<3>(3)
-                .copy_from(&self.inverse_moments[body]);
-            let rows = self.of_body(body);
-            result[body] = SMatrix::from_diagonal(&scale) * rows.transpose() * change;
+            let scale = self.inverse_mass[body] * [1.0, -1.0][body];
+            let inverse_moments = &self.inverse_moments[body];
+            let turns = self.levers[body].map(|lever| lever.component_mul(inverse_moments));
+            let turned = Matrix3::from_columns(&turns) * change;
+            result[body]
+                .fixed_rows_mut::<3>(0)
+                .copy_from(&(push * scale));
+            result[body].fixed_rows_mut::<3>(3).copy_from(&turned);
         }
         result
     }

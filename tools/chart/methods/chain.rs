@@ -1,13 +1,13 @@
 //! Derivatives of what follows by what is held.
 
-use enact::estimate::layout::STATE;
+use enact::estimate::layout::{Layout, STATE};
 use enact::estimate::problem::Collision;
 use enact::estimate::system::System;
 use nalgebra::DMatrix;
 
 use super::columns::{Columns, GAP};
 use super::parts::{Part, gravity, of_collision};
-use super::rows::{continuity, rows_of};
+use super::rows::{continuity, rows_of, unknowns};
 use super::split::{Grid, Split};
 
 /// Derivatives of every piece's state and every event's time by the unknowns that
@@ -33,7 +33,12 @@ fn places(of: &[usize], among: &[usize]) -> impl Iterator<Item = usize> {
 
 impl<'a> Chains<'a> {
     /// At the place where the lifted system was evaluated.
-    pub fn new(split: &'a Split, columns: &'a Columns, grid: Grid, system: &System) -> Self {
+    pub fn new(
+        split: &'a Split,
+        columns: &'a Columns,
+        grid: Grid,
+        lifted: (&Layout, &System),
+    ) -> Self {
         let mut chains = Self {
             split,
             columns,
@@ -42,10 +47,10 @@ impl<'a> Chains<'a> {
         };
         for (index, collision) in split.problem.collisions.iter().enumerate() {
             if columns.times_follow[index] {
-                chains.add_time(index, collision, system);
+                chains.add_time(index, collision, lifted);
             }
             if grid.shoots() {
-                chains.add_states(index, collision, system);
+                chains.add_states(index, collision, lifted);
             }
         }
         chains
@@ -96,11 +101,18 @@ impl<'a> Chains<'a> {
     }
 
     /// `dτ = −(∂φ/∂x dx)/φ̇`.
-    fn add_time(&mut self, index: usize, collision: &Collision, system: &System) {
+    fn add_time(
+        &mut self,
+        index: usize,
+        collision: &Collision,
+        (layout, system): (&Layout, &System),
+    ) {
         let problem = &self.split.problem;
-        let rows = rows_of(&system.blocks[index], &[0]);
+        let parts = of_collision(problem, index);
+        let block = (&system.blocks[index], &layout.blocks[index]);
+        let rows = rows_of(block, &[0], &unknowns(layout, &parts));
         let (mut at, mut kept, mut by_time) = (0, Vec::new(), 0.0);
-        for part in of_collision(problem, index) {
+        for part in parts {
             let is_before = collision
                 .sides
                 .iter()
@@ -118,9 +130,15 @@ impl<'a> Chains<'a> {
     }
 
     /// The states after, from the rows that say that they continue through the impact.
-    fn add_states(&mut self, index: usize, collision: &Collision, system: &System) {
+    fn add_states(
+        &mut self,
+        index: usize,
+        collision: &Collision,
+        (layout, system): (&Layout, &System),
+    ) {
         let problem = &self.split.problem;
-        let (block, gaps) = (&system.blocks[index], &system.velocity_gaps[index]);
+        let block = (&system.blocks[index], &layout.blocks[index]);
+        let gaps = (&system.velocity_gaps[index], &layout.velocity_gaps[index]);
         let parts = of_collision(problem, index);
         let mut at = 0;
         let mut placed: Vec<(usize, Part)> = Vec::new();
@@ -137,7 +155,7 @@ impl<'a> Chains<'a> {
         let others: Vec<(usize, Part)> =
             placed.iter().copied().filter(|p| !is_after(&p.1)).collect();
         for (body, side) in collision.sides.iter().enumerate() {
-            let rows = continuity(block, gaps, body);
+            let rows = continuity(block, gaps, body, &unknowns(layout, &parts));
             let own = placed
                 .iter()
                 .find(|(_, part)| *part == Part::Piece(side.after));

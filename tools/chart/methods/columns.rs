@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 
+use enact::estimate::block::BlockPattern;
 use enact::estimate::layout::{Layout, STATE};
 
 use super::parts::{Part, gravity, of_collision, of_goal};
@@ -210,24 +211,39 @@ impl Columns {
     /// Blocks and pattern.
     fn couple(&mut self, split: &Split, grid: Grid, size: usize) {
         let problem = &split.problem;
+        let lifted = &self.layout.blocks;
         let mut blocks = Vec::new();
         for (index, collision) in problem.collisions.iter().enumerate() {
+            let contacts = collision.meeting.contacts().len();
+            let rows = match grid.shoots() {
+                true if collision.touches_by_goal => contacts,
+                true => 2 * contacts,
+                false => lifted[index].row_count(),
+            };
+            let rows = rows - usize::from(self.times_follow[index]);
             let after = |part: &Part| {
                 let afters = collision.sides.iter().map(|side| Part::Piece(side.after));
                 grid.shoots() && afters.into_iter().any(|after| after == *part)
             };
             let parts = of_collision(problem, index).into_iter();
-            blocks.push(self.union(parts.filter(|part| !after(part))));
+            let columns = self.union(parts.filter(|part| !after(part)));
+            blocks.push(BlockPattern::dense(rows, columns));
         }
-        blocks.extend((0..problem.goals.len()).map(|goal| self.union(of_goal(problem, goal))));
-        let bounded = problem.bounded.iter();
-        blocks.extend(bounded.map(|p| vec![self.parameters[*p]]));
-        let cones = problem.cones.iter();
-        blocks.extend(cones.map(|c| c.parameters.map(|p| self.parameters[p]).to_vec()));
+        for goal in 0..problem.goals.len() {
+            let rows = lifted[blocks.len()].row_count();
+            let columns = self.union(of_goal(problem, goal));
+            blocks.push(BlockPattern::dense(rows, columns));
+        }
+        let bounded = problem.bounded.iter().map(std::slice::from_ref);
+        let cones = problem.cones.iter().map(|cone| cone.parameters.as_slice());
+        blocks.extend(bounded.chain(cones).map(|parameters| {
+            let columns = parameters.iter().map(|p| self.parameters[*p]);
+            BlockPattern::dense(1, columns.collect())
+        }));
         let joins = split.joins.iter();
         blocks.extend(joins.map(|(left, right)| {
             let both = [Part::Piece(*left), Part::Piece(*right)].into_iter();
-            self.union(both.chain(gravity(problem)))
+            BlockPattern::dense(STATE, self.union(both.chain(gravity(problem))))
         }));
         let mut couplings = Vec::new();
         let mut clique = |members: &[usize]| {
@@ -235,7 +251,11 @@ impl Columns {
                 couplings.extend(members.iter().map(|member| (*member, *first)));
             }
         };
-        blocks.iter().for_each(|block| clique(block));
+        for block in &blocks {
+            for members in block.cliques() {
+                clique(&members.collect::<Vec<_>>());
+            }
+        }
         for (piece, arc) in problem.arcs.iter().enumerate() {
             let own = self.union([Part::Piece(piece)].into_iter().chain(gravity(problem)));
             clique(&own);

@@ -1,6 +1,6 @@
 //! What the piece before a node lacks to the state that is held there.
 
-use enact::estimate::constraint::Block;
+use enact::estimate::block::{Block, BlockPattern};
 use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
 use enact::estimate::system::Frame;
@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 
 use super::chain::Chains;
 use super::parts::{Part, gravity};
+use super::rows::fill_derivatives;
 use super::simulate::units;
 
 /// Twelve rows, in units, and their derivatives by both pieces' states and by gravity.
@@ -75,16 +76,13 @@ impl Join {
         chains: &Chains,
         (left, right): (usize, usize),
         target: &[usize],
-        block: &mut Block,
+        (block, pattern): (&mut Block, &BlockPattern),
     ) {
         let mut parts = vec![Part::Piece(left), Part::Piece(right)];
         parts.extend(&self.gravity);
         let by = chains.chained(&self.by, &parts, target);
+        block.reset(pattern);
         block.values.clone_from(&self.values);
-        block.bounds = vec![(0.0, 0.0); STATE];
-        block.jacobian.clear();
-        block.jacobian.extend_from_slice(by.as_slice());
-        block.approach = 0..0;
-        block.curvature = 0.0;
+        fill_derivatives(&by, (block, pattern));
     }
 }

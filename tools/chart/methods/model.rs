@@ -7,7 +7,7 @@
 //! the impact the change of the state after it, saltation included. So samples, impacts and goals are
 //! the same code for every method, and exact wherever the program's derivatives are.
 
-use enact::estimate::constraint::Block;
+use enact::estimate::block::Block;
 use enact::estimate::point::Point;
 use enact::estimate::system::{Frame, Guidance, System};
 use enact::physics::state::StateTangent;
@@ -17,7 +17,7 @@ use super::chain::Chains;
 use super::columns::GAP;
 use super::join;
 use super::parts::{Part, of_collision, of_goal};
-use super::rows::{fill_block, rows_of};
+use super::rows::{fill_block, rows_of, unknowns};
 use super::setting::{Place, Setting};
 use super::simulate::{gaps, simulate};
 
@@ -189,7 +189,7 @@ impl<'a> Model<'a> {
             ..
         } = self.setting;
         self.system.evaluate(&self.inner, guidance, &place.lifted);
-        let chains = Chains::new(split, columns, *grid, &self.system);
+        let chains = Chains::new(split, columns, *grid, (self.inner.layout, &self.system));
         out.cost = self.system.cost;
         out.gradient.fill(0.0);
         out.hessian.clear();
@@ -256,9 +256,12 @@ impl<'a> Model<'a> {
             }
             debug_assert!(!grid.shoots());
             let parts = of_collision(&split.problem, index);
-            let own = &columns.layout.blocks[index];
+            let own = columns.layout.blocks[index].unknowns(0);
             let rows: Vec<usize> = (0..gaps.values.len()).collect();
-            let by = chains.chained(&rows_of(gaps, &rows), &parts, own);
+            let gaps_pattern = &self.inner.layout.velocity_gaps[index];
+            let lifted = unknowns(self.inner.layout, &parts);
+            let by = rows_of((gaps, gaps_pattern), &rows, &lifted);
+            let by = chains.chained(&by, &parts, own);
             let values = DVector::from_column_slice(&gaps.values);
             let (pull, square) = (by.tr_mul(&values) * weight, by.tr_mul(&by) * weight);
             for (i, at) in own.iter().enumerate() {
@@ -289,19 +292,24 @@ impl<'a> Model<'a> {
                 lifted.values.len()
             };
             let rows: Vec<usize> = (skipped..end).collect();
-            let mut parts = of_collision(problem, index);
+            let parts = of_collision(problem, index);
+            let from = rows_of(
+                (lifted, &self.inner.layout.blocks[index]),
+                &rows,
+                &unknowns(self.inner.layout, &parts),
+            );
             let mut at = 0;
             let mut kept = Vec::new();
-            for part in parts.drain(..) {
+            for part in parts {
                 let is_after = collision.sides.iter().any(|s| part == Part::Piece(s.after));
                 if !(grid.shoots() && is_after) {
                     kept.push((at, part));
                 }
                 at += part.width();
             }
-            let by = chains.chained_from(&rows_of(lifted, &rows), &kept, &blocks[index]);
+            let by = chains.chained_from(&from, &kept, blocks[index].unknowns(0));
             let out = &mut out.blocks[index];
-            fill_block(lifted, &rows, &by, out);
+            fill_block(lifted, &rows, &by, (out, &blocks[index]));
             out.approach = lifted.approach.start - skipped..lifted.approach.end - skipped;
         }
         next += problem.collisions.len();
@@ -309,8 +317,13 @@ impl<'a> Model<'a> {
             let lifted = &self.system.blocks[next];
             let rows: Vec<usize> = (0..lifted.values.len()).collect();
             let parts = of_goal(problem, goal);
-            let by = chains.chained(&rows_of(lifted, &rows), &parts, &blocks[next]);
-            fill_block(lifted, &rows, &by, &mut out.blocks[next]);
+            let from = rows_of(
+                (lifted, &self.inner.layout.blocks[next]),
+                &rows,
+                &unknowns(self.inner.layout, &parts),
+            );
+            let by = chains.chained(&from, &parts, blocks[next].unknowns(0));
+            fill_block(lifted, &rows, &by, (&mut out.blocks[next], &blocks[next]));
             next += 1;
         }
         for _ in 0..problem.bounded.len() + problem.cones.len() {
@@ -320,7 +333,8 @@ impl<'a> Model<'a> {
         for (left, right) in &split.joins {
             let gap = join::between(&self.inner, &place.lifted, *left, *right);
             let block: &mut Block = &mut out.blocks[next];
-            gap.fill(chains, (*left, *right), &blocks[next], block);
+            let target = blocks[next].unknowns(0);
+            gap.fill(chains, (*left, *right), target, (block, &blocks[next]));
             next += 1;
         }
     }

@@ -1,50 +1,87 @@
 //! Rows of the lifted problem, picked out of its blocks.
 
-use enact::estimate::constraint::Block;
-use enact::estimate::layout::STATE;
+use enact::estimate::block::{Block, BlockPattern};
+use enact::estimate::layout::{Layout, STATE};
 use nalgebra::DMatrix;
 
 use super::columns::GAP;
+use super::parts::Part;
 
-/// Some rows of a block, by all of its lifted columns.
-pub fn rows_of(block: &Block, rows: &[usize]) -> DMatrix<f64> {
-    let count = block.values.len();
-    let columns = block.jacobian.len().checked_div(count).unwrap_or(0);
-    DMatrix::from_fn(rows.len(), columns, |row, column| {
-        block.jacobian[column * count + rows[row]]
-    })
+/// Unknowns of the lifted problem in some groups.
+pub fn unknowns(layout: &Layout, parts: &[Part]) -> Vec<usize> {
+    let of = |part: &Part| match *part {
+        Part::Piece(piece) => layout.arcs[piece]..layout.arcs[piece] + STATE,
+        Part::Event(event) => {
+            let at = layout.events[event].expect("a free event");
+            at..at + 1
+        }
+        Part::Parameter(p) => layout.parameters[p]..layout.parameters[p] + 1,
+    };
+    parts.iter().flat_map(of).collect()
+}
+
+/// Some rows of a block, by some unknowns.
+pub fn rows_of(
+    (block, pattern): (&Block, &BlockPattern),
+    rows: &[usize],
+    columns: &[usize],
+) -> DMatrix<f64> {
+    let mut result = DMatrix::zeros(rows.len(), columns.len());
+    for (index, row) in rows.iter().enumerate() {
+        let derivatives = block.derivatives(pattern, *row).iter();
+        for (unknown, derivative) in pattern.unknowns(*row).iter().zip(derivatives) {
+            if let Some(column) = columns.iter().position(|column| column == unknown) {
+                result[(index, column)] = *derivative;
+            }
+        }
+    }
+    result
 }
 
 /// Some rows of a lifted block with other derivatives.
-pub fn fill_block(lifted: &Block, rows: &[usize], by: &DMatrix<f64>, out: &mut Block) {
-    out.values.clear();
-    out.values
-        .extend(rows.iter().map(|row| lifted.values[*row]));
-    out.bounds.clear();
-    out.bounds
-        .extend(rows.iter().map(|row| lifted.bounds[*row]));
-    out.jacobian.clear();
-    out.jacobian.extend_from_slice(by.as_slice());
-    out.approach = 0..0;
-    out.curvature = 0.0;
+pub fn fill_block(
+    lifted: &Block,
+    rows: &[usize],
+    by: &DMatrix<f64>,
+    (out, pattern): (&mut Block, &BlockPattern),
+) {
+    out.reset(pattern);
+    for (index, row) in rows.iter().enumerate() {
+        out.values[index] = lifted.values[*row];
+        out.bounds[index] = lifted.bounds[*row];
+    }
+    fill_derivatives(by, (out, pattern));
+}
+
+/// All derivatives of a block whose rows touch all of its unknowns.
+pub fn fill_derivatives(by: &DMatrix<f64>, (out, pattern): (&mut Block, &BlockPattern)) {
+    for (row, by) in by.row_iter().enumerate() {
+        let to = out.derivatives_mut(pattern, row);
+        assert_eq!(to.len(), by.len());
+        to.iter_mut().zip(by.iter()).for_each(|(to, by)| *to = *by);
+    }
 }
 
 /// Rows of a body's continuity: closed ones, then those that have a price.
-pub fn continuity(block: &Block, gaps: &Block, body: usize) -> DMatrix<f64> {
-    let bodies_gaps = gaps.values.len();
+pub fn continuity(
+    (block, pattern): (&Block, &BlockPattern),
+    (gaps, gap_pattern): (&Block, &BlockPattern),
+    body: usize,
+    columns: &[usize],
+) -> DMatrix<f64> {
     let first = block.approach.end;
-    if bodies_gaps == 0 {
+    if gaps.values.is_empty() {
         let rows: Vec<usize> = (0..STATE).map(|row| first + STATE * body + row).collect();
-        return rows_of(block, &rows);
+        return rows_of((block, pattern), &rows, columns);
     }
     let half = |from: usize| {
         (0..GAP)
             .map(|row| from + GAP * body + row)
             .collect::<Vec<_>>()
     };
-    let (poses, velocities) = (rows_of(block, &half(first)), rows_of(gaps, &half(0)));
-    let columns = poses.ncols();
-    DMatrix::from_fn(STATE, columns, |row, column| {
+    let poses = rows_of((block, pattern), &half(first), columns);
+    let velocities = rows_of((gaps, gap_pattern), &half(0), columns);
+    DMatrix::from_fn(STATE, columns.len(), |row, column| {
         if row < GAP {
             poses[(row, column)]
         } else {

@@ -2,10 +2,9 @@
 //! rounds and ends.
 
 use enact::estimate::collision;
-use enact::estimate::constraint::Block;
 use enact::estimate::finish::{Finished, Tolerances};
 use enact::estimate::merit::Price;
-use enact::estimate::problem::{Problem, unit};
+use enact::estimate::problem::Problem;
 use enact::estimate::recipe::Recipe;
 use enact::estimate::system::{Guidance, System};
 
@@ -185,12 +184,8 @@ fn leading(model: &Model) -> Guidance {
     let problem = frame.problem;
     let mut guidance = Guidance::none(problem);
     guidance.event_times_s = fits.event_times_s.clone();
-    let (mut block, mut gaps) = (Block::default(), Block::default());
     for (index, of) in problem.collisions.iter().enumerate() {
-        let blocks = (&mut block, &mut gaps);
-        collision::fill(problem, of, fits, &frame.epochs_s, 0.0, blocks);
-        let speeds = block.values[block.approach.clone()].iter();
-        let fastest_m_s = speeds.fold(0.0, |least: f64, v| least.min(v * unit::VELOCITY_M_S));
+        let fastest_m_s = collision::fastest_approach_m_s(problem, of, fits, &frame.epochs_s);
         guidance.approach_limits_m_s[index] = (0.3 * fastest_m_s).min(-0.1);
     }
     guidance
