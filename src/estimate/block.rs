@@ -139,6 +139,13 @@ pub struct Block {
 }
 
 impl Block {
+    /// As many equalities as the pattern has rows, all zero.
+    pub fn zeros(pattern: &BlockPattern) -> Self {
+        let mut block = Self::default();
+        block.reset(pattern);
+        block
+    }
+
     /// Distance of row `row` from its bounds, signed; zero inside.
     pub fn violation(&self, row: usize) -> f64 {
         let (lower, upper) = self.bounds[row];

@@ -215,7 +215,8 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn new(frame: &'a Frame<'a>, leading: &Guidance, recipe: &Recipe, start: Point) -> Self {
-        let mut descent = Descent::new(frame, leading, start);
+        let mut descent = Descent::new(frame, start);
+        descent.refresh(leading);
         descent.damping = descent.damping.clamp(DAMPING.0, DAMPING.1);
         let price = leading_price(&descent, recipe);
         Self { descent, price }
@@ -230,7 +231,8 @@ impl<'a> Run<'a> {
     ) -> Self {
         let is_sweep = matches!(stage, Stage::Sweep { .. });
         let guidance = if is_sweep { leading } else { exact };
-        let mut descent = Descent::new(frame, guidance, place.point);
+        let mut descent = Descent::new(frame, place.point);
+        descent.refresh(guidance);
         descent.damping = place.damping;
         let mut price = if is_sweep {
             leading_price(&descent, recipe)

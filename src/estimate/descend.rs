@@ -68,10 +68,9 @@ pub struct Patience {
 }
 
 impl<'a> Descent<'a> {
-    /// Starts at `point`.
-    pub fn new(frame: &'a Frame<'a>, guidance: &Guidance, point: Point) -> Self {
-        let mut system = System::new(frame);
-        system.evaluate(frame, guidance, &point);
+    /// At `point`, which [`Descent::refresh`] evaluates.
+    pub fn new(frame: &'a Frame<'a>, point: Point) -> Self {
+        let system = System::new(frame);
         let size = frame.layout.size();
         Self {
             scale: scale(frame.problem, frame.layout),
@@ -84,14 +83,11 @@ impl<'a> Descent<'a> {
             point,
             system,
             damping: 1e-3,
-            counters: Counters {
-                evaluations: 1,
-                ..Counters::default()
-            },
+            counters: Counters::default(),
         }
     }
 
-    /// Evaluates the point again, under other guidance.
+    /// Evaluates the point under a guidance.
     pub fn refresh(&mut self, guidance: &Guidance) {
         self.system.evaluate(self.frame, guidance, &self.point);
         self.counters.evaluations += 1;

@@ -156,7 +156,7 @@ pub fn solve(
     let recipe = &recipe.scaled(problem);
     let mut guidance = leading(problem, guess, &frame, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
-    let mut descent = Descent::new(&frame, &guidance, start);
+    let mut descent = Descent::new(&frame, start);
 
     observer.phase(Phase::Sweep);
     for weight in &recipe.sweep_weights {
@@ -178,15 +178,16 @@ pub fn solve(
     }
 
     observer.phase(Phase::Multipliers);
+    let exact = Guidance::none(problem);
     let coarse = Guidance {
         orientations_per_arc: recipe.orientations_per_arc,
-        ..Guidance::none(problem)
+        ..exact.clone()
     };
-    descent.refresh(&coarse);
     let mut price = Price::new(&descent.system, recipe.multiplier_weight);
-    tighten(&mut descent, &coarse, &mut price, recipe, observer);
-
-    let exact = Guidance::none(problem);
+    if recipe.multiplier_rounds.0 > 0 {
+        descent.refresh(&coarse);
+        tighten(&mut descent, &coarse, &mut price, recipe, observer);
+    }
     descent.refresh(&exact);
     let mut solution = conclude(descent, &price, recipe, observer);
     for retry in 0..recipe.retries {
@@ -196,8 +197,9 @@ pub fn solve(
         }
         // Where full steps lead nowhere, damped ones with all samples come closer.
         observer.phase(Phase::Multipliers);
-        let mut descent = Descent::new(&frame, &exact, solution.point);
+        let mut descent = Descent::new(&frame, solution.point);
         descent.counters = solution.counters;
+        descent.refresh(&exact);
         let mut price = Price::new(&descent.system, recipe.multiplier_weight);
         price.multipliers = solution.multipliers;
         let patient = Recipe {

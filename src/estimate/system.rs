@@ -97,14 +97,14 @@ pub struct System {
 }
 
 impl System {
-    /// An empty system.
+    /// All zero.
     pub fn new(frame: &Frame) -> Self {
-        let blocks = frame.layout.blocks.len();
+        let blocks = frame.layout.blocks.iter().map(Block::zeros);
         Self {
             cost: 0.0,
             gradient: DVector::zeros(frame.layout.size()),
             hessian: Envelope::zeros(&frame.layout.pattern),
-            blocks: vec![Block::default(); blocks],
+            blocks: blocks.collect(),
             velocity_gaps: vec![Block::default(); frame.problem.collisions.len()],
             impact: ImpactDerivative::zeros(),
         }

@@ -281,6 +281,7 @@ mod iteration {
 
 /// The solver alone, from the guess to the end of the finish: what the charts set beside the peers.
 mod solve {
+    use enact::estimate::layout::Layout;
     use enact::estimate::recipe::{self, Recipe};
 
     use super::*;
@@ -313,6 +314,7 @@ mod solve {
         // Whose flights are found to be bent: an exact motion there is not.
         if name == "die" {
             posed.problem = posed.problem.bent();
+            posed.layout = Layout::new(&posed.problem);
         }
         let recipe = Recipe::default();
         bencher.bench_local(|| {
