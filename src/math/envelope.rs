@@ -129,17 +129,17 @@ impl Envelope {
             let start = pattern.diagonal[row] + first - row;
             let (above, rest) = self.values.split_at_mut(start);
             let current = &mut rest[..=row - first];
-            for column in first..row {
-                let column_first = pattern.first[column];
-                let begin = first.max(column_first);
-                let length = column - begin;
-                let diagonal = pattern.diagonal[column];
-                let product = dot(
-                    &current[begin - first..][..length],
-                    &above[diagonal - length..diagonal],
-                );
-                let entry = &mut current[column - first];
-                *entry = (*entry - product) * self.inverse[column];
+            let columns = pattern.first[first..row].iter();
+            let columns = columns.zip(&pattern.diagonal[first..row]);
+            for (index, ((column_first, diagonal), inverse)) in
+                columns.zip(&self.inverse[first..row]).enumerate()
+            {
+                // Entries of this row before the column, as far as that column's row reaches.
+                let skipped = column_first.saturating_sub(first);
+                let (before, entry) = current.split_at_mut(index);
+                let reached = &before[skipped..];
+                let product = dot(reached, &above[diagonal - reached.len()..*diagonal]);
+                entry[0] = (entry[0] - product) * inverse;
             }
             let (off_diagonal, pivot) = current.split_at_mut(row - first);
             let value = pivot[0] - dot(off_diagonal, off_diagonal);
@@ -193,28 +193,21 @@ impl Envelope {
 }
 
 /// Four running sums, so that the processor need not wait for one.
-#[inline]
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let length = a.len().min(b.len());
-    let (a, b) = (&a[..length], &b[..length]);
-    // Rows of unknown sample times have few entries.
-    if length < 4 {
-        return a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y);
-    }
+    let (fours_a, tail_a) = a.as_chunks::<4>();
+    let (fours_b, tail_b) = b.as_chunks::<4>();
     let mut sums = [0.0; 4];
-    let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let tail: f64 = fours_a
-        .remainder()
-        .iter()
-        .zip(fours_b.remainder())
-        .map(|(x, y)| x * y)
-        .sum();
-    for (x, y) in fours_a.zip(fours_b) {
+    for (x, y) in fours_a.iter().zip(fours_b) {
         for k in 0..4 {
             sums[k] += x[k] * y[k];
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
+    let mut sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for (x, y) in tail_a.iter().zip(tail_b) {
+        sum += x * y;
+    }
+    sum
 }
 
 #[cfg(test)]
