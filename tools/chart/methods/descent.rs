@@ -16,6 +16,7 @@ const STATE_LENGTHS: [f64; 4] = [0.05, 1.0, 0.5, 5.0];
 const TIME_S: f64 = 0.02;
 const GAP: f64 = 5.0;
 const DAMPING: (f64, f64) = enact::estimate::descend::DAMPING;
+const IDLE_STEPS: usize = 2;
 
 /// A place and everything that moves it.
 pub struct Descent<'m, 'a> {
@@ -37,10 +38,9 @@ pub struct Descent<'m, 'a> {
 }
 
 impl<'m, 'a> Descent<'m, 'a> {
-    /// Starts at a place.
-    pub fn new(model: &'m mut Model<'a>, guidance: &Guidance, place: Place) -> Self {
-        let mut system = model.system();
-        model.evaluate(guidance, &place, &mut system);
+    /// At a place, which [`Descent::refresh`] evaluates.
+    pub fn new(model: &'m mut Model<'a>, place: Place) -> Self {
+        let system = model.system();
         Self {
             iterations: 0,
             damping: 1e-3,
@@ -56,18 +56,19 @@ impl<'m, 'a> Descent<'m, 'a> {
         }
     }
 
-    /// Evaluates the place again, under other guidance.
+    /// Evaluates the place under a guidance.
     pub fn refresh(&mut self, guidance: &Guidance) {
         self.model.evaluate(guidance, &self.place, &mut self.system);
     }
 
-    /// So many steps at most, until one gains less than `gain`, as predicted and in truth.
+    /// So many steps at most, until no more than `gain` is left or two on end change less.
     pub fn run(&mut self, guidance: &Guidance, price: &Price, (steps, gain): (usize, f64)) {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
         let mut growth = 2.0;
+        let mut idle = 0;
         for _ in 0..steps {
             let before = price.merit(&self.system);
-            let Some((delta, predicted)) = self.direction(price) else {
+            let Some((delta, predicted, damped)) = self.direction(price) else {
                 self.damping = (self.damping * 10.0).max(1e-6);
                 continue;
             };
@@ -83,13 +84,16 @@ impl<'m, 'a> Descent<'m, 'a> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
-            if predicted < gain && gained < gain {
+            let left = (gained - predicted).abs() + damped;
+            idle = if gained.abs() < gain { idle + 1 } else { 0 };
+            if left < gain || idle == IDLE_STEPS {
                 return;
             }
         }
     }
 
-    fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64)> {
+    /// The damped step, the decrease it promises, and what damping takes of that.
+    fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64, f64)> {
         let layout = self.model.outer.layout;
         let pattern = &layout.pattern;
         self.iterations += 1;
@@ -110,9 +114,10 @@ impl<'m, 'a> Descent<'m, 'a> {
         self.matrix.factorise(pattern).ok()?;
         let mut delta = -&self.gradient;
         self.matrix.solve(pattern, &mut delta);
-        let damped: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
-        let predicted = 0.5 * (-self.gradient.dot(&delta) + self.damping * damped);
-        Some((delta, predicted))
+        let size: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
+        let damped = self.damping * size;
+        let predicted = 0.5 * (-self.gradient.dot(&delta) + damped);
+        Some((delta, predicted, damped))
     }
 
     /// Leaves the better of the step and the step corrected for curvature in `trial`.

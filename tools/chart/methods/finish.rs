@@ -49,33 +49,31 @@ impl Finish<'_, '_> {
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };
+        let mut promised_before: Option<f64> = None;
         for _ in 0..tolerances.steps {
             let Some((factor, step)) = self.step() else {
                 break;
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
-            finished.violation = self.system.violation();
-            finished.decrease = decrease / self.system.cost.max(NO_COST);
-            let done = finished.violation < tolerances.violation
-                && finished.decrease < tolerances.decrease;
-            let accepted = if done {
-                self.evaluate(&guidance, &step.delta, &mut trial);
-                trial.1.cost.is_finite() && trial.1.violation() <= finished.violation
-            } else {
-                self.search(&guidance, &factor, &step, &mut trial)
+            let promised = decrease / self.system.cost.max(NO_COST);
+            let share = self.search(&guidance, &factor, &step, &mut trial);
+            let is_whole = share == Some(1.0);
+            finished.decrease = match promised_before.filter(|_| is_whole) {
+                Some(before) => promised * (promised / before).min(1.0),
+                None => promised,
             };
-            if accepted {
+            if share.is_some() {
                 std::mem::swap(&mut self.place, &mut trial.0);
                 std::mem::swap(&mut self.system, &mut trial.1);
                 self.multipliers = step.multipliers;
             }
-            if done {
-                finished.converged = true;
-                finished.violation = self.system.violation();
-            }
-            if done || !accepted {
+            finished.violation = self.system.violation();
+            finished.converged = finished.violation < tolerances.violation
+                && finished.decrease < tolerances.decrease;
+            if finished.converged || share.is_none() {
                 break;
             }
+            promised_before = is_whole.then_some(promised);
         }
         finished
     }
@@ -101,14 +99,14 @@ impl Finish<'_, '_> {
         self.model.evaluate(guidance, &trial.0, &mut trial.1);
     }
 
-    /// Finds along `step` what lowers the ℓ₁ merit.
+    /// Finds along `step` what lowers the ℓ₁ merit, and says what share of the step it is.
     fn search(
         &mut self,
         guidance: &Guidance,
         factor: &Factor,
         step: &KktStep,
         trial: &mut (Place, System),
-    ) -> bool {
+    ) -> Option<f64> {
         let largest =
             |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
@@ -118,10 +116,11 @@ impl Finish<'_, '_> {
         };
         let enough = merit(&self.system) * (1.0 + 1e-14);
         let mut delta = step.delta.clone();
+        let mut share = 1.0;
         for halving in 0..HALVINGS_MAX {
             self.evaluate(guidance, &delta, trial);
             if merit(&trial.1) <= enough {
-                return true;
+                return Some(share);
             }
             if halving == 0 && trial.1.cost.is_finite() {
                 let layout = self.model.outer.layout;
@@ -131,12 +130,13 @@ impl Finish<'_, '_> {
                     merit::correction(layout, systems, &delta, weights, &factor.matrix);
                 self.evaluate(guidance, &(&delta + correction), trial);
                 if merit(&trial.1) <= enough {
-                    return true;
+                    return Some(share);
                 }
             }
             delta *= 0.5;
+            share *= 0.5;
         }
-        false
+        None
     }
 }
 

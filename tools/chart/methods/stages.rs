@@ -43,7 +43,7 @@ pub fn solve(model: &mut Model, start: Place, usual: &Recipe, tolerances: &Toler
     let recipe = &scaled(usual, problem);
     let mut guidance = leading(model);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
-    let mut descent = Descent::new(model, &guidance, start);
+    let mut descent = Descent::new(model, start);
     for weight in &recipe.sweep_weights {
         if !problem.times_are_unknown() {
             let loosened = (weight / information).log10().max(0.0);
@@ -83,11 +83,12 @@ pub fn solve(model: &mut Model, start: Place, usual: &Recipe, tolerances: &Toler
         if finished.converged || retry > 0 && finished.decrease.is_infinite() {
             break;
         }
-        let mut descent = Descent::new(model, &exact, at.0);
+        let mut descent = Descent::new(model, at.0);
+        descent.refresh(&exact);
         let mut price = Price::new(&descent.system, recipe.multiplier_weight);
         price.multipliers = at.2;
         let patient = Recipe {
-            gain: 1e-6 * recipe.gain,
+            gain: 1e-7 * recipe.gain,
             finish_below: 1e-5,
             ..recipe.clone()
         };
