@@ -16,8 +16,11 @@ const SCOUTS: usize = 14;
 const CLEAR_RMS_RAD: f64 = 0.2;
 /// Neighbours that a mean rate is taken from are no further apart than this.
 const NEIGHBOURS_RAD: f64 = 2.0;
-/// Readings of the first window of [`grow`].
-const FIRST_WINDOW: usize = 8;
+/// Readings of the first window of [`grow`], at least and at most.
+const FIRST_WINDOW: (usize, usize) = (4, 8);
+/// It ends where the body has turned by this \[rad\], a third of a flip: eight readings of eight
+/// flips in 0.7 s are most of a flip, from whose mean rate one fit in twelve went wrong.
+const FIRST_TURN_RAD: f64 = 3.0;
 /// Iterations of one fit at most.
 const ITERATIONS_MAX: usize = 25;
 
@@ -67,7 +70,7 @@ fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
     // Their epoch is the first reading until all take part.
     let first_s = readings.first().map_or(0.0, |reading| reading.0);
     let from_first: Vec<Reading> = readings.iter().map(|(s, r)| (s - first_s, *r)).collect();
-    let mut window = FIRST_WINDOW.min(count);
+    let mut window = first_window(readings);
     let mut best = start(body, &from_first[..window]);
     let mut iterations = 0;
     while window < count {
@@ -86,6 +89,18 @@ fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
     best = descend(body, readings, best);
     iterations += best.iterations;
     TurnFit { iterations, ..best }
+}
+
+/// Readings of the first window.
+fn first_window(readings: &[Reading]) -> usize {
+    let (least, most) = FIRST_WINDOW;
+    let steps = readings.windows(2).take(most - 1);
+    let turned = steps.scan(0.0, |turned_rad, pair| {
+        *turned_rad += pair[0].1.angle_to(&pair[1].1);
+        Some(*turned_rad)
+    });
+    let within = turned.take_while(|turned_rad| *turned_rad <= FIRST_TURN_RAD);
+    (1 + within.count()).max(least).min(readings.len())
 }
 
 fn fit_from_means(body: &Body, readings: &[Reading]) -> TurnFit {
