@@ -86,7 +86,7 @@ fn act(scene: &Scene, events: &[TakeEvent], is_hard: bool, at: &str) -> (usize, 
 #[test]
 fn what_goes_on_from_the_last_answer_is_what_begins_anew() {
     for style in [Style::Tip, Style::Eraser] {
-        for (acting, least_warm) in [(Acting::timing_known(), 5), (Acting::default(), 11)] {
+        for (acting, least_warm) in [(Acting::timing_known(), 4), (Acting::default(), 11)] {
             for seed in 1..=3 {
                 let case = Case::pencil(style, &acting, seed);
                 let at = format!("{style:?}, seed {seed}");

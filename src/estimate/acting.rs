@@ -21,7 +21,7 @@ enum Acts {
 }
 
 /// The bound that acts on every row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ActingSet {
     rows: Vec<Acts>,
 }

@@ -116,7 +116,7 @@ impl Bound {
         let start = Point::new(&problem, &guess);
         let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &start);
         let recipe = Recipe::default().scaled(&problem);
-        let mut leading = recipe::leading(&problem, &guess, &frame, &start);
+        let mut leading = recipe::leading(&frame, &start);
         leading.orientations_per_arc = recipe.orientations_per_arc;
         if !problem.times_are_unknown() {
             leading.event_sd_s = Some(recipe.event_sd_s * 10f64.sqrt());

@@ -279,10 +279,12 @@ impl Finish<'_> {
     fn step(&mut self) -> Option<(Kkt, KktStep)> {
         let (frame, system) = (self.frame, &self.system);
         let mut acting = ActingSet::of(frame, system, &self.multipliers);
-        for _ in 0..ACTING_ROUNDS {
+        let mut tried = Vec::new();
+        while tried.len() < ACTING_ROUNDS && !tried.contains(&acting) {
             self.counters.factorisations += 1;
             let kkt = Kkt::with(frame, system, &self.multipliers, &acting)?;
             let step = kkt.step(frame, system);
+            tried.push(acting.clone());
             if !acting.revise(frame, system, &step) {
                 return Some((kkt, step));
             }

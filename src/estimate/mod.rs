@@ -3,8 +3,9 @@
 //!
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
 //! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], whose
-//! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints, [`descend`] and [`finish`]
-//! (with [`acting`] and [`qp`] to say which bounds act) move the point, [`recipe`] is the loop.
+//! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
+//! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
+//! [`events`] lets it begin, [`recipe`] is the loop.
 //! What is said of it: [`covariance`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
@@ -16,6 +17,7 @@ pub mod collision;
 pub mod constraint;
 pub mod covariance;
 pub mod descend;
+pub mod events;
 pub mod finish;
 pub mod layout;
 pub mod merit;

@@ -9,6 +9,7 @@
 
 use super::collision;
 use super::descend::{Descent, Patience};
+use super::events;
 use super::finish::{Finish, Finished, Tolerances};
 use super::layout::Layout;
 use super::merit::Price;
@@ -150,11 +151,15 @@ pub fn solve(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let start = Point::new(problem, guess);
+    let mut start = Point::new(problem, guess);
     let frame = Frame::new(problem, layout, epochs_s(guess), &start);
     let information = problem.information();
     let recipe = &recipe.scaled(problem);
-    let mut guidance = leading(problem, guess, &frame, &start);
+    // Without a sweep the start is near.
+    if !recipe.sweep_weights.is_empty() {
+        events::meet(&frame, &mut start);
+    }
+    let mut guidance = leading(&frame, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
     let mut descent = Descent::new(&frame, start);
 
@@ -316,10 +321,11 @@ fn tighten(
 }
 
 /// What leads the sweep: contacts approach at least at three tenths of the speed that the arc
-/// fits say, or an impulse could die while the penalty is loose.
-pub(super) fn leading(problem: &Problem, guess: &Guess, frame: &Frame, start: &Point) -> Guidance {
+/// fits say, or an impulse could die while the penalty is loose. Events are pulled to where they begin.
+pub(super) fn leading(frame: &Frame, start: &Point) -> Guidance {
+    let problem = frame.problem;
     let mut guidance = Guidance::none(problem);
-    guidance.event_times_s = guess.event_times_s.clone();
+    guidance.event_times_s.clone_from(&start.event_times_s);
     for (index, of) in problem.collisions.iter().enumerate() {
         let fastest_m_s = collision::fastest_approach_m_s(problem, of, start, &frame.epochs_s);
         guidance.approach_limits_m_s[index] = (0.3 * fastest_m_s).min(-0.1);

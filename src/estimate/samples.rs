@@ -130,7 +130,7 @@ pub fn known_times(
 ) -> ArcTerms {
     let unit = problem.orientation_unit_rad;
     let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
-    let weight = arc.samples.len() as f64 / (readings.len() as f64 * unit * unit);
+    let weight = arc.samples.len() as f64 / (readings.len().max(1) as f64 * unit * unit);
     let start = (&state.orientation, &state.angular_velocity_rad_s);
     let readings = readings.map(|sample| (times_s[sample.node] - epoch_s, &sample.orientation));
     let turn = TurnTerms::of(&problem.bodies[arc.body], start, readings);

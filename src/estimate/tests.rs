@@ -31,7 +31,7 @@ fn parameter(name: &str, quantity: Quantity, initial: f64, bounds: (f64, f64)) -
 }
 
 /// A rod that bounces once, with every kind of goal and parameter.
-fn scene(timing: Timing) -> Scene {
+pub(super) fn scene(timing: Timing) -> Scene {
     let event = |name: &str, kind| Event {
         name: name.into(),
         kind,
@@ -132,7 +132,7 @@ fn states() -> [State; 2] {
     ]
 }
 
-const EPOCHS_S: [f64; 2] = [0.1, 0.35];
+pub(super) const EPOCHS_S: [f64; 2] = [0.1, 0.35];
 
 /// The same rod hits a board that flies, on its face, whose normal may tilt within a cone.
 fn meeting(timing: Timing, friction: f64) -> Scene {
@@ -190,7 +190,7 @@ fn landing(timing: Timing) -> Scene {
 const SAMPLES: usize = 9;
 
 /// Samples of two arcs of every body, off the flights by `offset`, and a guess at the flights.
-fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess) {
+pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess) {
     let marks_s = vec![0.22, 0.45];
     let mut bodies = Vec::new();
     let mut segments = Vec::new();

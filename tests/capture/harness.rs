@@ -352,6 +352,28 @@ impl Daemon {
         assert!(killed.expect("kill").success());
     }
 
+    /// Stops it, all its threads: a signal alone may reach it later.
+    pub fn stop(&self) {
+        self.signal("STOP");
+        let tasks = format!("/proc/{}/task", self.child.id());
+        let is_stopped = |task: std::fs::DirEntry| {
+            let stat = std::fs::read_to_string(task.path().join("stat")).unwrap_or_default();
+            // The state follows the name in parentheses.
+            stat.rsplit(')')
+                .next()
+                .is_some_and(|rest| rest.trim_start().starts_with('T'))
+        };
+        let begun = Instant::now();
+        while !std::fs::read_dir(&tasks)
+            .expect("its threads")
+            .flatten()
+            .all(is_stopped)
+        {
+            assert!(begun.elapsed() < PATIENCE, "it does not stop");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
     /// Waits for its end; its exit code.
     pub fn finished(&mut self) -> Option<i32> {
         let begun = Instant::now();
