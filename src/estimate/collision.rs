@@ -140,10 +140,7 @@ pub fn fill(
     gaps.reset(gap_pattern);
 
     let arrive = arrivals(problem, collision, point, epochs_s);
-    let before = [0, 1].map(|side| {
-        let side = collision.sides.get(side);
-        side.map(|side| arrive(side.body, side.before))
-    });
+    let before = before(collision, &arrive);
     let [a, b] = sides(problem, collision, &before);
     let a = a.expect("a first body");
     let law = collision.law(&point.parameters);
@@ -200,6 +197,17 @@ fn arrivals<'a>(
     }
 }
 
+/// How every body arrives.
+fn before(
+    collision: &Collision,
+    arrive: &impl Fn(usize, usize) -> Arrival,
+) -> [Option<Arrival>; 2] {
+    [0, 1].map(|side| {
+        let side = collision.sides.get(side);
+        side.map(|side| arrive(side.body, side.before))
+    })
+}
+
 fn sides<'a>(
     problem: &'a Problem,
     collision: &Collision,
@@ -221,10 +229,7 @@ pub fn fastest_approach_m_s(
     epochs_s: &[f64],
 ) -> f64 {
     let arrive = arrivals(problem, collision, point, epochs_s);
-    let before = [0, 1].map(|side| {
-        let side = collision.sides.get(side);
-        side.map(|side| arrive(side.body, side.before))
-    });
+    let before = before(collision, &arrive);
     let [a, b] = sides(problem, collision, &before);
     let a = a.expect("a first body");
     let law = collision.law(&point.parameters);

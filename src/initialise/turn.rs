@@ -352,6 +352,17 @@ mod tests {
             .collect()
     }
 
+    /// The fit that the true motion leads to.
+    fn from_the_truth(body: &Body, readings: &[Reading], omega: Vector3<f64>) -> TurnFit {
+        let truth = TurnFit {
+            orientation: UnitQuaternion::identity(),
+            angular_velocity_rad_s: omega,
+            square_rad2: f64::INFINITY,
+            iterations: 0,
+        };
+        descend(body, readings, truth)
+    }
+
     #[test]
     fn finds_every_flip_of_a_tumbling_brick_in_a_distorted_sketch() {
         let body = Body::new(1.0, Vector3::new(1.0, 2.0, 2.5)).unwrap();
@@ -359,13 +370,7 @@ mod tests {
         for (seed, count) in [70, 150, 280, 420, 560, 700, 900].into_iter().enumerate() {
             let readings = tumble(&body, &omega, count, seed as u64);
             let found = fit(&body, &readings);
-            let truth = TurnFit {
-                orientation: UnitQuaternion::identity(),
-                angular_velocity_rad_s: omega,
-                square_rad2: f64::INFINITY,
-                iterations: 0,
-            };
-            let best = descend(&body, &readings, truth);
+            let best = from_the_truth(&body, &readings, omega);
             assert!(
                 found.square_rad2 < best.square_rad2 * (1.0 + 1e-3),
                 "{count}: {found:?} {best:?}"
@@ -383,13 +388,7 @@ mod tests {
             let omega = Vector3::new(0.2 * sin, 1.0, 0.2 * cos) * (100.0 + 3.0 * seed as f64);
             let readings = tumble(&body, &omega, 84, seed);
             let found = fit(&body, &readings);
-            let truth = TurnFit {
-                orientation: UnitQuaternion::identity(),
-                angular_velocity_rad_s: omega,
-                square_rad2: f64::INFINITY,
-                iterations: 0,
-            };
-            let best = descend(&body, &readings, truth);
+            let best = from_the_truth(&body, &readings, omega);
             assert!(
                 found.square_rad2 < best.square_rad2 * (1.0 + 1e-3),
                 "{seed}: {found:?} {best:?}"
