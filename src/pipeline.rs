@@ -280,6 +280,7 @@ fn segments(
     if !counts.marks.moved.is_empty() {
         rounds += segment::refine(scene, sketch);
     }
+    segment::loosen(sketch);
     let segments = segment::cut(scene, sketch)?;
     account(sketch, &segments, counts);
     Ok((segments, rounds))

@@ -13,7 +13,7 @@ use enact::config::scene_from_toml;
 use enact::ingest::{Recording, Source};
 use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
-use perform::{Acting, Polyhedron, bounces, bounces_of};
+use perform::{Acting, Polyhedron, Throw, bounces, thrown};
 
 const OPEN: Touching = Touching {
     feature: None,
@@ -130,7 +130,7 @@ fn assert_exact(
         } else {
             Acting::default()
         };
-        let truth = bounces_of(solid, bounces, seed).unwrap();
+        let truth = thrown(solid, &Throw::BOX, bounces, seed).unwrap();
         let case = Case::new(&truth, &acting, seed);
         let mut scene = opened(case.scene());
         scene.velocity_gaps = VelocityGaps::Never;

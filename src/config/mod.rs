@@ -44,6 +44,7 @@
 //! | `capture.tracker.stamps` | `"sample"` if the first valid sample has that time, else `"device"` if it has that, else `"receipt"` |
 //! | `settle_s` | the motion ends where the performance does |
 //! | `timing.tempo_sd_per_sqrt_s` | 0.5 |
+//! | `timing.mark_sd_ms`, the standard deviation of marks | half a sample's interval where stamps are physical times, as annotators mark; 50 ms where they are not, as people press a button |
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
 //! | `body.topic` | `"/tracker/<name>/pose"` |
 //! | `velocity_gaps` | `"when needed"` |

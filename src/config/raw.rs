@@ -40,6 +40,7 @@ pub(super) struct RawScene {
 pub(super) struct RawTiming {
     pub(super) stamps: Text,
     pub(super) tempo_sd_per_sqrt_s: Option<Number>,
+    pub(super) mark_sd_ms: Option<Number>,
 }
 
 #[derive(Deserialize)]

@@ -70,6 +70,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         name,
         gravity_m_s2,
         timing: timing(&raw.timing)?,
+        mark_sd_s: mark_sd_s(&raw.timing)?,
         marks_topic,
         obstacles,
         goals: goals(&raw.goal, &bodies, &events)?,
@@ -132,6 +133,16 @@ fn timing(raw: &RawTiming) -> Result<Timing, Fault> {
             format!("stamps are {other:?}, expected \"tempo\", \"physical\" or \"edited\""),
         ),
     }
+}
+
+fn mark_sd_s(raw: &RawTiming) -> Result<Option<f64>, Fault> {
+    let Some(sd_ms) = &raw.mark_sd_ms else {
+        return Ok(None);
+    };
+    if raw.stamps.get_ref() == "edited" {
+        return fault(sd_ms.span(), "mark_sd_ms does not apply to edited stamps");
+    }
+    Ok(Some(positive("mark_sd_ms", sd_ms)? / 1e3))
 }
 
 fn velocity_gaps(raw: Option<&Text>) -> Result<VelocityGaps, Fault> {

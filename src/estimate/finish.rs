@@ -8,6 +8,7 @@
 use nalgebra::DVector;
 
 use super::acting::ActingSet;
+use super::curvature;
 use super::merit;
 use super::point::Point;
 use super::qp;
@@ -25,6 +26,8 @@ const ROUNDING: f64 = 1e-14;
 const ACTING_ROUNDS: usize = 12;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
+/// A step that promises more than this share of what the one before did converges slowly.
+const SLOW: f64 = 0.2;
 /// Halvings of a step at most.
 const HALVINGS_MAX: usize = 12;
 /// An objective below this is none: the decrease is then measured against it. What is promised
@@ -75,13 +78,13 @@ pub struct KktStep {
 /// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
+    /// `H`.
+    hessian: Envelope,
     /// Weight of every row, zero of those that do not act.
     weights: Vec<f64>,
     /// Signed distance of every row from the bound that acts.
     violations: Vec<f64>,
     multipliers: Vec<f64>,
-    /// What curved rows add to the diagonal of the model's Hessian.
-    curvature: Vec<(usize, f64)>,
 }
 
 impl Kkt {
@@ -89,18 +92,19 @@ impl Kkt {
     /// undetermined beyond the damping.
     pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
         let acting = ActingSet::of(frame, system, multipliers);
-        Self::with(frame, system, multipliers, &acting)
+        Self::with(frame, system, multipliers, (&acting, None))
     }
 
+    /// `curved` is the system's Hessian with the curvature of its constraints, where steps need it.
     fn with(
         frame: &Frame,
         system: &System,
         multipliers: &[f64],
-        acting: &ActingSet,
+        (acting, curved): (&ActingSet, Option<&Envelope>),
     ) -> Option<Self> {
         let (weights, violations) = acting.weights_and_violations(frame, system);
         let pattern = &frame.layout.pattern;
-        let mut matrix = system.hessian.clone();
+        let mut hessian = curved.unwrap_or(&system.hessian).clone();
         let pull = |row: usize| {
             if weights[row] > 0.0 {
                 multipliers[row]
@@ -108,22 +112,22 @@ impl Kkt {
                 0.0
             }
         };
-        let curvature = merit::curvature(frame.layout, system, pull);
-        for (at, value) in &curvature {
-            matrix.add(pattern, *at, *at, *value);
+        for (at, value) in merit::curvature(frame.layout, system, pull) {
+            hessian.add(pattern, at, at, value);
         }
+        let mut matrix = hessian.clone();
         for row in 0..pattern.size() {
-            let diagonal = matrix.get(pattern, row, row);
+            let diagonal = system.hessian.get(pattern, row, row);
             matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
         }
         merit::add_square(frame.layout, system, &weights, &mut matrix);
         matrix.factorise(pattern).ok()?;
         Some(Self {
             matrix,
+            hessian,
             weights,
             violations,
             multipliers: multipliers.to_vec(),
-            curvature,
         })
     }
 
@@ -141,12 +145,8 @@ impl Kkt {
         for _ in 0..REFINEMENTS {
             // Minus the gradient of the model's augmented Lagrangian at delta.
             residual.copy_from(&system.gradient);
-            system
-                .hessian
+            self.hessian
                 .multiply_add(&layout.pattern, &delta, &mut residual);
-            for (at, value) in &self.curvature {
-                residual[*at] += value * delta[*at];
-            }
             let pull = |row: usize| {
                 if weights[row] > 0.0 {
                     multipliers[row] + weights[row] * (violations[row] + rows[row])
@@ -241,12 +241,13 @@ impl Finish<'_> {
             decrease: f64::INFINITY,
         };
         let mut promised_before: Option<f64> = None;
+        let mut is_slow = false;
         for _ in 0..tolerances.steps {
             if should_stop() {
                 break;
             }
             self.counters.iterations += 1;
-            let Some((kkt, step)) = self.step() else {
+            let Some((kkt, step)) = self.step(is_slow) else {
                 break;
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
@@ -268,6 +269,9 @@ impl Finish<'_> {
             if finished.converged || taken == Taken::Not {
                 break;
             }
+            // Steps that a Gauss–Newton model shortens or repeats want the constraints' curvature.
+            is_slow |= taken != Taken::Whole
+                || promised_before.is_some_and(|before| promised > SLOW * before);
             promised_before = (taken == Taken::Whole).then_some(promised);
         }
         finished
@@ -276,13 +280,34 @@ impl Finish<'_> {
     /// The step to the optimum of the quadratic programme here. Which bounds act is found by
     /// trying: those that the step would break join, those that pull inwards leave. Where that
     /// goes round in circles it is clarabel's word.
-    fn step(&mut self) -> Option<(Kkt, KktStep)> {
+    fn step(&mut self, is_slow: bool) -> Option<(Kkt, KktStep)> {
+        if is_slow && let Some(curved) = self.curved_step() {
+            return Some(curved);
+        }
+        self.step_with(None)
+    }
+
+    /// The same with the curvature of the constraints; `None` where the model then has no optimum.
+    fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
+        let mut curved = self.system.hessian.clone();
+        let multipliers = &self.multipliers;
+        curvature::add(
+            self.frame,
+            &self.system,
+            &self.point,
+            multipliers,
+            &mut curved,
+        );
+        self.step_with(Some(&curved))
+    }
+
+    fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
         let (frame, system) = (self.frame, &self.system);
         let mut acting = ActingSet::of(frame, system, &self.multipliers);
         let mut tried = Vec::new();
         while tried.len() < ACTING_ROUNDS && !tried.contains(&acting) {
             self.counters.factorisations += 1;
-            let kkt = Kkt::with(frame, system, &self.multipliers, &acting)?;
+            let kkt = Kkt::with(frame, system, &self.multipliers, (&acting, curved))?;
             let step = kkt.step(frame, system);
             tried.push(acting.clone());
             if !acting.revise(frame, system, &step) {

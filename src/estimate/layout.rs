@@ -5,6 +5,7 @@
 //! share, come last. Bodies that never meet come one after the other: nothing couples them.
 
 use super::block::BlockPattern;
+use super::mark::EventMark;
 use super::problem::{Arc, Problem};
 use super::{collision, constraint};
 use crate::math::envelope::Pattern;
@@ -129,6 +130,12 @@ impl Layout {
             .collect()
     }
 
+    /// Unknowns that a mark's residual touches: its event's time and those of both nodes.
+    pub fn of_mark(&self, mark: &EventMark) -> [Option<usize>; 3] {
+        let node = |side: usize| mark.nodes.and_then(|nodes| self.nodes[nodes[side]]);
+        [self.events[mark.event], node(0), node(1)]
+    }
+
     /// Every pair that may meet, each row at least with its first column.
     fn couplings(&self, problem: &Problem) -> Vec<(usize, usize)> {
         let mut couplings = Vec::new();
@@ -154,6 +161,9 @@ impl Layout {
             for members in pattern.cliques() {
                 clique(&members.collect::<Vec<_>>());
             }
+        }
+        for mark in &problem.marks {
+            clique(&self.of_mark(mark).into_iter().flatten().collect::<Vec<_>>());
         }
         // The tempo prior compares neighbouring rates: three times in a row.
         for three in self.nodes.windows(3) {

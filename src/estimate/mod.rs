@@ -2,7 +2,7 @@
 //! problem over states of arcs, event times, sample times and parameters.
 //!
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
-//! holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], whose
+//! holding a value of all. Its terms: [`samples`], [`tempo`], [`mark`], [`constraint`] and [`collision`], whose
 //! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
 //! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
 //! [`events`] lets it begin, [`recipe`] is the loop.
@@ -16,10 +16,12 @@ pub mod bound;
 pub mod collision;
 pub mod constraint;
 pub mod covariance;
+mod curvature;
 pub mod descend;
 pub mod events;
 pub mod finish;
 pub mod layout;
+pub mod mark;
 pub mod merit;
 pub mod outcome;
 pub mod point;

@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::layout::STATE;
+use super::mark::EventMark;
 use crate::math::Pose;
 use crate::motion::{
     Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
@@ -141,6 +142,8 @@ pub struct Problem {
     pub event_is_free: Vec<bool>,
     /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
+    /// Marks of those whose time is an unknown.
+    pub marks: Vec<EventMark>,
     /// Bounces.
     pub collisions: Vec<Collision>,
     /// Goals.
@@ -188,12 +191,13 @@ impl Problem {
                 .position(|free| free.quantity == quantity)
         };
         let is_goal = |event| scene.goals.iter().any(|goal| goal.event == event);
-        let event_is_free = scene
+        let event_is_free: Vec<bool> = scene
             .events
             .iter()
             .enumerate()
             .map(|(event, e)| e.kind.collision().is_some() || is_goal(event))
             .collect();
+        let marks = marks(scene, sketch, &event_is_free, &nodes_acted_s);
         Self {
             bodies: scene.bodies.iter().map(|body| body.body).collect(),
             gravity_m_s2: scene.gravity_m_s2,
@@ -203,6 +207,7 @@ impl Problem {
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
+            marks,
             parameters: scene.parameters.clone(),
             bounded: (0..scene.parameters.len())
                 .filter(|index| {
@@ -307,6 +312,29 @@ impl Problem {
     pub fn sample_count(&self) -> usize {
         self.arcs.iter().map(|arc| arc.samples.len()).sum()
     }
+}
+
+fn marks(
+    scene: &Scene,
+    sketch: &Sketch,
+    event_is_free: &[bool],
+    nodes_acted_s: &[f64],
+) -> Vec<EventMark> {
+    let is_known = !matches!(scene.timing, Timing::Unknown { .. });
+    let marks = sketch.marks.iter().enumerate();
+    let marks = marks.filter(|(event, _)| event_is_free[*event]);
+    marks
+        .filter_map(|(event, mark)| {
+            let mark = (*mark)?;
+            let nodes = EventMark::nodes_about(nodes_acted_s, sketch.marks_s[event]);
+            (is_known || nodes.is_some()).then_some(EventMark {
+                event,
+                acted_s: mark.acted_s,
+                sd_s: mark.sd_s,
+                nodes: nodes.filter(|_| !is_known),
+            })
+        })
+        .collect()
 }
 
 fn arc(sketch: &Sketch, segment: &Segment, nodes_acted_s: &[f64]) -> Arc {

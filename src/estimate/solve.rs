@@ -13,9 +13,10 @@ use crate::motion::{
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///
 /// There is one guess unless the arcs' own fits are ambiguous, so a clear performance costs one
-/// solve. Where that finds no motion, and the scene allows it, velocities may jump at collisions;
-/// from the motion found then it is tried once more to close the gaps. Fails never; what did not
-/// converge has the verdict that says so.
+/// solve. Where that finds no motion it is tried again, patiently. Where that finds none either,
+/// and the scene allows it, velocities may jump at collisions; from the motion found then it is
+/// tried once more to close the gaps. Fails never; what did not converge has the verdict that
+/// says so.
 ///
 /// # Panics
 /// Without a guess or without a segment.
@@ -27,53 +28,113 @@ pub fn estimate(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Estimate {
-    let exact = Problem::new(scene, sketch, segments);
-    let exact_layout = Layout::new(&exact);
-    let may_bend = scene.velocity_gaps != VelocityGaps::Never && !exact.collisions.is_empty();
-    let is_hopeless = scene.velocity_gaps == VelocityGaps::Always || exact.is_overconstrained();
-    let bent = exact.bent();
-    let bent_layout;
-
+    let exact = Posed::new(Problem::new(scene, sketch, segments));
+    let may_bend =
+        scene.velocity_gaps != VelocityGaps::Never && !exact.problem.collisions.is_empty();
+    let is_hopeless =
+        scene.velocity_gaps == VelocityGaps::Always || exact.problem.is_overconstrained();
+    let bent;
+    let mut of = &exact;
     let mut work = Counters::default();
-    let mut found = None;
-    if !(may_bend && is_hopeless) {
-        let (best, solution) = best(&exact, &exact_layout, guesses, recipe, observer);
-        work.add(&solution.counters);
-        found = Some(((&exact, &exact_layout), best, solution));
-    }
+    let is_bent = may_bend && is_hopeless;
+    let mut found = (!is_bent).then(|| {
+        let found = exact.straight(guesses, recipe, observer);
+        work.add(&found.1.counters);
+        found
+    });
     let is_final = |s: &Solution| s.finished.converged || s.stopped || !may_bend;
     if !found
         .as_ref()
-        .is_some_and(|(_, _, solution)| is_final(solution))
+        .is_some_and(|(_, solution)| is_final(solution))
     {
-        bent_layout = Layout::new(&bent);
-        let (best, solution) = best(&bent, &bent_layout, guesses, recipe, observer);
+        bent = Posed::new(exact.problem.bent());
+        let (best, solution) = bent.best(guesses, recipe, observer);
         work.add(&solution.counters);
-        let again = (!is_hopeless && !solution.stopped).then(|| {
-            let guess = solution.point.guess(&exact, &guesses[best]);
-            recipe::solve(
-                &exact,
-                &exact_layout,
-                &guess,
-                &recipe.without_sweep(),
-                observer,
-            )
-        });
-        found = Some(((&bent, &bent_layout), best, solution));
-        if let Some(again) = again {
-            work.add(&again.counters);
-            if again.finished.converged {
-                found = Some(((&exact, &exact_layout), best, again));
+        let closed = (!is_hopeless && !solution.stopped)
+            .then(|| exact.closed(&solution, &guesses[best], recipe, observer));
+        (of, found) = (&bent, Some((best, solution)));
+        if let Some(closed) = closed {
+            work.add(&closed.counters);
+            if closed.finished.converged {
+                (of, found) = (&exact, Some((best, closed)));
             }
         }
     }
-    let ((problem, layout), best, mut solution) = found.expect("solved one way or the other");
+    let (best, mut solution) = found.expect("solved one way or the other");
     solution.counters = work;
     observer.phase(Phase::Covariance);
     let epochs_s = recipe::epochs_s(&guesses[best]);
-    let start = Point::new(problem, &guesses[best]);
-    let frame = Frame::new(problem, layout, epochs_s, &start);
+    let start = Point::new(&of.problem, &guesses[best]);
+    let frame = Frame::new(&of.problem, &of.layout, epochs_s, &start);
     outcome::estimate(scene, sketch, segments, &frame, &solution)
+}
+
+/// A problem and where its unknowns sit.
+struct Posed {
+    problem: Problem,
+    layout: Layout,
+}
+
+impl Posed {
+    fn new(problem: Problem) -> Self {
+        let layout = Layout::new(&problem);
+        Self { problem, layout }
+    }
+
+    fn best(
+        &self,
+        guesses: &[Guess],
+        recipe: &Recipe,
+        observer: &mut dyn Observer,
+    ) -> (usize, Solution) {
+        best(&self.problem, &self.layout, guesses, recipe, observer)
+    }
+
+    /// As the recipe has it, and where that finds no motion patiently.
+    fn straight(
+        &self,
+        guesses: &[Guess],
+        recipe: &Recipe,
+        observer: &mut dyn Observer,
+    ) -> (usize, Solution) {
+        let (index, solution) = self.best(guesses, recipe, observer);
+        if solution.finished.converged || solution.stopped || recipe.sweep_weights.is_empty() {
+            return (index, solution);
+        }
+        let (other, mut patient) = self.best(guesses, &recipe.patient(), observer);
+        let better = patient.finished.converged;
+        let mut counters = solution.counters;
+        counters.add(&patient.counters);
+        let (index, mut solution) = if better {
+            (other, patient)
+        } else {
+            patient.stopped |= solution.stopped;
+            (index, solution)
+        };
+        solution.counters = counters;
+        (index, solution)
+    }
+
+    /// From a motion whose velocities jump: with multipliers at a small weight, or else at a great
+    /// one.
+    fn closed(
+        &self,
+        bent: &Solution,
+        from: &Guess,
+        recipe: &Recipe,
+        observer: &mut dyn Observer,
+    ) -> Solution {
+        let guess = bent.point.guess(&self.problem, from);
+        let mut solve =
+            |recipe: &Recipe| recipe::solve(&self.problem, &self.layout, &guess, recipe, observer);
+        let gently = solve(&recipe.gentle());
+        if gently.finished.converged || gently.stopped {
+            return gently;
+        }
+        let mut firmly = solve(&recipe.without_sweep());
+        firmly.counters.add(&gently.counters);
+        firmly
+    }
 }
 
 /// The best solution, the index of the guess it came from, and the work of all.

@@ -249,6 +249,10 @@ impl System {
                 self.add_tempo(frame, point, first, sd);
             }
         }
+        for mark in &problem.marks {
+            let term = mark.term(problem, point);
+            self.add_residual(frame, layout.of_mark(mark), term.residual, term.jacobian);
+        }
         for (index, free) in problem.parameters.iter().enumerate() {
             if let Some(sd) = free.prior_sd {
                 let offset = point.parameters[index] - free.initial;
@@ -280,18 +284,27 @@ impl System {
             &three(&frame.problem.nodes_acted_s),
             sd,
         );
-        self.cost += 0.5 * term.residual * term.residual;
-        for i in 0..3 {
-            let Some(row) = frame.layout.nodes[first + i] else {
-                continue;
-            };
-            self.gradient[row] += term.residual * term.jacobian[i];
-            for j in 0..=i {
-                let Some(column) = frame.layout.nodes[first + j] else {
-                    continue;
-                };
-                let value = term.jacobian[i] * term.jacobian[j];
-                self.hessian.add(&frame.layout.pattern, row, column, value);
+        let unknowns = [0, 1, 2].map(|node| frame.layout.nodes[first + node]);
+        self.add_residual(frame, unknowns, term.residual, term.jacobian);
+    }
+
+    /// Half the square of a residual of three unknowns, some of which may be fixed.
+    fn add_residual(
+        &mut self,
+        frame: &Frame,
+        unknowns: [Option<usize>; 3],
+        residual: f64,
+        jacobian: [f64; 3],
+    ) {
+        self.cost += 0.5 * residual * residual;
+        for (i, row) in unknowns.into_iter().enumerate() {
+            let Some(row) = row else { continue };
+            self.gradient[row] += residual * jacobian[i];
+            for (j, column) in unknowns.into_iter().enumerate() {
+                if let Some(column) = column.filter(|column| *column <= row) {
+                    let value = jacobian[i] * jacobian[j];
+                    self.hessian.add(&frame.layout.pattern, row, column, value);
+                }
             }
         }
     }

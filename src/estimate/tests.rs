@@ -41,6 +41,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
         name: "rod".into(),
         gravity_m_s2: GRAVITY,
         timing,
+        mark_sd_s: None,
         marks_topic: "/marks".into(),
         bodies: vec![SceneBody {
             name: "rod".into(),
@@ -248,6 +249,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
         origin: Stamp(0),
         bodies,
         marks_s: marks_s.clone(),
+        marks: vec![None; 2],
     };
     let guess = Guess {
         arcs,

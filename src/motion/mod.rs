@@ -29,6 +29,8 @@ pub use scene::{
 };
 pub use seat::SeatError;
 pub use settled::{Settled, SettledBody};
-pub use sketch::{BodySketch, DropReason, MarkChanges, Sample, SampleCounts, Segment, Sketch};
+pub use sketch::{
+    BodySketch, DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch,
+};
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

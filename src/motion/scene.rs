@@ -20,6 +20,9 @@ pub struct Scene {
     pub gravity_m_s2: Vector3<f64>,
     /// Whether sample stamps are physical times or only an order with a tempo.
     pub timing: Timing,
+    /// Standard deviation of the performer's marks, in acted time \[s\]; `None`: that of people who
+    /// press a button while they act, or of annotators where stamps are physical times.
+    pub mark_sd_s: Option<f64>,
     /// Topic that carries the marks.
     pub marks_topic: String,
     /// The moving bodies.

@@ -34,8 +34,19 @@ pub struct Sketch {
     pub origin: Stamp,
     /// One per body of the scene.
     pub bodies: Vec<BodySketch>,
-    /// Acted time of each of the scene's events [s since `origin`].
+    /// Acted time of each of the scene's events, where the stream is cut [s since `origin`].
     pub marks_s: Vec<f64>,
+    /// When the performer says that each of them was; `None` where nobody marked it.
+    pub marks: Vec<Option<MarkTime>>,
+}
+
+/// A mark as what it is: a measurement of its event's acted time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarkTime {
+    /// As it was made [s since [`Sketch::origin`]].
+    pub acted_s: f64,
+    /// Its standard deviation, in acted time \[s\].
+    pub sd_s: f64,
 }
 
 /// Collision-free flight of one body between two of its events.

@@ -8,14 +8,14 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use super::complete::completed;
 use super::edited::join;
 use super::error::SegmentError;
-use super::marks::{Extent, check_extents, matched, put_at_the_ends, seconds, union};
+use super::marks::{Extent, check_extents, mark_sd_s, matched, put_at_the_ends, seconds, union};
 use super::outliers::drop_outliers;
 use super::refine::reach_s;
 use super::units::check_units;
 use crate::math::Pose;
 use crate::motion::{
-    BodySketch, DropReason, EventKind, Mark, PoseSample, Sample, SampleCounts, Scene, SceneBody,
-    Sketch, Stamp, TakeEvent, Timing,
+    BodySketch, DropReason, EventKind, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene,
+    SceneBody, Sketch, Stamp, TakeEvent, Timing,
 };
 
 /// How far the norm of a quaternion may be off 1 for the reading to be used.
@@ -72,7 +72,16 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         }
         merge(&mut counts, &dropped);
     }
-    let sketch = sketch(scene, &streams, &stamps, &mut counts);
+    let mut sketch = sketch(scene, &streams, &stamps, &mut counts);
+    let sd_s = mark_sd_s(scene, &sketch.bodies);
+    for (event, mark) in sketch.marks.iter_mut().enumerate() {
+        let changed = [&counts.marks.proposed, &counts.marks.late];
+        let is_own = !changed.iter().any(|events| events.contains(&event));
+        *mark = (is_own && sd_s > 0.0).then_some(MarkTime {
+            acted_s: sketch.marks_s[event],
+            sd_s,
+        });
+    }
     for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
         check_units(body, &stream.samples)?;
     }
@@ -406,6 +415,7 @@ fn sketch(
         origin,
         bodies,
         marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
+        marks: vec![None; stamps.len()],
     }
 }
 

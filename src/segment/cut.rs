@@ -1,7 +1,7 @@
 //! Marks cut each body's stream into segments.
 
 use super::error::SegmentError;
-use crate::motion::{EventKind, Scene, Segment, Sketch, Timing};
+use crate::motion::{BodySketch, EventKind, Scene, Segment, Sketch, Timing};
 
 /// Samples closer to a collision's mark than this many median intervals are left out: they may
 /// belong to either side, and a sample that changed sides would make the objective jump.
@@ -33,7 +33,7 @@ fn cut_body(
     let window_s = match scene.timing {
         Timing::Edited => 0.0,
         Timing::Known | Timing::Unknown { .. } => {
-            NEAR_COLLISION_INTERVALS * median_interval_s(sketch, body)
+            NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.bodies[body])
         }
     };
     let mut start_event = None;
@@ -89,9 +89,9 @@ fn cut_body(
 }
 
 /// Median interval between a body's samples \[s\]; zero for fewer than two.
-pub(super) fn median_interval_s(sketch: &Sketch, body: usize) -> f64 {
-    let samples = &sketch.bodies[body].samples;
-    let mut intervals: Vec<f64> = samples
+pub(super) fn median_interval_s(body: &BodySketch) -> f64 {
+    let mut intervals: Vec<f64> = body
+        .samples
         .windows(2)
         .map(|pair| pair[1].acted_s - pair[0].acted_s)
         .collect();

@@ -1,13 +1,32 @@
 //! Which mark stands for which event.
 
+use super::cut::median_interval_s;
 use super::error::SegmentError;
-use crate::motion::{Collision, EventKind, Mark, Scene, Stamp};
+use crate::motion::{BodySketch, Collision, EventKind, Mark, Scene, Stamp, Timing};
 
 /// First and last stamp of some samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) first: Stamp,
     pub(super) last: Stamp,
+}
+
+/// Standard deviation of the marks that people make while they act: by how much a button is pressed
+/// late or early, in acted time \[s\].
+const PEOPLE_SD_S: f64 = 0.05;
+/// Of marks that are put into a stream with physical times afterwards, in its intervals.
+const ANNOTATED_SD_INTERVALS: f64 = 0.5;
+
+/// Standard deviation of a scene's marks, in acted time \[s\].
+pub(super) fn mark_sd_s(scene: &Scene, bodies: &[BodySketch]) -> f64 {
+    let annotated_s = || {
+        let intervals_s = bodies.iter().map(median_interval_s);
+        ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
+    };
+    scene.mark_sd_s.unwrap_or_else(|| match scene.timing {
+        Timing::Known | Timing::Edited => annotated_s(),
+        Timing::Unknown { .. } => PEOPLE_SD_S,
+    })
 }
 
 /// One stamp per event of the scene, in order of time.

@@ -24,5 +24,5 @@ mod units;
 pub use cut::cut;
 pub use error::SegmentError;
 pub use propose::{Proposal, propose};
-pub use refine::refine;
+pub use refine::{loosen, refine};
 pub use reseat::reseat;

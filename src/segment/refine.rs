@@ -1,13 +1,17 @@
-//! Marks made by a person are late or early; the centre of mass tells where the kink is.
+//! Marks are late or early; the centre of mass tells where the kink is.
 //!
-//! For each collision the mark is tried at every sample within reach, and put where the
-//! ballistic fits of the two neighbouring segments leave least (`prefix.rs`).
+//! For each collision the mark is tried at every sample within reach, and the stream is cut where
+//! two things together are likeliest: what the ballistic fits of all segments leave (`prefix.rs`), and how
+//! far that is from the mark. The hand wanders, so that residuals of neighbouring samples are alike:
+//! they are worth few independent ones, of a size that is not known, and the logarithm of their
+//! likelihood is `−½ n ln Σr²` with `n` so many. A mark is off by its standard deviation, and now and
+//! then by far more: Student's distribution.
 
 use std::ops::RangeInclusive;
 
 use super::cut::median_interval_s;
 use super::prefix::PrefixSums;
-use crate::motion::{Scene, Sketch, Timing};
+use crate::motion::{BodySketch, MarkTime, Scene, Sketch, Timing};
 
 /// Samples on either side of a mark that are tried.
 const REACH_SAMPLES: usize = 8;
@@ -17,14 +21,20 @@ const REACH_S: f64 = 0.12;
 const REACH_KNOWN_S: f64 = 8.0 / 120.0;
 /// Samples that must remain between two marks.
 const KEEP_SAMPLES: usize = 5;
-/// A mark moves for no less than this \[m²\], a tenth of a millimetre at one sample: below, sums
-/// of clean data differ by rounding.
-const GAIN_MIN_M2: f64 = 1e-8;
+/// Added to what a cut leaves \[m²\], a tenth of a millimetre at one sample: below, sums of clean
+/// data differ by rounding.
+const ROUNDING_M2: f64 = 1e-8;
+/// A mark moves for no less than this, in the logarithm of the likelihood.
+const GAIN_MIN: f64 = 1e-3;
+/// So many samples of a hand that wanders are worth one independent one.
+const SAMPLES_ALIKE: f64 = 10.0;
+/// Degrees of freedom of Student's distribution of a mark's error.
+const MARK_FREEDOM: f64 = 2.0;
 /// Rounds over all marks at most.
 const ROUNDS_MAX: usize = 3;
 
-/// Moves the marks of collisions in `sketch`; returns the number of rounds it took. The marks of
-/// an edited sketch stand where its segments meet, and stay.
+/// Moves the cuts at collisions in `sketch`; returns the number of rounds it took. The events of an
+/// edited sketch stand where its segments meet, and stay.
 pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     if scene.timing == Timing::Edited {
         return 0;
@@ -37,16 +47,63 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
         .iter()
         .map(|body| PrefixSums::of_positions(scene, body))
         .collect();
-    for round in 1..=ROUNDS_MAX {
-        let mut moved = false;
+    let mut left_m2: Vec<f64> = (0..sums.len())
+        .map(|body| left_m2(scene, sketch, &sums[body], body))
+        .collect();
+    let mut rounds = 0;
+    let mut moved = true;
+    while moved && rounds < ROUNDS_MAX {
+        moved = false;
         for event in &events {
-            moved |= refine_one(scene, sketch, &sums, *event);
+            moved |= refine_one(scene, sketch, (&sums, &mut left_m2), *event);
         }
-        if !moved || events.len() == 1 {
-            return round;
+        rounds += 1;
+        moved &= events.len() > 1;
+    }
+    rounds
+}
+
+/// What the flights of a body leave in all, cut as the sketch is \[m²\].
+fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f64 {
+    let samples = &sketch.bodies[body].samples;
+    let (mut left_m2, mut begin) = (0.0, 0);
+    for (event, of) in scene.events.iter().enumerate() {
+        if of.kind.concerns(body) {
+            let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
+            let beside = usize::from(of.kind.collision().is_some());
+            left_m2 += sums.cost(begin, at.saturating_sub(beside));
+            begin = (at + beside).min(samples.len());
         }
     }
-    ROUNDS_MAX
+    left_m2 + sums.cost(begin, samples.len())
+}
+
+/// Makes the deviations of marks as large as the cuts say that they are: what pulls at an event
+/// in the estimation is a normal distribution that pulls as much as Student's does at the cut.
+pub fn loosen(sketch: &mut Sketch) {
+    for (mark, cut_s) in sketch.marks.iter_mut().zip(&sketch.marks_s) {
+        if let Some(mark) = mark {
+            mark.sd_s *= student_sd((cut_s - mark.acted_s) / mark.sd_s);
+        }
+    }
+}
+
+/// Minus the logarithm of the likelihood of a mark whose event is at `acted_s`.
+pub(super) fn unlikely_mark(mark: &MarkTime, acted_s: f64) -> f64 {
+    let deviations = (acted_s - mark.acted_s) / mark.sd_s;
+    0.5 * (MARK_FREEDOM + 1.0) * (deviations * deviations / MARK_FREEDOM).ln_1p()
+}
+
+/// The same of residuals that leave that sum of squares, in any unit.
+pub(super) fn unlikely_residuals(body: &BodySketch, square: f64) -> f64 {
+    0.5 * body.samples.len() as f64 / SAMPLES_ALIKE * square.ln()
+}
+
+/// The standard deviation of the normal distribution that pulls as much as Student's does there, where
+/// that is more than one.
+fn student_sd(deviations: f64) -> f64 {
+    let square = (MARK_FREEDOM + deviations * deviations) / (MARK_FREEDOM + 1.0);
+    square.max(1.0).sqrt()
 }
 
 /// What lies between the events of a body that come before and after one that it takes part in.
@@ -95,7 +152,12 @@ pub(super) fn reach_s(scene: &Scene) -> f64 {
 }
 
 /// Moves one mark to the best place between the neighbouring events of its bodies.
-fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: usize) -> bool {
+fn refine_one(
+    scene: &Scene,
+    sketch: &mut Sketch,
+    (sums, left_m2): (&[PrefixSums], &mut [f64]),
+    event: usize,
+) -> bool {
     let Some(collision) = scene.events[event].kind.collision() else {
         return false;
     };
@@ -104,7 +166,7 @@ fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: us
         .map(|body| Stretch::new(scene, sketch, body, event))
         .collect();
     let samples = &sketch.bodies[collision.body].samples;
-    let interval_s = median_interval_s(sketch, collision.body).max(1e-9);
+    let interval_s = median_interval_s(&sketch.bodies[collision.body]).max(1e-9);
     let now = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
     let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
     let cuts = stretches[0].cuts();
@@ -112,24 +174,49 @@ fn refine_one(scene: &Scene, sketch: &mut Sketch, sums: &[PrefixSums], event: us
     let most = (now + reach).min(*cuts.end());
     // Between the last sample before and the first after.
     let time_s = |cut: usize| 0.5 * (samples[cut - 1].acted_s + samples[cut].acted_s);
-    let cost = |cut: usize| -> f64 {
-        let mut cost = stretches[0].cost(&sums[collision.body], cut);
-        for stretch in &stretches[1..] {
+    let mark = sketch.marks[event];
+    let cost_m2 = |stretch: &Stretch, cut: usize| {
+        let is_first = stretch.body == collision.body;
+        let of_other = || {
             let others = &sketch.bodies[stretch.body].samples;
-            let cut = others.partition_point(|s| s.acted_s <= time_s(cut));
-            if !stretch.cuts().contains(&cut) {
-                return f64::INFINITY;
-            }
-            cost += stretch.cost(&sums[stretch.body], cut);
-        }
-        cost
+            others.partition_point(|s| s.acted_s <= time_s(cut))
+        };
+        let cut = if is_first { cut } else { of_other() };
+        stretch
+            .cuts()
+            .contains(&cut)
+            .then(|| stretch.cost(&sums[stretch.body], cut))
     };
-    let Some(best) = (least..=most).min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else {
+    let now_m2: Vec<f64> = stretches
+        .iter()
+        .map(|stretch| cost_m2(stretch, now).unwrap_or(0.0))
+        .collect();
+    // Minus the logarithm of the likelihood, up to a constant.
+    let unlikely = |cut: usize| -> f64 {
+        let mut sum = 0.0;
+        for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
+            let Some(cost_m2) = cost_m2(stretch, cut) else {
+                return f64::INFINITY;
+            };
+            let others_m2 = (left_m2[stretch.body] - now_m2).max(0.0);
+            let all_m2 = others_m2 + cost_m2 + ROUNDING_M2;
+            sum += unlikely_residuals(&sketch.bodies[stretch.body], all_m2);
+        }
+        sum + mark.map_or(0.0, |mark| {
+            // Between its two samples a cut may be anywhere.
+            let [from_s, to_s] = [cut - 1, cut].map(|sample| samples[sample].acted_s);
+            unlikely_mark(&mark, mark.acted_s.clamp(from_s, to_s))
+        })
+    };
+    let Some(best) = (least..=most).min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b))) else {
         return false;
     };
-    let is_better = cost(best) < cost(now.clamp(least, most)) - GAIN_MIN_M2;
+    let is_better = unlikely(best) < unlikely(now.clamp(least, most)) - GAIN_MIN;
     if best == now || !is_better {
         return false;
+    }
+    for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
+        left_m2[stretch.body] += cost_m2(stretch, best).unwrap_or(*now_m2) - now_m2;
     }
     sketch.marks_s[event] = time_s(best);
     true

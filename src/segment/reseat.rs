@@ -4,6 +4,7 @@
 //! else? Only then are proposals made, and taken if they explain the stream clearly better.
 
 use super::propose::{CLEAR_SCORE, Stream};
+use super::refine::{unlikely_mark, unlikely_residuals};
 use crate::motion::{Partner, Scene, Sketch, Timing};
 
 /// Marks are doubted if one of them is not worth as many times a superfluous cut.
@@ -49,7 +50,19 @@ pub fn reseat(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
             .scores(&cuts, 1)
             .iter()
             .all(|score| *score >= CLEAR_SCORE);
-        if !is_clear || stream.total(&events, &cuts) > SHARE_MAX * stream.total(&events, &marked) {
+        let share = stream.total(&events, &cuts) / stream.total(&events, &marked);
+        if !is_clear || share > SHARE_MAX {
+            continue;
+        }
+        // What the stream gains must be worth what the marks would have to be off by.
+        let off = |cuts: &[usize]| -> f64 {
+            let marks = events.iter().flatten().map(|event| sketch.marks[*event]);
+            let marks = marks.zip(cuts);
+            marks
+                .filter_map(|(mark, cut)| Some(unlikely_mark(&mark?, stream.time_s(*cut))))
+                .sum()
+        };
+        if unlikely_residuals(body, share) + off(&cuts) > off(&marked) {
             continue;
         }
         for (event, (cut, marked)) in events
@@ -59,6 +72,7 @@ pub fn reseat(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         {
             if cut != marked {
                 sketch.marks_s[event] = stream.time_s(cut);
+                sketch.marks[event] = None;
                 moved.push(event);
             }
         }

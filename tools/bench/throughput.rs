@@ -114,6 +114,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
         origin: Stamp(1_700_000_000_000_000_000),
         bodies: Vec::new(),
         marks_s: Vec::new(),
+        marks: Vec::new(),
     };
     let written = write_estimate(
         output,

@@ -19,28 +19,81 @@ use rand_distr::{Distribution, StandardNormal};
 use super::encounter::{Encounter, still};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
 
-/// Half the cube's side, and half that of the cube about the tetrahedron [m].
-const HALF_M: f64 = 0.15;
-/// Mass of the cube [kg].
+/// Mass of the solid [kg].
 const MASS_KG: f64 = 1.0;
-/// A good flight: not shorter than this [s],
-const SHORTEST_S: f64 = 0.1;
-/// nor longer [s],
-const LONGEST_S: f64 = 1.0;
-/// turning no faster than this [rad/s],
-const FASTEST_RAD_S: f64 = 25.0;
-/// ending with a corner that approaches at least this fast [m/s],
-const SLOWEST_APPROACH_M_S: f64 = 0.5;
-/// and the next corner at least this far off [m].
-const CLEAREST_M: f64 = 0.002;
 /// The least restitution is 1 minus this.
 const WORST_LOSS: f64 = 0.15;
 /// Values of restitution to choose from at a bounce.
 const CHOICES: usize = 8;
 /// Arcs looked at per bounce before giving up.
 const TRIES_PER_BOUNCE: usize = 2000;
-/// Contacts are looked for at this spacing [s]; no corner turns by more than 1° within it.
+/// Contacts are looked for at this spacing [s],
 const SCAN_S: f64 = 1e-3;
+/// or at a finer one, so that the body turns by no more than this in between [rad].
+const SCAN_RAD: f64 = 0.03;
+
+/// What is thrown, and what makes a flight of it a good one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Throw {
+    /// Half the side of the cube, or of the one about the tetrahedron [m].
+    pub half_m: f64,
+    /// Height from which it is thrown [m].
+    pub height_m: f64,
+    /// About how fast it is thrown, up and along [m/s].
+    pub speed_m_s: f64,
+    /// Standard deviation of the first angular velocity, per axis [rad/s].
+    pub spin_rad_s: f64,
+    /// A good flight turns no faster than this [rad/s],
+    pub fastest_rad_s: f64,
+    /// lasts no shorter than this [s],
+    pub shortest_s: f64,
+    /// nor longer [s],
+    pub longest_s: f64,
+    /// ends with a corner that approaches at least this fast [m/s],
+    pub slowest_approach_m_s: f64,
+    /// and the next corner at least this far off [m].
+    pub clearest_m: f64,
+    /// The motion ends after this share of its last flight.
+    pub last_share: f64,
+}
+
+impl Throw {
+    /// A cube of 30 cm that turns slowly.
+    pub const BOX: Self = Self {
+        half_m: 0.15,
+        height_m: 0.5,
+        speed_m_s: 1.0,
+        spin_rad_s: 4.0,
+        fastest_rad_s: 25.0,
+        shortest_s: 0.1,
+        longest_s: 1.0,
+        slowest_approach_m_s: 0.5,
+        clearest_m: 0.002,
+        last_share: 0.5,
+    };
+
+    /// A die of 16 mm, as people roll them.
+    pub const DIE: Self = Self::sized(0.016, 60.0);
+
+    /// A cube of that side [m] that turns about as fast as said [rad/s] and never faster. How fast it
+    /// flies follows: an impact at a corner turns what flew into what spins.
+    pub const fn sized(side_m: f64, fastest_rad_s: f64) -> Self {
+        let speed_m_s = 0.3 * fastest_rad_s * side_m;
+        let rises_s = speed_m_s / 9.80665;
+        Self {
+            half_m: 0.5 * side_m,
+            height_m: side_m + 0.5 * speed_m_s * rises_s,
+            speed_m_s,
+            spin_rad_s: 0.3 * fastest_rad_s,
+            fastest_rad_s,
+            shortest_s: 1.5 * rises_s,
+            longest_s: 8.0 * rises_s,
+            slowest_approach_m_s: 0.3 * speed_m_s,
+            clearest_m: 0.006 * side_m,
+            last_share: 0.95,
+        }
+    }
+}
 
 /// A flight and the corner that ends it.
 #[derive(Clone, Copy)]
@@ -62,19 +115,24 @@ pub enum Polyhedron {
 
 /// A motion of a cube with `count` bounces, each on a corner, then a last flight. No goals.
 pub fn bounces(count: usize, seed: u64) -> Result<Truth, TruthError> {
-    bounces_of(Polyhedron::Cube, count, seed)
+    thrown(Polyhedron::Cube, &Throw::BOX, count, seed)
 }
 
-/// The same of either.
-pub fn bounces_of(solid: Polyhedron, count: usize, seed: u64) -> Result<Truth, TruthError> {
-    let cube = Bouncer::new(solid);
+/// The same of either solid, thrown in any way.
+pub fn thrown(
+    solid: Polyhedron,
+    throw: &Throw,
+    count: usize,
+    seed: u64,
+) -> Result<Truth, TruthError> {
+    let cube = Bouncer::new(solid, *throw);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut path: Vec<Hop> = Vec::new();
     let tries = TRIES_PER_BOUNCE * (count + 1);
     for _ in 0..tries {
         // Go on from the last hop with its next untried restitution, or begin anew.
         let next = match path.last_mut() {
-            None => Some(thrown(&mut rng)),
+            None => Some(throw.start(&mut rng)),
             Some(last) if last.choice < CHOICES => {
                 // Small losses first; random, so that no two bounces are alike.
                 let share = (last.choice as f64 + rng.random::<f64>()) / CHOICES as f64;
@@ -101,23 +159,33 @@ pub fn bounces_of(solid: Polyhedron, count: usize, seed: u64) -> Result<Truth, T
     Err(TruthError::NotFound { count, tries })
 }
 
-/// A cube thrown up from above the table, any way round.
-fn thrown(rng: &mut impl Rng) -> State {
-    let mut normal = || -> f64 { StandardNormal.sample(rng) };
-    let quaternion = Quaternion::new(normal(), normal(), normal(), normal());
-    State {
-        position_m: Vector3::new(0.0, 0.0, 0.5),
-        orientation: UnitQuaternion::new_normalize(quaternion),
-        velocity_m_s: Vector3::new(0.2 + 0.05 * normal(), 0.05 * normal(), 0.5 + 0.2 * normal()),
-        angular_velocity_rad_s: Vector3::new(normal(), normal(), normal()) * 4.0,
+impl Throw {
+    /// Thrown up from above the table, any way round.
+    fn start(&self, rng: &mut impl Rng) -> State {
+        let mut normal = || -> f64 { StandardNormal.sample(rng) };
+        let quaternion = Quaternion::new(normal(), normal(), normal(), normal());
+        State {
+            position_m: Vector3::new(0.0, 0.0, self.height_m),
+            orientation: UnitQuaternion::new_normalize(quaternion),
+            velocity_m_s: Vector3::new(
+                0.2 + 0.05 * normal(),
+                0.05 * normal(),
+                0.5 + 0.2 * normal(),
+            ) * self.speed_m_s,
+            angular_velocity_rad_s: Vector3::new(normal(), normal(), normal()) * self.spin_rad_s,
+        }
     }
 }
 
 /// The scene file of such a motion.
 pub fn scene_toml(truth: &Truth) -> String {
-    let size_mm = 2e3 * HALF_M;
     let scene = &truth.scene;
     let cube = &scene.bodies[0];
+    let half_m = match cube.shape {
+        Shape::Cuboid { half_extents_m } => half_extents_m.x,
+        _ => panic!("a scene file is written of cubes alone"),
+    };
+    let size_mm = 2e3 * half_m;
     let tracker_mm = cube.body_from_tracker.translation.vector * 1e3;
     let moment_kg_m2 = cube.body.moments_kg_m2().x;
     let mut text = format!(
@@ -159,14 +227,16 @@ pub fn scene_toml(truth: &Truth) -> String {
 
 struct Bouncer {
     solid: Polyhedron,
+    throw: Throw,
     body: Body,
     gravity_m_s2: Vector3<f64>,
     corners_m: Vec<Vector3<f64>>,
 }
 
 impl Bouncer {
-    fn new(solid: Polyhedron) -> Self {
-        let square_m2 = (2.0 * HALF_M) * (2.0 * HALF_M);
+    fn new(solid: Polyhedron, throw: Throw) -> Self {
+        let half_m = throw.half_m;
+        let square_m2 = (2.0 * half_m) * (2.0 * half_m);
         let moment_kg_m2 = match solid {
             Polyhedron::Cube => MASS_KG * square_m2 / 6.0,
             // m s²/20 with an edge that is a diagonal of a face.
@@ -178,13 +248,14 @@ impl Bouncer {
         };
         let sign = |corner: usize, axis: usize| {
             if corner >> axis & 1 == 0 {
-                -HALF_M
+                -half_m
             } else {
-                HALF_M
+                half_m
             }
         };
         Self {
             solid,
+            throw,
             body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("it is a body"),
             gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
             corners_m: (0..8)
@@ -232,15 +303,18 @@ impl Bouncer {
 
     /// The flight from a state, if it is a good one.
     fn hop(&self, state: &State) -> Option<Hop> {
-        if state.angular_velocity_rad_s.norm() > FASTEST_RAD_S {
+        let throw = &self.throw;
+        let spin_rad_s = state.angular_velocity_rad_s.norm();
+        if spin_rad_s > throw.fastest_rad_s {
             return None;
         }
+        let scan_s = SCAN_S.min(SCAN_RAD / spin_rad_s);
         let flight = self.flight();
         let lowest_m = |time_s: f64| {
             let state = flight.advance(state, time_s);
             let turned = state.orientation.inverse_transform_vector(&Vector3::z());
             let below_m = match self.solid {
-                Polyhedron::Cube => HALF_M * turned.abs().sum(),
+                Polyhedron::Cube => throw.half_m * turned.abs().sum(),
                 Polyhedron::Tetrahedron => {
                     let depths_m = self.corners_m.iter().map(|corner_m| -turned.dot(corner_m));
                     depths_m.fold(f64::NEG_INFINITY, f64::max)
@@ -248,17 +322,17 @@ impl Bouncer {
             };
             state.position_m.z - below_m
         };
-        if lowest_m(SCAN_S) <= 0.0 {
+        if lowest_m(scan_s) <= 0.0 {
             return None;
         }
-        let duration_s = crossing_s(SCAN_S, LONGEST_S, lowest_m)?;
+        let duration_s = crossing_s(scan_s, throw.longest_s, lowest_m)?;
         let before = flight.advance(state, duration_s);
         let heights = self.heights_m(&before);
         let (corner, next_m) = (heights[0].1, heights[1].0);
         let approach_m_s = -self.encounter(corner, 1.0).speed_m_s(&before, &still());
-        let is_good = duration_s >= SHORTEST_S
-            && approach_m_s >= SLOWEST_APPROACH_M_S
-            && next_m >= CLEAREST_M;
+        let is_good = duration_s >= throw.shortest_s
+            && approach_m_s >= throw.slowest_approach_m_s
+            && next_m >= throw.clearest_m;
         is_good.then_some(Hop {
             state: *state,
             duration_s,
@@ -268,7 +342,7 @@ impl Bouncer {
         })
     }
 
-    /// The record of a path; it ends half-way through its last flight.
+    /// The record of a path; it ends within its last flight.
     fn truth(&self, path: &[Hop]) -> Truth {
         let mut arcs = Vec::new();
         let mut event_times_s = Vec::new();
@@ -276,7 +350,8 @@ impl Bouncer {
         let mut start_s = 0.0;
         for (index, hop) in path.iter().enumerate() {
             let is_last = index + 1 == path.len();
-            let end_s = start_s + if is_last { 0.5 } else { 1.0 } * hop.duration_s;
+            let share = if is_last { self.throw.last_share } else { 1.0 };
+            let end_s = start_s + share * hop.duration_s;
             let (name, kind) = if is_last {
                 ("end".to_owned(), EventKind::End)
             } else {
@@ -316,13 +391,13 @@ impl Bouncer {
             body: self.body,
             shape: match self.solid {
                 Polyhedron::Cube => Shape::Cuboid {
-                    half_extents_m: Vector3::repeat(HALF_M),
+                    half_extents_m: Vector3::repeat(self.throw.half_m),
                 },
                 Polyhedron::Tetrahedron => Shape::Hull {
                     points_m: self.corners_m.clone(),
                 },
             },
-            body_from_tracker: Pose::translation(0.02, -0.03, HALF_M),
+            body_from_tracker: Pose::translation(0.02, -0.03, self.throw.half_m),
             features: self.corners_m.iter().enumerate().map(feature).collect(),
         };
         let table = Surface {
@@ -336,6 +411,7 @@ impl Bouncer {
             timing: Timing::Unknown {
                 tempo_sd_per_sqrt_s: 0.5,
             },
+            mark_sd_s: None,
             marks_topic: "/marks".to_owned(),
             bodies: vec![cube],
             surfaces: vec![table],

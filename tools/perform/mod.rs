@@ -25,7 +25,7 @@ pub mod wander;
 
 pub use act::perform;
 pub use acting::{Acting, Outliers};
-pub use bounces::{Polyhedron, bounces, bounces_of};
+pub use bounces::{Polyhedron, Throw, bounces, thrown};
 pub use flips::flips;
 pub use performance::Performance;
 pub use styles::Style;

@@ -67,6 +67,7 @@ impl Performance {
         Sketch {
             origin,
             bodies,
+            marks: vec![None; marks_s.len()],
             marks_s,
         }
     }

@@ -22,6 +22,7 @@ mod phases;
 mod proposal;
 mod proposals;
 mod results;
+mod scales;
 mod scaling;
 mod scenes;
 mod sequences;
@@ -51,6 +52,8 @@ enum Study {
     Answer,
     /// The same in scenes of several bodies and of many bounces.
     Scenes,
+    /// Bodies of any size and speed, and how marks are made.
+    Scales,
     /// How exactly exact performances are recovered.
     Accuracy,
     /// Whether errors are as large as the estimate says.
@@ -78,6 +81,7 @@ fn main() -> anyhow::Result<()> {
     let all = [
         Study::Answer,
         Study::Scenes,
+        Study::Scales,
         Study::Accuracy,
         Study::Covariance,
         Study::Scaling,
@@ -98,6 +102,7 @@ fn main() -> anyhow::Result<()> {
         match study {
             Study::Answer => answer::run(&options)?,
             Study::Scenes => scenes::run(&options)?,
+            Study::Scales => scales::run(&options)?,
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
             Study::Scaling => scaling::run(&options)?,

@@ -14,6 +14,9 @@ pub struct Options {
     /// Performances per row of a table.
     #[arg(long, global = true, default_value_t = 200)]
     pub seeds: u64,
+    /// Seed of the first of them, in `scales`. Constants were chosen on seeds below 5000.
+    #[arg(long, global = true, default_value_t = 5000)]
+    pub first_seed: u64,
     /// Only the rows of `stress` whose description (`theme: name, timing`) holds this, while the
     /// others stay as they were measured; only those of `scenes` (`hat and box`), and of `sequences` and
     /// `proposals` (`6 bounces, known, 1`), and then no raw numbers.

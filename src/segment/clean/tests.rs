@@ -36,6 +36,7 @@ fn scene() -> Scene {
         name: "balls".into(),
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
         timing: Timing::Known,
+        mark_sd_s: None,
         marks_topic: "/marks".into(),
         bodies: vec![ball("red", mount), ball("blue", Pose::identity())],
         surfaces: vec![Surface {

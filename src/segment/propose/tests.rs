@@ -14,6 +14,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
         name: "ball".into(),
         gravity_m_s2: Vector3::new(0.0, 0.0, -10.0),
         timing,
+        mark_sd_s: None,
         marks_topic: "/marks".into(),
         bodies: vec![SceneBody {
             name: "ball".into(),
@@ -55,6 +56,7 @@ fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
         origin: Stamp(0),
         bodies: vec![BodySketch { samples }],
         marks_s: vec![0.0; bounces],
+        marks: vec![None; bounces],
     }
 }
 

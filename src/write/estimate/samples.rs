@@ -73,6 +73,7 @@ pub(crate) fn sketch() -> Sketch {
         origin: Stamp(FIRST_NS),
         bodies: vec![BodySketch { samples }],
         marks_s: vec![0.8, 1.9],
+        marks: vec![None; 2],
     }
 }
 
