@@ -4,6 +4,7 @@
 //! [`Pipeline::finish`] when the take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events alone; clocks,
 //! files and threads are the driver's. The same take gives the same [`Outcome`] bit for bit.
 
+mod follow;
 mod infer;
 mod preview;
 mod search;
@@ -11,6 +12,7 @@ mod warm;
 
 use thiserror::Error;
 
+use self::follow::follow;
 use self::infer::{Inferred, NoContact, infer};
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
@@ -263,7 +265,11 @@ fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Inferred, PipelineError> {
     let (segments, rounds) = segments(scene, sketch, counts, observer)?;
-    solve_segments(scene, sketch, (&segments, rounds), observer)
+    let mut inferred = solve_segments(scene, sketch, (&segments, rounds), observer)?;
+    let (segments, again) = follow(sketch, segments, &mut inferred, observer);
+    inferred.estimate.counters.assignment_rounds += again;
+    account(sketch, &segments, counts);
+    Ok(inferred)
 }
 
 /// Stage 2 after cleaning: marks refined, the sketch cut, samples accounted for. Segments, and
@@ -282,19 +288,19 @@ fn segments(
     }
     segment::loosen(sketch);
     let segments = segment::cut(scene, sketch)?;
-    account(sketch, &segments, counts);
     Ok((segments, rounds))
 }
 
 /// Stages 3 and 4.
 fn solve_segments(
     scene: &Scene,
-    sketch: &Sketch,
+    sketch: &mut Sketch,
     (segments, rounds): (&[Segment], usize),
     observer: &mut dyn Observer,
 ) -> Result<Inferred, PipelineError> {
     observer.phase(Phase::ArcFits);
     let guessed = initialise::guess(scene, sketch, segments);
+    initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);
     let recipe = Recipe::default();
     let mut inferred = infer(scene, sketch, segments, &guessed.guesses, &recipe, observer)
         .map_err(|NoContact { event }| PipelineError::NoContact {
@@ -306,25 +312,17 @@ fn solve_segments(
     Ok(inferred)
 }
 
-/// Counts the samples that segments use; what lies between segments is near a collision.
+/// Counts the samples that segments use; what lies between a body's segments is near a collision.
 fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
     counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
-    let mut near = 0;
-    for body in 0..sketch.bodies.len() {
-        let of_body = || segments.iter().filter(move |segment| segment.body == body);
-        let first = of_body()
-            .map(|segment| segment.samples.start)
-            .min()
-            .unwrap_or(0);
-        let last = of_body()
-            .map(|segment| segment.samples.end)
-            .max()
-            .unwrap_or(0);
-        near += last
-            - first
-            - of_body()
-                .map(|segment| segment.samples.len())
-                .sum::<usize>();
+    for (index, body) in sketch.bodies.iter().enumerate() {
+        let of_body = || segments.iter().filter(move |segment| segment.body == index);
+        let first = of_body().map(|segment| segment.samples.start).min();
+        let last = of_body().map(|segment| segment.samples.end).max();
+        let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
+        let used: usize = of_body().map(|segment| segment.samples.len()).sum();
+        counts.drop(DropReason::BeforeStart, first);
+        counts.drop(DropReason::NearCollision, last - first - used);
+        counts.drop(DropReason::AfterEnd, body.samples.len() - last);
     }
-    counts.drop(DropReason::NearCollision, near);
 }

@@ -31,7 +31,7 @@ const GRIDS: [Grid; 5] = [
 
 fn posed(case: &Case) -> Posed {
     let outcome = case.estimated(&mut ()).expect("an estimate");
-    let mut posed = Posed::new(case.scene(), &outcome.sketch);
+    let mut posed = Posed::without_marks(case.scene(), &outcome.sketch);
     if case.scene().velocity_gaps == enact::motion::VelocityGaps::Always {
         posed.problem = posed.problem.bent();
         posed.layout = Layout::new(&posed.problem);

@@ -18,7 +18,7 @@ use perform::{Acting, bounces, hat_box};
 
 fn exported(case: &Case) -> Problem {
     let outcome = case.estimated(&mut ()).expect("an estimate");
-    let posed = Posed::new(case.scene(), &outcome.sketch);
+    let posed = Posed::without_marks(case.scene(), &outcome.sketch);
     let guess = &posed.guesses[0];
     let (problem, layout) = (&posed.problem, &posed.layout);
     let solution = recipe::solve(problem, layout, guess, &Recipe::default(), &mut ());

@@ -313,7 +313,9 @@ fn proposals_are_printed_and_written_and_read_again() {
     };
     let (bare, with) = (replay("take.mcap"), replay("with.mcap"));
     assert_eq!(bare["verdict"], "physical");
-    assert_eq!(bare["objective"], with["objective"]);
+    // A mark that is in the recording is a measurement, one that is proposed on the way is none.
+    let objective = |of: &serde_json::Value| of["objective"].as_f64().unwrap();
+    assert!((objective(&with) / objective(&bare) - 1.0).abs() < 0.01);
     let note = bare["warnings"][0].as_str().unwrap();
     assert!(note.starts_with("no marks for some events"), "{note}");
     assert_eq!(with["warnings"].as_array().unwrap().len(), 0, "{with}");

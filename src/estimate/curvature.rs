@@ -15,7 +15,7 @@ use super::point::Point;
 use super::system::{Frame, System};
 use crate::math::envelope::Envelope;
 use crate::physics::impact::ImpactDerivative;
-use crate::physics::state::{StateTangent, part};
+use crate::physics::state::StateTangent;
 
 /// Steps of the differences: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s].
@@ -201,10 +201,75 @@ impl<'a> Nudged<'a> {
     }
 }
 
-/// Names of a state's parts in the order of [`STEPS`].
-const _: () = assert!(
-    part::POSITION == 0
-        && part::ORIENTATION == 3
-        && part::VELOCITY == 6
-        && part::ANGULAR_VELOCITY == 9
-);
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::super::system::Guidance;
+    use super::super::tests::each_case;
+    use super::*;
+
+    /// `νᵀc` and the price of velocity gaps, of which the curvature is asked.
+    fn pulled(frame: &Frame, point: &Point, delta: &DVector<f64>, pulls: &[f64]) -> f64 {
+        let mut there = point.clone();
+        there.retract_from(point, frame.problem, frame.layout, delta);
+        let mut system = System::new(frame);
+        let guidance = Guidance::none(frame.problem);
+        system.evaluate(frame, &guidance, &there);
+        system
+            .values()
+            .zip(pulls)
+            .map(|(value, pull)| value * pull)
+            .sum()
+    }
+
+    /// Against second differences of the values themselves.
+    #[test]
+    fn it_is_the_second_derivative_of_the_pull() {
+        each_case(1.0, |frame, _, point, _| {
+            let problem = frame.problem;
+            if problem.velocity_gap_weight.is_some() {
+                return;
+            }
+            let size = frame.layout.size();
+            let mut system = System::new(frame);
+            let guidance = Guidance::none(problem);
+            system.evaluate(frame, &guidance, point);
+            // Bounds and cones of parameters have no curvature here.
+            let with = problem.collisions.len() + problem.goals.len();
+            let rows: usize = system.blocks[..with].iter().map(|b| b.values.len()).sum();
+            let pulls: Vec<f64> = (0..system.row_count())
+                .map(|row| {
+                    if row < rows {
+                        (1.0 + row as f64).sin()
+                    } else {
+                        0.0
+                    }
+                })
+                .collect();
+            let mut matrix = Envelope::zeros(&frame.layout.pattern);
+            add(frame, &system, point, &pulls, &mut matrix);
+            let at = Nudged::new(frame, point);
+            // A few pairs of every kind: all would take long.
+            for i in (0..size).step_by(3) {
+                for j in (0..=i).step_by(2) {
+                    let steps = [i, j].map(|k| 30.0 * at.step(k));
+                    let value = |signs: [f64; 2]| {
+                        let mut delta = DVector::zeros(size);
+                        delta[i] += signs[0] * steps[0];
+                        delta[j] += signs[1] * steps[1];
+                        pulled(frame, point, &delta, &pulls)
+                    };
+                    let second = value([1.0, 1.0]) - value([1.0, -1.0]) - value([-1.0, 1.0])
+                        + value([-1.0, -1.0]);
+                    let expected = second / (4.0 * steps[0] * steps[1]);
+                    let got = matrix.get(&frame.layout.pattern, i, j);
+                    assert!(
+                        (got - expected).abs() < 1e-3 * (1.0 + expected.abs()),
+                        "{i} {j}: {got} {expected}"
+                    );
+                }
+            }
+        });
+    }
+}

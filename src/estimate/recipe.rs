@@ -85,30 +85,6 @@ impl Recipe {
         }
     }
 
-    /// The recipe for a start from which the usual one finds no motion: constraints come in slowly, over
-    /// three decades, and with all samples.
-    pub fn patient(&self) -> Self {
-        Self {
-            sweep_weights: vec![0.1, 1.0, 10.0, 100.0],
-            sweep_steps: 30,
-            gain: 1e-4 * self.gain,
-            multiplier_weight: 0.1 * self.multiplier_weight,
-            orientations_per_arc: usize::MAX,
-            finish_below: 0.02,
-            ..self.clone()
-        }
-    }
-
-    /// The recipe for a start whose velocities jump: multipliers at once, at a small weight.
-    pub fn gentle(&self) -> Self {
-        Self {
-            multiplier_weight: 0.1 * self.multiplier_weight,
-            orientations_per_arc: usize::MAX,
-            finish_below: 0.02,
-            ..self.without_sweep()
-        }
-    }
-
     /// The recipe for a start that solved the problem but for a few samples: the finish at once.
     pub fn from_the_last(&self) -> Self {
         Self {

@@ -13,10 +13,9 @@ use crate::motion::{
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///
 /// There is one guess unless the arcs' own fits are ambiguous, so a clear performance costs one
-/// solve. Where that finds no motion it is tried again, patiently. Where that finds none either,
-/// and the scene allows it, velocities may jump at collisions; from the motion found then it is
-/// tried once more to close the gaps. Fails never; what did not converge has the verdict that
-/// says so.
+/// solve. Where that finds no motion, and the scene allows it, velocities may jump at collisions;
+/// from the motion found then it is tried once more to close the gaps. Fails never; what did not
+/// converge has the verdict that says so.
 ///
 /// # Panics
 /// Without a guess or without a segment.
@@ -38,7 +37,7 @@ pub fn estimate(
     let mut work = Counters::default();
     let is_bent = may_bend && is_hopeless;
     let mut found = (!is_bent).then(|| {
-        let found = exact.straight(guesses, recipe, observer);
+        let found = exact.best(guesses, recipe, observer);
         work.add(&found.1.counters);
         found
     });
@@ -50,8 +49,10 @@ pub fn estimate(
         bent = Posed::new(exact.problem.bent());
         let (best, solution) = bent.best(guesses, recipe, observer);
         work.add(&solution.counters);
-        let closed = (!is_hopeless && !solution.stopped)
-            .then(|| exact.closed(&solution, &guesses[best], recipe, observer));
+        let closed = (!is_hopeless && !solution.stopped).then(|| {
+            let guess = solution.point.guess(&exact.problem, &guesses[best]);
+            exact.solve(&guess, &recipe.without_sweep(), observer)
+        });
         (of, found) = (&bent, Some((best, solution)));
         if let Some(closed) = closed {
             work.add(&closed.counters);
@@ -90,50 +91,8 @@ impl Posed {
         best(&self.problem, &self.layout, guesses, recipe, observer)
     }
 
-    /// As the recipe has it, and where that finds no motion patiently.
-    fn straight(
-        &self,
-        guesses: &[Guess],
-        recipe: &Recipe,
-        observer: &mut dyn Observer,
-    ) -> (usize, Solution) {
-        let (index, solution) = self.best(guesses, recipe, observer);
-        if solution.finished.converged || solution.stopped || recipe.sweep_weights.is_empty() {
-            return (index, solution);
-        }
-        let (other, mut patient) = self.best(guesses, &recipe.patient(), observer);
-        let better = patient.finished.converged;
-        let mut counters = solution.counters;
-        counters.add(&patient.counters);
-        let (index, mut solution) = if better {
-            (other, patient)
-        } else {
-            patient.stopped |= solution.stopped;
-            (index, solution)
-        };
-        solution.counters = counters;
-        (index, solution)
-    }
-
-    /// From a motion whose velocities jump: with multipliers at a small weight, or else at a great
-    /// one.
-    fn closed(
-        &self,
-        bent: &Solution,
-        from: &Guess,
-        recipe: &Recipe,
-        observer: &mut dyn Observer,
-    ) -> Solution {
-        let guess = bent.point.guess(&self.problem, from);
-        let mut solve =
-            |recipe: &Recipe| recipe::solve(&self.problem, &self.layout, &guess, recipe, observer);
-        let gently = solve(&recipe.gentle());
-        if gently.finished.converged || gently.stopped {
-            return gently;
-        }
-        let mut firmly = solve(&recipe.without_sweep());
-        firmly.counters.add(&gently.counters);
-        firmly
+    fn solve(&self, guess: &Guess, recipe: &Recipe, observer: &mut dyn Observer) -> Solution {
+        recipe::solve(&self.problem, &self.layout, guess, recipe, observer)
     }
 }
 

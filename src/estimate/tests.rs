@@ -12,8 +12,8 @@ use super::system::{Frame, Guidance, System};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
-    GoalTarget, Guess, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch, Stamp,
-    Surface, Timing, Touching, VelocityGaps, Weights,
+    GoalTarget, Guess, MarkTime, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch,
+    Stamp, Surface, Timing, Touching, VelocityGaps, Weights,
 };
 use crate::physics::{Body, Shape, State, contact, flow, impact};
 
@@ -249,7 +249,10 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
         origin: Stamp(0),
         bodies,
         marks_s: marks_s.clone(),
-        marks: vec![None; 2],
+        marks: marks_s
+            .iter()
+            .map(|mark_s| mark(mark_s + 0.01 * offset))
+            .collect(),
     };
     let guess = Guess {
         arcs,
@@ -257,6 +260,11 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
     (sketch, segments, guess)
+}
+
+fn mark(acted_s: f64) -> Option<MarkTime> {
+    let sd_s = 0.02;
+    Some(MarkTime { acted_s, sd_s })
 }
 
 /// A step of each unknown over which the problem is smooth.
@@ -273,7 +281,7 @@ fn lengths(layout: &Layout) -> Vec<f64> {
 
 /// Runs `check` on frame, guidance, point and step lengths: for one body, for two that stick and
 /// that slide, for several contacts at once; with known and unknown times.
-fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
+pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
     let timings = [
         Timing::Known,
         Timing::Unknown {
@@ -421,6 +429,7 @@ fn a_bound_acts_and_the_step_finds_it() {
     scene.parameters[0].prior_sd = None;
     let (mut sketch, mut segments, mut guess) = sketch(&scene, 0.005);
     sketch.marks_s.clear();
+    sketch.marks.clear();
     segments.truncate(1);
     segments[0].end_event = None;
     guess.arcs.truncate(1);

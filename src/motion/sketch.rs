@@ -45,7 +45,8 @@ pub struct Sketch {
 pub struct MarkTime {
     /// As it was made [s since [`Sketch::origin`]].
     pub acted_s: f64,
-    /// Its standard deviation, in acted time \[s\].
+    /// Its standard deviation, in acted time \[s\]; once flights are fitted, that which weighs it
+    /// beside residuals in the scene's units.
     pub sd_s: f64,
 }
 

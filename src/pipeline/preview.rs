@@ -14,9 +14,10 @@
 //! Unnamed marks of a scene whose collision repeats are taken for collisions: that the last of
 //! them was the end is known when the take is over.
 
+use super::follow::follow;
 use super::infer::{Inferred, is_sound};
 use super::warm::{self, Known};
-use super::{Outcome, PipelineError, segments, solve_segments};
+use super::{Outcome, PipelineError, account, segments, solve_segments};
 use crate::estimate::{self, Recipe};
 use crate::motion::{
     Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
@@ -106,30 +107,40 @@ impl Preview {
         observer.phase(Phase::Clean);
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
         let (segments, rounds) = segments(&scene, &mut sketch, &mut counts, observer)?;
+        let used: usize = segments.iter().map(|segment| segment.samples.len()).sum();
         let last = self.last.take().filter(|last| last.asked == scene);
-        let last = last.filter(|last| (counts.used as f64) < GROWTH * last.begun.samples as f64);
+        let last = last.filter(|last| (used as f64) < GROWTH * last.begun.samples as f64);
+        let marks = sketch.marks.clone();
         let warm = last.and_then(|last| {
+            // They weigh what they did.
+            sketch.marks.clone_from(&last.outcome.sketch.marks);
             let estimate = last.next(&sketch, &segments, observer)?;
             Some((last.begun, last.continued(estimate)))
         });
         let is_trusted = warm.as_ref().is_some_and(|(begun, warm)| {
-            warm.estimate.objective <= DOUBT * begun.per_sample * counts.used as f64
+            warm.estimate.objective <= DOUBT * begun.per_sample * used as f64
         });
         let (begun, mut inferred, is_warm) = match warm {
             Some((begun, warm)) if is_trusted => (begun, warm, true),
             warm => {
                 let cut = (&segments[..], rounds);
-                let anew = solve_segments(&scene, &sketch, cut, observer)?;
+                let weighed = std::mem::replace(&mut sketch.marks, marks);
+                let anew = solve_segments(&scene, &mut sketch, cut, observer)?;
                 let is_better = |warm: &Inferred| {
                     warm.estimate.verdict == anew.estimate.verdict
                         && warm.estimate.objective < anew.estimate.objective
                 };
                 let warm = warm.map(|(_, warm)| warm).filter(is_better);
+                if warm.is_some() {
+                    sketch.marks = weighed;
+                }
                 let (best, is_warm) = warm.map_or((anew, false), |warm| (warm, true));
-                (Begun::new(counts.used, &best.estimate), best, is_warm)
+                (Begun::new(used, &best.estimate), best, is_warm)
             }
         };
-        inferred.estimate.counters.assignment_rounds = rounds;
+        let (segments, again) = follow(&mut sketch, segments, &mut inferred, observer);
+        inferred.estimate.counters.assignment_rounds = rounds + again;
+        account(&sketch, &segments, &mut counts);
         let last = self.last.insert(Last {
             asked: scene,
             segments,

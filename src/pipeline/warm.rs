@@ -57,7 +57,7 @@ impl Known<'_> {
 }
 
 /// Acted to physical time, linear between samples that have both.
-struct TimeLine {
+pub(super) struct TimeLine {
     /// Acted, physical \[s\].
     knots: Vec<(f64, f64)>,
     /// Physical per acted time before the first knot and after the last.
@@ -67,7 +67,7 @@ struct TimeLine {
 }
 
 impl TimeLine {
-    fn new(known: &Known, sketch: &Sketch, segments: &[Segment]) -> Option<Self> {
+    pub(super) fn new(known: &Known, sketch: &Sketch, segments: &[Segment]) -> Option<Self> {
         let mut knots: Vec<(f64, f64)> = known
             .estimate
             .sample_times
@@ -110,5 +110,17 @@ impl TimeLine {
             (_, Some(next)) => (next.1 - from.1) / (next.0 - from.0),
         };
         self.shift_s + from.1 + (acted_s - from.0) * rate
+    }
+
+    /// The acted time of a physical one of the known estimate's.
+    pub(super) fn acted_s(&self, time_s: f64) -> f64 {
+        let after = self.knots.partition_point(|knot| knot.1 <= time_s);
+        let from = self.knots[after.saturating_sub(1)];
+        let rate = match (after, self.knots.get(after)) {
+            (0, _) => self.rates.0,
+            (_, None) => self.rates.1,
+            (_, Some(next)) => (next.1 - from.1) / (next.0 - from.0),
+        };
+        from.0 + (time_s - from.1) / rate
     }
 }

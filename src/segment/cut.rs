@@ -89,7 +89,7 @@ fn cut_body(
 }
 
 /// Median interval between a body's samples \[s\]; zero for fewer than two.
-pub(super) fn median_interval_s(body: &BodySketch) -> f64 {
+pub fn median_interval_s(body: &BodySketch) -> f64 {
     let mut intervals: Vec<f64> = body
         .samples
         .windows(2)

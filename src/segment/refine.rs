@@ -78,8 +78,8 @@ fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f6
     left_m2 + sums.cost(begin, samples.len())
 }
 
-/// Makes the deviations of marks as large as the cuts say that they are: what pulls at an event
-/// in the estimation is a normal distribution that pulls as much as Student's does at the cut.
+/// Makes the deviations of marks as large as the cuts say that they are: a normal distribution then
+/// pulls at an event as much as Student's does at the cut.
 pub fn loosen(sketch: &mut Sketch) {
     for (mark, cut_s) in sketch.marks.iter_mut().zip(&sketch.marks_s) {
         if let Some(mark) = mark {
@@ -211,8 +211,8 @@ fn refine_one(
     let Some(best) = (least..=most).min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b))) else {
         return false;
     };
-    let is_better = unlikely(best) < unlikely(now.clamp(least, most)) - GAIN_MIN;
-    if best == now || !is_better {
+    // A cut that leaves no room is no better than any other.
+    if best == now || !(unlikely(best) < unlikely(now) - GAIN_MIN) {
         return false;
     }
     for (stretch, now_m2) in stretches.iter().zip(&now_m2) {

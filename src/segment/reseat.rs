@@ -55,14 +55,14 @@ pub fn reseat(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
             continue;
         }
         // What the stream gains must be worth what the marks would have to be off by.
-        let off = |cuts: &[usize]| -> f64 {
-            let marks = events.iter().flatten().map(|event| sketch.marks[*event]);
-            let marks = marks.zip(cuts);
-            marks
-                .filter_map(|(mark, cut)| Some(unlikely_mark(&mark?, stream.time_s(*cut))))
-                .sum()
+        let off = |event: usize, acted_s: f64| {
+            sketch.marks[event].map_or(0.0, |mark| unlikely_mark(&mark, acted_s))
         };
-        if unlikely_residuals(body, share) + off(&cuts) > off(&marked) {
+        let further = events.iter().flatten().zip(&cuts);
+        let further = further.map(|(event, cut)| {
+            off(*event, stream.time_s(*cut)) - off(*event, sketch.marks_s[*event])
+        });
+        if unlikely_residuals(body, share) + further.sum::<f64>() > 0.0 {
             continue;
         }
         for (event, (cut, marked)) in events

@@ -89,7 +89,7 @@ pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Asked> {
 fn as_they_are(case: &Case, sketch: &Sketch) -> Option<Posed> {
     let sketch = with_marks_as_they_are(case, sketch)?;
     enact::segment::cut(case.scene(), &sketch).ok()?;
-    Some(Posed::new(case.scene(), &sketch))
+    Some(Posed::without_marks(case.scene(), &sketch))
 }
 
 /// Asks the peers for the same, in two processes: here only success counts.

@@ -371,7 +371,7 @@ fn profile(options: &Options, book: &mut Book) -> Result<()> {
 /// Residuals and derivatives of all samples, once, at the estimate's own first guess [s].
 fn floor_s(case: &Case, quick: bool) -> f64 {
     let outcome = case.estimated(&mut ()).expect("it was estimated before");
-    let posed = Posed::new(case.scene(), &outcome.sketch);
+    let posed = Posed::without_marks(case.scene(), &outcome.sketch);
     let (problem, guess) = (&posed.problem, &posed.guesses[0]);
     let point = Point::new(problem, guess);
     let gravity = problem.gravity(&point.parameters);

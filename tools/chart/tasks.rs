@@ -48,7 +48,7 @@ pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, Strin
 /// The problem that an outcome's sketch poses, and the truth as a guess for it: the program's own where
 /// velocities may jump, for then no motion is true.
 pub fn posed_with_truth(case: &Case, outcome: &Outcome) -> (Posed, Guess) {
-    let mut posed = Posed::new(&outcome.scene, &outcome.sketch);
+    let mut posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
     if is_bent(outcome) {
         posed.problem = posed.problem.bent();
         posed.layout = Layout::new(&posed.problem);

@@ -194,6 +194,14 @@ pub struct Posed {
 }
 
 impl Posed {
+    /// The same without the performer's marks: for methods and solvers that are asked about the
+    /// samples alone.
+    pub fn without_marks(scene: &Scene, sketch: &Sketch) -> Self {
+        let mut sketch = sketch.clone();
+        sketch.marks.fill(None);
+        Self::new(scene, &sketch)
+    }
+
     /// From an outcome's sketch, whose marks are refined already.
     pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
         let segments = segment::cut(scene, sketch).expect("it was cut before");

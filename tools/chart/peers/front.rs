@@ -88,7 +88,7 @@ pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Resul
 fn subject(truth: &Truth, seed: u64) -> Option<Subject> {
     let case = Case::new(truth, &Acting::timing_known(), seed);
     let outcome = case.estimated(&mut ()).ok()?;
-    let posed = Posed::new(&outcome.scene, &outcome.sketch);
+    let posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
     let solution = solved(&posed, TIGHT);
     let others = [("solution", &solution.point)];
     let (problem, layout, guess) = (&posed.problem, &posed.layout, &posed.guesses[0]);

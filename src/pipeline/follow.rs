@@ -1,0 +1,192 @@
+//! The cut follows the solution.
+//!
+//! Samples are assigned to flights where the marks say, within what the stream tells. The estimation
+//! then moves the events, and a sample may end up compared with a flight that is over, or that has
+//! not begun. So samples are assigned again once the events have settled, and the estimation goes on from where it was,
+//! until every sample is of the flight that it is compared with.
+
+use std::ops::Range;
+
+use super::infer::Inferred;
+use super::warm::{self, Known, TimeLine};
+use crate::estimate::{self, Recipe};
+use crate::motion::{
+    Counters, Estimate, EventKind, Observer, Scene, Segment, Sketch, Timing, Verdict,
+};
+use crate::segment;
+use crate::segment::cut::{SAMPLES_MIN, median_interval_s};
+
+/// Times that samples are assigned again, or left out, at most.
+const ROUNDS: usize = 6;
+/// An event may leave samples behind by so many median intervals, beside which samples are left out
+/// anyway, before they are fetched.
+const BEHIND_INTERVALS: f64 = 3.0;
+
+/// Assigns samples anew and estimates again, until none is compared with a flight that is over; where
+/// that leads nowhere those that are on the wrong side are left out. The segments of the last
+/// estimate, and how often.
+pub(super) fn follow(
+    sketch: &mut Sketch,
+    mut segments: Vec<Segment>,
+    inferred: &mut Inferred,
+    observer: &mut dyn Observer,
+) -> (Vec<Segment>, usize) {
+    let scene = &inferred.scene;
+    // The events of an edited sketch are where its segments meet.
+    if scene.timing == Timing::Edited {
+        return (segments, 0);
+    }
+    let mut leaving_out = false;
+    let mut rounds = 0;
+    while rounds < ROUNDS && inferred.estimate.verdict != Verdict::Failed {
+        let known = Known {
+            segments: &segments,
+            estimate: &inferred.estimate,
+        };
+        let Some(acted) = Acted::new(&known, scene, sketch, &segments) else {
+            break;
+        };
+        let cut = if leaving_out {
+            acted.without_those_outside()
+        } else {
+            acted.cut()
+        };
+        let again = cut.and_then(|cut| Some((solved(&known, scene, &cut, observer)?, cut)));
+        let Some((mut again, cut)) = again else {
+            if leaving_out {
+                break;
+            }
+            leaving_out = true;
+            continue;
+        };
+        rounds += 1;
+        leaving_out |= 2 * rounds >= ROUNDS;
+        let mut work: Counters = inferred.estimate.counters;
+        work.add(&again.counters);
+        again.counters = work;
+        inferred.estimate = again;
+        (*sketch, segments) = (cut.sketch, cut.segments);
+    }
+    (segments, rounds)
+}
+
+/// A sketch that is cut elsewhere.
+struct Cut {
+    sketch: Sketch,
+    segments: Vec<Segment>,
+}
+
+/// Acted times of an estimate's events, beside samples that are not where they belong.
+struct Acted<'a> {
+    scene: &'a Scene,
+    sketch: &'a Sketch,
+    segments: &'a [Segment],
+    events_s: Vec<f64>,
+}
+
+impl<'a> Acted<'a> {
+    /// `None` where every sample is of the flight that it is compared with, and no event has left any
+    /// behind.
+    fn new(
+        known: &Known,
+        scene: &'a Scene,
+        sketch: &'a Sketch,
+        segments: &'a [Segment],
+    ) -> Option<Self> {
+        let line = TimeLine::new(known, sketch, segments)?;
+        let events = known.estimate.events.iter();
+        let acted = Self {
+            scene,
+            sketch,
+            segments,
+            events_s: events.map(|event| line.acted_s(event.time_s)).collect(),
+        };
+        let mut all = segments.iter();
+        let is_wrong = all.any(|s| acted.within(s) != s.samples || acted.is_left_behind(s));
+        is_wrong.then_some(acted)
+    }
+
+    /// Samples of a segment that lie between its events.
+    fn within(&self, segment: &Segment) -> Range<usize> {
+        let samples = &self.sketch.bodies[segment.body].samples[segment.samples.clone()];
+        let event_s = |event: Option<usize>| event.map(|event| self.events_s[event]);
+        let from_s = event_s(segment.start_event).unwrap_or(f64::NEG_INFINITY);
+        let to_s = event_s(segment.end_event).unwrap_or(f64::INFINITY);
+        let first = samples.partition_point(|sample| sample.acted_s < from_s);
+        let last = samples.partition_point(|sample| sample.acted_s <= to_s);
+        let begin = segment.samples.start;
+        begin + first..begin + last.max(first)
+    }
+
+    /// Whether a collision is so far from a segment that samples between them are missing from it.
+    fn is_left_behind(&self, segment: &Segment) -> bool {
+        let body = &self.sketch.bodies[segment.body];
+        let slack_s = BEHIND_INTERVALS * median_interval_s(body);
+        let collision_s = |event: Option<usize>| {
+            let event = event?;
+            let is_collision = self.scene.events[event].kind.collision().is_some();
+            is_collision.then_some(self.events_s[event])
+        };
+        let acted_s = |index: usize| body.samples.get(index).map(|sample| sample.acted_s);
+        let before = segment.samples.start.checked_sub(1).and_then(acted_s);
+        let after = acted_s(segment.samples.end);
+        let ends = collision_s(segment.end_event).zip(after);
+        let begins = collision_s(segment.start_event).zip(before);
+        ends.is_some_and(|(event_s, after_s)| after_s < event_s - slack_s)
+            || begins.is_some_and(|(event_s, before_s)| before_s > event_s + slack_s)
+    }
+
+    /// The cut at these times; `None` where it is the one that was, or cannot be made.
+    fn cut(&self) -> Option<Cut> {
+        let mut sketch = self.sketch.clone();
+        let cuts = sketch.marks_s.iter_mut().zip(&self.events_s);
+        for ((cut_s, event_s), of) in cuts.zip(&self.scene.events) {
+            // What comes before a start or after an end is not in the sketch any more.
+            *cut_s = match of.kind {
+                EventKind::Start => cut_s.max(*event_s),
+                EventKind::End => cut_s.min(*event_s),
+                EventKind::Collision(_) | EventKind::Collisions { .. } => *event_s,
+            };
+        }
+        let segments = segment::cut(self.scene, &sketch).ok()?;
+        (segments != self.segments).then_some(Cut { sketch, segments })
+    }
+
+    /// The cut that was, without samples that do not belong there; `None` where there are none, or
+    /// where too few would be left.
+    fn without_those_outside(&self) -> Option<Cut> {
+        let segments: Vec<Segment> = self
+            .segments
+            .iter()
+            .map(|segment| Segment {
+                samples: self.within(segment),
+                ..segment.clone()
+            })
+            .collect();
+        let is_enough = segments.iter().all(|s| s.samples.len() >= SAMPLES_MIN);
+        (is_enough && segments != self.segments).then(|| Cut {
+            sketch: self.sketch.clone(),
+            segments,
+        })
+    }
+}
+
+/// The estimate of the new cut from the old one; `None` where that leads nowhere.
+fn solved(
+    known: &Known,
+    scene: &Scene,
+    cut: &Cut,
+    observer: &mut dyn Observer,
+) -> Option<Estimate> {
+    let guess = [warm::guess(known, scene, &cut.sketch, &cut.segments)?];
+    let verdict = known.estimate.verdict;
+    let recipes = [
+        Recipe::default().from_the_last(),
+        Recipe::default().without_sweep(),
+        Recipe::default(),
+    ];
+    let mut solved = recipes.iter().map(|recipe| {
+        estimate::estimate(scene, &cut.sketch, &cut.segments, &guess, recipe, observer)
+    });
+    solved.find(|estimate| estimate.verdict == verdict)
+}

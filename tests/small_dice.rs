@@ -1,0 +1,133 @@
+//! Small, fast dice, as people roll them: many bounces, each a flight of a few samples, with marks as
+//! annotators make them. The motion is physical, the best one known, and no sample is compared with
+//! a flight that is over.
+
+#[path = "../tools/study/case.rs"]
+mod case;
+#[path = "../tools/perform/mod.rs"]
+mod perform;
+#[path = "../tools/study/starts.rs"]
+mod starts;
+
+use case::{Case, Posed};
+use enact::motion::{Estimate, Verdict};
+use perform::{Acting, Polyhedron, Style, Throw, thrown};
+use starts::{from_truth, is_best, optimum};
+
+fn die(bounces: usize, seed: u64, acting: &Acting) -> Option<Case> {
+    // Not every throw bounces so often on corners.
+    let truth = thrown(Polyhedron::Cube, &Throw::DIE, bounces, seed).ok()?;
+    Some(Case::new(&truth, acting, seed))
+}
+
+/// Samples that are compared with a flight beyond its events, and by how much at most [s].
+fn outside(estimate: &Estimate) -> (usize, f64) {
+    let mut times = estimate.sample_times.iter();
+    let (mut count, mut most_s) = (0, 0.0_f64);
+    for (arc, residual) in estimate.arcs.iter().zip(&estimate.residuals) {
+        for time in times.by_ref().take(residual.samples) {
+            let beyond_s = (arc.start_s - time.time_s).max(time.time_s - arc.end_s);
+            count += usize::from(beyond_s > 1e-12);
+            most_s = most_s.max(beyond_s);
+        }
+    }
+    assert!(times.next().is_none());
+    (count, most_s)
+}
+
+#[test]
+fn many_bounces_of_a_small_die_are_physical_and_the_best_known() {
+    let exact = Acting {
+        mark_error_s: 0.0,
+        ..Acting::timing_known()
+    };
+    let mut dice = 0;
+    for (bounces, seeds) in [
+        (4, 5000..5008),
+        (8, 5000..5006),
+        (12, 5000..5005),
+        (20, 5000..5004),
+    ] {
+        for seed in seeds {
+            let at = format!("{bounces} bounces, seed {seed}");
+            let Some(case) = die(bounces, seed, &exact) else {
+                continue;
+            };
+            dice += 1;
+            let outcome = case
+                .estimated(&mut ())
+                .unwrap_or_else(|error| panic!("{at}: {error}"));
+            let estimate = &outcome.estimate;
+            assert_eq!(
+                estimate.verdict,
+                Verdict::Physical,
+                "{at}: {}",
+                estimate.reason
+            );
+            assert_eq!(outside(estimate), (0, 0.0), "{at}");
+            let posed = Posed::new(case.scene(), &outcome.sketch);
+            let guess = case.true_guess(&posed, &outcome.sketch);
+            let known = optimum(&posed, &from_truth(&guess));
+            let known = known.unwrap_or_else(|| panic!("{at}: nothing from the truth"));
+            assert!(
+                is_best(estimate.objective, known.objective),
+                "{at}: {}",
+                estimate.objective
+            );
+            // Events stay within a sample or so of marks that are exact.
+            for (event, true_s) in estimate.events.iter().zip(&guess.event_times_s) {
+                assert!((event.time_s - true_s).abs() < 0.012, "{at}");
+            }
+        }
+    }
+    assert!(dice >= 20, "{dice}");
+}
+
+#[test]
+fn no_sample_is_compared_with_a_flight_that_is_over() {
+    let mut fetched = 0;
+    for distortion in [1.0, 4.0] {
+        for timing in [Acting::timing_known(), Acting::default()] {
+            let acting = Acting {
+                distortion,
+                ..timing
+            };
+            for seed in 5000..5004 {
+                let outcome = Case::pencil(Style::Tip, &acting, seed)
+                    .estimated(&mut ())
+                    .unwrap();
+                let (count, most_s) = outside(&outcome.estimate);
+                assert_eq!(count, 0, "{distortion} seed {seed}: {most_s} s");
+                fetched += usize::from(outcome.estimate.counters.assignment_rounds > 1);
+            }
+        }
+    }
+    assert!(fetched > 0, "samples were never assigned again");
+}
+
+#[test]
+fn a_mark_holds_its_event_as_firmly_as_it_says() {
+    // The landing of a pencil in a mug, marked at its very time.
+    let errors = |mark_sd_s: Option<f64>| -> f64 {
+        let squares = (5000..5012).map(|seed| {
+            let acting = Acting {
+                distortion: 2.0,
+                mark_error_s: 0.0,
+                ..Acting::timing_known()
+            };
+            let mut case = Case::pencil(Style::Tip, &acting, seed);
+            case.performance.truth.scene.mark_sd_s = mark_sd_s;
+            let outcome = case.estimated(&mut ()).unwrap();
+            let posed = Posed::new(case.scene(), &outcome.sketch);
+            let guess = case.true_guess(&posed, &outcome.sketch);
+            let landing = outcome.estimate.events.last().expect("a landing");
+            (landing.time_s - guess.event_times_s[landing.event]).powi(2)
+        });
+        (squares.sum::<f64>() / 12.0).sqrt()
+    };
+    let [firm_s, usual_s, loose_s] = [Some(0.0005), None, Some(10.0)].map(errors);
+    assert!(
+        firm_s < 0.3 * usual_s && usual_s < 0.5 * loose_s,
+        "{firm_s} {usual_s} {loose_s}"
+    );
+}
