@@ -30,19 +30,34 @@ fn of(scene: &Scene, events: &[TakeEvent]) -> Preview {
     preview
 }
 
+/// Marks weigh what they did when the estimation last began anew: objectives, and events [s], may
+/// differ by as much.
+const WEIGHED: (f64, f64) = (0.02, 0.002);
+
 fn assert_same(a: &Estimate, b: &Estimate, at: &str) {
     assert_eq!(a.verdict, b.verdict, "{at}: {}; {}", a.reason, b.reason);
     let apart = (a.objective - b.objective).abs() / b.objective.max(1e-3);
-    assert!(apart <= SAME, "{at}: {} and {}", a.objective, b.objective);
+    assert!(
+        apart <= WEIGHED.0,
+        "{at}: {} and {}",
+        a.objective,
+        b.objective
+    );
     for (a, b) in a.events.iter().zip(&b.events) {
-        assert!((a.time_s - b.time_s).abs() <= SAME, "{at}: {a:?} {b:?}");
+        assert!(
+            (a.time_s - b.time_s).abs() <= WEIGHED.1,
+            "{at}: {a:?} {b:?}"
+        );
     }
     for (a, b) in a.arcs.iter().zip(&b.arcs) {
         let ends_s = [a.start_s - b.start_s, a.end_s - b.end_s];
-        assert!(ends_s.iter().all(|s| s.abs() <= SAME), "{at}: {ends_s:?}");
+        assert!(
+            ends_s.iter().all(|s| s.abs() <= WEIGHED.1),
+            "{at}: {ends_s:?}"
+        );
     }
     for (a, b) in a.parameters.iter().zip(&b.parameters) {
-        assert!((a.value - b.value).abs() <= SAME, "{at}: {a:?} {b:?}");
+        assert!((a.value - b.value).abs() <= 0.02, "{at}: {a:?} {b:?}");
     }
 }
 
