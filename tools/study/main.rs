@@ -16,6 +16,8 @@ mod covariance;
 mod damage;
 mod dense;
 mod errors;
+mod nonsense;
+mod nonsense_dump;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod phases;
@@ -69,6 +71,8 @@ enum Study {
     Tosses,
     /// Outliers, wrong units, marks that are off or absent.
     Damage,
+    /// scratch
+    Dump,
     /// All of them.
     All,
 }
@@ -107,6 +111,7 @@ fn main() -> anyhow::Result<()> {
             Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::Damage => damage::run(&options)?,
+            Study::Dump => nonsense_dump::run(&options)?,
             Study::All => {}
         }
     }
