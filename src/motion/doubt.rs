@@ -36,6 +36,10 @@ pub enum About {
     Haste,
     /// Root mean square residual of a flight, in units of the scene's weights.
     Residual,
+    /// Root mean square angle of a flight's orientations from those acted.
+    Orientation,
+    /// Root mean square of what free flights alone leave, in units of the scene's weights.
+    Alone,
     /// Root mean square of what the motion leaves, over that of each flight alone.
     Misfit,
     /// Root mean square of what free flights leave, over that of flights whose acceleration is free.
@@ -69,6 +73,8 @@ impl About {
             About::Slowness => "slowness",
             About::Haste => "haste",
             About::Residual => "residual",
+            About::Orientation => "orientation",
+            About::Alone => "alone",
             About::Misfit => "misfit",
             About::Fall => "fall",
             About::FallDirection => "fall_direction",
@@ -87,12 +93,13 @@ impl About {
             About::Overlap | About::WrongFeature => "m",
             About::Speed => "m/s",
             About::Spin => "rad/s",
-            About::FallDirection => "rad",
+            About::Orientation | About::FallDirection => "rad",
             About::AfterMark | About::BeforeMark => "s",
             About::Way
             | About::Slowness
             | About::Haste
             | About::Residual
+            | About::Alone
             | About::Misfit
             | About::Fall
             | About::Gravity
@@ -110,6 +117,8 @@ impl About {
             About::Overlap
             | About::WrongFeature
             | About::Residual
+            | About::Orientation
+            | About::Alone
             | About::Misfit
             | About::Fall
             | About::FallDirection

@@ -85,6 +85,15 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "{subject} is {value:.0} times the scene's weights away from the samples, expected at \
              most {bound:.0}"
         ),
+        About::Orientation => format!(
+            "{subject} is turned by {:.0}° from the samples, expected at most {:.0}°",
+            value.to_degrees(),
+            bound.to_degrees()
+        ),
+        About::Alone => format!(
+            "free flights miss the samples by {value:.0} times the scene's weights even one by one, \
+             expected at most {bound:.0}"
+        ),
         About::Misfit => format!(
             "the flights fit {value:.1} times worse together than each alone, expected at most \
              {bound:.1}: what joins them is wrong, or their weights"

@@ -108,8 +108,8 @@ pub fn carried(file: &Path) -> Asked {
     Asked { scene, events }
 }
 
-/// Two seconds each of a vehicle that hovers.
-pub fn hovering(file: &Path, stamps: &str) -> Vec<Asked> {
+/// Two seconds each of a vehicle that hovers, from that second on.
+pub fn hovering(file: &Path, stamps: &str, first_s: f64) -> Vec<Asked> {
     let recording = Recording::open(file).expect("a recording");
     let shape = "{ kind = \"cuboid\", size_mm = [600, 600, 150] }";
     let mut scene = flight(shape, 0.6, stamps, "");
@@ -127,7 +127,7 @@ pub fn hovering(file: &Path, stamps: &str) -> Vec<Asked> {
     };
     let seconds = |event: &TakeEvent| stamp(event).seconds_since(first);
     let last_s = take.events.iter().map(seconds).fold(0.0, f64::max);
-    let windows = (0..).map(|window| f64::from(window) * STRIDE_S);
+    let windows = (0..).map(|window| first_s + f64::from(window) * STRIDE_S);
     let windows = windows.take_while(|begin_s| begin_s + WINDOW_S <= last_s);
     windows
         .map(|begin_s| {
