@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use enact::config::scene_from_toml;
-use enact::motion::{About, Verdict};
-use enact::pipeline::Pipeline;
+use enact::estimate::outcome::PHYSICAL;
+use enact::motion::{About, Gap, Verdict};
 
 use crate::nonsense::{Asked, faults, real};
 use crate::results::Options;
@@ -45,9 +45,12 @@ impl Tally {
             self.refused += 1;
             return;
         };
-        let pipeline = Pipeline::of(asked.scene.clone(), asked.events.clone());
-        let solved = pipeline.estimate(&mut ());
-        let is_closed = solved.is_ok_and(|o| o.estimate.verdict == Verdict::Physical);
+        let closes = |gap: &Gap| gap.max(&PHYSICAL) == PHYSICAL;
+        let is_closed = outcome
+            .estimate
+            .events
+            .iter()
+            .all(|event| closes(&event.gap));
         self.gaps_closed += usize::from(is_closed);
         let estimate = &outcome.estimate;
         self.verdicts[estimate.verdict as usize] += 1;
