@@ -66,8 +66,11 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
                 } => (scene.name_of(against), time_s),
                 _ => ("something", 0.0),
             };
-            let depth_mm = value * 1e3;
-            format!("{subject} is {depth_mm:.1} mm inside `{against}` at {time_s:.3} s")
+            let [depth_mm, most_mm] = [value, bound].map(|m| m * 1e3);
+            format!(
+                "{subject} is {depth_mm:.1} mm inside `{against}` at {time_s:.3} s, expected at most \
+                 {most_mm:.1} mm"
+            )
         }
         About::WrongFeature => wrong_feature(scene, doubt, &subject),
         About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
@@ -155,9 +158,9 @@ fn wrong_feature(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
         None => "an unnamed part".to_owned(),
     };
     let expected: Vec<&str> = expected.iter().map(name).collect();
-    let lead_mm = doubt.value * 1e3;
+    let [lead_mm, most_mm] = [doubt.value, doubt.bound].map(|m| m * 1e3);
     format!(
-        "at {subject} {found} leads `{}` by {lead_mm:.1} mm",
+        "at {subject} {found} leads `{}` by {lead_mm:.1} mm, expected at most {most_mm:.1} mm",
         expected.join(", ")
     )
 }

@@ -174,7 +174,7 @@ fn of_real() -> Result<Vec<(String, Tally)>> {
     for (stamps, timing) in [("physical", "known"), ("tempo", "unknown")] {
         let mut objects = in_folder("objects").map(|file| real::object(&file, stamps, 8));
         let name = format!("real: objects, first eight smoothed poses, {timing}");
-        add(&name, true, &mut objects);
+        add(&name, false, &mut objects);
         let file = folder.join("mcap/cub_stabilize_2025_11_13.mcap");
         let mut hovering = real::hovering(&file, stamps, 4.0).into_iter();
         add(
