@@ -33,7 +33,7 @@
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
 //! | [`estimate`] | 4 the constrained estimation | `motion` and below |
-//! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy | `motion` and below |
+//! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy; could it be what was acted | `motion` and below |
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |

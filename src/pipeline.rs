@@ -19,12 +19,12 @@ pub use self::search::SearchWork;
 use crate::estimate::Recipe;
 use crate::initialise;
 use crate::motion::{
-    DropReason, Estimate, EventKind, Observer, Phase, SampleCounts, Scene, Segment, Settled,
+    Doubt, DropReason, Estimate, EventKind, Observer, Phase, SampleCounts, Scene, Segment, Settled,
     Sketch, Stamp, TakeEvent, Verdict, Verification,
 };
 use crate::segment::{self, SegmentError};
 use crate::settle::settle;
-use crate::verify::verify;
+use crate::verify::{credible, verify};
 
 /// One take of one scene on its way to an estimate.
 #[derive(Clone, Debug)]
@@ -44,6 +44,9 @@ pub struct Outcome {
     pub search: Option<SearchWork>,
     /// The performance as it was estimated from.
     pub sketch: Sketch,
+    /// Acted time of each event's mark before it was refined [s since the sketch's origin]; `None`
+    /// where nobody made one.
+    pub marks_made_s: Vec<Option<f64>>,
     /// What became of its samples.
     pub counts: SampleCounts,
     /// The physical motion, whatever its verdict.
@@ -72,8 +75,9 @@ pub enum PipelineError {
 }
 
 impl Outcome {
-    fn unchecked(inferred: Inferred, sketch: Sketch, counts: SampleCounts) -> Self {
+    fn unchecked(inferred: Inferred, cut: Cut, sketch: Sketch, counts: SampleCounts) -> Self {
         Self {
+            marks_made_s: cut.marks_made_s,
             scene: inferred.scene,
             inferred: inferred.events,
             search: inferred.search,
@@ -162,16 +166,18 @@ impl Pipeline {
     /// means that there is nothing to estimate from.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let mut outcome = self.solved(observer)?;
-        let scene = &outcome.scene;
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
-            let verification = verify(scene, &outcome.estimate);
-            judge(scene, &verification, &mut outcome.estimate);
-            outcome.verification = Some(verification);
-            if let Some(limit_s) = scene.settle_s {
-                observer.phase(Phase::Settle);
-                outcome.settled = settle(scene, &outcome.estimate, limit_s);
-            }
+            outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));
+            let doubts = doubts(&outcome);
+            outcome.estimate.doubt(doubts);
+        }
+        let scene = &outcome.scene;
+        if outcome.estimate.verdict != Verdict::Failed
+            && let Some(limit_s) = scene.settle_s
+        {
+            observer.phase(Phase::Settle);
+            outcome.settled = settle(scene, &outcome.estimate, limit_s);
         }
         observer.phase(Phase::Done);
         Ok(outcome)
@@ -188,8 +194,11 @@ impl Pipeline {
         observer.phase(Phase::Clean);
         let scene = self.scene.with_marks(self.marks());
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
-        let inferred = solve(&scene, &mut sketch, &mut counts, observer)?;
-        Ok(Outcome::unchecked(inferred, sketch, counts))
+        let mut cut = cut(&scene, &mut sketch, &mut counts, observer)?;
+        let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
+        follow(&mut sketch, &mut cut, &mut inferred, observer);
+        account(&sketch, &cut.segments, &mut counts);
+        Ok(Outcome::unchecked(inferred, cut, sketch, counts))
     }
 
     /// Marks that were pushed: by these repeated collisions are counted.
@@ -214,90 +223,70 @@ pub struct MarkProposal {
     pub score: Option<f64>,
 }
 
-/// No motion is called physical in which solids are inside one another or another part than
-/// expected would have touched first. The verdict becomes `plausible`, and the reason says why.
-fn judge(scene: &Scene, verification: &Verification, estimate: &mut Estimate) {
-    let Some(objection) = objection(scene, verification) else {
-        return;
-    };
-    if estimate.verdict == Verdict::Physical {
-        estimate.verdict = Verdict::Plausible;
+/// What speaks against a motion whose gaps are closed: what checks found that were made, and whether it
+/// could be what was acted. Nothing of one that failed.
+fn doubts(outcome: &Outcome) -> Vec<Doubt> {
+    if outcome.estimate.verdict == Verdict::Failed {
+        return Vec::new();
     }
-    estimate.reason = format!("{objection}; {}", estimate.reason);
+    let checks = outcome.verification.iter();
+    let mut doubts: Vec<Doubt> = checks.flat_map(Verification::doubts).collect();
+    doubts.extend(credible::doubts(
+        &outcome.scene,
+        &outcome.sketch,
+        &outcome.marks_made_s,
+        &outcome.estimate,
+    ));
+    doubts
 }
 
-/// What speaks against a motion whose gaps are closed, in the scene's names.
-fn objection(scene: &Scene, verification: &Verification) -> Option<String> {
-    let mut objections = Vec::new();
-    if let Some(deepest) = &verification.deepest {
-        objections.push(format!(
-            "`{}` is {:.1} mm inside `{}` at {:.3} s",
-            scene.bodies[deepest.body].name,
-            deepest.depth_m * 1e3,
-            scene.name_of(deepest.against),
-            deepest.time_s
-        ));
-    }
-    if let Some(touch) = verification.wrong_features().next() {
-        let body = &scene.bodies[touch.body];
-        let name = |feature: usize| body.features[feature].name.as_str();
-        let expected: Vec<&str> = touch.expected.iter().map(|f| name(*f)).collect();
-        let [x, y, z] = (touch.found_point_m * 1e3).into();
-        objections.push(format!(
-            "at `{}` `{}` leads `{}` by {:.1} mm",
-            scene.events[touch.event].name,
-            touch.found.map_or_else(
-                || format!("[{x:.1}, {y:.1}, {z:.1}] mm"),
-                |f| name(f).into()
-            ),
-            expected.join(", "),
-            touch.lead_m * 1e3
-        ));
-    }
-    (!objections.is_empty()).then(|| objections.join("; "))
+/// A sketch cut at its marks.
+#[derive(Clone, Debug)]
+struct Cut {
+    segments: Vec<Segment>,
+    /// Rounds of refinement.
+    rounds: usize,
+    marks_made_s: Vec<Option<f64>>,
 }
 
-/// Stages 2 to 4 on a clean sketch, whose marks are refined on the way.
-fn solve(
+/// Stage 2 after cleaning: marks refined, the sketch cut.
+fn cut(
     scene: &Scene,
     sketch: &mut Sketch,
     counts: &mut SampleCounts,
     observer: &mut dyn Observer,
-) -> Result<Inferred, PipelineError> {
-    let (segments, rounds) = segments(scene, sketch, counts, observer)?;
-    let mut inferred = solve_segments(scene, sketch, (&segments, rounds), observer)?;
-    let (segments, again) = follow(sketch, segments, &mut inferred, observer);
-    inferred.estimate.counters.assignment_rounds += again;
-    account(sketch, &segments, counts);
-    Ok(inferred)
-}
-
-/// Stage 2 after cleaning: marks refined, the sketch cut, samples accounted for. Segments, and
-/// the rounds of refinement.
-fn segments(
-    scene: &Scene,
-    sketch: &mut Sketch,
-    counts: &mut SampleCounts,
-    observer: &mut dyn Observer,
-) -> Result<(Vec<Segment>, usize), SegmentError> {
+) -> Result<Cut, SegmentError> {
     observer.phase(Phase::Marks);
+    let made_s = sketch.marks_s.iter().enumerate();
+    let is_made = |event: usize| !counts.marks.proposed.contains(&event);
+    let made_s = made_s.map(|(event, made_s)| is_made(event).then_some(*made_s));
+    let mut marks_made_s: Vec<Option<f64>> = made_s.collect();
     let mut rounds = segment::refine(scene, sketch);
     counts.marks.moved = segment::reseat(scene, sketch);
     if !counts.marks.moved.is_empty() {
+        // A mark that was far from any kink is none; that it was is said.
+        for event in &counts.marks.moved {
+            marks_made_s[*event] = Some(sketch.marks_s[*event]);
+        }
         rounds += segment::refine(scene, sketch);
     }
     segment::loosen(sketch);
     let segments = segment::cut(scene, sketch)?;
-    Ok((segments, rounds))
+    Ok(Cut {
+        segments,
+        rounds,
+        marks_made_s,
+    })
 }
 
 /// Stages 3 and 4.
-fn solve_segments(
+fn solve(
     scene: &Scene,
     sketch: &mut Sketch,
-    (segments, rounds): (&[Segment], usize),
+    cut: &Cut,
     observer: &mut dyn Observer,
 ) -> Result<Inferred, PipelineError> {
+    let segments = &cut.segments;
     observer.phase(Phase::ArcFits);
     let guessed = initialise::guess(scene, sketch, segments);
     initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);
@@ -308,7 +297,7 @@ fn solve_segments(
         })?;
     let counters = &mut inferred.estimate.counters;
     counters.fit_iterations = guessed.fit_iterations;
-    counters.assignment_rounds = rounds;
+    counters.assignment_rounds = cut.rounds;
     Ok(inferred)
 }
 

@@ -14,16 +14,22 @@ pub(super) struct Style {
 
 /// The account of one finished recording.
 pub(super) fn account(report: &Report, style: Style) -> String {
+    let mut grave = report.doubts.iter().filter(|doubt| doubt.is_grave());
+    let gravest = grave.next().map(|doubt| format!(": {}", doubt.text));
     let mut text = format!(
-        "{}: {}\n",
+        "{}: {}{}\n",
         report.recording,
-        coloured(report.verdict, style)
+        coloured(report.verdict, style),
+        gravest.unwrap_or_default()
     );
     let mut line = |words: String| {
         text.push_str("  ");
         text.push_str(words.trim_end());
         text.push('\n');
     };
+    for doubt in grave {
+        line(format!("doubt: {}", doubt.text));
+    }
     line(report.reason.clone());
     line(format!(
         "{}: {} acted, {} physical",
@@ -36,6 +42,9 @@ pub(super) fn account(report: &Report, style: Style) -> String {
     }
     for warning in &report.warnings {
         line(format!("note: {warning}"));
+    }
+    for doubt in report.doubts.iter().filter(|doubt| !doubt.is_grave()) {
+        line(format!("note: {}", doubt.text));
     }
     for block in [
         events(report),

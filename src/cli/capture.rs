@@ -95,11 +95,16 @@ fn text(said: &Said, style: Style) -> String {
             take,
             marks,
             verdict,
+            doubt,
             seconds,
-        } => format!(
-            "take {take}: {verdict} so far, after mark {marks}, in {:.1} ms\n",
-            seconds * 1e3
-        ),
+        } => {
+            let doubt = doubt.as_ref().map(|doubt| format!(": {doubt}"));
+            format!(
+                "take {take}: {verdict} so far, after mark {marks}, in {:.1} ms{}\n",
+                seconds * 1e3,
+                doubt.unwrap_or_default()
+            )
+        }
         Said::Estimated { take, report } => format!("take {take}: {}", account(report, style)),
         Said::NotEstimated { take, error, .. } => format!("take {take}: not estimated: {error}\n"),
         // An answer to a machine.

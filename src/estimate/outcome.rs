@@ -65,6 +65,7 @@ pub fn estimate(
     Estimate {
         verdict,
         reason,
+        doubts: Vec::new(),
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity(&point.parameters),
         arcs,

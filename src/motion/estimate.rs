@@ -2,18 +2,18 @@
 
 use nalgebra::Vector3;
 
+use super::doubt::Doubt;
 use super::take::Stamp;
 use crate::physics::State;
 
-/// How far the motion may be called physical.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How far the motion may be called physical; the worse, the greater.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// Every gap is within tolerance, and where the motion was checked no solid is inside
-    /// another.
+    /// Every gap is within tolerance, and where the motion was checked nothing speaks against it.
     Physical,
-    /// The goals are met; some velocity gaps are left, and listed, or solids overlap.
+    /// The goals are met; some velocity gaps are left, and listed, or doubts.
     Plausible,
-    /// Neither; the reason is given beside it.
+    /// Neither, or no hand moves so; the reason or the doubt is given beside it.
     Failed,
 }
 
@@ -153,14 +153,26 @@ impl Counters {
     }
 }
 
+impl Estimate {
+    /// Holds doubts against it: the verdict is the best that all of them leave.
+    pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
+        doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));
+        for doubt in &doubts {
+            self.verdict = self.verdict.max(doubt.about.best());
+        }
+        self.doubts = doubts;
+    }
+}
+
 /// The result of an estimation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// How far the motion may be called physical.
     pub verdict: Verdict,
-    /// Why the solver stopped, with the measured value and the threshold; before it, what the
-    /// checks object to.
+    /// Why the solver stopped, with the measured value and the threshold.
     pub reason: String,
+    /// What checks hold against it, the gravest first; none where nobody looked.
+    pub doubts: Vec<Doubt>,
     /// Sum of squared weighted residuals, priors included.
     pub objective: f64,
     /// Gravity it was estimated with, or that was estimated [m/s², world].

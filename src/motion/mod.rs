@@ -1,8 +1,9 @@
 //! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
 //! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), what comes
-//! out ([`estimate`]), what checks say of it ([`verification`]), how it goes on ([`settled`]),
-//! and who watches meanwhile ([`observe`]).
+//! out ([`estimate`]), what checks say of it ([`verification`]) and what speaks against it
+//! ([`doubt`]), how it goes on ([`settled`]), and who watches meanwhile ([`observe`]).
 
+pub mod doubt;
 pub mod estimate;
 pub mod guess;
 pub mod observe;
@@ -15,6 +16,7 @@ pub mod sketch;
 pub mod take;
 pub mod verification;
 
+pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
     SegmentResidual, Verdict,

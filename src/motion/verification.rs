@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::doubt::{About, Doubt, Place};
+
 /// What a body may run into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
@@ -142,8 +144,29 @@ impl Verification {
         self.touches.iter().filter(|touch| touch.is_wrong)
     }
 
-    /// Whether solids stay out of one another and touch where they should.
-    pub fn is_clear(&self) -> bool {
-        self.deepest.is_none() && self.wrong_features().next().is_none()
+    /// The deepest overlap and every touch of another part than expected.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let deepest = self.deepest.iter().map(|deepest| Doubt {
+            about: About::Overlap,
+            place: Place::Inside {
+                body: deepest.body,
+                against: deepest.against,
+                time_s: deepest.time_s,
+            },
+            value: deepest.depth_m,
+            bound: self.tolerance_m,
+        });
+        let wrong = self.wrong_features().map(|touch| Doubt {
+            about: About::WrongFeature,
+            place: Place::Touch {
+                event: touch.event,
+                body: touch.body,
+                expected: touch.expected.clone(),
+                found: touch.found,
+            },
+            value: touch.lead_m,
+            bound: self.tolerance_m,
+        });
+        deepest.chain(wrong).collect()
     }
 }

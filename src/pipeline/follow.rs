@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use super::Cut;
 use super::infer::Inferred;
 use super::warm::{self, Known, TimeLine};
 use crate::estimate::{self, Recipe};
@@ -23,36 +24,35 @@ const ROUNDS: usize = 6;
 const BEHIND_INTERVALS: f64 = 3.0;
 
 /// Assigns samples anew and estimates again, until none is compared with a flight that is over; where
-/// that leads nowhere those that are on the wrong side are left out. The segments of the last
-/// estimate, and how often.
+/// that leads nowhere those that are on the wrong side are left out.
 pub(super) fn follow(
     sketch: &mut Sketch,
-    mut segments: Vec<Segment>,
+    cut: &mut Cut,
     inferred: &mut Inferred,
     observer: &mut dyn Observer,
-) -> (Vec<Segment>, usize) {
+) {
     let scene = &inferred.scene;
     // The events of an edited sketch are where its segments meet.
     if scene.timing == Timing::Edited {
-        return (segments, 0);
+        return;
     }
     let mut leaving_out = false;
     let mut rounds = 0;
     while rounds < ROUNDS && inferred.estimate.verdict != Verdict::Failed {
         let known = Known {
-            segments: &segments,
+            segments: &cut.segments,
             estimate: &inferred.estimate,
         };
-        let Some(acted) = Acted::new(&known, scene, sketch, &segments) else {
+        let Some(acted) = Acted::new(&known, scene, sketch) else {
             break;
         };
-        let cut = if leaving_out {
+        let next = if leaving_out {
             acted.without_those_outside()
         } else {
-            acted.cut()
+            acted.assigned()
         };
-        let again = cut.and_then(|cut| Some((solved(&known, scene, &cut, observer)?, cut)));
-        let Some((mut again, cut)) = again else {
+        let again = next.and_then(|next| Some((solved(&known, scene, &next, observer)?, next)));
+        let Some((mut again, next)) = again else {
             if leaving_out {
                 break;
             }
@@ -65,13 +65,13 @@ pub(super) fn follow(
         work.add(&again.counters);
         again.counters = work;
         inferred.estimate = again;
-        (*sketch, segments) = (cut.sketch, cut.segments);
+        (*sketch, cut.segments) = (next.sketch, next.segments);
     }
-    (segments, rounds)
+    inferred.estimate.counters.assignment_rounds += rounds;
 }
 
-/// A sketch that is cut elsewhere.
-struct Cut {
+/// A sketch whose samples are assigned anew.
+struct Assigned {
     sketch: Sketch,
     segments: Vec<Segment>,
 }
@@ -87,12 +87,8 @@ struct Acted<'a> {
 impl<'a> Acted<'a> {
     /// `None` where every sample is of the flight that it is compared with, and no event has left any
     /// behind.
-    fn new(
-        known: &Known,
-        scene: &'a Scene,
-        sketch: &'a Sketch,
-        segments: &'a [Segment],
-    ) -> Option<Self> {
+    fn new(known: &Known<'a>, scene: &'a Scene, sketch: &'a Sketch) -> Option<Self> {
+        let segments = known.segments;
         let line = TimeLine::new(known, sketch, segments)?;
         let events = known.estimate.events.iter();
         let acted = Self {
@@ -137,7 +133,7 @@ impl<'a> Acted<'a> {
     }
 
     /// The cut at these times; `None` where it is the one that was, or cannot be made.
-    fn cut(&self) -> Option<Cut> {
+    fn assigned(&self) -> Option<Assigned> {
         let mut sketch = self.sketch.clone();
         let cuts = sketch.marks_s.iter_mut().zip(&self.events_s);
         for ((cut_s, event_s), of) in cuts.zip(&self.scene.events) {
@@ -149,12 +145,12 @@ impl<'a> Acted<'a> {
             };
         }
         let segments = segment::cut(self.scene, &sketch).ok()?;
-        (segments != self.segments).then_some(Cut { sketch, segments })
+        (segments != self.segments).then_some(Assigned { sketch, segments })
     }
 
     /// The cut that was, without samples that do not belong there; `None` where there are none, or
     /// where too few would be left.
-    fn without_those_outside(&self) -> Option<Cut> {
+    fn without_those_outside(&self) -> Option<Assigned> {
         let segments: Vec<Segment> = self
             .segments
             .iter()
@@ -164,7 +160,7 @@ impl<'a> Acted<'a> {
             })
             .collect();
         let is_enough = segments.iter().all(|s| s.samples.len() >= SAMPLES_MIN);
-        (is_enough && segments != self.segments).then(|| Cut {
+        (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,
         })
@@ -175,10 +171,15 @@ impl<'a> Acted<'a> {
 fn solved(
     known: &Known,
     scene: &Scene,
-    cut: &Cut,
+    assigned: &Assigned,
     observer: &mut dyn Observer,
 ) -> Option<Estimate> {
-    let guess = [warm::guess(known, scene, &cut.sketch, &cut.segments)?];
+    let guess = [warm::guess(
+        known,
+        scene,
+        &assigned.sketch,
+        &assigned.segments,
+    )?];
     let verdict = known.estimate.verdict;
     let recipes = [
         Recipe::default().from_the_last(),
@@ -186,7 +187,14 @@ fn solved(
         Recipe::default(),
     ];
     let mut solved = recipes.iter().map(|recipe| {
-        estimate::estimate(scene, &cut.sketch, &cut.segments, &guess, recipe, observer)
+        estimate::estimate(
+            scene,
+            &assigned.sketch,
+            &assigned.segments,
+            &guess,
+            recipe,
+            observer,
+        )
     });
     solved.find(|estimate| estimate.verdict == verdict)
 }

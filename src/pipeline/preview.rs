@@ -17,7 +17,7 @@
 use super::follow::follow;
 use super::infer::{Inferred, is_sound};
 use super::warm::{self, Known};
-use super::{Outcome, PipelineError, account, segments, solve_segments};
+use super::{Outcome, PipelineError, account, cut, doubts, solve};
 use crate::estimate::{self, Recipe};
 use crate::motion::{
     Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
@@ -45,6 +45,8 @@ struct Last {
     asked: Scene,
     segments: Vec<Segment>,
     outcome: Outcome,
+    /// What the solver says of it, before doubts.
+    solved: Verdict,
     begun: Begun,
 }
 
@@ -69,7 +71,8 @@ impl Begun {
 /// An estimate so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Previewed<'a> {
-    /// It, unchecked, in the part of the scene that was marked.
+    /// It, in the part of the scene that was marked; whether bodies run into something was not
+    /// looked at.
     pub outcome: &'a Outcome,
     /// Whether it went on from the one before.
     pub is_warm: bool,
@@ -106,15 +109,19 @@ impl Preview {
         };
         observer.phase(Phase::Clean);
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
-        let (segments, rounds) = segments(&scene, &mut sketch, &mut counts, observer)?;
-        let used: usize = segments.iter().map(|segment| segment.samples.len()).sum();
+        let mut cut = cut(&scene, &mut sketch, &mut counts, observer)?;
+        let used: usize = cut
+            .segments
+            .iter()
+            .map(|segment| segment.samples.len())
+            .sum();
         let last = self.last.take().filter(|last| last.asked == scene);
         let last = last.filter(|last| (used as f64) < GROWTH * last.begun.samples as f64);
         let marks = sketch.marks.clone();
         let warm = last.and_then(|last| {
             // They weigh what they did.
             sketch.marks.clone_from(&last.outcome.sketch.marks);
-            let estimate = last.next(&sketch, &segments, observer)?;
+            let estimate = last.next(&sketch, &cut.segments, observer)?;
             Some((last.begun, last.continued(estimate)))
         });
         let is_trusted = warm.as_ref().is_some_and(|(begun, warm)| {
@@ -123,9 +130,8 @@ impl Preview {
         let (begun, mut inferred, is_warm) = match warm {
             Some((begun, warm)) if is_trusted => (begun, warm, true),
             warm => {
-                let cut = (&segments[..], rounds);
                 let weighed = std::mem::replace(&mut sketch.marks, marks);
-                let anew = solve_segments(&scene, &mut sketch, cut, observer)?;
+                let anew = solve(&scene, &mut sketch, &cut, observer)?;
                 let is_better = |warm: &Inferred| {
                     warm.estimate.verdict == anew.estimate.verdict
                         && warm.estimate.objective < anew.estimate.objective
@@ -138,13 +144,18 @@ impl Preview {
                 (Begun::new(used, &best.estimate), best, is_warm)
             }
         };
-        let (segments, again) = follow(&mut sketch, segments, &mut inferred, observer);
-        inferred.estimate.counters.assignment_rounds = rounds + again;
-        account(&sketch, &segments, &mut counts);
+        inferred.estimate.counters.assignment_rounds = cut.rounds;
+        follow(&mut sketch, &mut cut, &mut inferred, observer);
+        account(&sketch, &cut.segments, &mut counts);
+        let (segments, solved) = (cut.segments.clone(), inferred.estimate.verdict);
+        let mut outcome = Outcome::unchecked(inferred, cut, sketch, counts);
+        let doubts = doubts(&outcome);
+        outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {
             asked: scene,
             segments,
-            outcome: Outcome::unchecked(inferred, sketch, counts),
+            outcome,
+            solved,
             begun,
         });
         observer.phase(Phase::Done);
@@ -200,7 +211,7 @@ impl Last {
             segments: &self.segments,
             estimate: &self.outcome.estimate,
         };
-        if known.estimate.verdict == Verdict::Failed {
+        if self.solved == Verdict::Failed {
             return None;
         }
         let scene = &self.outcome.scene;
@@ -208,8 +219,7 @@ impl Last {
         let recipe = Recipe::default().from_the_last();
         let estimate = estimate::estimate(scene, sketch, segments, &guess, &recipe, observer);
         let open = &self.outcome.inferred;
-        let is_good =
-            estimate.verdict == known.estimate.verdict && is_sound(scene, &estimate, open);
+        let is_good = estimate.verdict == self.solved && is_sound(scene, &estimate, open);
         is_good.then_some(estimate)
     }
 }

@@ -5,6 +5,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::checks::{CheckLine, SettledLine};
+use super::doubts::DoubtLine;
 use crate::motion::{Estimate, Phase, Quantity, SampleCounts, Scene, Sketch};
 use crate::pipeline::Outcome;
 
@@ -20,6 +21,8 @@ pub struct Report {
     pub verdict: &'static str,
     /// Why the solver stopped.
     pub reason: String,
+    /// What speaks against the motion, the gravest first.
+    pub doubts: Vec<DoubtLine>,
     /// Sum of squared weighted residuals, priors included.
     pub objective: f64,
     /// Evaluations with a factorisation.
@@ -172,6 +175,11 @@ impl Report {
             scene: scene.name.clone(),
             verdict: estimate.verdict.word(),
             reason: estimate.reason.clone(),
+            doubts: estimate
+                .doubts
+                .iter()
+                .map(|doubt| DoubtLine::new(scene, doubt))
+                .collect(),
             objective: estimate.objective,
             iterations: estimate.counters.iterations,
             assignment_rounds: estimate.counters.assignment_rounds,

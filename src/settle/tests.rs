@@ -36,6 +36,7 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
         reason: String::new(),
+        doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
         arcs: vec![ArcEstimate {

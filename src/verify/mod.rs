@@ -4,9 +4,11 @@
 //! a body that would have touched before the expected one, both by parry's distances. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
 //! Euler's equations (`series`), collisions by distance. `balance` sums up energy and
-//! momentum. [`verify`](verify()) is the stage as the pipeline sees it.
+//! momentum. [`verify`](verify()) is that as the pipeline sees it. [`credible`] asks besides whether
+//! such a motion could be what was acted.
 
 mod balance;
+pub mod credible;
 mod expected;
 mod gap;
 mod law;

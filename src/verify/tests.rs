@@ -76,6 +76,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
     Estimate {
         verdict: Verdict::Physical,
         reason: String::new(),
+        doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
         arcs,
@@ -251,7 +252,7 @@ fn the_rim_about_a_tip_is_the_tip_and_its_lead_is_told() {
     assert_eq!((touch.found, touch.is_wrong), (Some(0), false));
     assert!(touch.found_time_s < 0.4 && touch.found_time_s > 0.395);
     assert_eq!(checked.deepest, None);
-    assert!(checked.is_clear());
+    assert!(checked.doubts().is_empty());
 }
 
 #[test]
@@ -278,7 +279,7 @@ fn a_corner_that_leads_is_named_with_its_time() {
     assert!((way_m - lead_m).abs() < 1e-9, "{way_m} {lead_m}");
     // It is an overlap, too: no feature that is expected explains it.
     let deepest = checked.deepest.unwrap();
-    assert!(deepest.depth_m >= lead_m - 1e-9 && !checked.is_clear());
+    assert!(deepest.depth_m >= lead_m - 1e-9 && !checked.doubts().is_empty());
 }
 
 #[test]

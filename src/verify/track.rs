@@ -66,7 +66,7 @@ impl<'a> Track<'a> {
 ///
 /// Energy and angular momentum fix two weighted sums of `ω₁², ω₂², ω₃²`; their plain sum is
 /// largest where one of the three is zero, if not where it is.
-fn spin_bound_rad_s(body: &Body, omega: &Vector3<f64>) -> f64 {
+pub(super) fn spin_bound_rad_s(body: &Body, omega: &Vector3<f64>) -> f64 {
     let moments = body.moments_kg_m2();
     let squares = omega.component_mul(omega);
     let twice_energy = moments.dot(&squares);

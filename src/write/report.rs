@@ -6,6 +6,7 @@
 use serde::Serialize;
 
 use super::checks::{SettledLine, VerificationLine};
+use super::doubts::DoubtLine;
 use crate::motion::{
     ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Settled, Sketch,
     Stamp, Verification,
@@ -110,6 +111,7 @@ pub struct EstimateReport {
     scene: String,
     verdict: &'static str,
     reason: String,
+    doubts: Vec<DoubtLine>,
     objective: f64,
     gravity_m_s2: [f64; 3],
     arcs: Vec<Arc>,
@@ -209,6 +211,11 @@ impl EstimateReport {
             scene: scene.name.clone(),
             verdict: estimate.verdict.word(),
             reason: estimate.reason.clone(),
+            doubts: estimate
+                .doubts
+                .iter()
+                .map(|doubt| DoubtLine::new(scene, doubt))
+                .collect(),
             objective: estimate.objective,
             gravity_m_s2: estimate.gravity_m_s2.into(),
             arcs: estimate

@@ -44,6 +44,7 @@ fn estimate() -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
         reason: String::new(),
+        doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
         arcs: vec![ArcEstimate {

@@ -16,6 +16,8 @@ mod covariance;
 mod damage;
 mod dense;
 mod errors;
+mod nonsense;
+mod nonsense_table;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod phases;
@@ -72,6 +74,8 @@ enum Study {
     Tosses,
     /// Outliers, wrong units, marks that are off or absent.
     Damage,
+    /// Wrong models, right ones, and real recordings of no flight: what is called physical.
+    Nonsense,
     /// All of them.
     All,
 }
@@ -91,6 +95,7 @@ fn main() -> anyhow::Result<()> {
         Study::Stress,
         Study::Tosses,
         Study::Damage,
+        Study::Nonsense,
     ];
     let one = [study];
     let chosen: &[Study] = if matches!(study, Study::All) {
@@ -112,6 +117,7 @@ fn main() -> anyhow::Result<()> {
             Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
             Study::Damage => damage::run(&options)?,
+            Study::Nonsense => nonsense_table::run(&options)?,
             Study::All => {}
         }
     }

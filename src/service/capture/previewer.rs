@@ -17,6 +17,7 @@ use super::notice::{Notice, Speaker};
 use super::said::Said;
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::{Outcome, Preview};
+use crate::service::doubts::gravest;
 use crate::service::words;
 
 /// An estimate that takes longer is a burden.
@@ -136,6 +137,7 @@ impl Previewer {
                         take,
                         marks,
                         verdict: outcome.estimate.verdict.word(),
+                        doubt: gravest(&outcome.scene, &outcome.estimate.doubts),
                         seconds: took.as_secs_f64(),
                     };
                     let occasion = occasion(take, marks, false);

@@ -60,7 +60,7 @@ pub enum Said {
         /// Why.
         error: String,
     },
-    /// An estimate from what came so far, not checked.
+    /// An estimate from what came so far; whether bodies run into something was not looked at.
     SoFar {
         /// Of which take.
         take: u64,
@@ -68,6 +68,9 @@ pub enum Said {
         marks: u64,
         /// What it is.
         verdict: &'static str,
+        /// What speaks against it most, if that takes the verdict `physical` back.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        doubt: Option<String>,
         /// Wall time that it took.
         seconds: f64,
     },

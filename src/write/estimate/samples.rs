@@ -95,6 +95,7 @@ pub(crate) fn estimate() -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
         reason: "gaps 1e-12 < 1e-9".to_owned(),
+        doubts: Vec::new(),
         objective: 1.5,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
         arcs: vec![

@@ -9,7 +9,7 @@ mod bodies;
 mod check;
 mod flights;
 mod goals;
-mod hit;
+pub mod hit;
 mod judge;
 mod marks;
 mod scales;

@@ -1,0 +1,133 @@
+//! Residuals against weights, against flights alone, and against a fall.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
+
+use super::alone::Alone;
+use super::flights::Flight;
+use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Timing};
+
+/// Residual of a flight, in weights.
+const RESIDUAL: f64 = 30.0;
+/// Orientations of a flight from those acted \[rad\].
+const ORIENTATION_RAD: f64 = FRAC_PI_2;
+/// What free flights alone leave, in weights.
+const ALONE: f64 = 8.0;
+/// Of the whole: beyond, several motions fit.
+const AMBIGUITY: f64 = 8.0;
+/// Joint residual over that of flights alone, where those leave white noise and where they leave a
+/// hand's wander.
+const MISFIT: [f64; 2] = [1.5, 12.0];
+/// Where the motion leaves less than so many weights, noise has no say.
+const MISFIT_LEAST: f64 = 2.0;
+/// Correlations of what flights alone leave from which to which that goes.
+const WANDER: [f64; 2] = [0.15, 0.4];
+/// Residual of free flights over that with a free acceleration.
+const FALL: f64 = 4.0;
+/// Angle of that acceleration from gravity \[rad\], where it fits better by this.
+const DIRECTION_RAD: f64 = FRAC_PI_6;
+const DIRECTION_FALL: f64 = 1.1;
+/// Residuals below this fit, whatever their shape \[m\].
+const NOTHING_M: f64 = 1e-4;
+/// Gravity below this has no direction [m/s²].
+const WEIGHTLESS_M_S2: f64 = 0.1;
+
+pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
+    let in_weights = |residual: &SegmentResidual| {
+        let position = residual.position_rms_m / scene.weights.position_m;
+        position.max(residual.orientation_rms_rad / scene.weights.orientation_rad)
+    };
+    let mut doubts = Vec::new();
+    let (mut squares, mut samples) = (0.0, 0);
+    for flight in flights {
+        let value = in_weights(flight.residual);
+        squares += value * value * flight.residual.samples as f64;
+        samples += flight.residual.samples;
+        doubts.extend(Doubt::beyond(
+            About::Residual,
+            flight.place(),
+            value,
+            RESIDUAL,
+        ));
+        let angle_rad = flight.residual.orientation_rms_rad;
+        let place = flight.place();
+        doubts.extend(Doubt::beyond(
+            About::Orientation,
+            place,
+            angle_rad,
+            ORIENTATION_RAD,
+        ));
+    }
+    let whole = (squares / samples.max(1) as f64).sqrt();
+    doubts.extend(Doubt::beyond(
+        About::Ambiguity,
+        Place::Motion,
+        whole,
+        AMBIGUITY,
+    ));
+    let alone = Alone::new(flights, &estimate.gravity_m_s2);
+    if alone.samples > 0.0 {
+        let rms_m = (alone.alone_m2 / alone.samples).sqrt();
+        let value = rms_m / scene.weights.position_m;
+        doubts.extend(Doubt::beyond(About::Alone, Place::Motion, value, ALONE));
+    }
+    doubts.extend(misfit(scene, &alone));
+    doubts.extend(fall(&alone));
+    doubts.extend(direction(estimate, &alone));
+    doubts
+}
+
+/// Whether flights fit by themselves and not together.
+fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
+    if !is_something(alone.joint_m2, alone) {
+        return None;
+    }
+    let joint_m = (alone.joint_m2 / alone.samples).sqrt();
+    // Where times are free they bend what is left, and its correlation says nothing.
+    let wander = match scene.timing {
+        Timing::Unknown { .. } => 1.0,
+        _ if joint_m < MISFIT_LEAST * scene.weights.position_m => 1.0,
+        Timing::Known | Timing::Edited => {
+            let along = (alone.correlation() - WANDER[0]) / (WANDER[1] - WANDER[0]);
+            along.clamp(0.0, 1.0)
+        }
+    };
+    let bound = MISFIT[0] + wander * (MISFIT[1] - MISFIT[0]);
+    let value = (alone.joint_m2 / alone.alone_m2).sqrt();
+    Doubt::beyond(About::Misfit, Place::Motion, value, bound)
+}
+
+/// Whether flights fall as gravity says.
+fn fall(alone: &Alone) -> Option<Doubt> {
+    let value = over_pulled(alone)?;
+    Doubt::beyond(About::Fall, Place::Motion, value, FALL)
+}
+
+/// Whether they fall where it says.
+fn direction(estimate: &Estimate, alone: &Alone) -> Option<Doubt> {
+    let is_telling = over_pulled(alone)? > DIRECTION_FALL;
+    let gravity_m_s2 = &estimate.gravity_m_s2;
+    if !is_telling || gravity_m_s2.norm() < WEIGHTLESS_M_S2 {
+        return None;
+    }
+    let angle_rad = gravity_m_s2.angle(&alone.pull_m_s2());
+    Doubt::beyond(
+        About::FallDirection,
+        Place::Motion,
+        angle_rad,
+        DIRECTION_RAD,
+    )
+}
+
+/// Residual of free flights over that with a free acceleration, per degree of freedom.
+fn over_pulled(alone: &Alone) -> Option<f64> {
+    let per_freedom = |squares_m2: f64, freedom: f64| squares_m2 / freedom;
+    is_something(alone.alone_m2, alone).then(|| {
+        let free = per_freedom(alone.alone_m2, alone.alone_freedom);
+        let pulled = per_freedom(alone.pulled_m2, alone.pulled_freedom);
+        (free / pulled).sqrt()
+    })
+}
+
+fn is_something(squares_m2: f64, alone: &Alone) -> bool {
+    squares_m2 > NOTHING_M * NOTHING_M * alone.samples && alone.samples > 0.0
+}

@@ -1,0 +1,63 @@
+//! Estimated flights beside the samples that they explain.
+
+use nalgebra::Vector3;
+
+use crate::motion::{ArcEstimate, Estimate, Place, SegmentResidual, Sketch};
+use crate::physics::flow;
+
+/// A sample of a flight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reading {
+    /// Acted time [s since the sketch's origin].
+    pub(super) acted_s: f64,
+    /// Estimated physical time \[s\].
+    pub(super) time_s: f64,
+    /// Centre of mass as acted [m, world].
+    pub(super) position_m: Vector3<f64>,
+    /// As estimated [m, world].
+    pub(super) estimated_m: Vector3<f64>,
+}
+
+/// One arc with its samples, in order of time.
+pub(super) struct Flight<'a> {
+    pub(super) arc: &'a ArcEstimate,
+    pub(super) residual: &'a SegmentResidual,
+    pub(super) readings: Vec<Reading>,
+}
+
+impl Flight<'_> {
+    /// Where doubts about it are.
+    pub(super) fn place(&self) -> Place {
+        Place::Flight {
+            body: self.arc.body,
+            start_s: self.arc.start_s,
+        }
+    }
+}
+
+/// All flights of an estimate.
+pub(super) fn flights<'a>(sketch: &Sketch, estimate: &'a Estimate) -> Vec<Flight<'a>> {
+    let mut times = estimate.sample_times.iter();
+    let pairs = estimate.arcs.iter().zip(&estimate.residuals);
+    pairs
+        .map(|(arc, residual)| {
+            let readings = times.by_ref().take(residual.samples).filter_map(|time| {
+                let samples = &sketch.bodies[time.body].samples;
+                let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
+                let sample = &samples[at.ok()?];
+                let since_s = time.time_s - arc.epoch_s;
+                Some(Reading {
+                    acted_s: sample.acted_s,
+                    time_s: time.time_s,
+                    position_m: sample.position_m,
+                    estimated_m: flow::position(&estimate.gravity_m_s2, &arc.state, since_s),
+                })
+            });
+            Flight {
+                arc,
+                residual,
+                readings: readings.collect(),
+            }
+        })
+        .collect()
+}

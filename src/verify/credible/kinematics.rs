@@ -1,0 +1,88 @@
+//! Speeds, ways and tempo.
+
+use super::flights::{Flight, Reading};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
+use crate::verify::track::spin_bound_rad_s;
+
+/// Fastest point of a body [m/s].
+const SPEED_M_S: f64 = 80.0;
+/// Fastest spin [rad/s].
+const SPIN_RAD_S: f64 = 1000.0;
+/// Way of a flight over the way acted.
+const WAY: f64 = 5.0;
+/// Acted over physical duration of all.
+const SLOWNESS: f64 = 12.0;
+/// Its inverse.
+const HASTE: f64 = 2.5;
+/// The same of one flight.
+const FLIGHT_SLOWNESS: f64 = 16.0;
+const FLIGHT_HASTE: f64 = 3.0;
+/// Samples of a flight that tell its tempo.
+const LEAST: usize = 4;
+
+pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    for flight in flights {
+        let arc = flight.arc;
+        let body = &scene.bodies[arc.body];
+        let spin_rad_s = spin_bound_rad_s(&body.body, &arc.state.angular_velocity_rad_s);
+        // |v| is convex in time: largest at an end.
+        let speed_at = |time_s: f64| {
+            let change = estimate.gravity_m_s2 * (time_s - arc.epoch_s);
+            (arc.state.velocity_m_s + change).norm()
+        };
+        let radius_m = body.shape.radius_m();
+        let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;
+        let way = way(flight, radius_m);
+        doubts.extend(Doubt::beyond(
+            About::Speed,
+            flight.place(),
+            speed_m_s,
+            SPEED_M_S,
+        ));
+        doubts.extend(Doubt::beyond(
+            About::Spin,
+            flight.place(),
+            spin_rad_s,
+            SPIN_RAD_S,
+        ));
+        doubts.extend(Doubt::beyond(About::Way, flight.place(), way, WAY));
+    }
+    if matches!(scene.timing, Timing::Unknown { .. }) {
+        let all: Vec<Reading> = flights.iter().flat_map(|f| f.readings.clone()).collect();
+        tempo(&all, Place::Motion, [SLOWNESS, HASTE], &mut doubts);
+        for flight in flights {
+            let limits = [FLIGHT_SLOWNESS, FLIGHT_HASTE];
+            tempo(&flight.readings, flight.place(), limits, &mut doubts);
+        }
+    }
+    doubts
+}
+
+/// Estimated over acted way, a body's radius given.
+fn way(flight: &Flight, radius_m: f64) -> f64 {
+    let length = |of: fn(&Reading) -> nalgebra::Vector3<f64>| -> f64 {
+        let pairs = flight.readings.windows(2);
+        pairs.map(|pair| (of(&pair[1]) - of(&pair[0])).norm()).sum()
+    };
+    length(|r| r.estimated_m) / (length(|r| r.position_m) + radius_m)
+}
+
+fn tempo(readings: &[Reading], place: Place, limits: [f64; 2], doubts: &mut Vec<Doubt>) {
+    if readings.len() < LEAST {
+        return;
+    }
+    let extent_s = |of: fn(&Reading) -> f64| {
+        let most = readings.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        most - readings.iter().map(of).fold(f64::INFINITY, f64::min)
+    };
+    let slowness = extent_s(|r| r.acted_s) / extent_s(|r| r.time_s);
+    let [slow, hasty] = limits;
+    doubts.extend(Doubt::beyond(
+        About::Slowness,
+        place.clone(),
+        slowness,
+        slow,
+    ));
+    doubts.extend(Doubt::beyond(About::Haste, place, 1.0 / slowness, hasty));
+}
