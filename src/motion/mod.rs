@@ -16,8 +16,8 @@ pub mod take;
 pub mod verification;
 
 pub use estimate::{
-    ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
-    SegmentResidual, Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
+    SampleTime, SegmentResidual, Verdict,
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};

@@ -15,6 +15,7 @@ mod case;
 mod covariance;
 mod damage;
 mod dense;
+mod durations;
 mod errors;
 #[path = "../perform/mod.rs"]
 mod perform;
@@ -67,6 +68,8 @@ enum Study {
     Stress,
     /// Real tosses of a cube, if they are there.
     Tosses,
+    /// Durations of real tosses told slowly.
+    Durations,
     /// Outliers, wrong units, marks that are off or absent.
     Damage,
     /// All of them.
@@ -106,6 +109,7 @@ fn main() -> anyhow::Result<()> {
             Study::Phases => phases::run(&options)?,
             Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
+            Study::Durations => durations::run(&options)?,
             Study::Damage => damage::run(&options)?,
             Study::All => {}
         }
