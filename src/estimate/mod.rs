@@ -1,12 +1,12 @@
 //! Stage 4: the estimation (paper §4, DESIGN's eq. 1, 3, 6 to 8): a constrained least-squares
 //! problem over states of arcs, event times, sample times and parameters.
 //!
-//! What is solved: [`problem`], with [`layout`] saying where each unknown sits, [`nodes`] at which
+//! What is solved: [`problem`], with [`layout`] saying where each unknown sits, `nodes` at which
 //! samples times are unknowns and [`point`] holding a value of all. Its terms: [`samples`], [`tempo`], [`constraint`] and [`collision`], whose
 //! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
 //! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
 //! [`events`] lets it begin, [`recipe`] is the loop.
-//! What is said of it: [`covariance`], [`timing`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
+//! What is said of it: [`covariance`], `timing`, [`outcome`]. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
 pub mod acting;
