@@ -510,6 +510,8 @@ fn one_json_object_per_recording_says_everything() {
         ("/residual_mm", serde_json::Value::is_f64),
         ("/residual_deg", serde_json::Value::is_f64),
         ("/undetermined", serde_json::Value::is_array),
+        ("/physical_sd_s", serde_json::Value::is_number),
+        ("/physical_is_determined", serde_json::Value::is_boolean),
         ("/samples/used", serde_json::Value::is_u64),
         ("/phase_seconds/verify", serde_json::Value::is_f64),
         ("/verification/deepest", serde_json::Value::is_null),

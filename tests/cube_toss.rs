@@ -1,5 +1,5 @@
 //! Real tosses of a cube: the first flight, with free gravity, against the fits that came with
-//! the data. Skipped, saying so, where the data are not there.
+//! the data; and flight and impact told slowly, whose duration is known. Skipped, saying so, where the data are not there.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,28 +56,45 @@ fn manifest(folder: &Path) -> Vec<Toss> {
 
 /// The first samples of a toss, and the mark of the impact at the last of them.
 fn take(folder: &Path, toss: &Toss) -> Vec<TakeEvent> {
+    let mut events = poses(folder, toss, toss.samples, 1.0);
+    let last = last_stamp(&events);
+    events.push(mark("impact", last));
+    events
+}
+
+fn mark(event: &str, stamp: Stamp) -> TakeEvent {
+    TakeEvent::Mark(Mark {
+        stamp,
+        event: Some(event.into()),
+    })
+}
+
+fn last_stamp(events: &[TakeEvent]) -> Stamp {
+    let stamps = events.iter().filter_map(|event| match event {
+        TakeEvent::Pose { sample, .. } => Some(sample.stamp),
+        TakeEvent::Mark(_) => None,
+    });
+    stamps.max().expect("poses")
+}
+
+/// The first samples of a toss, so many times slower.
+fn poses(folder: &Path, toss: &Toss, count: usize, slowdown: f64) -> Vec<TakeEvent> {
     let file = folder.join(format!("toss_{:03}.csv", toss.number));
     let text = fs::read_to_string(file).unwrap();
     let mut events = Vec::new();
-    let mut last = Stamp(0);
-    for line in text.lines().skip(1).take(toss.samples) {
+    for line in text.lines().skip(1).take(count) {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let [t, x, y, z, qw, qx, qy, qz] = cells.try_into().unwrap();
-        last = Stamp((t * 1e9_f64).round() as i64);
         events.push(TakeEvent::Pose {
             body: 0,
             stream: 0,
             sample: PoseSample {
-                stamp: last,
+                stamp: Stamp((slowdown * t * 1e9).round() as i64),
                 position_m: Vector3::new(x, y, z),
                 quaternion_xyzw: [qx, qy, qz, qw],
             },
         });
     }
-    events.push(TakeEvent::Mark(Mark {
-        stamp: last,
-        event: Some("impact".into()),
-    }));
     events
 }
 
@@ -128,4 +145,54 @@ fn first_flights_agree_with_the_fits_that_came_with_them() {
             2.0,
         );
     }
+}
+
+/// The first flight and six samples after its impact, 2.5 times slower, with timing unknown.
+fn slowed(folder: &Path, toss: &Toss) -> Vec<TakeEvent> {
+    let mut events = poses(folder, toss, toss.samples + 6, 2.5);
+    let step_ns = 2.5e9 / 148.0;
+    let impact = Stamp(((toss.samples as f64 - 0.5) * step_ns) as i64);
+    let last = last_stamp(&events);
+    events.extend([mark("impact", impact), mark("end", last)]);
+    events
+}
+
+#[test]
+fn a_duration_that_an_impact_bends_is_said_to_be_undetermined() {
+    let Some(folder) = folder() else { return };
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/cube_toss.toml");
+    let text = fs::read_to_string(file).unwrap();
+    let (head, _) = text.split_once("[[event]]").unwrap();
+    let head = head.replace("\"physical\"", "\"tempo\"");
+    let scene = scene_from_toml(&format!(
+        "gravity_m_s2 = [0, 0, -9.648]\n{head}
+        [[event]]\nname = \"impact\"\nkind = \"collision\"\nbody = \"cube\"\nsurface = \"table\"
+        restitution = 0.3\nfriction = 0.15
+        [[event]]\nname = \"end\"\nkind = \"end\"
+        [[free]]\nquantity = \"impact.restitution\"
+        [[free]]\nquantity = \"impact.friction\"\nlower = 0\nupper = 2\n"
+    ))
+    .unwrap();
+    let (mut far, mut held, mut all) = (0, 0, 0);
+    // Those of even index chose the test's threshold.
+    for toss in manifest(&folder).iter().skip(1).step_by(2) {
+        let pipeline = Pipeline::of(scene.clone(), slowed(&folder, toss));
+        let estimate = pipeline.estimate(&mut ()).unwrap().estimate;
+        let true_s = (toss.samples + 5) as f64 / 148.308;
+        let duration = estimate.duration;
+        let error = duration.duration_s / true_s - 1.0;
+        let is_said = estimate.undetermined.contains(&"duration".to_owned());
+        assert_eq!(is_said, !duration.is_determined());
+        let end = &estimate.events[1];
+        assert!(end.sd_s.is_some_and(|sd_s| sd_s > 0.0), "{}", toss.number);
+        if error.abs() > 0.2 {
+            far += 1;
+            assert!(is_said, "{}: {error} {duration:?}", toss.number);
+        }
+        let sd_s = duration.sd_s.unwrap_or(f64::INFINITY);
+        held += usize::from((duration.duration_s - true_s).abs() <= 1.96 * sd_s);
+        all += 1;
+    }
+    assert!(far > 5, "{far} of {all}");
+    assert!(held as f64 >= 0.9 * all as f64, "{held} of {all}");
 }

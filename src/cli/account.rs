@@ -32,11 +32,22 @@ pub(super) fn account(report: &Report, style: Style) -> String {
     }
     line(report.reason.clone());
     line(format!(
-        "{}: {} acted, {} physical",
+        "{}: {} acted, {} physical {}",
         report.scene,
         seconds(report.acted_s),
-        seconds(report.physical_s)
+        seconds(report.physical_s),
+        report
+            .physical_sd_s
+            .filter(|sd_s| *sd_s > 0.0)
+            .map_or_else(String::new, deviation_ms)
     ));
+    if !report.physical_is_determined {
+        let how = report.physical_sd_s.map_or_else(
+            || "nothing says how long it lasts".into(),
+            |sd_s| format!("{} {}", seconds(report.physical_s), deviation_ms(sd_s)),
+        );
+        line(format!("duration not determined: {how}"));
+    }
     for loss in &report.lost {
         line(format!("lost: {loss}"));
     }
@@ -83,7 +94,7 @@ fn events(report: &Report) -> String {
                 event.kind.to_owned(),
                 seconds(event.acted_s),
                 seconds(event.time_s),
-                event.time_sd_s.map_or_else(|| "fixed".into(), deviation_ms),
+                deviation(report, event),
             ]
         })
         .collect();
@@ -93,6 +104,16 @@ fn events(report: &Report) -> String {
     table("  ", &["event", "kind", "acted", "physical", ""], &rows)
         + &inferred(report)
         + &largest_gaps(report)
+}
+
+/// How certain an event's time is.
+fn deviation(report: &Report, event: &EventLine) -> String {
+    let name = format!("time of {}", event.name);
+    match event.time_sd_s {
+        Some(sd_s) => deviation_ms(sd_s),
+        None if report.undetermined.contains(&name) => "undetermined".into(),
+        None => "fixed".into(),
+    }
 }
 
 /// What touches where the scene leaves that open.

@@ -113,12 +113,29 @@ impl<'a> Covariance<'a> {
 
     /// Standard deviation of one unknown; `None` where the performance does not determine it.
     pub fn sd(&self, at: usize) -> Option<f64> {
+        self.sd_of(&[(at, 1.0)])
+    }
+
+    /// Standard deviation of a sum of unknowns, each with its factor; `None` where the performance
+    /// does not determine it.
+    pub fn sd_of(&self, sum: &[(usize, f64)]) -> Option<f64> {
         let mut x = DVector::zeros(self.frame.layout.size());
-        x[at] = 1.0;
+        for (at, factor) in sum {
+            x[*at] += factor;
+        }
         self.kkt.solve(self.frame, &mut x);
-        let damping = DAMPING * (1.0 + self.system.hessian.get(&self.frame.layout.pattern, at, at));
-        let determined = x[at] * damping < DAMPING_SHARE_MAX;
-        determined.then(|| (self.variance_factor * x[at]).max(0.0).sqrt())
+        let square: f64 = sum.iter().map(|(at, factor)| factor * x[*at]).sum();
+        let pattern = &self.frame.layout.pattern;
+        // What the damping alone would leave of the sum.
+        let held: f64 = sum
+            .iter()
+            .map(|(at, factor)| {
+                let damping = DAMPING * (1.0 + self.system.hessian.get(pattern, *at, *at));
+                factor * factor / damping
+            })
+            .sum();
+        let determined = square < DAMPING_SHARE_MAX * held;
+        determined.then(|| (self.variance_factor * square).max(0.0).sqrt())
     }
 }
 

@@ -53,7 +53,7 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
     beside.fold(
         (0.0, 0.0),
         |(longest_s, most_rad): (f64, f64), (arc, state)| {
-            let time_s = |index: usize| point.node_times_s[arc.samples[index].node];
+            let time_s = |index: usize| arc.samples[index].time_s(&point.node_times_s);
             let last = arc.samples.len() - 1;
             let interval_s = (time_s(last) - time_s(0)) / last.max(1) as f64;
             let turned_rad = (state.angular_velocity_rad_s.norm() * interval_s).min(PI);

@@ -149,12 +149,20 @@ impl Layout {
             let mut members: Vec<usize> = self.state(index).collect();
             members.extend(&gravity);
             clique(&members);
+            let own = members.len();
+            let mut before = None;
             for sample in &arc.samples {
-                if let Some(node) = self.nodes[sample.node] {
-                    members.push(node);
-                    clique(&members);
-                    members.pop();
+                let place = (sample.node, sample.share > 0.0);
+                // The next sample between the same nodes couples nothing more.
+                if before.replace(place) == Some(place) {
+                    continue;
                 }
+                members.extend(self.nodes[sample.node]);
+                if sample.share > 0.0 {
+                    members.extend(self.nodes[sample.node + 1]);
+                }
+                clique(&members);
+                members.truncate(own);
             }
         }
         for pattern in self.blocks.iter().chain(&self.velocity_gaps) {

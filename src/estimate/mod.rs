@@ -1,12 +1,13 @@
 //! Stage 4: the estimation (paper §4, DESIGN's eq. 1, 3, 6 to 8): a constrained least-squares
 //! problem over states of arcs, event times, sample times and parameters.
 //!
-//! What is solved: [`problem`], with [`layout`] saying where each unknown sits and [`point`]
-//! holding a value of all. Its terms: [`samples`], [`tempo`], [`mark`], [`constraint`] and [`collision`], whose
+//! What is solved: [`problem`], with [`layout`] saying where each unknown sits, `nodes` at which
+//! sample times are unknowns and [`point`] holding a value of all. Its terms: [`samples`], [`tempo`],
+//! [`mark`], [`constraint`] and [`collision`], whose
 //! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
 //! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
 //! [`events`] lets it begin, [`recipe`] is the loop.
-//! What is said of it: [`covariance`], [`outcome`]. [`solve`] is the stage as the pipeline sees it,
+//! What is said of it: [`covariance`], `timing`, [`outcome`]. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
 pub mod acting;
@@ -23,6 +24,7 @@ pub mod finish;
 pub mod layout;
 pub mod mark;
 pub mod merit;
+mod nodes;
 pub mod outcome;
 pub mod point;
 pub mod problem;
@@ -34,6 +36,7 @@ pub mod system;
 pub mod tempo;
 #[cfg(test)]
 mod tests;
+mod timing;
 
 pub use bound::{Bound, Part};
 pub use recipe::Recipe;

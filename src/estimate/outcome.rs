@@ -7,6 +7,7 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::Solution;
 use super::system::{Frame, System};
+use super::timing;
 use crate::math::so3;
 use crate::motion::{
     ArcEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime, Scene, Segment,
@@ -59,9 +60,13 @@ pub fn estimate(
     undetermined.extend(
         events
             .iter()
-            .filter(|e| problem.event_is_free[e.event] && e.sd_s.is_none())
+            .filter(|e| !timing::event_moment(frame, e.event).is_empty() && e.sd_s.is_none())
             .map(|e| format!("time of {}", scene.events[e.event].name)),
     );
+    let duration = timing::duration(frame, (point, &solution.system), covariance.as_ref());
+    if !duration.is_determined() {
+        undetermined.push("duration".into());
+    }
     Estimate {
         verdict,
         reason,
@@ -72,6 +77,7 @@ pub fn estimate(
         residuals: residuals(problem, &errors),
         sample_times: sample_times(sketch, segments, problem, point),
         events,
+        duration,
         parameters,
         undetermined,
         counters: solution.counters,
@@ -87,34 +93,19 @@ fn events(
 ) -> Vec<EventEstimate> {
     let problem = frame.problem;
     let point = &solution.point;
+    let sd_s = |event: usize| {
+        let moment = timing::event_moment(frame, event);
+        covariance.filter(|_| !moment.is_empty())?.sd_of(&moment)
+    };
     (0..scene.events.len())
         .map(|event| EventEstimate {
             event,
-            time_s: event_time_s(problem, point, event),
-            sd_s: frame.layout.events[event].and_then(|at| covariance?.sd(at)),
+            time_s: timing::event_time_s(problem, point, event),
+            sd_s: sd_s(event),
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
         })
         .collect()
-}
-
-/// Physical time of an event; of one that is not an unknown, where its mark lies on the time
-/// line of the samples.
-fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f64 {
-    if problem.event_is_free[event] || !problem.times_are_unknown() {
-        return point.event_times_s[event];
-    }
-    let (nodes, times_s) = (&problem.nodes_acted_s, &point.node_times_s);
-    let acted_s = problem.events_acted_s[event];
-    let after = nodes.partition_point(|node| *node <= acted_s);
-    match (after.checked_sub(1), nodes.get(after)) {
-        (Some(before), Some(next)) => {
-            let share = (acted_s - nodes[before]) / (next - nodes[before]);
-            times_s[before] + share * (times_s[after] - times_s[before])
-        }
-        (Some(before), None) => times_s[before],
-        _ => times_s[0],
-    }
 }
 
 /// Largest of each kind that is left at an event.
@@ -221,7 +212,7 @@ fn arcs(
         problem.arcs[arc]
             .samples
             .iter()
-            .map(|s| point.node_times_s[s.node])
+            .map(|s| s.time_s(&point.node_times_s))
     };
     let mut arcs: Vec<ArcEstimate> = problem
         .arcs
@@ -256,7 +247,7 @@ pub fn errors(problem: &Problem, frame: &Frame, point: &Point) -> Vec<Vec<[f64; 
         let samples = arc.samples.iter();
         samples
             .map(|sample| {
-                let s = point.node_times_s[sample.node] - frame.epochs_s[index];
+                let s = sample.time_s(&point.node_times_s) - frame.epochs_s[index];
                 let position_m = flow::position(&gravity, state, s);
                 let orientation = state.orientation * spin.turn(s);
                 let shift = (position_m - sample.position_m) / problem.position_unit_m;
@@ -308,7 +299,7 @@ fn sample_times(
                 .map(|(sample, arc)| SampleTime {
                     body: segment.body,
                     stamp: sample.stamp,
-                    time_s: point.node_times_s[arc.node],
+                    time_s: arc.time_s(&point.node_times_s),
                 })
         })
         .collect()

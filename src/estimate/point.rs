@@ -27,7 +27,9 @@ impl Point {
         let mut node_times_s = problem.nodes_acted_s.clone();
         for (arc, arc_guess) in problem.arcs.iter().zip(&guess.arcs) {
             for (sample, time_s) in arc.samples.iter().zip(&arc_guess.sample_times_s) {
-                node_times_s[sample.node] = *time_s;
+                if sample.share == 0.0 {
+                    node_times_s[sample.node] = *time_s;
+                }
             }
         }
         Self {
@@ -48,7 +50,7 @@ impl Point {
             sample_times_s: arc
                 .samples
                 .iter()
-                .map(|sample| self.node_times_s[sample.node])
+                .map(|sample| sample.time_s(&self.node_times_s))
                 .collect(),
         });
         Guess {

@@ -4,6 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::layout::STATE;
 use super::mark::EventMark;
+use super::nodes::Nodes;
 use crate::math::Pose;
 use crate::motion::{
     Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
@@ -35,8 +36,23 @@ pub struct ArcSample {
     pub position_m: Vector3<f64>,
     /// World from body.
     pub orientation: UnitQuaternion<f64>,
-    /// Index into [`Problem::nodes_acted_s`].
+    /// Index into [`Problem::nodes_acted_s`]: the node at or before it.
     pub node: usize,
+    /// How far it is on the way to the next node; zero at a node.
+    pub share: f64,
+}
+
+impl ArcSample {
+    /// Its physical time, given those of the nodes \[s\].
+    #[inline]
+    pub fn time_s(&self, node_times_s: &[f64]) -> f64 {
+        let node_s = node_times_s[self.node];
+        if self.share > 0.0 {
+            node_s + self.share * (node_times_s[self.node + 1] - node_s)
+        } else {
+            node_s
+        }
+    }
 }
 
 /// Free flight of one body between two events.
@@ -157,9 +173,11 @@ pub struct Problem {
     /// Price of a squared unit of velocity gap; `None` where velocities are continuous through
     /// impacts.
     pub velocity_gap_weight: Option<f64>,
-    /// Acted times of the samples, distinct and increasing \[s\]: the nodes of the time map.
+    /// Acted times of the time map's nodes, distinct and increasing \[s\]: those of all samples, or
+    /// of some where times are unknown and samples many.
     pub nodes_acted_s: Vec<f64>,
-    /// Strength of the tempo prior; `None` where physical times are the acted ones.
+    /// Strength of the tempo prior, for nodes that stand for several samples as many times as
+    /// heavy; `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
     /// One unit of position residual \[m\].
     pub position_unit_m: f64,
@@ -173,16 +191,13 @@ impl Problem {
     /// # Panics
     /// Where the scene leaves a contact open or pairs what never touches: stages before see to it.
     pub fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Self {
-        let mut nodes_acted_s: Vec<f64> = segments
-            .iter()
-            .flat_map(|s| &sketch.bodies[s.body].samples[s.samples.clone()])
-            .map(|sample| sample.acted_s)
-            .collect();
-        nodes_acted_s.sort_by(f64::total_cmp);
-        nodes_acted_s.dedup();
+        let nodes = match scene.timing {
+            Timing::Known | Timing::Edited => Nodes::everywhere(sketch, segments),
+            Timing::Unknown { .. } => Nodes::spaced(sketch, segments),
+        };
         let arcs: Vec<Arc> = segments
             .iter()
-            .map(|segment| arc(sketch, segment, &nodes_acted_s))
+            .map(|segment| arc(sketch, segment, &nodes))
             .collect();
         let parameter = |quantity: Quantity| {
             scene
@@ -197,7 +212,7 @@ impl Problem {
             .enumerate()
             .map(|(event, e)| e.kind.collision().is_some() || is_goal(event))
             .collect();
-        let marks = marks(scene, sketch, &event_is_free, &nodes_acted_s);
+        let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         Self {
             bodies: scene.bodies.iter().map(|body| body.body).collect(),
             gravity_m_s2: scene.gravity_m_s2,
@@ -218,13 +233,13 @@ impl Problem {
                 .collect(),
             cones: scene.cones.clone(),
             velocity_gap_weight: None,
-            nodes_acted_s,
             tempo_sd_per_sqrt_s: match scene.timing {
                 Timing::Known | Timing::Edited => None,
                 Timing::Unknown {
                     tempo_sd_per_sqrt_s,
-                } => Some(tempo_sd_per_sqrt_s),
+                } => Some(tempo_sd_per_sqrt_s / nodes.samples_each.sqrt()),
             },
+            nodes_acted_s: nodes.acted_s,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
         }
@@ -337,7 +352,7 @@ fn marks(
         .collect()
 }
 
-fn arc(sketch: &Sketch, segment: &Segment, nodes_acted_s: &[f64]) -> Arc {
+fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
     let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
     Arc {
         body: segment.body,
@@ -345,10 +360,14 @@ fn arc(sketch: &Sketch, segment: &Segment, nodes_acted_s: &[f64]) -> Arc {
         end: segment.end_event,
         samples: samples
             .iter()
-            .map(|sample| ArcSample {
-                position_m: sample.position_m,
-                orientation: sample.orientation,
-                node: nodes_acted_s.partition_point(|acted| *acted < sample.acted_s),
+            .map(|sample| {
+                let (node, share) = nodes.place(sample.acted_s);
+                ArcSample {
+                    position_m: sample.position_m,
+                    orientation: sample.orientation,
+                    node,
+                    share,
+                }
             })
             .collect(),
     }

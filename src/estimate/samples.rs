@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::problem::{Arc, Problem};
+use super::problem::{Arc, ArcSample, Problem};
 use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
 use crate::physics::{Body, State};
@@ -43,15 +43,70 @@ pub struct ArcTerms {
     pub turn: TurnTerms,
 }
 
-/// Derivatives of one sample's terms that involve its time.
-#[derive(Clone, Copy, Debug)]
+/// Derivatives of terms that involve the time of a node.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct TimeTerms {
     /// By the time.
     pub gradient: f64,
     /// Second, by the time.
     pub square: f64,
+    /// By the time and that of the next node.
+    pub with_next: f64,
     /// By the time and position, orientation, velocity, angular velocity, gravity.
     pub cross: [Vector3<f64>; 5],
+}
+
+impl TimeTerms {
+    /// Adds terms of a time that moves by that share of the node's.
+    #[inline]
+    fn add(&mut self, terms: &Self, share: f64) {
+        self.gradient += share * terms.gradient;
+        self.square += share * share * terms.square;
+        for (entry, cross) in self.cross.iter_mut().zip(&terms.cross) {
+            *entry += cross * share;
+        }
+    }
+}
+
+/// Terms of the samples from one node to the next, on their way to whoever sums them.
+struct Between<F> {
+    /// The node, its terms and those of the next.
+    node: usize,
+    terms: [TimeTerms; 2],
+    /// Whether a sample lies beyond the node.
+    reaches: bool,
+    each: F,
+}
+
+impl<F: FnMut(usize, TimeTerms)> Between<F> {
+    fn add(&mut self, sample: &ArcSample, terms: &TimeTerms) {
+        if sample.node != self.node {
+            let [here, next] = self.terms;
+            (self.each)(self.node, here);
+            self.terms = [next, TimeTerms::default()];
+            if self.reaches && sample.node != self.node + 1 {
+                (self.each)(self.node + 1, next);
+                self.terms[0] = TimeTerms::default();
+            }
+            (self.node, self.reaches) = (sample.node, false);
+        }
+        let [here, next] = &mut self.terms;
+        let share = sample.share;
+        here.add(terms, 1.0 - share);
+        if share > 0.0 {
+            self.reaches = true;
+            next.add(terms, share);
+            here.with_next += share * (1.0 - share) * terms.square;
+        }
+    }
+
+    fn end(mut self) {
+        let [here, next] = self.terms;
+        (self.each)(self.node, here);
+        if self.reaches {
+            (self.each)(self.node + 1, next);
+        }
+    }
 }
 
 impl ArcSums {
@@ -72,7 +127,7 @@ impl ArcSums {
             square: 0.0,
         };
         for sample in &arc.samples {
-            let s = times_s[sample.node] - epoch_s;
+            let s = sample.time_s(times_s) - epoch_s;
             let residual = flow::position(gravity_m_s2, state, s) - sample.position_m;
             sums.moments[0] += residual;
             sums.moments[1] += residual * s;
@@ -132,7 +187,7 @@ pub fn known_times(
     let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
     let weight = arc.samples.len() as f64 / (readings.len().max(1) as f64 * unit * unit);
     let start = (&state.orientation, &state.angular_velocity_rad_s);
-    let readings = readings.map(|sample| (times_s[sample.node] - epoch_s, &sample.orientation));
+    let readings = readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
     let turn = TurnTerms::of(&problem.bodies[arc.body], start, readings);
     let mut terms = ArcTerms {
         turn: turn.weighed(weight),
@@ -142,22 +197,31 @@ pub fn known_times(
     terms
 }
 
-/// Terms of an arc whose sample times are unknowns; `each` gets every sample's node and terms.
+/// Terms of an arc whose sample times are unknowns; every `stride`-th sample is read, for as many.
+/// `each` gets its nodes in order and their terms.
 pub fn unknown_times(
     problem: &Problem,
-    arc: &Arc,
+    (arc, stride): (&Arc, usize),
     (state, epoch_s): (&State, f64),
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
-    mut each: impl FnMut(usize, TimeTerms),
+    each: impl FnMut(usize, TimeTerms),
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     let body: &Body = &problem.bodies[arc.body];
     let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
-    let turn_weight = 1.0 / (problem.orientation_unit_rad * problem.orientation_unit_rad);
-    let weight = 1.0 / (problem.position_unit_m * problem.position_unit_m);
-    for sample in &arc.samples {
-        let s = times_s[sample.node] - epoch_s;
+    let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
+    let for_each = arc.samples.len() as f64 / samples.len().max(1) as f64;
+    let [weight, turn_weight] = [problem.position_unit_m, problem.orientation_unit_rad]
+        .map(|unit| for_each / (unit * unit));
+    let mut between = Between {
+        node: samples.clone().next().map_or(0, |sample| sample.node),
+        terms: [TimeTerms::default(); 2],
+        reaches: false,
+        each,
+    };
+    for sample in samples {
+        let s = sample.time_s(times_s) - epoch_s;
         let (k, error) = terms.turn.add(
             &mut spin,
             &state.orientation,
@@ -180,20 +244,20 @@ pub fn unknown_times(
         // The body's angular velocity at s, seen from the epoch's frame, is K ω.
         let omega = k * state.angular_velocity_rad_s;
         let (pull, turn) = (velocity * weight, omega * turn_weight);
-        each(
-            sample.node,
-            TimeTerms {
-                gradient: pull.dot(&residual) + turn.dot(&error),
-                square: pull.dot(&velocity) + turn.dot(&omega),
-                cross: [
-                    pull,
-                    turn,
-                    pull * s,
-                    k.tr_mul(&turn) * s,
-                    pull * half_square,
-                ],
-            },
-        );
+        let by_time = TimeTerms {
+            gradient: pull.dot(&residual) + turn.dot(&error),
+            square: pull.dot(&velocity) + turn.dot(&omega),
+            with_next: 0.0,
+            cross: [
+                pull,
+                turn,
+                pull * s,
+                k.tr_mul(&turn) * s,
+                pull * half_square,
+            ],
+        };
+        between.add(sample, &by_time);
     }
+    between.end();
     terms
 }

@@ -7,7 +7,7 @@ use super::collision;
 use super::constraint;
 use super::layout::Layout;
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{Arc, Problem};
 use super::samples::{self, ArcSums, ArcTerms};
 use super::tempo;
 use crate::math::envelope::Envelope;
@@ -76,6 +76,17 @@ impl Guidance {
             event_sd_s: None,
             orientations_per_arc: usize::MAX,
         }
+    }
+
+    /// Of the samples of an arc whose times are unknown one in so many is read: no fewer than there
+    /// are orientations to read, nor than nodes.
+    fn stride(&self, arc: &Arc) -> usize {
+        let samples = &arc.samples;
+        let nodes = match (samples.first(), samples.last()) {
+            (Some(first), Some(last)) => last.node - first.node + 1,
+            _ => 1,
+        };
+        (samples.len() / self.orientations_per_arc.max(nodes)).max(1)
     }
 }
 
@@ -165,9 +176,16 @@ impl System {
             let flight = (&point.arcs[index], frame.epochs_s[index]);
             let times_s = &point.node_times_s;
             let terms = if problem.times_are_unknown() {
-                samples::unknown_times(problem, arc, flight, &gravity, times_s, |node, terms| {
+                let of = (arc, guidance.stride(arc));
+                samples::unknown_times(problem, of, flight, &gravity, times_s, |node, terms| {
                     if let Some(at) = layout.nodes[node] {
                         self.add_time(frame, index, at, &terms);
+                        if terms.with_next != 0.0
+                            && let Some(next) = layout.nodes[node + 1]
+                        {
+                            let value = terms.with_next;
+                            self.hessian.add(&layout.pattern, next, at, value);
+                        }
                     }
                 })
             } else {

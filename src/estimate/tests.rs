@@ -280,7 +280,8 @@ fn lengths(layout: &Layout) -> Vec<f64> {
 }
 
 /// Runs `check` on frame, guidance, point and step lengths: for one body, for two that stick and
-/// that slide, for several contacts at once; with known and unknown times.
+/// that slide, for several contacts at once; with known and unknown times, and read so fast that
+/// samples share the nodes of those.
 pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
     let timings = [
         Timing::Known,
@@ -288,16 +289,23 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &
             tempo_sd_per_sqrt_s: 0.5,
         },
     ];
-    let scenes = timings.into_iter().flat_map(|timing| {
-        [
+    let cases = timings.into_iter().flat_map(|timing| {
+        let scenes = [
             scene(timing),
             meeting(timing, 0.0),
             meeting(timing, 0.05),
             meeting(timing, 9.0),
             landing(timing),
-        ]
+        ];
+        let paces: &[f64] = if timing == Timing::Known {
+            &[1.0]
+        } else {
+            &[1.0, 0.1]
+        };
+        let at = |scene: Scene| paces.iter().map(move |pace| (scene.clone(), *pace));
+        scenes.into_iter().flat_map(at).collect::<Vec<_>>()
     });
-    for mut scene in scenes {
+    for (mut scene, pace) in cases {
         if offset == 0.0 {
             scene
                 .parameters
@@ -305,8 +313,12 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &
                 .for_each(|free| free.prior_sd = None);
             scene.parameters[0].initial = GRAVITY.z;
         }
-        let (sketch, segments, guess) = sketch(&scene, offset);
+        let (mut sketch, segments, guess) = sketch(&scene, offset);
+        let samples = sketch.bodies.iter_mut().flat_map(|body| &mut body.samples);
+        samples.for_each(|sample| sample.acted_s *= pace);
         let mut problem = Problem::new(&scene, &sketch, &segments);
+        let mut shares = problem.arcs.iter().flat_map(|arc| &arc.samples);
+        assert_eq!(shares.any(|sample| sample.share > 0.0), pace < 1.0);
         let point = Point::new(&problem, &guess);
         for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {
             problem.velocity_gap_weight = velocity_gap_weight;

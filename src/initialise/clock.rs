@@ -46,12 +46,11 @@ pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
             map.push((samples, clock_s));
         }
     }
+    map.sort_by(|a, b| a.0[0].acted_s.total_cmp(&b.0[0].acted_s));
     let at = |acted_s: f64| {
-        let within = |(samples, _): &&(&[Sample], Vec<f64>)| {
-            samples[0].acted_s < acted_s && acted_s < last_s(samples)
-        };
-        map.iter()
-            .find(within)
+        let begun = map.partition_point(|(samples, _)| samples[0].acted_s < acted_s);
+        let last = begun.checked_sub(1).map(|last| &map[last]);
+        last.filter(|(samples, _)| acted_s < last_s(samples))
             .map_or(acted_s, |(samples, clock_s)| {
                 let after = samples.partition_point(|sample| sample.acted_s <= acted_s);
                 let (from_s, to_s) = (samples[after - 1].acted_s, samples[after].acted_s);
@@ -89,7 +88,10 @@ fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
         return None;
     }
     while 4 * found.stride <= count && found.chord_rad < CHORD_RAD {
-        found = speeds(found.stride + 1)?;
+        // A chord is no longer than its parts together: as many of them as that takes at least.
+        let at_least = found.stride as f64 * (CHORD_RAD / found.chord_rad).min(count as f64);
+        let more = found.stride + (found.stride / 16).max(1);
+        found = speeds(more.max(at_least as usize).min(count / 4 + 1))?;
     }
     let square = found.chord_rad * found.chord_rad;
     let believed = square / (square + BELIEVED_RAD * BELIEVED_RAD);

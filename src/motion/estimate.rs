@@ -77,12 +77,34 @@ pub struct EventEstimate {
     pub event: usize,
     /// Physical time [s since the first sample].
     pub time_s: f64,
-    /// Its standard deviation \[s\]; `None` where it is fixed or undetermined.
+    /// Its standard deviation \[s\], the first sample's time being zero; `None` where it is fixed
+    /// or undetermined.
     pub sd_s: Option<f64>,
     /// Acted time, refined [s since `Sketch::origin`].
     pub acted_s: f64,
     /// What is left of the constraints there.
     pub gap: Gap,
+}
+
+/// How long the motion lasts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DurationEstimate {
+    /// Physical time from the beginning of the first flight to the end of the last \[s\].
+    pub duration_s: f64,
+    /// Its standard deviation \[s\], zero where it is fixed; `None` where nothing determines it.
+    pub sd_s: Option<f64>,
+}
+
+impl DurationEstimate {
+    /// A deviation beyond this share of the duration leaves it undetermined: one in twenty would be
+    /// off by more than a fifth.
+    pub const SHARE_MAX: f64 = 0.1;
+
+    /// Whether the performance determines it, to within [`Self::SHARE_MAX`].
+    pub fn is_determined(&self) -> bool {
+        let limit_s = Self::SHARE_MAX * self.duration_s;
+        self.sd_s.is_some_and(|sd_s| sd_s <= limit_s)
+    }
 }
 
 /// A free parameter as estimated.
@@ -181,6 +203,8 @@ pub struct Estimate {
     pub arcs: Vec<ArcEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
+    /// How long it lasts.
+    pub duration: DurationEstimate,
     /// The scene's free parameters.
     pub parameters: Vec<ParameterEstimate>,
     /// One per arc, in the order of `arcs`.

@@ -18,8 +18,8 @@ pub mod verification;
 
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
-    ArcEstimate, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
-    SegmentResidual, Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
+    SampleTime, SegmentResidual, Verdict,
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};

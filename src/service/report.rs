@@ -37,6 +37,10 @@ pub struct Report {
     pub acted_s: f64,
     /// From the beginning of the estimated motion to its end.
     pub physical_s: f64,
+    /// Its standard deviation, zero where it is fixed; none where nothing determines it.
+    pub physical_sd_s: Option<f64>,
+    /// Whether that deviation is within a tenth of it.
+    pub physical_is_determined: bool,
     /// In order of time.
     pub events: Vec<EventLine>,
     /// Free quantities by name.
@@ -72,7 +76,7 @@ pub struct EventLine {
     pub kind: &'static str,
     /// Physical time since the first sample.
     pub time_s: f64,
-    /// Its standard deviation, where it is estimated and determined.
+    /// Its standard deviation, where it is not fixed and is determined.
     pub time_sd_s: Option<f64>,
     /// Acted time since the first sample.
     pub acted_s: f64,
@@ -192,7 +196,9 @@ impl Report {
                     .collect(),
             ),
             acted_s: acted_s(&outcome.sketch),
-            physical_s: physical_s(estimate),
+            physical_s: estimate.duration.duration_s,
+            physical_sd_s: estimate.duration.sd_s,
+            physical_is_determined: estimate.duration.is_determined(),
             events: event_lines(outcome),
             parameters: parameter_lines(scene, estimate),
             residual_mm,
@@ -220,12 +226,6 @@ impl Report {
 fn acted_s(sketch: &Sketch) -> f64 {
     let last = sketch.bodies.iter().filter_map(|b| b.samples.last());
     last.map(|sample| sample.acted_s).fold(0.0, f64::max)
-}
-
-fn physical_s(estimate: &Estimate) -> f64 {
-    let start_s = estimate.arcs.iter().map(|a| a.start_s);
-    let end_s = estimate.arcs.iter().map(|a| a.end_s);
-    (end_s.fold(f64::NEG_INFINITY, f64::max) - start_s.fold(f64::INFINITY, f64::min)).max(0.0)
 }
 
 fn whole_residual(estimate: &Estimate) -> (f64, f64) {

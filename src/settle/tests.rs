@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{ArcEstimate, Counters, Verdict};
+use crate::motion::{ArcEstimate, Counters, DurationEstimate, Verdict};
 
 const TABLE_AND_WALL: &str = r#"
 name = "drop"
@@ -47,6 +47,10 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
             end_s: 0.8,
         }],
         events: Vec::new(),
+        duration: DurationEstimate {
+            duration_s: 0.6,
+            sd_s: Some(0.0),
+        },
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),

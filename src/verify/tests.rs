@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use super::{TOLERANCE_M, verify};
 use crate::config::scene_from_toml;
 use crate::motion::{
-    Against, ArcEstimate, Counters, Estimate, EventEstimate, Gap, Penetration, Scene, Verdict,
+    Against, ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, Penetration,
+    Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{State, flow};
@@ -81,6 +82,10 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         gravity_m_s2: scene.gravity_m_s2,
         arcs,
         events: events_s.iter().enumerate().map(event).collect(),
+        duration: DurationEstimate {
+            duration_s: 1.0,
+            sd_s: Some(0.0),
+        },
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),

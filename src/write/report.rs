@@ -116,6 +116,7 @@ pub struct EstimateReport {
     gravity_m_s2: [f64; 3],
     arcs: Vec<Arc>,
     events: Vec<Event>,
+    duration: Duration,
     parameters: Vec<Parameter>,
     residuals: Vec<Residual>,
     undetermined: Vec<String>,
@@ -147,6 +148,13 @@ struct Event {
     sd_s: Option<f64>,
     acted_s: f64,
     gap: Gap,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Duration {
+    duration_s: f64,
+    sd_s: Option<f64>,
+    is_determined: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -228,6 +236,11 @@ impl EstimateReport {
                 .iter()
                 .map(|event| Event::new(scene, event))
                 .collect(),
+            duration: Duration {
+                duration_s: estimate.duration.duration_s,
+                sd_s: estimate.duration.sd_s,
+                is_determined: estimate.duration.is_determined(),
+            },
             parameters: estimate
                 .parameters
                 .iter()

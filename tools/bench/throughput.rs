@@ -17,7 +17,8 @@ use anyhow::{Context, Result, ensure};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{
-    ArcEstimate, Counters, Estimate, Mark, PoseSample, SampleCounts, Sketch, Stamp, Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, Mark, PoseSample, SampleCounts, Sketch,
+    Stamp, Verdict,
 };
 use enact::physics::State;
 use enact::write::{DEFAULT_FRAME_RATE_HZ, EstimateFile, RecordingWriter, write_estimate};
@@ -60,6 +61,10 @@ fn estimate() -> Estimate {
             end_s: 1.0,
         }],
         events: Vec::new(),
+        duration: DurationEstimate {
+            duration_s: 1.0,
+            sd_s: Some(0.0),
+        },
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),

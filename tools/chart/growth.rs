@@ -382,7 +382,7 @@ fn floor_s(case: &Case, quick: bool) -> f64 {
             let each = |node, terms| {
                 black_box((node, &terms));
             };
-            let terms = samples::unknown_times(problem, arc, flight, &gravity, times_s, each);
+            let terms = samples::unknown_times(problem, (arc, 1), flight, &gravity, times_s, each);
             black_box(&terms);
         }
     };

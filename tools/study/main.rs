@@ -15,6 +15,7 @@ mod case;
 mod covariance;
 mod damage;
 mod dense;
+mod durations;
 mod errors;
 mod nonsense;
 mod nonsense_table;
@@ -72,6 +73,8 @@ enum Study {
     Stress,
     /// Real tosses of a cube, if they are there.
     Tosses,
+    /// Durations of real tosses told slowly.
+    Durations,
     /// Outliers, wrong units, marks that are off or absent.
     Damage,
     /// Wrong models, right ones, and real recordings of no flight: what is called physical.
@@ -116,6 +119,7 @@ fn main() -> anyhow::Result<()> {
             Study::Phases => phases::run(&options)?,
             Study::Stress => stress_table::run(&options)?,
             Study::Tosses => tosses::run(&options)?,
+            Study::Durations => durations::run(&options)?,
             Study::Damage => damage::run(&options)?,
             Study::Nonsense => nonsense_table::run(&options)?,
             Study::All => {}

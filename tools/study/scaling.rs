@@ -49,16 +49,18 @@ pub struct Size {
 
 /// Runs it.
 pub fn run(options: &Options) -> Result<()> {
-    let mut samples = Vec::new();
-    let mut unknown = Vec::new();
-    for power in 0..=6 {
-        let count = 100.0 * 10f64.powf(0.5 * f64::from(power));
-        samples.extend(size("samples, timing known", &timing_known(count), RUNS));
-        if power <= 4 {
-            let case = timing_unknown(count);
-            unknown.extend(size("samples, timing unknown", &case, RUNS));
-        }
-    }
+    // From 100 samples on, half a power of ten more each time.
+    let sizes = |last: i32| (0..=last).map(|half| 100.0 * 10f64.powf(0.5 * f64::from(half)));
+    let of = |what: &'static str, last: i32, case: fn(f64) -> Case| -> Vec<Size> {
+        let found = sizes(last).filter_map(|count| size(what, &case(count), RUNS));
+        found.collect()
+    };
+    let samples = of("samples, timing known", 8, timing_known);
+    let title = "Cost against samples (pencil, tip first, timing known)";
+    println!("{}", table(title, &samples, |s| s.samples));
+    let unknown = of("samples, timing unknown", 6, timing_unknown);
+    let title = "Cost against samples (pencil, tip first, timing unknown)";
+    println!("{}", table(title, &unknown, |s| s.samples));
     let mut segments = Vec::new();
     for count in [1, 3, 10, 30, 100, 300, 1000] {
         let Some(case) = bouncing(count) else {
@@ -67,30 +69,8 @@ pub fn run(options: &Options) -> Result<()> {
         };
         segments.extend(size("segments, timing known", &case, RUNS));
     }
-    println!(
-        "{}",
-        table(
-            "Cost against samples (pencil, tip first, timing known)",
-            &samples,
-            |s| s.samples
-        )
-    );
-    println!(
-        "{}",
-        table(
-            "Cost against samples (pencil, tip first, timing unknown)",
-            &unknown,
-            |s| s.samples
-        )
-    );
-    println!(
-        "{}",
-        table(
-            "Cost against segments (cube, timing known, wander 0.25×)",
-            &segments,
-            |s| s.segments
-        )
-    );
+    let title = "Cost against segments (cube, timing known, wander 0.25×)";
+    println!("{}", table(title, &segments, |s| s.segments));
     println!("{}", shares(&[&samples, &unknown, &segments]));
     options.write_json("scaling", &[samples, unknown, segments])
 }

@@ -4,8 +4,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::config::scene_from_toml;
 use crate::motion::{
-    ArcEstimate, BodySketch, Counters, Estimate, EventEstimate, Gap, ParameterEstimate, Sample,
-    SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp, Verdict,
+    ArcEstimate, BodySketch, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
+    ParameterEstimate, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp,
+    Verdict,
 };
 use crate::physics::State;
 
@@ -126,6 +127,10 @@ pub(crate) fn estimate() -> Estimate {
                 time_s: k as f64 * 0.025,
             })
             .collect(),
+        duration: DurationEstimate {
+            duration_s: 0.475,
+            sd_s: Some(0.012),
+        },
         undetermined: vec!["bounce.restitution".to_owned()],
         counters: Counters::default(),
     }

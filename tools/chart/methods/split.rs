@@ -153,7 +153,7 @@ fn nodes_s(fits: &Point, grid: Grid) -> Vec<f64> {
 /// From when to when an arc lasts \[s\].
 fn extent_s(arc: &Arc, fits: &Point) -> [f64; 2] {
     let time_s = |event: usize| fits.event_times_s[event];
-    let times_s = arc.samples.iter().map(|s| fits.node_times_s[s.node]);
+    let times_s = arc.samples.iter().map(|s| s.time_s(&fits.node_times_s));
     let first_s = times_s.clone().fold(f64::INFINITY, f64::min);
     let last_s = times_s.fold(f64::NEG_INFINITY, f64::max);
     [
