@@ -65,6 +65,10 @@ fn coloured(verdict: &str, style: Style) -> String {
 }
 
 fn events(report: &Report) -> String {
+    let is_undetermined = |event: &EventLine| {
+        let name = format!("time of {}", event.name);
+        report.undetermined.contains(&name)
+    };
     let rows: Vec<Vec<String>> = report
         .events
         .iter()
@@ -74,7 +78,11 @@ fn events(report: &Report) -> String {
                 event.kind.to_owned(),
                 seconds(event.acted_s),
                 seconds(event.time_s),
-                event.time_sd_s.map_or_else(|| "fixed".into(), deviation_ms),
+                match event.time_sd_s {
+                    Some(sd_s) => deviation_ms(sd_s),
+                    None if is_undetermined(event) => "undetermined".into(),
+                    None => "fixed".into(),
+                },
             ]
         })
         .collect();

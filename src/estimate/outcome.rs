@@ -33,8 +33,8 @@ pub fn estimate(
     let problem = frame.problem;
     let point = &solution.point;
     let errors = errors(problem, frame, point);
-    let covariance = Covariance::new(frame, &solution.system, &solution.multipliers, &errors);
-    let events = events(scene, sketch, frame, solution, covariance.as_ref());
+    let sds = Sds::of(frame, solution, &errors);
+    let events = events(scene, sketch, frame, solution, &sds);
     let arcs = arcs(problem, frame, point, &events);
     let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
     let parameters: Vec<ParameterEstimate> = problem
@@ -44,9 +44,7 @@ pub fn estimate(
         .map(|(index, free)| ParameterEstimate {
             name: free.name.clone(),
             value: point.parameters[index],
-            sd: covariance
-                .as_ref()
-                .and_then(|c| c.sd(frame.layout.parameters[index])),
+            sd: sds.parameters[index],
             lower: free.lower,
             upper: free.upper,
         })
@@ -77,12 +75,42 @@ pub fn estimate(
     }
 }
 
+/// Standard deviations of all events' times and all parameters; `None` where the one is fixed or
+/// the performance does not determine it.
+struct Sds {
+    events_s: Vec<Option<f64>>,
+    parameters: Vec<Option<f64>>,
+}
+
+impl Sds {
+    fn of(frame: &Frame, solution: &Solution, errors: &[Vec<[f64; 6]>]) -> Self {
+        let layout = frame.layout;
+        let events = layout.events.iter().flatten();
+        let unknowns: Vec<usize> = events.chain(&layout.parameters).copied().collect();
+        let at = (&solution.point, &solution.system);
+        let covariance = Covariance::new(frame, at, &solution.multipliers, errors);
+        let mut sds = match covariance {
+            Some(covariance) => covariance.sds(&unknowns),
+            None => vec![None; unknowns.len()],
+        }
+        .into_iter();
+        Self {
+            events_s: layout
+                .events
+                .iter()
+                .map(|at| at.and_then(|_| sds.next().flatten()))
+                .collect(),
+            parameters: sds.collect(),
+        }
+    }
+}
+
 fn events(
     scene: &Scene,
     sketch: &Sketch,
     frame: &Frame,
     solution: &Solution,
-    covariance: Option<&Covariance>,
+    sds: &Sds,
 ) -> Vec<EventEstimate> {
     let problem = frame.problem;
     let point = &solution.point;
@@ -90,7 +118,7 @@ fn events(
         .map(|event| EventEstimate {
             event,
             time_s: event_time_s(problem, point, event),
-            sd_s: frame.layout.events[event].and_then(|at| covariance?.sd(at)),
+            sd_s: sds.events_s[event],
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
         })

@@ -271,7 +271,7 @@ fn lengths(layout: &Layout) -> Vec<f64> {
 
 /// Runs `check` on frame, guidance, point and step lengths: for one body, for two that stick and
 /// that slide, for several contacts at once; with known and unknown times.
-fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
+pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
     let timings = [
         Timing::Known,
         Timing::Unknown {

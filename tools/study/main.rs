@@ -13,9 +13,11 @@ mod accuracy;
 mod answer;
 mod case;
 mod covariance;
+mod coverage;
 mod damage;
 mod dense;
 mod errors;
+mod hands;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod phases;
@@ -32,6 +34,7 @@ mod stress;
 mod stress_table;
 mod table;
 mod tosses;
+mod ways;
 
 use clap::{Parser, Subcommand};
 use results::Options;
@@ -55,6 +58,8 @@ enum Study {
     Accuracy,
     /// Whether errors are as large as the estimate says.
     Covariance,
+    /// How often reported intervals hold the truth.
+    Coverage,
     /// What more samples and more segments cost.
     Scaling,
     /// What touches, where scenes leave that open.
@@ -80,6 +85,7 @@ fn main() -> anyhow::Result<()> {
         Study::Scenes,
         Study::Accuracy,
         Study::Covariance,
+        Study::Coverage,
         Study::Scaling,
         Study::Sequences,
         Study::Proposals,
@@ -100,6 +106,7 @@ fn main() -> anyhow::Result<()> {
             Study::Scenes => scenes::run(&options)?,
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
+            Study::Coverage => coverage::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
             Study::Sequences => sequences::run(&options)?,
             Study::Proposals => proposals::run(&options)?,
