@@ -87,7 +87,7 @@ impl Bins {
     }
 
     /// Number of bins.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.bins.len()
     }
 
@@ -101,7 +101,7 @@ impl Bins {
 
     /// Means of every sample's residual.
     pub fn mean_residuals(&self, residuals: &[Vec<Six>]) -> Vec<Six> {
-        let mut sums = vec![[0.0; 6]; self.len()];
+        let mut sums = vec![[0.0; 6]; self.count()];
         for (residual, bin) in residuals.iter().flatten().zip(&self.of_samples) {
             for (sum, residual) in sums[*bin].iter_mut().zip(residual) {
                 *sum += residual;

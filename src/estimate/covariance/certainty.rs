@@ -80,8 +80,8 @@ impl<'a> Covariance<'a> {
         let times = seen.pop().expect("the last is of the times");
         let mut directions: Vec<Vec<Six>> = Vec::new();
         if self.frame.problem.times_are_unknown() {
-            for bin in 0..bins.len() {
-                let mut column = vec![[0.0; 6]; bins.len()];
+            for bin in 0..bins.count() {
+                let mut column = vec![[0.0; 6]; bins.count()];
                 column[bin] = times.sums[bin];
                 directions.push(column);
             }

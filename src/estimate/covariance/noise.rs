@@ -81,7 +81,7 @@ impl Noise {
     /// As the residuals tell, of which the fit has absorbed the directions `absorbed`, orthonormal
     /// columns over the bins.
     pub fn of(bins: &Bins, residuals: &[Vec<Six>], absorbed: &[Vec<Six>]) -> Self {
-        if absorbed.len() + CONTRASTS_MIN > 6 * bins.len() {
+        if absorbed.len() + CONTRASTS_MIN > 6 * bins.count() {
             return Self::stated();
         }
         let white = white(residuals);
@@ -178,7 +178,7 @@ fn candidates(
     columns: &Columns,
     (white, square): (f64, f64),
 ) -> Vec<Candidate> {
-    let count = bins.len();
+    let count = bins.count();
     // Rounding, where there is no noise at all.
     let floor = 1e-9 * square + 1e-300;
     let candidate = |shape: usize, size: f64, log_prior: f64| {

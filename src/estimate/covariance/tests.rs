@@ -35,7 +35,7 @@ fn traces_are_the_residuals_derivatives() {
         let sums = |share: f64| {
             let mut there = point.clone();
             there.retract_from(point, problem, frame.layout, &(&step * share));
-            let mut sums = vec![[0.0; 6]; bins.len()];
+            let mut sums = vec![[0.0; 6]; bins.count()];
             let residuals = outcome::errors(problem, frame, &there);
             for (residual, bin) in residuals.iter().flatten().zip(&bins.of_samples) {
                 (0..6).for_each(|axis| sums[*bin][axis] += residual[axis]);
@@ -137,14 +137,14 @@ fn the_likelihood_is_that_of_contrasts() {
 
 /// A constant and a slope on every axis, orthonormal: what a flight's own fit takes away.
 fn constants_and_slopes(bins: &Bins) -> Vec<Vec<Six>> {
-    let count = bins.len() as f64;
+    let count = bins.count() as f64;
     let middle = 0.5 * (count - 1.0);
-    let slope = (0..bins.len())
+    let slope = (0..bins.count())
         .map(|bin| (bin as f64 - middle).powi(2))
         .sum::<f64>()
         .sqrt();
     let column = |axis: usize, value: &dyn Fn(f64) -> f64| -> Vec<Six> {
-        (0..bins.len())
+        (0..bins.count())
             .map(|bin| std::array::from_fn(|i| if i == axis { value(bin as f64) } else { 0.0 }))
             .collect()
     };
@@ -161,8 +161,8 @@ fn constants_and_slopes(bins: &Bins) -> Vec<Vec<Six>> {
 /// Weights that sum residuals over all bins alike: what a slow wander pushes.
 fn alike(bins: &Bins) -> super::trace::Trace {
     super::trace::Trace {
-        sums: vec![[1.0; 6]; bins.len()],
-        squares: [3.0 * bins.len() as f64; 2],
+        sums: vec![[1.0; 6]; bins.count()],
+        squares: [3.0 * bins.count() as f64; 2],
     }
 }
 
@@ -225,7 +225,7 @@ fn what_the_fit_absorbs_of_a_slow_wander_counts() {
         let count = bins.of_samples.len();
         let place = |sample: usize| sample as f64 - 0.5 * (count as f64 - 1.0);
         let square: f64 = (0..count).map(|at| place(at).powi(2)).sum();
-        trace.sums = vec![[0.0; 6]; bins.len()];
+        trace.sums = vec![[0.0; 6]; bins.count()];
         for sample in 0..count {
             trace.sums[sample / SAMPLES][0] += place(sample) / square;
         }

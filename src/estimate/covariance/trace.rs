@@ -23,7 +23,7 @@ pub struct Trace {
 impl Trace {
     fn zeros(bins: &Bins) -> Self {
         Self {
-            sums: vec![[0.0; 6]; bins.len()],
+            sums: vec![[0.0; 6]; bins.count()],
             squares: [0.0; 2],
         }
     }
