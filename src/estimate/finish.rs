@@ -85,6 +85,8 @@ pub struct Kkt {
     /// Signed distance of every row from the bound that acts.
     violations: Vec<f64>,
     multipliers: Vec<f64>,
+    /// What keeps undetermined unknowns still: added to the diagonal.
+    damping: Vec<f64>,
 }
 
 impl Kkt {
@@ -95,6 +97,41 @@ impl Kkt {
         Self::with(frame, system, multipliers, (&acting, None))
     }
 
+    /// The same for covariances: what a parameter's bound keeps in place is not known for that. It
+    /// weighs as half the width between the bounds for a standard deviation, or nothing where
+    /// there is only one.
+    pub fn with_soft_bounds(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
+        let acting = ActingSet::of(frame, system, multipliers);
+        let (mut weights, violations) = acting.weights_and_violations(frame, system);
+        let mut multipliers = multipliers.to_vec();
+        let problem = frame.problem;
+        let bounds = problem.bounded.len() + problem.cones.len();
+        let (hard, soft) = system.blocks.split_at(system.blocks.len() - bounds);
+        let first: usize = hard.iter().map(|block| block.values.len()).sum();
+        let rows = soft.iter().flat_map(|block| &block.bounds);
+        for (row, (lower, upper)) in (first..).zip(rows) {
+            if weights[row] > 0.0 {
+                multipliers[row] = 0.0;
+                // A cone's row goes as the square of the distance from its middle.
+                let half_width = if lower.is_infinite() && row >= first + problem.bounded.len() {
+                    2.0 * upper
+                } else {
+                    0.5 * (upper - lower)
+                };
+                weights[row] = half_width.powi(-2);
+            }
+        }
+        // Samples hold every time that the tempo relates to others; a damping in proportion to how
+        // stiffly neighbours are held together would hold all of them.
+        let mut damping = vec![DAMPING; frame.layout.size()];
+        for node in frame.layout.nodes.iter().flatten() {
+            damping[*node] = 0.0;
+        }
+        let hessian = system.hessian.clone();
+        let weighed = (weights, violations);
+        Self::weighed(frame, (system, hessian), &multipliers, weighed, damping)
+    }
+
     /// `curved` is the system's Hessian with the curvature of its constraints, where steps need it.
     fn with(
         frame: &Frame,
@@ -102,9 +139,20 @@ impl Kkt {
         multipliers: &[f64],
         (acting, curved): (&ActingSet, Option<&Envelope>),
     ) -> Option<Self> {
-        let (weights, violations) = acting.weights_and_violations(frame, system);
+        let weighed = acting.weights_and_violations(frame, system);
+        let damping = vec![DAMPING; frame.layout.size()];
+        let hessian = curved.unwrap_or(&system.hessian).clone();
+        Self::weighed(frame, (system, hessian), multipliers, weighed, damping)
+    }
+
+    fn weighed(
+        frame: &Frame,
+        (system, mut hessian): (&System, Envelope),
+        multipliers: &[f64],
+        (weights, violations): (Vec<f64>, Vec<f64>),
+        mut damping: Vec<f64>,
+    ) -> Option<Self> {
         let pattern = &frame.layout.pattern;
-        let mut hessian = curved.unwrap_or(&system.hessian).clone();
         let pull = |row: usize| {
             if weights[row] > 0.0 {
                 multipliers[row]
@@ -116,9 +164,9 @@ impl Kkt {
             hessian.add(pattern, at, at, value);
         }
         let mut matrix = hessian.clone();
-        for row in 0..pattern.size() {
-            let diagonal = system.hessian.get(pattern, row, row);
-            matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
+        for (row, damping) in damping.iter_mut().enumerate() {
+            *damping *= 1.0 + system.hessian.get(pattern, row, row);
+            matrix.add(pattern, row, row, *damping);
         }
         merit::add_square(frame.layout, system, &weights, &mut matrix);
         matrix.factorise(pattern).ok()?;
@@ -128,6 +176,7 @@ impl Kkt {
             weights,
             violations,
             multipliers: multipliers.to_vec(),
+            damping,
         })
     }
 
@@ -193,9 +242,9 @@ impl Kkt {
         delta + merit::correction(frame.layout, (system, trial), delta, weights, &self.matrix)
     }
 
-    /// Number of rows that act.
-    pub fn acting_rows(&self) -> usize {
-        self.weights.iter().filter(|weight| **weight > 0.0).count()
+    /// The damping's share of `xᵀ (H + w JᵀJ) x`.
+    pub fn damped(&self, x: &DVector<f64>) -> f64 {
+        x.iter().zip(&self.damping).map(|(x, d)| d * x * x).sum()
     }
 
     /// Solves `(H + w JᵀJ) x = b` in place.

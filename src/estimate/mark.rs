@@ -19,8 +19,10 @@ pub struct EventMark {
     pub event: usize,
     /// As it was made \[s, acted\].
     pub acted_s: f64,
-    /// Its standard deviation \[s, acted\].
+    /// The standard deviation that weighs it beside samples \[s, acted\].
     pub sd_s: f64,
+    /// Variance of the residual: how often it counts, as they do.
+    pub counted: f64,
     /// The nodes about the event, where sample times are unknown.
     pub nodes: Option<[usize; 2]>,
 }
@@ -87,6 +89,7 @@ mod tests {
         sketch.marks[0] = Some(MarkTime {
             acted_s: sketch.marks_s[0] + 0.013,
             sd_s: 0.02,
+            counted: 1.0,
         });
         let problem = Problem::new(&scene, &sketch, &segments);
         let point = Point::new(&problem, &guess);

@@ -7,11 +7,11 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::Solution;
 use super::system::{Frame, System};
-use super::timing;
+use super::timing::{self, Moment};
 use crate::math::so3;
 use crate::motion::{
-    ArcEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime, Scene, Segment,
-    SegmentResidual, Sketch, Verdict,
+    ArcEstimate, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
+    Scene, Segment, SegmentResidual, Sketch, Verdict,
 };
 use crate::physics::flow;
 
@@ -34,8 +34,8 @@ pub fn estimate(
     let problem = frame.problem;
     let point = &solution.point;
     let errors = errors(problem, frame, point);
-    let covariance = Covariance::new(frame, &solution.system, &solution.multipliers, &errors);
-    let events = events(scene, sketch, frame, solution, covariance.as_ref());
+    let sds = Sds::of(frame, solution, &errors);
+    let events = events(scene, sketch, frame, solution, &sds);
     let arcs = arcs(problem, frame, point, &events);
     let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
     let parameters: Vec<ParameterEstimate> = problem
@@ -45,9 +45,7 @@ pub fn estimate(
         .map(|(index, free)| ParameterEstimate {
             name: free.name.clone(),
             value: point.parameters[index],
-            sd: covariance
-                .as_ref()
-                .and_then(|c| c.sd(frame.layout.parameters[index])),
+            sd: sds.parameters[index],
             lower: free.lower,
             upper: free.upper,
         })
@@ -63,7 +61,7 @@ pub fn estimate(
             .filter(|e| !timing::event_moment(frame, e.event).is_empty() && e.sd_s.is_none())
             .map(|e| format!("time of {}", scene.events[e.event].name)),
     );
-    let duration = timing::duration(frame, (point, &solution.system), covariance.as_ref());
+    let duration = sds.duration;
     if !duration.is_determined() {
         undetermined.push("duration".into());
     }
@@ -84,24 +82,62 @@ pub fn estimate(
     }
 }
 
+/// Standard deviations of all events' times and all parameters; `None` where the one is fixed or
+/// the performance does not determine it.
+struct Sds {
+    events_s: Vec<Option<f64>>,
+    duration: DurationEstimate,
+    parameters: Vec<Option<f64>>,
+}
+
+impl Sds {
+    fn of(frame: &Frame, solution: &Solution, errors: &[Vec<[f64; 6]>]) -> Self {
+        let (layout, at) = (frame.layout, (&solution.point, &solution.system));
+        let duration = timing::duration(frame, &solution.point);
+        let events = (0..layout.events.len()).map(|event| timing::event_moment(frame, event));
+        let parameters = layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
+        let moments = events.chain([duration.moment]).chain(parameters);
+        let moments: Vec<Moment> = moments.collect();
+        let covariance = Covariance::new(frame, at, &solution.multipliers, errors);
+        let mut sds = match &covariance {
+            Some(covariance) => covariance.sds(&moments),
+            None => vec![None; moments.len()],
+        };
+        let parameters = sds.split_off(layout.events.len() + 1);
+        // The time line has no deviation where it is fixed.
+        let own_s = match moments[layout.events.len()].as_slice() {
+            [] => Some(0.0),
+            _ => sds.pop().flatten(),
+        };
+        sds.truncate(layout.events.len());
+        let contradiction_s = covariance.as_ref().map_or(0.0, |covariance| {
+            timing::contradiction_s(frame, &solution.system, covariance)
+        });
+        Self {
+            events_s: sds,
+            duration: DurationEstimate {
+                duration_s: duration.duration_s,
+                sd_s: own_s.map(|own_s| own_s.hypot(contradiction_s)),
+            },
+            parameters,
+        }
+    }
+}
+
 fn events(
     scene: &Scene,
     sketch: &Sketch,
     frame: &Frame,
     solution: &Solution,
-    covariance: Option<&Covariance>,
+    sds: &Sds,
 ) -> Vec<EventEstimate> {
     let problem = frame.problem;
     let point = &solution.point;
-    let sd_s = |event: usize| {
-        let moment = timing::event_moment(frame, event);
-        covariance.filter(|_| !moment.is_empty())?.sd_of(&moment)
-    };
     (0..scene.events.len())
         .map(|event| EventEstimate {
             event,
             time_s: timing::event_time_s(problem, point, event),
-            sd_s: sd_s(event),
+            sd_s: sds.events_s[event],
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
         })

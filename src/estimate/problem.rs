@@ -345,7 +345,8 @@ fn marks(
             (is_known || nodes.is_some()).then_some(EventMark {
                 event,
                 acted_s: mark.acted_s,
-                sd_s: mark.sd_s,
+                sd_s: mark.sd_s / mark.counted.sqrt(),
+                counted: mark.counted,
                 nodes: nodes.filter(|_| !is_known),
             })
         })

@@ -263,8 +263,11 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
 }
 
 fn mark(acted_s: f64) -> Option<MarkTime> {
-    let sd_s = 0.02;
-    Some(MarkTime { acted_s, sd_s })
+    Some(MarkTime {
+        acted_s,
+        sd_s: 0.02,
+        counted: 1.0,
+    })
 }
 
 /// A step of each unknown over which the problem is smooth.

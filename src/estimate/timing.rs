@@ -16,7 +16,6 @@ use super::finish::DAMPING;
 use super::point::Point;
 use super::problem::Problem;
 use super::system::{Frame, System};
-use crate::motion::DurationEstimate;
 
 /// Deviations of what samples alone leave open by which constraints may move the time they span
 /// before they are taken to contradict them. No performance of a pencil came near it, up to four
@@ -71,12 +70,16 @@ pub(super) fn event_moment(frame: &Frame, event: usize) -> Moment {
     parts.into_iter().flatten().collect()
 }
 
-/// How long the motion lasts, from the beginning of its first flight to the end of its last.
-pub(super) fn duration(
-    frame: &Frame,
-    (point, system): (&Point, &System),
-    covariance: Option<&Covariance>,
-) -> DurationEstimate {
+/// How long the motion lasts, and what that is made of.
+pub(super) struct Duration {
+    /// From the beginning of its first flight to the end of its last \[s\].
+    pub(super) duration_s: f64,
+    /// As a sum of unknowns.
+    pub(super) moment: Moment,
+}
+
+/// How long the motion lasts.
+pub(super) fn duration(frame: &Frame, point: &Point) -> Duration {
     let (problem, layout) = (frame.problem, frame.layout);
     let at_event = |event: usize| {
         let time_s = event_time_s(problem, point, event);
@@ -102,23 +105,15 @@ pub(super) fn duration(
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .expect("a problem has arcs");
     moment.extend(from.into_iter().map(|(at, factor)| (at, -factor)));
-    let sd_s = if moment.is_empty() {
-        Some(0.0)
-    } else {
-        covariance.and_then(|covariance| {
-            let own_s = covariance.sd_of(&moment)?;
-            Some(own_s.hypot(contradiction_s(frame, system, covariance)))
-        })
-    };
-    DurationEstimate {
+    Duration {
         duration_s: (end_s - start_s).max(0.0),
-        sd_s,
+        moment,
     }
 }
 
 /// By how much the constraints have moved the time that the samples span \[s\]; zero where that is
 /// no more than the samples leave open, or where times are known.
-fn contradiction_s(frame: &Frame, system: &System, covariance: &Covariance) -> f64 {
+pub(super) fn contradiction_s(frame: &Frame, system: &System, covariance: &Covariance) -> f64 {
     let Some(Some(last)) = frame.layout.nodes.last().copied() else {
         return 0.0;
     };
@@ -134,10 +129,12 @@ fn contradiction_s(frame: &Frame, system: &System, covariance: &Covariance) -> f
     let mut x = DVector::zeros(pattern.size());
     x[last] = 1.0;
     matrix.solve(pattern, &mut x);
-    let moved_s = system.gradient.dot(&x);
-    let open_s = (covariance.variance_factor * x[last]).max(0.0).sqrt();
-    if moved_s.abs() > CONTRADICTION * open_s {
-        moved_s.abs()
+    let moved_s = system.gradient.dot(&x).abs();
+    let open_s = covariance
+        .sd_of_answer(x[last], &x)
+        .unwrap_or(f64::INFINITY);
+    if moved_s > CONTRADICTION * open_s {
+        moved_s
     } else {
         0.0
     }

@@ -9,7 +9,7 @@
 use crate::motion::{GoalTarget, Guess, Scene, Segment, Sketch};
 use crate::physics::flow;
 
-/// Gives marks the deviations that weigh them beside the samples of the flights in `guess`.
+/// Lets marks count as often as the samples of the flights in `guess` do.
 pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &Guess) {
     let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
     let per_flight = samples as f64 / segments.len().max(1) as f64;
@@ -17,7 +17,7 @@ pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &G
     let square = square_off_m2(scene, segments, guess) / (unit_m * unit_m);
     let counted = (per_flight * square).max(f64::MIN_POSITIVE);
     for mark in sketch.marks.iter_mut().flatten() {
-        mark.sd_s /= counted.sqrt();
+        mark.counted = counted;
     }
 }
 

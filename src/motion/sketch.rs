@@ -45,9 +45,10 @@ pub struct Sketch {
 pub struct MarkTime {
     /// As it was made [s since [`Sketch::origin`]].
     pub acted_s: f64,
-    /// Its standard deviation, in acted time \[s\]; once flights are fitted, that which weighs it
-    /// beside residuals in the scene's units.
+    /// Its standard deviation, in acted time \[s\].
     pub sd_s: f64,
+    /// How often it counts beside samples that count one by one; one until flights are fitted.
+    pub counted: f64,
 }
 
 /// Collision-free flight of one body between two of its events.

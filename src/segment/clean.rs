@@ -80,6 +80,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         *mark = (is_own && sd_s > 0.0).then_some(MarkTime {
             acted_s: sketch.marks_s[event],
             sd_s,
+            counted: 1.0,
         });
     }
     for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {

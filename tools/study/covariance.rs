@@ -185,7 +185,7 @@ impl Row {
             .push(uncertainty.normalised_square(exact));
         self.squares_library
             .push(uncertainty.normalised_square(library));
-        self.variance_factors.push(uncertainty.variance_factor);
+        self.variance_factors.push(mean(&uncertainty.white));
         self.ratios_exact.push(ratios(posed, uncertainty, exact));
         self.ratios_library
             .push(ratios(posed, uncertainty, library));
@@ -239,8 +239,8 @@ fn squares(rows: &[Row]) -> Table {
             "independent unknowns",
             "dense covariance",
             "the library's",
-            "the same, scaled by its variance factor",
-            "its mean variance factor",
+            "the same, scaled by the white noise seen",
+            "white noise seen, squared units",
             "no covariance",
         ],
     );

@@ -24,10 +24,12 @@ pub struct Uncertainty {
     pub scale: DVector<f64>,
     /// Covariance of all unknowns by `Z (Zᵀ H Z)⁻¹ Zᵀ`.
     pub exact: DMatrix<f64>,
-    /// The same as the library has it, its scale by the residuals taken off.
+    /// The same as the library has it.
     pub library: DMatrix<f64>,
-    /// The library's mean square residual per degree of freedom.
-    pub variance_factor: f64,
+    /// White noise as the library sees it, of positions and of orientations, in squared units.
+    pub white: [f64; 2],
+    /// Standard deviations that the library reports, of all unknowns.
+    pub sds: Vec<Option<f64>>,
 }
 
 impl Uncertainty {
@@ -40,9 +42,10 @@ impl Uncertainty {
         let (point, system) = (&solution.point, &solution.system);
         let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
         let residuals = outcome::errors(problem, &frame, point);
-        let covariance = Covariance::new(&frame, system, &solution.multipliers, &residuals)?;
+        let at = (point, system);
+        let covariance = Covariance::new(&frame, at, &solution.multipliers, &residuals)?;
         let all: Vec<usize> = (0..layout.size()).collect();
-        let library = covariance.of(&all) / covariance.variance_factor;
+        let library = covariance.of(&all);
         let Exact { free, scale, exact } = Exact::of(&frame, system)?;
         Some(Self {
             error: error(case, posed, point, &frame.epochs_s, offset_s),
@@ -50,7 +53,8 @@ impl Uncertainty {
             free,
             scale,
             library,
-            variance_factor: covariance.variance_factor,
+            white: covariance.noise.white,
+            sds: covariance.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
         })
     }
 

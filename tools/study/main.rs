@@ -13,10 +13,12 @@ mod accuracy;
 mod answer;
 mod case;
 mod covariance;
+mod coverage;
 mod damage;
 mod dense;
 mod durations;
 mod errors;
+mod hands;
 mod nonsense;
 mod nonsense_table;
 #[path = "../perform/mod.rs"]
@@ -36,6 +38,7 @@ mod stress;
 mod stress_table;
 mod table;
 mod tosses;
+mod ways;
 
 use clap::{Parser, Subcommand};
 use results::Options;
@@ -61,6 +64,8 @@ enum Study {
     Accuracy,
     /// Whether errors are as large as the estimate says.
     Covariance,
+    /// How often reported intervals hold the truth.
+    Coverage,
     /// What more samples and more segments cost.
     Scaling,
     /// What touches, where scenes leave that open.
@@ -91,6 +96,7 @@ fn main() -> anyhow::Result<()> {
         Study::Scales,
         Study::Accuracy,
         Study::Covariance,
+        Study::Coverage,
         Study::Scaling,
         Study::Sequences,
         Study::Proposals,
@@ -113,6 +119,7 @@ fn main() -> anyhow::Result<()> {
             Study::Scales => scales::run(&options)?,
             Study::Accuracy => accuracy::run(&options)?,
             Study::Covariance => covariance::run(&options)?,
+            Study::Coverage => coverage::run(&options)?,
             Study::Scaling => scaling::run(&options)?,
             Study::Sequences => sequences::run(&options)?,
             Study::Proposals => proposals::run(&options)?,

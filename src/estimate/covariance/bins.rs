@@ -1,0 +1,112 @@
+//! Samples of a body by the handful: what wanders slowly shows in their means.
+
+use super::trace::Six;
+use crate::estimate::point::Point;
+use crate::estimate::problem::{Arc, ArcSample, Problem};
+
+/// Bins of a body per flight, and at most.
+const PER_FLIGHT: usize = 4;
+const MOST: usize = 16;
+
+/// Samples in a row of one body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    /// Whose they are.
+    pub body: usize,
+    /// Their mean time \[s\].
+    pub time_s: f64,
+    /// How many.
+    pub samples: usize,
+}
+
+impl Bin {
+    fn of(body: usize) -> Self {
+        Self {
+            body,
+            time_s: 0.0,
+            samples: 0,
+        }
+    }
+
+    fn add(&mut self, time_s: f64) {
+        self.samples += 1;
+        self.time_s += (time_s - self.time_s) / self.samples as f64;
+    }
+}
+
+/// All samples in bins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bins {
+    /// Body by body, in order of time.
+    pub bins: Vec<Bin>,
+    /// The bin of every sample, arc by arc.
+    pub of_samples: Vec<usize>,
+    /// Mean duration of a flight \[s\].
+    pub flight_s: f64,
+}
+
+impl Bins {
+    /// Of every body's samples: four of one size to a flight, fewer where flights are many; of more
+    /// than sixteen flights, neighbours share one.
+    pub fn new(problem: &Problem, point: &Point) -> Self {
+        let mut bins: Vec<Bin> = Vec::new();
+        let mut of_samples = vec![0; problem.sample_count()];
+        let mut flights_s = 0.0;
+        for body in 0..problem.bodies.len() {
+            let of_body = |arc: &&Arc| arc.body == body && !arc.samples.is_empty();
+            let flights = problem.arcs.iter().filter(of_body).count();
+            let per_flight = (MOST / flights.max(1)).clamp(1, PER_FLIGHT);
+            let (mut next, mut flight, mut last) = (0, 0, None);
+            for arc in &problem.arcs {
+                let count = arc.samples.len();
+                if of_body(&arc) {
+                    for (index, sample) in arc.samples.iter().enumerate() {
+                        let place = (
+                            flight * MOST / flights.max(MOST),
+                            index * per_flight / count,
+                        );
+                        if last.replace(place) != Some(place) {
+                            bins.push(Bin::of(body));
+                        }
+                        of_samples[next + index] = bins.len() - 1;
+                        let bin = bins.last_mut().expect("one was begun");
+                        bin.add(point.node_times_s[sample.node]);
+                    }
+                    let time_s = |sample: &ArcSample| point.node_times_s[sample.node];
+                    flights_s += time_s(&arc.samples[count - 1]) - time_s(&arc.samples[0]);
+                    flight += 1;
+                }
+                next += count;
+            }
+        }
+        Self {
+            bins,
+            of_samples,
+            flight_s: flights_s / problem.arcs.len() as f64,
+        }
+    }
+
+    /// Number of bins.
+    pub fn count(&self) -> usize {
+        self.bins.len()
+    }
+
+    /// Means of sums over the bins.
+    pub fn means(&self, sums: &[Six]) -> Vec<Six> {
+        let means = sums.iter().zip(&self.bins);
+        means
+            .map(|(sum, bin)| sum.map(|sum| sum / bin.samples as f64))
+            .collect()
+    }
+
+    /// Means of every sample's residual.
+    pub fn mean_residuals(&self, residuals: &[Vec<Six>]) -> Vec<Six> {
+        let mut sums = vec![[0.0; 6]; self.count()];
+        for (residual, bin) in residuals.iter().flatten().zip(&self.of_samples) {
+            for (sum, residual) in sums[*bin].iter_mut().zip(residual) {
+                *sum += residual;
+            }
+        }
+        self.means(&sums)
+    }
+}

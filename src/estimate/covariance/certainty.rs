@@ -1,0 +1,221 @@
+//! Variances at an optimum.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::bins::Bins;
+use super::noise::Noise;
+use super::trace::{Six, Trace, traces};
+use crate::estimate::finish::Kkt;
+use crate::estimate::mark::EventMark;
+use crate::estimate::point::Point;
+use crate::estimate::system::{Frame, System};
+use crate::estimate::timing::Moment;
+
+/// Share of an unknown's information that may come from the damping before it counts as
+/// undetermined.
+const DAMPING_SHARE_MAX: f64 = 0.1;
+/// Directions tried beyond those that the constraints leave free by count: rows may say the same.
+const DIRECTIONS_MORE: usize = 2;
+/// Directions at most: with more, the residuals say nothing.
+const DIRECTIONS_MAX: usize = 64;
+/// Of a direction less than this is left by the others: it is none of its own.
+const DEPENDENT: f64 = 1e-6;
+/// Unknowns whose traces are made at once.
+const AT_ONCE: usize = 16;
+
+/// Covariances at an optimum.
+pub struct Covariance<'a> {
+    frame: &'a Frame<'a>,
+    system: &'a System,
+    point: &'a Point,
+    kkt: Kkt,
+    bins: Bins,
+    /// What the residuals are made of.
+    pub noise: Noise,
+}
+
+impl<'a> Covariance<'a> {
+    /// `None` where the matrix cannot be factorised.
+    ///
+    /// `residuals` are those of every sample, arc by arc, in units.
+    pub fn new(
+        frame: &'a Frame<'a>,
+        (point, system): (&'a Point, &'a System),
+        multipliers: &[f64],
+        residuals: &[Vec<Six>],
+    ) -> Option<Self> {
+        let kkt = Kkt::with_soft_bounds(frame, system, multipliers)?;
+        let mut covariance = Self {
+            frame,
+            system,
+            point,
+            kkt,
+            bins: Bins::new(frame.problem, point),
+            noise: Noise::stated(),
+        };
+        let nodes = frame.layout.nodes.iter().flatten().count();
+        let held = equalities(system) + nodes;
+        let free = frame.layout.size().saturating_sub(held) + DIRECTIONS_MORE;
+        if free <= DIRECTIONS_MAX {
+            let absorbed = covariance.absorbed(free);
+            covariance.noise = Noise::of(&covariance.bins, residuals, &absorbed);
+        }
+        Some(covariance)
+    }
+
+    /// Directions of the bins' means that the fit has absorbed, orthonormal: what they see of as many
+    /// random steps as are free; and where times are unknown, each bin along its own flight.
+    fn absorbed(&self, free: usize) -> Vec<Vec<Six>> {
+        let (layout, bins) = (self.frame.layout, &self.bins);
+        let mut random = Random::default();
+        let steps: Vec<DVector<f64>> = (0..free)
+            .map(|_| {
+                let hessian = &self.system.hessian;
+                let mut step = DVector::from_fn(layout.size(), |at, _| {
+                    random.next() * hessian.get(&layout.pattern, at, at).max(0.0).sqrt()
+                });
+                self.kkt.solve(self.frame, &mut step);
+                step
+            })
+            .collect();
+        let mut seen = traces(self.frame, self.point, bins, &steps);
+        let times = seen.pop().expect("the last is of the times");
+        let mut directions: Vec<Vec<Six>> = Vec::new();
+        if self.frame.problem.times_are_unknown() {
+            for bin in 0..bins.count() {
+                let mut column = vec![[0.0; 6]; bins.count()];
+                column[bin] = times.sums[bin];
+                directions.push(column);
+            }
+        }
+        directions.extend(seen.iter().map(|trace| bins.means(&trace.sums)));
+        orthonormal(directions)
+    }
+
+    /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance, were the weights all there is to say.
+    pub fn of(&self, at: &[usize]) -> DMatrix<f64> {
+        let mut result = DMatrix::zeros(at.len(), at.len());
+        for (column, unknown) in at.iter().enumerate() {
+            let x = self.answer(&[(*unknown, 1.0)]);
+            for (row, other) in at.iter().enumerate() {
+                result[(row, column)] = x[*other];
+            }
+        }
+        result
+    }
+
+    /// Standard deviations of some sums of unknowns, each with its factor; `None` where a sum is of
+    /// none, or where the performance does not determine it.
+    pub fn sds(&self, sums: &[Moment]) -> Vec<Option<f64>> {
+        let mut sds = Vec::with_capacity(sums.len());
+        for some in sums.chunks(AT_ONCE) {
+            let answers: Vec<DVector<f64>> = some.iter().map(|sum| self.answer(sum)).collect();
+            let traces = traces(self.frame, self.point, &self.bins, &answers);
+            let each = some.iter().zip(&answers).zip(&traces);
+            sds.extend(each.map(|((sum, answer), trace)| {
+                let own: f64 = sum.iter().map(|(at, factor)| factor * answer[*at]).sum();
+                self.sd(own, answer, trace).filter(|_| !sum.is_empty())
+            }));
+        }
+        sds
+    }
+
+    /// Standard deviation of what answers to errors like `answer`, and to a pull at itself by `own`;
+    /// `None` where the performance does not determine it.
+    pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
+        let answers = std::slice::from_ref(answer);
+        let traces = traces(self.frame, self.point, &self.bins, answers);
+        self.sd(own, answer, &traces[0])
+    }
+
+    /// `P m`: how all unknowns answer to a pull at a sum of some.
+    fn answer(&self, sum: &[(usize, f64)]) -> DVector<f64> {
+        let mut x = DVector::zeros(self.frame.layout.size());
+        for (at, factor) in sum {
+            x[*at] += factor;
+        }
+        self.kkt.solve(self.frame, &mut x);
+        x
+    }
+
+    fn sd(&self, own: f64, answer: &DVector<f64>, trace: &Trace) -> Option<f64> {
+        // Written so that NaN is undetermined too.
+        if !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own) {
+            return None;
+        }
+        let priors = (own - trace.squares[0] - trace.squares[1] + self.marks(answer)).max(0.0);
+        Some((self.noise.variance(trace) + priors).sqrt())
+    }
+
+    /// What marks add to a variance beyond being priors: they count as often as samples do, but are
+    /// off by what they say.
+    fn marks(&self, answer: &DVector<f64>) -> f64 {
+        let (problem, layout) = (self.frame.problem, self.frame.layout);
+        let of_mark = |mark: &EventMark| {
+            let by = mark.term(problem, self.point).jacobian;
+            let by = layout.of_mark(mark).into_iter().zip(by);
+            let seen: f64 = by.filter_map(|(at, by)| Some(by * answer[at?])).sum();
+            (mark.counted - 1.0) * seen * seen
+        };
+        problem.marks.iter().map(of_mark).sum()
+    }
+}
+
+/// Rows that always hold.
+fn equalities(system: &System) -> usize {
+    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
+    bounds.filter(|(lower, upper)| lower == upper).count()
+}
+
+/// Gram and Schmidt's columns of the same span, each made twice against rounding.
+fn orthonormal(directions: Vec<Vec<Six>>) -> Vec<Vec<Six>> {
+    let dot = |a: &[Six], b: &[Six]| -> f64 {
+        let all = a.iter().flatten().zip(b.iter().flatten());
+        all.map(|(a, b)| a * b).sum()
+    };
+    let mut columns: Vec<Vec<Six>> = Vec::new();
+    for mut direction in directions {
+        let scale = |direction: &mut Vec<Six>| {
+            let norm = dot(direction, direction).sqrt();
+            direction
+                .iter_mut()
+                .flatten()
+                .for_each(|entry| *entry /= norm);
+            norm
+        };
+        if !(scale(&mut direction) > 0.0) {
+            continue;
+        }
+        let mut left = 1.0;
+        for _ in 0..2 {
+            for column in &columns {
+                let share = dot(column, &direction);
+                let pairs = direction.iter_mut().flatten().zip(column.iter().flatten());
+                pairs.for_each(|(entry, other)| *entry -= share * other);
+            }
+            left *= scale(&mut direction);
+        }
+        if left > DEPENDENT {
+            columns.push(direction);
+        }
+    }
+    columns
+}
+
+/// A repeatable stand-in for random numbers, uniform in ±1 (Marsaglia's xorshift).
+struct Random(u64);
+
+impl Default for Random {
+    fn default() -> Self {
+        Self(0x9e37_79b9_7f4a_7c15)
+    }
+}
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}

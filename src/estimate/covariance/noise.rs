@@ -1,0 +1,250 @@
+//! What the residuals are made of: white noise, and a hand that wanders.
+//!
+//! White noise is read off the second differences of neighbouring residuals, which no slow wander
+//! reaches. The wander is a Gaussian process of unknown size, roughness and correlation time:
+//! Matérn's kernels of order ½ and 5⁄2 with times from a third of a flight to five flights (a hand's
+//! power falls with the third to fifth power of frequency, theirs with the second and sixth).
+//! Nothing picks one of them, for a take says little about it: each counts by its restricted
+//! likelihood, and `K̄`, the mean of their covariances, is what the variance of an estimate is made with.
+
+use super::bins::Bins;
+use super::likelihood::{Columns, Gram, log_likelihood};
+use super::trace::{Six, Trace};
+
+/// Correlation times, in flights.
+const TIMES: [f64; 3] = [0.3, 1.2, 5.0];
+/// Variances of the wander, in mean square residuals. What the fit absorbs of a slow wander is a
+/// multiple of what it leaves.
+const SIZES: [f64; 4] = [0.125, 1.0, 8.0, 64.0];
+/// Prior of a variance: as it to this power. Few contrasts tell of the slowest wander, and their
+/// likelihood leans to the small side; with a half 95 % intervals hold (see `tools/study/results`).
+const PRIOR_POWER: f64 = 0.5;
+/// Prior of no wander at all, as a logarithm.
+const PRIOR_NONE: f64 = 1.1;
+/// Contrasts that must be left after the fit, or the residuals say nothing.
+const CONTRASTS_MIN: usize = 6;
+
+/// Roughness of a wander: Matérn's order.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    Half,
+    FiveHalves,
+}
+
+impl Order {
+    const ALL: [Self; 2] = [Self::Half, Self::FiveHalves];
+
+    /// Correlation at a distance, in correlation times.
+    fn correlation(self, distance: f64) -> f64 {
+        match self {
+            Self::Half => (-distance).exp(),
+            Self::FiveHalves => {
+                let x = 5_f64.sqrt() * distance;
+                (1.0 + x + x * x / 3.0) * (-x).exp()
+            }
+        }
+    }
+}
+
+/// Covariance of residuals, of positions and of orientations, in squared units.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    /// Variance of the white part.
+    pub white: [f64; 2],
+    /// Covariance of the bins' wander, row by row; nothing, where there is none.
+    wander: [Vec<f64>; 2],
+}
+
+/// One covariance of one kind, and what it makes of the residuals.
+struct Candidate {
+    /// Which correlation.
+    shape: usize,
+    /// Variance of the wander.
+    size: f64,
+    log_prior: f64,
+    gram: Gram,
+}
+
+impl Noise {
+    /// White noise of one unit: what the weights say.
+    pub fn stated() -> Self {
+        Self::white_only([1.0; 2])
+    }
+
+    fn white_only(white: [f64; 2]) -> Self {
+        Self {
+            white,
+            wander: [Vec::new(), Vec::new()],
+        }
+    }
+
+    /// As the residuals tell, of which the fit has absorbed the directions `absorbed`, orthonormal
+    /// columns over the bins.
+    pub fn of(bins: &Bins, residuals: &[Vec<Six>], absorbed: &[Vec<Six>]) -> Self {
+        if absorbed.len() + CONTRASTS_MIN > 6 * bins.count() {
+            return Self::stated();
+        }
+        let white = white(residuals);
+        let squares = mean_squares(residuals);
+        let means = bins.mean_residuals(residuals);
+        let shapes = shapes(bins);
+        let [positions, orientations] = [0, 1].map(|kind| {
+            let columns: Vec<&[Six]> = absorbed
+                .iter()
+                .map(Vec::as_slice)
+                .chain([means.as_slice()])
+                .collect();
+            let columns = Columns::new(columns.into_iter(), kind);
+            candidates(bins, &shapes, &columns, (white[kind], squares[kind]))
+        });
+        if positions.is_empty() || orientations.is_empty() {
+            return Self::white_only(squares);
+        }
+        let against = |one: &[Candidate], other: &Candidate| -> Vec<f64> {
+            let each = one.iter();
+            each.map(|one| one.log_prior + log_likelihood([&one.gram, &other.gram]))
+                .collect()
+        };
+        // The kinds share no more than what the fit absorbs: each against the other's best.
+        let middle = &orientations[orientations.len() / 2];
+        let of_positions = against(&positions, middle);
+        let of_orientations = against(&orientations, &positions[largest(&of_positions)]);
+        let weights = [of_positions, of_orientations];
+        let is_told = |logs: &Vec<f64>| logs[largest(logs)].is_finite();
+        if !weights.iter().all(is_told) {
+            return Self::white_only(squares);
+        }
+        let mean =
+            |candidates: &[Candidate], logs: &[f64]| mean_covariance(&shapes, candidates, logs);
+        Self {
+            white,
+            wander: [
+                mean(&positions, &weights[0]),
+                mean(&orientations, &weights[1]),
+            ],
+        }
+    }
+
+    /// Variance of the sum of all residuals, each weighed as `trace` says.
+    pub fn variance(&self, trace: &Trace) -> f64 {
+        let sums = &trace.sums;
+        let of_kind = |kind: usize| {
+            let rows = self.wander[kind].chunks_exact(sums.len());
+            let wander: f64 = rows
+                .zip(sums)
+                .map(|(row, left)| {
+                    let pairs = row.iter().zip(sums);
+                    let dot = |right: &Six| -> f64 {
+                        (3 * kind..3 * kind + 3)
+                            .map(|axis| left[axis] * right[axis])
+                            .sum()
+                    };
+                    pairs.map(|(entry, right)| entry * dot(right)).sum::<f64>()
+                })
+                .sum();
+            self.white[kind] * trace.squares[kind] + wander
+        };
+        of_kind(0) + of_kind(1)
+    }
+}
+
+/// Correlations of the bins, row by row, for every roughness and time. Bodies wander by themselves.
+fn shapes(bins: &Bins) -> Vec<Vec<f64>> {
+    let all = Order::ALL
+        .iter()
+        .flat_map(|order| TIMES.map(|time| (order, time)));
+    all.map(|(order, time)| {
+        let time_s = time * bins.flight_s;
+        let each = bins
+            .bins
+            .iter()
+            .flat_map(|a| bins.bins.iter().map(move |b| (a, b)));
+        each.map(|(a, b)| {
+            if a.body == b.body && time_s > 0.0 {
+                order.correlation((a.time_s - b.time_s).abs() / time_s)
+            } else {
+                f64::from(u8::from(a == b))
+            }
+        })
+        .collect()
+    })
+    .collect()
+}
+
+/// Every size of every shape, and no wander.
+fn candidates(
+    bins: &Bins,
+    shapes: &[Vec<f64>],
+    columns: &Columns,
+    (white, square): (f64, f64),
+) -> Vec<Candidate> {
+    let count = bins.count();
+    // Rounding, where there is no noise at all.
+    let floor = 1e-9 * square + 1e-300;
+    let candidate = |shape: usize, size: f64, log_prior: f64| {
+        let mut covariance: Vec<f64> = shapes[shape].iter().map(|entry| size * entry).collect();
+        for (bin, of) in bins.bins.iter().enumerate() {
+            covariance[bin * count + bin] += white / of.samples as f64 + floor;
+        }
+        Some(Candidate {
+            shape,
+            size,
+            log_prior,
+            gram: columns.gram(&covariance)?,
+        })
+    };
+    let wanders = (0..shapes.len()).flat_map(|shape| SIZES.map(|size| (shape, size)));
+    let wanders = wanders
+        .filter_map(|(shape, size)| candidate(shape, size * square, PRIOR_POWER * size.ln()));
+    let none = PRIOR_NONE + (shapes.len() as f64).ln();
+    wanders.chain(candidate(0, 0.0, none)).collect()
+}
+
+/// The mean of what the candidates say, each by its likelihood.
+fn mean_covariance(shapes: &[Vec<f64>], candidates: &[Candidate], logs: &[f64]) -> Vec<f64> {
+    let most = logs[largest(logs)];
+    let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let mut mean = vec![0.0; shapes[0].len()];
+    for (candidate, weight) in candidates.iter().zip(&weights) {
+        let size = candidate.size * weight / total;
+        for (mean, entry) in mean.iter_mut().zip(&shapes[candidate.shape]) {
+            *mean += size * entry;
+        }
+    }
+    mean
+}
+
+fn largest(values: &[f64]) -> usize {
+    let all = values.iter().enumerate();
+    all.max_by(|a, b| a.1.total_cmp(b.1))
+        .map_or(0, |(at, _)| at)
+}
+
+/// Of positions and of orientations, per axis.
+fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
+    let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
+    let mut sums = [0.0; 2];
+    for residual in residuals.iter().flatten() {
+        for (axis, value) in residual.iter().enumerate() {
+            sums[axis / 3] += value * value;
+        }
+    }
+    sums.map(|sum| sum / (3 * count) as f64)
+}
+
+/// Variance of white noise: a sixth of the mean square of second differences along the arcs, or the
+/// mean square residual where no arc has three samples.
+fn white(residuals: &[Vec<Six>]) -> [f64; 2] {
+    let second = |three: &[Six]| -> Six {
+        std::array::from_fn(|axis| three[0][axis] - 2.0 * three[1][axis] + three[2][axis])
+    };
+    let differences: Vec<Six> = residuals
+        .iter()
+        .flat_map(|arc| arc.windows(3).map(second))
+        .collect();
+    if differences.is_empty() {
+        return mean_squares(residuals);
+    }
+    mean_squares(&[differences]).map(|square| square / 6.0)
+}

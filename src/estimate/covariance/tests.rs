@@ -1,0 +1,253 @@
+//! The parts against independent ones: derivatives numeric, algebra dense, noise made up.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::bins::{Bin, Bins};
+use super::likelihood::{Columns, log_likelihood};
+use super::noise::Noise;
+use super::trace::{Six, traces};
+use crate::estimate::outcome;
+use crate::estimate::tests::each_case;
+
+/// A repeatable stand-in for noise, uniform with variance one.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        3_f64.sqrt() * ((self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    }
+
+    fn six(&mut self) -> Six {
+        std::array::from_fn(|_| self.next())
+    }
+}
+
+#[test]
+fn traces_are_the_residuals_derivatives() {
+    each_case(0.0, |frame, _, point, lengths| {
+        let problem = frame.problem;
+        let mut random = Random(7);
+        let step = DVector::from_iterator(lengths.len(), lengths.iter().map(|l| l * random.next()));
+        let bins = Bins::new(problem, point);
+        let sums = |share: f64| {
+            let mut there = point.clone();
+            there.retract_from(point, problem, frame.layout, &(&step * share));
+            let mut sums = vec![[0.0; 6]; bins.count()];
+            let residuals = outcome::errors(problem, frame, &there);
+            for (residual, bin) in residuals.iter().flatten().zip(&bins.of_samples) {
+                (0..6).for_each(|axis| sums[*bin][axis] += residual[axis]);
+            }
+            sums
+        };
+        const SHARE: f64 = 1e-5;
+        let (before, after) = (sums(-SHARE), sums(SHARE));
+        let exact = &traces(frame, point, &bins, std::slice::from_ref(&step))[0].sums;
+        for (bin, exact) in exact.iter().enumerate() {
+            for axis in 0..6 {
+                let numeric = (after[bin][axis] - before[bin][axis]) / (2.0 * SHARE);
+                let error = (numeric - exact[axis]).abs();
+                assert!(
+                    error < 1e-5 * (1.0 + numeric.abs()),
+                    "{bin} {axis}: {numeric} {}",
+                    exact[axis]
+                );
+            }
+        }
+    });
+}
+
+/// Bins of one body, a second apart, of so many samples each.
+fn row_of_bins(count: usize, samples: usize) -> Bins {
+    Bins {
+        bins: (0..count)
+            .map(|bin| Bin {
+                body: 0,
+                time_s: bin as f64,
+                samples,
+            })
+            .collect(),
+        of_samples: (0..count * samples)
+            .map(|sample| sample / samples)
+            .collect(),
+        flight_s: 4.0,
+    }
+}
+
+#[test]
+fn the_likelihood_is_that_of_contrasts() {
+    const BINS: usize = 5;
+    let mut random = Random(3);
+    let mut column = || -> Vec<Six> { (0..BINS).map(|_| random.six()).collect() };
+    let absorbed = [column(), column(), column(), column()];
+    let residual = column();
+    let kernel = |time: f64, white: f64| {
+        DMatrix::from_fn(BINS, BINS, |i, j| {
+            let correlation = (-(i as f64 - j as f64).abs() / time).exp();
+            2.0 * correlation + if i == j { white } else { 0.0 }
+        })
+    };
+    // Contrasts: an orthonormal basis of what the absorbed columns are not.
+    let dense = |column: &Vec<Six>| DVector::from_fn(6 * BINS, |at, _| column[at / 6][at % 6]);
+    let columns: Vec<DVector<f64>> = absorbed.iter().map(dense).collect();
+    let a = DMatrix::from_columns(&columns);
+    let hat = &a * (a.transpose() * &a).try_inverse().unwrap() * a.transpose();
+    let eigen = (DMatrix::identity(6 * BINS, 6 * BINS) - hat).symmetric_eigen();
+    let kept = (0..6 * BINS).filter(|at| eigen.eigenvalues[*at] > 0.5);
+    let kept: Vec<_> = kept
+        .map(|at| eigen.eigenvectors.column(at).into_owned())
+        .collect();
+    assert_eq!(kept.len(), 6 * BINS - 4);
+    let contrasts = DMatrix::from_columns(&kept);
+    let seen = contrasts.transpose() * dense(&residual);
+
+    let both = |kinds: [(f64, f64); 2]| {
+        let kernels = kinds.map(|(time, white)| kernel(time, white));
+        let grams = [0, 1].map(|kind| {
+            let all = absorbed.iter().chain([&residual]).map(Vec::as_slice);
+            let all: Vec<&[Six]> = all.collect();
+            let covariance = kernels[kind].transpose();
+            Columns::new(all.into_iter(), kind)
+                .gram(covariance.as_slice())
+                .unwrap()
+        });
+        let whole = DMatrix::from_fn(6 * BINS, 6 * BINS, |i, j| {
+            if i % 6 == j % 6 {
+                kernels[(i % 6) / 3][(i / 6, j / 6)]
+            } else {
+                0.0
+            }
+        });
+        let covariance = contrasts.transpose() * whole * &contrasts;
+        let factor = covariance.cholesky().unwrap();
+        let exact = -0.5 * (factor.determinant().ln() + seen.dot(&factor.solve(&seen)));
+        (log_likelihood([&grams[0], &grams[1]]), exact)
+    };
+    // Up to a constant.
+    let (first, exact_first) = both([(1.0, 0.1), (3.0, 0.5)]);
+    let (second, exact_second) = both([(4.0, 1.0), (0.3, 0.2)]);
+    let error = (first - second) - (exact_first - exact_second);
+    assert!(
+        error.abs() < 1e-8,
+        "{first} {second}, {exact_first} {exact_second}"
+    );
+}
+
+/// A constant and a slope on every axis, orthonormal: what a flight's own fit takes away.
+fn constants_and_slopes(bins: &Bins) -> Vec<Vec<Six>> {
+    let count = bins.count() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let slope = (0..bins.count())
+        .map(|bin| (bin as f64 - middle).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    let column = |axis: usize, value: &dyn Fn(f64) -> f64| -> Vec<Six> {
+        (0..bins.count())
+            .map(|bin| std::array::from_fn(|i| if i == axis { value(bin as f64) } else { 0.0 }))
+            .collect()
+    };
+    (0..6)
+        .flat_map(|axis| {
+            [
+                column(axis, &|_| count.sqrt().recip()),
+                column(axis, &|bin| (bin - middle) / slope),
+            ]
+        })
+        .collect()
+}
+
+/// Weights that sum residuals over all bins alike: what a slow wander pushes.
+fn alike(bins: &Bins) -> super::trace::Trace {
+    super::trace::Trace {
+        sums: vec![[1.0; 6]; bins.count()],
+        squares: [3.0 * bins.count() as f64; 2],
+    }
+}
+
+#[test]
+fn white_noise_is_seen_as_such() {
+    const SAMPLES: usize = 40;
+    let bins = row_of_bins(8, SAMPLES);
+    let mut random = Random(5);
+    let residuals: Vec<Six> = (0..8 * SAMPLES).map(|_| random.six()).collect();
+    let noise = Noise::of(&bins, &[residuals], &constants_and_slopes(&bins));
+    for white in noise.white {
+        assert!((white - 1.0).abs() < 0.1, "{white}");
+    }
+    // Variance of a contrast between neighbouring bins.
+    let mut trace = alike(&bins);
+    for (bin, six) in trace.sums.iter_mut().enumerate() {
+        *six = [if bin % 2 == 0 { 1.0 } else { -1.0 } * SAMPLES as f64; 6];
+    }
+    let count = (8 * SAMPLES) as f64;
+    trace.squares = [3.0 * count; 2];
+    let ratio = noise.variance(&trace) / (6.0 * count);
+    assert!((0.9..1.5).contains(&ratio), "{ratio}");
+}
+
+/// A wander that goes astray like a random walk, of which the fit has absorbed line and constant.
+/// Without saying so, what is left looks small.
+#[test]
+fn what_the_fit_absorbs_of_a_slow_wander_counts() {
+    const SAMPLES: usize = 5;
+    let bins = row_of_bins(12, SAMPLES);
+    let absorbed = constants_and_slopes(&bins);
+    let (mut known, mut unknown, mut truth) = (0.0, 0.0, 0.0);
+    for seed in 1..=20 {
+        let mut random = Random(seed * 977);
+        let mut at = [0.0; 6];
+        let mut walk: Vec<Six> = (0..bins.of_samples.len())
+            .map(|_| {
+                at.iter_mut().for_each(|at| *at += random.next());
+                let noise = random.six();
+                std::array::from_fn(|axis| at[axis] + 0.1 * noise[axis])
+            })
+            .collect();
+        for axis in 0..6 {
+            let count = walk.len() as f64;
+            let mean = walk.iter().map(|six| six[axis]).sum::<f64>() / count;
+            let place = |sample: usize| sample as f64 - 0.5 * (count - 1.0);
+            let moment: f64 = walk
+                .iter()
+                .enumerate()
+                .map(|(at, six)| place(at) * six[axis])
+                .sum();
+            let slope = moment / (0..walk.len()).map(|at| place(at).powi(2)).sum::<f64>();
+            truth += slope * slope / 120.0;
+            for (at, six) in walk.iter_mut().enumerate() {
+                six[axis] -= mean + slope * place(at);
+            }
+        }
+        // How the slope answers to the residuals.
+        let mut trace = alike(&bins);
+        let count = bins.of_samples.len();
+        let place = |sample: usize| sample as f64 - 0.5 * (count as f64 - 1.0);
+        let square: f64 = (0..count).map(|at| place(at).powi(2)).sum();
+        trace.sums = vec![[0.0; 6]; bins.count()];
+        for sample in 0..count {
+            trace.sums[sample / SAMPLES][0] += place(sample) / square;
+        }
+        trace.squares = [1.0 / square, 0.0];
+        let residuals = [walk];
+        known += Noise::of(&bins, &residuals, &absorbed).variance(&trace) / 20.0;
+        unknown += Noise::of(&bins, &residuals, &[]).variance(&trace) / 20.0;
+    }
+    let ratio = (known / truth).sqrt();
+    assert!((0.7..2.5).contains(&ratio), "{ratio}");
+    assert!(unknown < 0.8 * known, "{unknown} {known}");
+}
+
+#[test]
+fn a_perfect_fit_and_no_samples_to_spare() {
+    let bins = row_of_bins(8, 5);
+    let trace = alike(&bins);
+    let absorbed = constants_and_slopes(&bins);
+    let noise = Noise::of(&bins, &[vec![[0.0; 6]; 40]], &absorbed);
+    assert!(noise.variance(&trace) < 1e-12);
+    // As many directions as the bins have: the weights are all there is.
+    let bins = row_of_bins(2, 1);
+    let noise = Noise::of(&bins, &[vec![[0.3; 6]; 2]], &constants_and_slopes(&bins));
+    assert_eq!(noise.white, [1.0; 2]);
+}
