@@ -24,7 +24,7 @@ mod stamping;
 #[path = "../tools/tracker/mod.rs"]
 mod tracker;
 
-use harness::{Daemon, House, bytes, enact};
+use harness::{Daemon, House, Patience, bytes, enact, ended};
 
 fn scene_of(recording: &Recording) -> Scene {
     let toml = recording.scene_toml().expect("scene attached");
@@ -230,19 +230,19 @@ fn a_recording_that_is_published_looks_like_a_live_take() {
         "4",
         "--publish",
     ];
-    let mut replay = house.spawn_enact(&arguments);
+    let replay = house.spawn_enact(&arguments);
     // As a consumer does: until the estimate is there.
     let (mut sent, mut estimate) = (Vec::new(), None);
-    let begun = std::time::Instant::now();
+    let patience = Patience::new();
     while estimate.is_none() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no estimate");
+        patience.check("an estimate");
         while let Some(sample) = poses.receive().expect("receive") {
             sent.push(*sample);
         }
         estimate = estimates.receive().expect("receive").map(|sample| *sample);
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert_eq!(replay.wait().expect("wait").code(), Some(0));
+    assert_eq!(ended(replay).status.code(), Some(0));
     let estimate = estimate.expect("an estimate");
     assert_eq!(
         (estimate.verdict, estimate.is_final, estimate.marks),
@@ -419,7 +419,9 @@ fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
     let answer = |command: Command, sequence: u64| {
         assert_eq!(director.control(command, 7, sequence, 5).expect("send"), 1);
+        let patience = Patience::new();
         loop {
+            patience.check("an answer");
             let heard = answers.next().expect("answers");
             let Some(heard) = heard else {
                 std::thread::sleep(Duration::from_millis(1));
@@ -450,8 +452,13 @@ type Earlier = Vec<(PathBuf, Vec<u8>)>;
 
 /// Kills a daemon in the middle of a real-time load, when `moment` says so, and recovers. What
 /// of the time before is not in the recording [ns].
-fn lost_by_kill(house: &House, earlier: &mut Earlier, moment: impl FnOnce(&mut Daemon)) -> i64 {
-    let mut daemon = Daemon::start(house, "config/pencil_tip.toml", &["--start"]);
+fn lost_by_kill(
+    house: &House,
+    scene: &str,
+    earlier: &mut Earlier,
+    moment: impl FnOnce(&mut Daemon),
+) -> i64 {
+    let mut daemon = Daemon::start(house, scene, &["--start"]);
     daemon.wait_for("started");
     // It goes on after the daemon is gone.
     let load = [
@@ -460,20 +467,27 @@ fn lost_by_kill(house: &House, earlier: &mut Earlier, moment: impl FnOnce(&mut D
         "--rate-hz",
         "1000",
         "--seconds",
-        "1.8",
+        "2.5",
         "--names",
         "pencil",
     ];
     let child = house.spawn_tracker(&[&load[..], &["--wait", "1"]].concat());
     moment(&mut daemon);
     let killed_ns = daemon.kill();
-    let output = child.wait_with_output().expect("tracker");
+    let output = ended(child);
     let [part] = &house.parts()[..] else {
         panic!("{:?}", house.parts());
     };
     let said = enact(&["recover", house.text(house.folder()), "--format", "ndjson"]);
     let said: serde_json::Value = serde_json::from_str(&said).expect("json");
-    assert_eq!(said["removed"], true);
+    // A chunk that was being written may not be whole; nothing else may be unread.
+    let unread = said["unread"].as_array().expect("ranges");
+    assert!(
+        unread.iter().all(|range| range[1] == said["bytes"]),
+        "{said}"
+    );
+    let kept = PathBuf::from(said["kept"].as_str().expect("a path"));
+    assert!(kept.exists() && !part.exists(), "{said}");
     let saved = house.folder().join(part.file_stem().expect("name"));
     let sequences = raw_sequences(&saved);
     let raw = said["topics"].as_array().expect("topics").iter();
@@ -541,16 +555,33 @@ fn a_take_is_directed_from_the_command_line() {
     assert_eq!(take(&["status"], 1), "");
 }
 
+/// Between two flushes a kill costs most: the moment is taken from the last one seen, and lies
+/// also where a daemon that flushed less often would lose more than it may.
 #[test]
 fn of_a_killed_daemon_all_but_the_stated_window_is_recovered() {
+    use rand::{RngExt, SeedableRng};
+    const CHUNK_MS: u64 = 200;
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(41);
     let house = House::new();
+    let scene = house.folder().join("scene.toml");
+    let text = std::fs::read_to_string("config/pencil_tip.toml").expect("scene");
+    let text = format!("{text}\n[capture]\nchunk_ms = {CHUNK_MS}\n");
+    std::fs::write(&scene, text).expect("write");
     let mut earlier = Earlier::new();
-    // Killed at moments spread over the take.
-    for after in [30, 400, 990] {
-        let moment = |daemon: &mut Daemon| daemon.wait_until_journalled(after);
-        let lost_ns = lost_by_kill(&house, &mut earlier, moment);
-        // The open chunk of 100 ms, and what a busy machine holds up.
-        assert!(lost_ns < 300_000_000, "after {after}: {lost_ns} ns");
+    for (samples, least_ms) in [(30, 60), (200, 230), (400, 260), (100, 500), (700, 120)] {
+        let after = Duration::from_millis(least_ms + random.random_range(0..30));
+        let mut stalled = Duration::ZERO;
+        let moment = |daemon: &mut Daemon| {
+            daemon.wait_until_journalled(samples);
+            stalled = daemon.wait_after_growth(after);
+        };
+        let lost_ns = lost_by_kill(&house, house.text(&scene), &mut earlier, moment);
+        let lost = Duration::from_nanos(lost_ns as u64);
+        let bound = Duration::from_millis(CHUNK_MS) + stalled;
+        assert!(
+            lost <= bound,
+            "{after:?} after a flush: {lost:?}, may be {bound:?}"
+        );
     }
     let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &[]);
     assert_eq!(daemon.ready["abandoned"].as_array().map(Vec::len), Some(0));
@@ -568,7 +599,8 @@ fn a_hundred_kills_at_random_moments() {
         .map(|_| {
             let after = Duration::from_millis(random.random_range(0..1800));
             let moment = |_: &mut Daemon| std::thread::sleep(after);
-            lost_by_kill(&house, &mut earlier, moment) as f64 * 1e-6
+            let scene = "config/pencil_tip.toml";
+            lost_by_kill(&house, scene, &mut earlier, moment) as f64 * 1e-6
         })
         .collect();
     lost_ms.sort_by(f64::total_cmp);
@@ -576,7 +608,8 @@ fn a_hundred_kills_at_random_moments() {
         "lost: median {:.1} ms, 90 %: {:.1} ms, most {:.1} ms",
         lost_ms[50], lost_ms[90], lost_ms[99]
     );
-    assert!(lost_ms[99] < 300.0);
+    // chunk_ms, by default, and what a busy machine holds up.
+    assert!(lost_ms[90] <= 100.0 && lost_ms[99] < 200.0);
 }
 
 #[test]
@@ -758,7 +791,7 @@ fn a_full_disk_ends_the_recording_and_not_the_daemon() {
     let broken = daemon.wait_for("broken");
     let error = broken["error"].as_str().expect("text");
     assert!(error.contains("No space left"), "{error}");
-    assert!(child.wait_with_output().expect("tracker").status.success());
+    assert!(ended(child).status.success());
     // It lives: the stop that follows makes no sense any more, and is answered.
     assert_eq!(daemon.wait_for("refused")["reason"], "no take runs");
     let copy = house.folder().join("copy.mcap");

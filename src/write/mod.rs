@@ -10,6 +10,7 @@
 
 pub mod atomic;
 mod checks;
+mod dialect;
 mod drawing;
 pub mod error;
 pub mod estimate;
