@@ -17,7 +17,7 @@
 //! ([`Journal::sync_handle`]). [`crate::write::recover()`] makes a recording of what is left.
 //!
 //! Every chunk can be read without those before it: before the first message of a channel it
-//! repeats that channel and its schema, in a private record ([`mod@repeats`]) that others skip.
+//! repeats that channel and its schema, in a private record that others skip.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
