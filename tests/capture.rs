@@ -3,7 +3,7 @@
 //! Every test has an iceoryx2 of its own. Nothing is waited for by sleeping where the daemon
 //! says that it has happened.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use enact::config::scene_from_toml;
@@ -17,6 +17,8 @@ use enact::write::TrackerPublisher;
 
 #[path = "capture/harness.rs"]
 mod harness;
+#[path = "capture/kills.rs"]
+mod kills;
 #[path = "capture/peers.rs"]
 mod peers;
 #[path = "capture/stamping.rs"]
@@ -24,7 +26,7 @@ mod stamping;
 #[path = "../tools/tracker/mod.rs"]
 mod tracker;
 
-use harness::{Daemon, House, bytes, enact};
+use harness::{Daemon, House, Patience, bytes, enact, ended};
 
 fn scene_of(recording: &Recording) -> Scene {
     let toml = recording.scene_toml().expect("scene attached");
@@ -230,19 +232,19 @@ fn a_recording_that_is_published_looks_like_a_live_take() {
         "4",
         "--publish",
     ];
-    let mut replay = house.spawn_enact(&arguments);
+    let replay = house.spawn_enact(&arguments);
     // As a consumer does: until the estimate is there.
     let (mut sent, mut estimate) = (Vec::new(), None);
-    let begun = std::time::Instant::now();
+    let patience = Patience::new();
     while estimate.is_none() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no estimate");
+        patience.check("an estimate");
         while let Some(sample) = poses.receive().expect("receive") {
             sent.push(*sample);
         }
         estimate = estimates.receive().expect("receive").map(|sample| *sample);
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert_eq!(replay.wait().expect("wait").code(), Some(0));
+    assert_eq!(ended(replay).status.code(), Some(0));
     let estimate = estimate.expect("an estimate");
     assert_eq!(
         (estimate.verdict, estimate.is_final, estimate.marks),
@@ -419,7 +421,9 @@ fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
     let answer = |command: Command, sequence: u64| {
         assert_eq!(director.control(command, 7, sequence, 5).expect("send"), 1);
+        let patience = Patience::new();
         loop {
+            patience.check("an answer");
             let heard = answers.next().expect("answers");
             let Some(heard) = heard else {
                 std::thread::sleep(Duration::from_millis(1));
@@ -443,62 +447,6 @@ fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
     assert_eq!(daemon.kept("started"), 1);
     assert_eq!(daemon.kept("discarded"), 1);
     daemon.end();
-}
-
-/// Takes that were recovered, and what they were then.
-type Earlier = Vec<(PathBuf, Vec<u8>)>;
-
-/// Kills a daemon in the middle of a real-time load, when `moment` says so, and recovers. What
-/// of the time before is not in the recording [ns].
-fn lost_by_kill(house: &House, earlier: &mut Earlier, moment: impl FnOnce(&mut Daemon)) -> i64 {
-    let mut daemon = Daemon::start(house, "config/pencil_tip.toml", &["--start"]);
-    daemon.wait_for("started");
-    // It goes on after the daemon is gone.
-    let load = [
-        "--load",
-        "1",
-        "--rate-hz",
-        "1000",
-        "--seconds",
-        "1.8",
-        "--names",
-        "pencil",
-    ];
-    let child = house.spawn_tracker(&[&load[..], &["--wait", "1"]].concat());
-    moment(&mut daemon);
-    let killed_ns = daemon.kill();
-    let output = child.wait_with_output().expect("tracker");
-    let [part] = &house.parts()[..] else {
-        panic!("{:?}", house.parts());
-    };
-    let said = enact(&["recover", house.text(house.folder()), "--format", "ndjson"]);
-    let said: serde_json::Value = serde_json::from_str(&said).expect("json");
-    assert_eq!(said["removed"], true);
-    let saved = house.folder().join(part.file_stem().expect("name"));
-    let sequences = raw_sequences(&saved);
-    let raw = said["topics"].as_array().expect("topics").iter();
-    let mut raw = raw.filter(|topic| topic[0] == "/capture/tracker/pencil/pose");
-    let found = raw.next().and_then(|topic| topic[1].as_u64());
-    assert_eq!(found, Some(sequences.len() as u64));
-    assert!(
-        Recording::open(&saved)
-            .expect("open")
-            .container()
-            .is_sorted()
-    );
-    // From the first on none is missing and none doubled.
-    let numbers = sequences.iter().map(|(sequence, _)| *sequence);
-    assert!(numbers.eq(0..sequences.len() as u64));
-    for (path, before) in earlier.iter() {
-        assert!(bytes(path) == *before, "an earlier take was touched");
-    }
-    earlier.push((saved.clone(), bytes(&saved)));
-    let sent = String::from_utf8_lossy(&output.stdout);
-    let sent = sent.lines().find(|line| line.starts_with('{'));
-    let sent: Option<serde_json::Value> = sent.and_then(|line| serde_json::from_str(line).ok());
-    let first_ns = sent.and_then(|sent| sent["first_ns"].as_i64());
-    let last_ns = sequences.last().map(|(_, sent_ns)| *sent_ns).or(first_ns);
-    last_ns.map_or(0, |last_ns| (killed_ns - last_ns).max(0))
 }
 
 #[test]
@@ -539,44 +487,6 @@ fn a_take_is_directed_from_the_command_line() {
     assert_eq!((marks.count(), named.count()), (4, 1));
     // Without a daemon there is no answer.
     assert_eq!(take(&["status"], 1), "");
-}
-
-#[test]
-fn of_a_killed_daemon_all_but_the_stated_window_is_recovered() {
-    let house = House::new();
-    let mut earlier = Earlier::new();
-    // Killed at moments spread over the take.
-    for after in [30, 400, 990] {
-        let moment = |daemon: &mut Daemon| daemon.wait_until_journalled(after);
-        let lost_ns = lost_by_kill(&house, &mut earlier, moment);
-        // The open chunk of 100 ms, and what a busy machine holds up.
-        assert!(lost_ns < 300_000_000, "after {after}: {lost_ns} ns");
-    }
-    let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &[]);
-    assert_eq!(daemon.ready["abandoned"].as_array().map(Vec::len), Some(0));
-    daemon.end();
-}
-
-#[test]
-#[ignore = "takes minutes: cargo test --test capture -- --ignored --nocapture kills"]
-fn a_hundred_kills_at_random_moments() {
-    use rand::{RngExt, SeedableRng};
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(100);
-    let house = House::new();
-    let mut earlier = Earlier::new();
-    let mut lost_ms: Vec<f64> = (0..100)
-        .map(|_| {
-            let after = Duration::from_millis(random.random_range(0..1800));
-            let moment = |_: &mut Daemon| std::thread::sleep(after);
-            lost_by_kill(&house, &mut earlier, moment) as f64 * 1e-6
-        })
-        .collect();
-    lost_ms.sort_by(f64::total_cmp);
-    println!(
-        "lost: median {:.1} ms, 90 %: {:.1} ms, most {:.1} ms",
-        lost_ms[50], lost_ms[90], lost_ms[99]
-    );
-    assert!(lost_ms[99] < 300.0);
 }
 
 #[test]
@@ -758,7 +668,7 @@ fn a_full_disk_ends_the_recording_and_not_the_daemon() {
     let broken = daemon.wait_for("broken");
     let error = broken["error"].as_str().expect("text");
     assert!(error.contains("No space left"), "{error}");
-    assert!(child.wait_with_output().expect("tracker").status.success());
+    assert!(ended(child).status.success());
     // It lives: the stop that follows makes no sense any more, and is answered.
     assert_eq!(daemon.wait_for("refused")["reason"], "no take runs");
     let copy = house.folder().join("copy.mcap");

@@ -13,7 +13,7 @@ mod socket;
 #[path = "../tools/tracker/mod.rs"]
 mod tracker;
 
-use harness::{Daemon, House};
+use harness::{Daemon, House, Patience, ended};
 use socket::{Viewer, connect, exchange, get, status, upgrade};
 
 const RECORDING: &str = "recordings/pencil_tip.mcap";
@@ -61,9 +61,11 @@ fn metrics_are_right_while_a_take_runs_and_garbage_is_refused() {
     assert_eq!(metrics(&url)["enact_recording"], 0.0);
 
     let received = "enact_tracker_samples_total{topic=\"/tracker/pencil/pose\",fate=\"received\"}";
-    let mut tracker = house.spawn_tracker(&[RECORDING, "--take", "--rate", "1", "--now"]);
+    let tracker = house.spawn_tracker(&[RECORDING, "--take", "--rate", "1", "--now"]);
     // Both at once, while it runs; the page is up to a fifth of a second old.
+    let patience = Patience::new();
     let running = loop {
+        patience.check("samples are counted");
         let now = metrics(&url);
         if now["enact_recording"] == 1.0 && now.get(received).is_some_and(|n| *n > 0.0) {
             break now;
@@ -91,10 +93,12 @@ fn metrics_are_right_while_a_take_runs_and_garbage_is_refused() {
 
     daemon.wait_for("closed");
     daemon.wait_for("estimated");
-    assert!(tracker.wait().expect("wait").success());
+    assert!(ended(tracker).status.success());
     let all = (POSES + MARKS) as f64;
     // The recorder's counts are renewed five times a second.
+    let patience = Patience::new();
     let after = loop {
+        patience.check("the take is over");
         let now = metrics(&url);
         if now["enact_recording"] == 0.0 {
             break now;
@@ -176,11 +180,13 @@ fn viewers_see_the_tracker_the_motion_and_its_ghost_whatever_others_send() {
         Viewer::new(&url, expected.len()).send_raw(frame);
     }
 
-    let mut tracker = house.spawn_tracker(&[RECORDING, "--take", "--rate", "1", "--now"]);
+    let tracker = house.spawn_tracker(&[RECORDING, "--take", "--rate", "1", "--now"]);
     let (mut seen, mut frames, mut entities) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     let mut verdict = String::new();
     let (mut live_m, mut estimate_m) = (Vec::new(), Vec::new());
+    let patience = Patience::new();
     while seen.len() < expected.len() || frames.len() < 3 || verdict != "physical" {
+        patience.check("every topic, three frames, a verdict");
         let message = viewer.message();
         let data = &message.data[..];
         match message.topic.as_str() {
@@ -226,7 +232,7 @@ fn viewers_see_the_tracker_the_motion_and_its_ghost_whatever_others_send() {
     assert!(estimate_m.len() > 5, "{} poses", estimate_m.len());
     let closed = daemon.wait_for("closed");
     assert_eq!(closed["messages"].as_u64(), Some(POSES + MARKS));
-    assert!(tracker.wait().expect("wait").success());
+    assert!(ended(tracker).status.success());
     daemon.wait_for("estimated");
     daemon.end();
 }

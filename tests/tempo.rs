@@ -86,7 +86,10 @@ fn an_end_without_an_unknown_of_its_own_is_as_certain_as_dense_algebra_says() {
         assert_eq!(posed.layout.events[1], None);
         let uncertainty = Uncertainty::of(&case, &posed, 0.0).unwrap();
         let last = posed.layout.nodes.last().unwrap().unwrap();
-        let exact_s = (uncertainty.exact[(last, last)] * uncertainty.variance_factor).sqrt();
+        // With the weights for the errors, and with the errors that the residuals show.
+        let [stated, exact] = [&uncertainty.library, &uncertainty.exact].map(|of| of[(last, last)]);
+        assert!((stated / exact - 1.0).abs() < 0.02, "{stated} {exact}");
+        let exact_s = uncertainty.sds[last].expect("it is determined");
         let estimate = &outcome.estimate;
         let sd_s = estimate.events[1].sd_s.expect("it is determined");
         let name = style.word();

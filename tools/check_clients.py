@@ -1,4 +1,7 @@
-"""Checks one MCAP file with one client: check_clients.py mcap|rerun|rosbags FILE."""
+"""Checks one MCAP file with one client: check_clients.py mcap|rerun|rosbags FILE.
+
+`check_clients.py make-ros2 FILE FOLDER` writes the performance in it as ROS 2 would.
+"""
 
 import collections
 import json
@@ -95,20 +98,86 @@ def check_rerun(path):
 
 
 def check_rosbags(path):
-    """rosbags reads the ROS 2 profile only: it must say so, or read what is CDR."""
+    """rosbags reads the ROS 2 profile only: it reads all of that, and of others it must say so."""
+    from mcap.reader import make_reader
     from rosbags.highlevel import AnyReader, AnyReaderError
 
+    with open(path, "rb") as file:
+        reader = make_reader(file)
+        is_ros2 = reader.get_header().profile == "ros2"
+        expected = collections.Counter(
+            channel.topic for _, channel, _ in reader.iter_messages()
+        )
     try:
         with AnyReader([pathlib.Path(path)]) as reader:
-            count = sum(1 for _ in reader.messages())
-            print(f"rosbags   {count} messages on {sorted(reader.topics)}")
+            counts = collections.Counter()
+            for connection, _, data in reader.messages():
+                reader.deserialize(data, connection.msgtype)
+                counts[connection.topic] += 1
     except AnyReaderError as error:
-        if "ros2" not in str(error).lower():
+        if is_ros2 or "ros2" not in str(error).lower():
             fail(f"rosbags: {error}")
         print(f"rosbags   does not apply: {error}")
+        return
+    if counts != expected:
+        fail(f"rosbags reads {dict(counts)}, there are {dict(expected)}")
+    for topic in sorted(counts):
+        print(f"rosbags   {counts[topic]:6d} {topic}")
+
+
+def make_ros2(source, folder):
+    """Writes a performance as a ROS 2 recorder would: tracker poses, marks as headers."""
+    from mcap.reader import make_reader
+    from mcap_protobuf.decoder import DecoderFactory
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types = store.types
+    time_type, header_type = types["builtin_interfaces/msg/Time"], types["std_msgs/msg/Header"]
+    pose_type, point_type = types["geometry_msgs/msg/Pose"], types["geometry_msgs/msg/Point"]
+    stamped, turn = "geometry_msgs/msg/PoseStamped", types["geometry_msgs/msg/Quaternion"]
+
+    def header(stamp, frame):
+        return header_type(stamp=time_type(sec=stamp.seconds, nanosec=stamp.nanos), frame_id=frame)
+
+    with open(source, "rb") as file, Writer(
+        pathlib.Path(folder), version=9, storage_plugin=StoragePlugin.MCAP
+    ) as writer:
+        connections = {}
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        topics = [
+            channel.topic
+            for channel in reader.get_summary().channels.values()
+            if channel.topic.startswith("/tracker/") or channel.topic == "/marks"
+        ]
+        for _, channel, message, decoded in reader.iter_decoded_messages(topics=topics):
+            kind = "std_msgs/msg/Header" if channel.topic == "/marks" else stamped
+            if channel.topic not in connections:
+                connections[channel.topic] = writer.add_connection(
+                    channel.topic, kind, typestore=store
+                )
+            if channel.topic == "/marks":
+                names = [pair.value for pair in decoded.metadata if pair.key == "event"]
+                made = header(decoded.start_time, names[0] if names else "")
+            else:
+                p, q = decoded.pose.position, decoded.pose.orientation
+                made = types[stamped](
+                    header=header(decoded.timestamp, decoded.frame_id),
+                    pose=pose_type(
+                        position=point_type(x=p.x, y=p.y, z=p.z),
+                        orientation=turn(x=q.x, y=q.y, z=q.z, w=q.w),
+                    ),
+                )
+            data = store.serialize_cdr(made, kind)
+            writer.write(connections[channel.topic], message.log_time, data)
+    print(f"rosbags   {sum(1 for _ in connections)} topics written")
 
 
 if __name__ == "__main__":
-    {"mcap": check_mcap, "rerun": check_rerun, "rosbags": check_rosbags}[sys.argv[1]](
-        sys.argv[2]
-    )
+    {
+        "mcap": check_mcap,
+        "rerun": check_rerun,
+        "rosbags": check_rosbags,
+        "make-ros2": make_ros2,
+    }[sys.argv[1]](*sys.argv[2:])

@@ -3,7 +3,8 @@
 #
 #     tools/check_clients.sh [FILE.mcap...]
 #
-# Without a file it makes one (tools/sample_output.rs). Clients are installed once, pinned,
+# Without a file it makes two: tools/sample_output.rs, and the estimate of a ROS 2 recording that
+# rosbags writes of it, which rosbags must read whole. Clients are installed once, pinned,
 # under target/clients. Needs python3 with venv, node and npm.
 set -eu
 cd "$(dirname "$0")/.."
@@ -26,7 +27,10 @@ if [ $# -eq 0 ]; then
     made=$(mktemp -d)
     trap 'rm -rf "$made"' EXIT
     cargo run -q --release --example sample_output -- "$made"
-    set -- "$made/pencil_out.mcap"
+    "$python" "$tools/check_clients.py" make-ros2 "$made/pencil_in.mcap" "$made/ros2"
+    cargo run -q --release -- replay "$made"/ros2/*.mcap --scene config/pencil_tip.toml \
+        -o "$made/ros2_out.mcap"
+    set -- "$made/pencil_out.mcap" "$made/ros2_out.mcap"
 fi
 
 for file in "$@"; do

@@ -6,6 +6,9 @@ use super::output;
 use super::process::print_failure;
 use crate::service::{RecoveredLine, recover_all};
 
+/// Ranges of bytes that were not read that people are told of; machines are told of all.
+const SHOWN: usize = 16;
+
 pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
     let mut exit = Exit::Done;
     let mut count = 0;
@@ -17,8 +20,7 @@ pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
                     Format::Ndjson => output::print_json(&line)?,
                     Format::Text => output::print(&text(&line))?,
                 }
-                // A missing end is what a crash leaves: nothing else is lost then.
-                if !line.removed {
+                if !line.whole {
                     exit = exit.max(Exit::NotWhole);
                 }
             }
@@ -46,8 +48,22 @@ fn text(line: &RecoveredLine) -> String {
     for lost in &line.lost {
         text.push_str(&format!("  lost: {lost}\n"));
     }
-    if !line.removed {
-        text.push_str("  the journal is kept, for it has damage in the middle\n");
+    for note in &line.notes {
+        text.push_str(&format!("  note: {note}\n"));
     }
+    if line.unread_bytes > 0 {
+        let shown = line.unread.iter().take(SHOWN);
+        let mut ranges: Vec<String> = shown.map(|(from, to)| format!("{from} to {to}")).collect();
+        if line.unread.len() > SHOWN {
+            ranges.push(format!("and {} more ranges", line.unread.len() - SHOWN));
+        }
+        text.push_str(&format!(
+            "  {} of {} bytes were not read: {}\n",
+            line.unread_bytes,
+            line.bytes,
+            ranges.join(", ")
+        ));
+    }
+    text.push_str(&format!("  the journal is kept as {}\n", line.kept));
     text
 }

@@ -11,6 +11,7 @@ use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
+use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
 /// A recording and the scene that it is to be read with.
@@ -68,8 +69,9 @@ pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result
     Ok(folder.join(name))
 }
 
-/// Refuses to write over what is read.
+/// Refuses to write over what is read, and over what is no file: before the work is done.
 pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> {
+    target_of(output)?;
     let same = input == output
         || matches!(
             (input.canonicalize(), output.canonicalize()),

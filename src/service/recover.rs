@@ -21,10 +21,18 @@ pub struct RecoveredLine {
     pub duration_s: f64,
     /// Bytes of the journal.
     pub bytes: u64,
-    /// What of it could not be read.
+    /// How many of them were not read into the recording.
+    pub unread_bytes: u64,
+    /// Where those are: offsets of the first, and of the one after the last.
+    pub unread: Vec<(u64, u64)>,
+    /// What is wrong with the journal, where it cost something.
     pub lost: Vec<String>,
-    /// Whether the journal is gone.
-    pub removed: bool,
+    /// What is wrong with it where it cost nothing.
+    pub notes: Vec<String>,
+    /// Whether everything in it is in the recording.
+    pub whole: bool,
+    /// What the journal is called now.
+    pub kept: String,
 }
 
 /// Recovers journals, or all abandoned ones in a folder, and hands over what became of each.
@@ -50,6 +58,9 @@ pub fn recover_all(
 
 fn line(journal: &Path, recovered: &Recovered) -> RecoveredLine {
     let span = recovered.log_times.map(|(first, last)| last - first);
+    let unread = recovered.unread.iter();
+    let damages = recovered.damages.iter();
+    let (notes, lost): (Vec<_>, Vec<_>) = damages.partition(|damage| damage.is_harmless());
     RecoveredLine {
         journal: journal.display().to_string(),
         recording: recovered.path.display().to_string(),
@@ -57,7 +68,11 @@ fn line(journal: &Path, recovered: &Recovered) -> RecoveredLine {
         topics: recovered.topics.clone(),
         duration_s: span.unwrap_or(0) as f64 * 1e-9,
         bytes: recovered.bytes,
-        lost: recovered.damages.iter().map(ToString::to_string).collect(),
-        removed: recovered.is_removed,
+        unread_bytes: recovered.unread.iter().map(|r| r.len() as u64).sum(),
+        unread: unread.map(|r| (r.start as u64, r.end as u64)).collect(),
+        lost: lost.iter().map(ToString::to_string).collect(),
+        notes: notes.iter().map(ToString::to_string).collect(),
+        whole: recovered.is_whole,
+        kept: recovered.journal.display().to_string(),
     }
 }

@@ -20,6 +20,9 @@ pub enum EncodeError {
     /// Foxglove's stamps count whole seconds from 0 to 2³² − 1.
     #[error("stamp {0} ns cannot be written: message stamps reach from 0 to 2^32 s")]
     Stamp(i64),
+    /// ROS 2 counts whole seconds in 32 bits with a sign.
+    #[error("stamp {0} ns cannot be written: ROS 2 stamps reach to 2^31 s")]
+    RosStamp(i64),
 }
 
 /// A message schema as MCAP stores it.
@@ -131,16 +134,6 @@ pub fn event_with(stamp: Stamp, pairs: &[(&str, &str)]) -> Result<Vec<u8>, Encod
     }))
 }
 
-/// A `std_msgs/msg/String` as little-endian CDR: length with the closing zero, text, zero.
-pub fn ros_string(text: &str) -> Vec<u8> {
-    let length = u32::try_from(text.len() + 1).expect("texts of ours are far below 4 GB");
-    let mut bytes = vec![0, 1, 0, 0];
-    bytes.extend_from_slice(&length.to_le_bytes());
-    bytes.extend_from_slice(text.as_bytes());
-    bytes.push(0);
-    bytes
-}
-
 /// The stamp as foxglove writes it.
 pub(crate) fn timestamp(stamp: Stamp) -> Result<Timestamp, EncodeError> {
     let seconds = u32::try_from(stamp.0.div_euclid(NANOSECONDS_PER_SECOND))
@@ -177,14 +170,6 @@ fn rotation(sample: &PoseSample) -> Quaternion {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ros_strings_are_what_an_independent_encoder_makes() {
-        for text in ["", "a", "<robot/>"] {
-            let theirs = cdr::serialize::<_, _, cdr::CdrLe>(text, cdr::Infinite).expect("cdr");
-            assert_eq!(ros_string(text), theirs);
-        }
-    }
 
     #[test]
     fn stamps_outside_what_messages_can_say_are_refused_by_value() {

@@ -12,18 +12,22 @@ use super::error::WriteError;
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// A file under a temporary name in the directory of its final one. [`AtomicFile::commit`]
-/// makes it durable and gives it its name, replacing what had it; dropping it removes it.
+/// makes it durable and gives it its name, replacing the file that had it; dropping it removes it.
 #[derive(Debug)]
 pub struct AtomicFile {
+    /// As it was given.
     path: PathBuf,
+    /// Where that leads: another path if it is a link.
+    target: PathBuf,
     writer: BufWriter<NamedTempFile>,
 }
 
 impl AtomicFile {
-    /// Opens a temporary beside `path`. Fails where the directory does not exist or may not be
-    /// written.
+    /// Opens a temporary beside `path`, or beside the file that it links to. Fails where the
+    /// directory does not exist or may not be written, and where [`target_of`] does.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let directory = directory_of(path);
+        let target = target_of(path)?;
+        let directory = directory_of(&target);
         let mut builder = tempfile::Builder::new();
         builder.prefix(".enact-").suffix(".part");
         // Temporaries are private by default; this one becomes an ordinary file.
@@ -34,6 +38,7 @@ impl AtomicFile {
             .map_err(WriteError::io(path, "create a temporary file beside it"))?;
         Ok(Self {
             path: path.to_owned(),
+            target,
             writer: BufWriter::with_capacity(BUFFER_BYTES, temporary),
         })
     }
@@ -54,14 +59,18 @@ impl AtomicFile {
     /// Makes the file durable and gives it its final name.
     pub fn commit(mut self) -> Result<(), WriteError> {
         self.sync()?;
-        let Self { path, writer } = self;
+        let Self {
+            path,
+            target,
+            writer,
+        } = self;
         let temporary = writer
             .into_inner()
             .map_err(|error| WriteError::io(&path, "write")(error.into_error()))?;
-        temporary.persist(&path).map_err(|error| {
+        temporary.persist(&target).map_err(|error| {
             WriteError::io(&path, "rename the temporary file to it")(error.error)
         })?;
-        sync_directory_of(&path);
+        sync_directory_of(&target);
         Ok(())
     }
 }
@@ -85,6 +94,31 @@ impl Seek for AtomicFile {
         // Unlike a seek, this leaves the buffer be.
         self.writer.stream_position()
     }
+}
+
+/// Where an output of that name is put: there, or where it leads if it is a link to a file.
+///
+/// Fails where something has the name that is no file: a rename would put a file in the place of
+/// a device, a pipe or a folder. A link that leads nowhere is refused too, for nobody can mean it.
+pub fn target_of(path: &Path) -> Result<PathBuf, WriteError> {
+    let Ok(found) = std::fs::symlink_metadata(path) else {
+        return Ok(path.to_owned());
+    };
+    if found.is_file() {
+        return Ok(path.to_owned());
+    }
+    let refused = |what| WriteError::NotAFile {
+        path: path.to_owned(),
+        what,
+    };
+    let followed = std::fs::metadata(path).map_err(|_| refused("a link that leads nowhere"))?;
+    if followed.is_dir() {
+        return Err(refused("a folder"));
+    }
+    if !followed.is_file() {
+        return Err(refused("a device, a pipe or a socket"));
+    }
+    std::fs::canonicalize(path).map_err(WriteError::io(path, "follow the link"))
 }
 
 /// Makes a new name durable: it is only once its directory is. Some file systems have no such
@@ -152,6 +186,52 @@ mod tests {
             text.starts_with("/no/such/directory/out.bin: cannot create"),
             "{text}"
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_refused_and_left_as_it_is() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let directory = tempfile::tempdir().expect("directory");
+        let inside = |name: &str| directory.path().join(name);
+        let socket = std::os::unix::net::UnixListener::bind(inside("socket")).expect("socket");
+        std::fs::create_dir(inside("folder")).expect("folder");
+        symlink(inside("socket"), inside("to_socket")).expect("link");
+        symlink("/dev/null", inside("to_device")).expect("link");
+        symlink(inside("nothing"), inside("to_nothing")).expect("link");
+        let names_before = names(directory.path());
+        for (path, what) in [
+            (Path::new("/dev/null"), "a device, a pipe or a socket"),
+            (&inside("socket"), "a device, a pipe or a socket"),
+            (&inside("to_socket"), "a device, a pipe or a socket"),
+            (&inside("to_device"), "a device, a pipe or a socket"),
+            (&inside("folder"), "a folder"),
+            (&inside("to_nothing"), "a link that leads nowhere"),
+        ] {
+            let error = AtomicFile::create(path).expect_err("no file").to_string();
+            let expected = format!("{}: is {what}", path.display());
+            assert!(error.starts_with(&expected), "{error}");
+        }
+        assert_eq!(names(directory.path()), names_before);
+        let kind = std::fs::metadata("/dev/null").expect("there").file_type();
+        assert!(kind.is_char_device());
+        drop(socket);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_file_stays_one_and_the_file_is_replaced() {
+        let directory = tempfile::tempdir().expect("directory");
+        let elsewhere = tempfile::tempdir().expect("directory");
+        let (link, file) = (directory.path().join("link"), elsewhere.path().join("file"));
+        std::fs::write(&file, b"old").expect("write");
+        std::os::unix::fs::symlink(&file, &link).expect("link");
+        let mut output = AtomicFile::create(&link).expect("create");
+        output.write_all(b"new").expect("write");
+        output.commit().expect("commit");
+        assert_eq!(std::fs::read(&file).expect("read"), b"new");
+        assert_eq!(std::fs::read_link(&link).expect("a link"), file);
+        assert_eq!(names(elsewhere.path()), ["file"]);
     }
 
     #[cfg(unix)]

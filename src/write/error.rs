@@ -55,8 +55,16 @@ pub enum WriteError {
         /// The final name.
         path: PathBuf,
     },
+    /// What has the name of an output is not a file.
+    #[error("{}: is {what}, expected the name of a file or a new one", path.display())]
+    NotAFile {
+        /// The final name.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
     /// A name is taken that must not be.
-    #[error("{}: is there already", path.display())]
+    #[error("{}: is there already and is not replaced; move it away first", path.display())]
     Exists {
         /// The name.
         path: PathBuf,

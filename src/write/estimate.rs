@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::motion;
@@ -12,8 +13,8 @@ use super::{drawing, topics, urdf};
 use crate::motion::{
     Estimate, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface, Verification,
 };
-use crate::wire::encode::{self, MARK_EVENT_KEY, SchemaRecord};
-use crate::wire::{Container, Encoded, Transform};
+use crate::wire::ros2;
+use crate::wire::{Container, Transform};
 
 /// Frames per second of the motion, unless the user wants others.
 pub const DEFAULT_FRAME_RATE_HZ: f64 = 240.0;
@@ -118,6 +119,7 @@ pub(super) fn is_same(a: &Path, b: &Path) -> bool {
 struct Composer<'a> {
     path: &'a Path,
     file: &'a EstimateFile<'a>,
+    dialect: Dialect,
     zero: Stamp,
     additions: Additions,
 }
@@ -127,6 +129,7 @@ impl<'a> Composer<'a> {
         Self {
             path,
             file,
+            dialect: Dialect::of(file.input),
             zero: motion::zero(file.estimate, file.sketch),
             additions: Additions::default(),
         }
@@ -171,9 +174,11 @@ impl<'a> Composer<'a> {
     }
 
     fn add_poses(&mut self, topic: &str, samples: &[PoseSample]) -> Result<(), WriteError> {
-        let channel = self.channel(topic, Encoded::PoseInFrame.schema(), "protobuf");
+        let channel = self.channel(topic, self.dialect.poses());
         for sample in samples {
-            let data = encode::pose_in_frame(self.file.world_frame, sample)
+            let data = self
+                .dialect
+                .pose(self.file.world_frame, sample)
                 .map_err(WriteError::encode(self.path, topic))?;
             self.push(channel, sample.stamp, data);
         }
@@ -186,11 +191,7 @@ impl<'a> Composer<'a> {
         estimates: &[Vec<PoseSample>],
         sketches: &[Vec<PoseSample>],
     ) -> Result<(), WriteError> {
-        let channel = self.channel(
-            topics::TRANSFORMS,
-            Encoded::FrameTransforms.schema(),
-            "protobuf",
-        );
+        let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
         let bodies = &self.file.scene.bodies;
         let frames: Vec<String> = bodies
             .iter()
@@ -208,7 +209,9 @@ impl<'a> Composer<'a> {
             }
         }
         for (stamp, transforms) in instants {
-            let data = encode::frame_transforms(&transforms)
+            let data = self
+                .dialect
+                .transforms_of(&transforms)
                 .map_err(WriteError::encode(self.path, topics::TRANSFORMS))?;
             self.push(channel, stamp, data);
         }
@@ -220,43 +223,33 @@ impl<'a> Composer<'a> {
             scene, world_frame, ..
         } = *self.file;
         let side_m = surface_side_m(scene, estimates);
-        let channel = self.channel(topics::SCENE, Encoded::SceneUpdate.schema(), "protobuf");
-        let data = drawing::scene_update(self.path, scene, world_frame, self.zero, side_m)?;
-        self.push(channel, self.zero, data);
-        let schema = SchemaRecord {
-            name: "std_msgs/msg/String".to_owned(),
-            encoding: "ros2msg".to_owned(),
-            data: b"string data\n".to_vec(),
-        };
-        let channel = self.channel(topics::ROBOT_DESCRIPTION, schema, "cdr");
-        let data = encode::ros_string(&urdf::robot(scene, world_frame, side_m));
+        if let Some(format) = self.dialect.drawings() {
+            let channel = self.channel(topics::SCENE, format);
+            let data = drawing::scene_update(self.path, scene, world_frame, self.zero, side_m)?;
+            self.push(channel, self.zero, data);
+        }
+        let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
+        let data = ros2::string(&urdf::robot(scene, world_frame, side_m));
         self.push(channel, self.zero, data);
         Ok(())
     }
 
     fn add_events(&mut self) -> Result<(), WriteError> {
-        let channel = self.channel(topics::EVENTS, Encoded::Event.schema(), "protobuf");
-        for estimate in &self.file.estimate.events {
+        let channel = self.channel(topics::EVENTS, self.dialect.events());
+        let events = self.file.estimate.events.iter().map(|estimate| {
             let event = &self.file.scene.events[estimate.event];
-            let stamp = motion::stamp(self.zero, estimate.time_s);
+            (estimate.time_s, event.name.as_str(), event.kind.word())
+        });
+        let settled = self.file.settled.iter();
+        let simulated = settled.map(|s| (s.from_s, "simulated from here", "simulation"));
+        for (time_s, name, kind) in events.chain(simulated) {
+            let stamp = motion::stamp(self.zero, time_s);
             if stamp.0 < 0 {
                 continue;
             }
-            let pairs = [
-                (MARK_EVENT_KEY, event.name.as_str()),
-                ("kind", event.kind.word()),
-            ];
-            let data = encode::event_with(stamp, &pairs)
-                .map_err(WriteError::encode(self.path, topics::EVENTS))?;
-            self.push(channel, stamp, data);
-        }
-        if let Some(settled) = self.file.settled {
-            let stamp = motion::stamp(self.zero, settled.from_s);
-            let pairs = [
-                (MARK_EVENT_KEY, "simulated from here"),
-                ("kind", "simulation"),
-            ];
-            let data = encode::event_with(stamp, &pairs)
+            let data = self
+                .dialect
+                .event(stamp, Some(name), Some(kind))
                 .map_err(WriteError::encode(self.path, topics::EVENTS))?;
             self.push(channel, stamp, data);
         }
@@ -286,13 +279,8 @@ impl<'a> Composer<'a> {
                 json(&report),
             ),
         ] {
-            let schema = SchemaRecord {
-                name: name.to_owned(),
-                encoding: "jsonschema".to_owned(),
-                data: schema.as_bytes().to_vec(),
-            };
-            let channel = self.channel(topic, schema, "json");
-            self.push(channel, self.zero, data);
+            let channel = self.channel(topic, self.dialect.json(name, schema));
+            self.push(channel, self.zero, self.dialect.json_of(data));
         }
     }
 
@@ -312,7 +300,7 @@ impl<'a> Composer<'a> {
     }
 
     /// A channel on that topic, or under `/estimate` where the input has one there.
-    fn channel(&mut self, topic: &str, schema: SchemaRecord, encoding: &'static str) -> usize {
+    fn channel(&mut self, topic: &str, (schema, message_encoding): Format) -> usize {
         let input = self.file.input;
         let is_taken = input
             .channels()
@@ -325,7 +313,7 @@ impl<'a> Composer<'a> {
                 topic.to_owned()
             },
             schema,
-            message_encoding: encoding,
+            message_encoding,
             metadata: topics::metadata(),
         });
         self.additions.channels.len() - 1

@@ -15,6 +15,9 @@
 //! only, each handed to the system when it is [`Journal::close_chunk`]d: a process that is
 //! killed loses the open chunk, a machine that fails loses besides what was not synced
 //! ([`Journal::sync_handle`]). [`crate::write::recover()`] makes a recording of what is left.
+//!
+//! Every chunk can be read without those before it: before the first message of a channel it
+//! repeats that channel and its schema, in a private record that others skip.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -41,6 +44,9 @@ pub const RAW_PREFIX: &str = "/capture";
 
 /// What became of the samples.
 pub const COUNTS_TOPIC: &str = "/capture/counts";
+
+/// A chunk with more in it is closed before its time \[bytes, not compressed\].
+const CHUNK_BYTES: usize = 512 << 10;
 
 /// Times at which the file was whole that are remembered, to go back to.
 const WHOLE_KEPT: usize = 16;
@@ -69,7 +75,10 @@ pub struct Journal {
     /// Lengths at which the file was whole, the latest last.
     whole: Vec<u64>,
     messages: u64,
-    open_chunk: bool,
+    /// What is in the open chunk \[bytes\].
+    open_bytes: usize,
+    /// Chunks so far.
+    chunks: u64,
 }
 
 struct Channels {
@@ -79,10 +88,12 @@ struct Channels {
 }
 
 /// A channel, and how many messages it has.
-#[derive(Clone, Copy)]
 struct Channel {
     id: u16,
     sequence: u32,
+    /// Its definition for chunks to repeat, and the last that did.
+    repeat: Vec<u8>,
+    repeated: Option<u64>,
 }
 
 /// Which channel a message is for.
@@ -105,7 +116,7 @@ impl Journal {
         scene_toml: &[u8],
     ) -> Result<Self, WriteError> {
         let part = part_of(path);
-        if path.exists() {
+        if std::fs::symlink_metadata(path).is_ok() {
             return Err(WriteError::Exists {
                 path: path.to_owned(),
             });
@@ -131,7 +142,8 @@ impl Journal {
             channels,
             whole: Vec::new(),
             messages: 0,
-            open_chunk: false,
+            open_bytes: 0,
+            chunks: 0,
         };
         journal.flush()?;
         Ok(journal)
@@ -195,7 +207,7 @@ impl Journal {
 
     /// Hands what was written to the system: a killed process does not lose it any more.
     pub fn close_chunk(&mut self) -> Result<(), WriteError> {
-        if self.open_chunk {
+        if self.open_bytes > 0 {
             self.flush()?;
         }
         Ok(())
@@ -260,7 +272,8 @@ impl Journal {
             self.whole.remove(0);
         }
         self.whole.push(length);
-        self.open_chunk = false;
+        self.open_bytes = 0;
+        self.chunks += 1;
         Ok(())
     }
 
@@ -284,10 +297,19 @@ impl Journal {
             publish_time: times.publish,
         };
         channel.sequence = channel.sequence.wrapping_add(1);
-        self.open_chunk = true;
-        self.writer
-            .write_to_known_channel(&header, data)
-            .map_err(WriteError::mcap(&self.part))
+        let mut written = Ok(());
+        if channel.repeated.replace(self.chunks) != Some(self.chunks) {
+            self.open_bytes += channel.repeat.len();
+            written = repeats::write(&mut self.writer, &channel.repeat);
+        }
+        self.open_bytes += data.len();
+        written
+            .and_then(|()| self.writer.write_to_known_channel(&header, data))
+            .map_err(WriteError::mcap(&self.part))?;
+        if self.open_bytes > CHUNK_BYTES {
+            self.flush()?;
+        }
+        Ok(())
     }
 }
 
@@ -336,6 +358,7 @@ fn begin(
         .compression(Some(Compression::Zstd))
         .compression_level(1)
         .compression_threads(0)
+        .chunk_size(None)
         .disable_seeking(true)
         .create(BufWriter::new(file))?;
     writer.attach(&Attachment {
@@ -346,9 +369,14 @@ fn begin(
         data: scene_toml.into(),
     })?;
     let mut channel = |topic: &str, schema: &SchemaRecord, encoding: &str| {
-        let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
-        let id = writer.add_channel(schema, topic, encoding, &BTreeMap::new())?;
-        mcap::McapResult::Ok(Channel { id, sequence: 0 })
+        let schema_id = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
+        let id = writer.add_channel(schema_id, topic, encoding, &BTreeMap::new())?;
+        mcap::McapResult::Ok(Channel {
+            id,
+            sequence: 0,
+            repeat: repeats::definition((schema_id, schema), (id, topic, encoding)),
+            repeated: None,
+        })
     };
     let of_text = |name: &str, encoding: &str, text: &str| SchemaRecord {
         name: name.to_owned(),
@@ -408,10 +436,17 @@ fn end() -> Vec<u8> {
 }
 
 fn rename(part: &Path, path: &Path) -> Result<(), WriteError> {
+    if std::fs::symlink_metadata(path).is_ok() {
+        return Err(WriteError::Exists {
+            path: path.to_owned(),
+        });
+    }
     std::fs::rename(part, path).map_err(WriteError::io(path, "rename the journal to it"))?;
     sync_directory_of(path);
     Ok(())
 }
+
+mod repeats;
 
 #[cfg(test)]
 mod tests;

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::dialect::Dialect;
 use super::error::WriteError;
 use super::estimate::is_same;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use crate::motion::{Mark, Stamp};
-use crate::wire::{Container, Encoded, encode};
+use crate::wire::Container;
 
 /// Writes a recording again, whole or not at all, with these marks on that topic, each logged
 /// when it says. Everything else is as it was, but for what an earlier estimate added: with
@@ -24,15 +25,19 @@ pub fn write_marks(
             path: path.to_owned(),
         });
     }
+    let dialect = Dialect::of(input);
+    let (schema, message_encoding) = dialect.events();
     let mut additions = Additions::default();
     additions.channels.push(OurChannel {
         topic: topic.to_owned(),
-        schema: Encoded::Event.schema(),
-        message_encoding: "protobuf",
+        schema,
+        message_encoding,
         metadata: BTreeMap::new(),
     });
     for (log_time, mark) in marks {
-        let data = encode::event(mark).map_err(WriteError::encode(path, topic))?;
+        let data = dialect
+            .event(mark.stamp, mark.event.as_deref(), None)
+            .map_err(WriteError::encode(path, topic))?;
         let log_time = u64::try_from(log_time.0).map_err(|_| WriteError::LogTime {
             path: path.to_owned(),
             topic: topic.to_owned(),

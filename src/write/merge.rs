@@ -8,13 +8,11 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapResult, Writer};
 
 use super::atomic::AtomicFile;
+use super::dialect::Dialect;
 use super::error::WriteError;
 use super::{options, topics};
 use crate::wire::container::{Container, Message};
 use crate::wire::encode::SchemaRecord;
-
-/// An MCAP profile promises what every channel is; ours are not what ROS promises.
-const PROFILE: &str = "";
 
 /// A channel of ours.
 pub(super) struct OurChannel {
@@ -51,7 +49,7 @@ pub(super) fn replaced(input: &Container) -> BTreeSet<u16> {
         .collect()
 }
 
-/// Writes the merge of both under its final name. Returns how many of the input's messages
+/// Writes the merge of both, what is added in the input's [`Dialect`], under its final name. Returns how many of the input's messages
 /// are in it.
 pub(super) fn write(
     path: &Path,
@@ -62,7 +60,7 @@ pub(super) fn write(
     additions.messages.sort_by_key(|message| message.log_time);
     let replaced = replaced(input);
     let file = AtomicFile::create(path)?;
-    let copied = options::writer(file, PROFILE)
+    let copied = options::writer(file, Dialect::of(input).profile())
         .and_then(|mut writer| {
             copy_attachments(&mut writer, input, dropped_attachment)?;
             if let Some((name, data)) = &additions.scene {

@@ -10,6 +10,7 @@
 
 pub mod atomic;
 mod checks;
+mod dialect;
 mod doubts;
 mod drawing;
 pub mod error;

@@ -1,33 +1,44 @@
 //! Journals that a crash left → recordings.
 
 use std::fs::File;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::atomic::sync_directory_of;
 use super::error::WriteError;
 use super::journal::PART_SUFFIX;
 use super::merge::{self, Additions};
 use crate::wire::Container;
 use crate::wire::container::Damage;
 
+/// What is appended to the name of a journal that was recovered; a number after it if that is
+/// taken.
+pub const RECOVERED_SUFFIX: &str = ".recovered";
+
 /// What was saved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
     /// The recording that was made.
     pub path: PathBuf,
+    /// What the journal is called now.
+    pub journal: PathBuf,
     /// Messages by topic.
     pub topics: Vec<(String, u64)>,
     /// Log times of the first and the last message \[ns\].
     pub log_times: Option<(u64, u64)>,
     /// Bytes of the journal.
     pub bytes: u64,
-    /// What of it could not be read, the first few.
+    /// Which of them were not read.
+    pub unread: Vec<Range<usize>>,
+    /// What is wrong with it, the first few.
     pub damages: Vec<Damage>,
-    /// Whether the journal is gone: it is kept where it has damage beyond a missing end.
-    pub is_removed: bool,
+    /// Whether everything in it is in the recording: only its end may be missing.
+    pub is_whole: bool,
 }
 
-/// Writes the recording of what a journal holds, beside it and under its final name, and
-/// removes the journal if nothing of it but an incomplete end is missing from the recording.
+/// Writes the recording of all that can be read in a journal, beside it and under its final name.
+/// When that is durable the journal is renamed to `….mcap.part.recovered`: it is never removed,
+/// and not found by [`abandoned`] again.
 ///
 /// Fails, leaving everything as it is, where the journal is still being written, where there is
 /// nothing in it, and where its final name is taken.
@@ -41,7 +52,7 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
             path: part.to_owned(),
         });
     }
-    if path.exists() {
+    if is_taken(&path) {
         return Err(WriteError::Exists { path });
     }
     let bytes = std::fs::read(part).map_err(WriteError::io(part, "read"))?;
@@ -51,21 +62,40 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
         source,
     })?;
     merge::write(&path, &container, None, Additions::default())?;
+    let journal = put_aside(part)?;
     let damages = container.damages();
-    let is_end = |damage: &Damage| matches!(damage, Damage::Cut { .. } | Damage::NoEnd);
-    let is_whole = damages.count() == damages.first().len() && damages.first().iter().all(is_end);
-    if is_whole {
-        std::fs::remove_file(part).map_err(WriteError::io(part, "remove"))?;
-    }
     let channels = container.channels().values();
     Ok(Recovered {
         path,
+        journal,
         topics: channels.map(|c| (c.topic.clone(), c.messages)).collect(),
         log_times: container.log_times(),
         bytes: length,
+        unread: damages.unread().to_vec(),
         damages: damages.first().to_vec(),
-        is_removed: is_whole,
+        is_whole: !damages.is_loss(),
     })
+}
+
+/// Gives a journal whose recording is there the name of one that was recovered.
+fn put_aside(part: &Path) -> Result<PathBuf, WriteError> {
+    let named = |end: &str| {
+        let mut name = part.as_os_str().to_owned();
+        name.push(RECOVERED_SUFFIX);
+        name.push(end);
+        PathBuf::from(name)
+    };
+    let names = std::iter::once(named("")).chain((2..).map(|n: u64| named(&format!(".{n}"))));
+    let free = names.into_iter().find(|name| !is_taken(name));
+    let journal = free.expect("there are names without end");
+    std::fs::rename(part, &journal).map_err(WriteError::io(part, "rename"))?;
+    sync_directory_of(&journal);
+    Ok(journal)
+}
+
+/// Whether anything has that name, a link that leads nowhere too.
+fn is_taken(path: &Path) -> bool {
+    std::fs::symlink_metadata(path).is_ok()
 }
 
 /// The journals in a folder that nobody is writing, by name.

@@ -11,6 +11,10 @@
 //! | `/estimate/time_map` | `enact.TimeMap` (JSON) | acted time against physical time |
 //! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate |
 //!
+//! In an input of the `ros2` profile, whose readers know nothing else, they are
+//! `geometry_msgs/msg/PoseStamped`, `tf2_msgs/msg/TFMessage`, `std_msgs/msg/Header` with the event's
+//! name as its frame, and the JSON as `std_msgs/msg/String`; there is no `/scene`.
+//!
 //! Where the input has a topic of that name already, ours begins with `/estimate`, as in
 //! `/estimate/tf`.
 

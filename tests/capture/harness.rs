@@ -27,12 +27,57 @@ fn tracker_process() {
 /// Longer than anything takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// How long a process of a test lives at the most, whatever became of the test.
+pub const LIFETIME: Duration = Duration::from_secs(300);
+
+/// A loop's deadline: what is waited for comes, or the test fails.
+pub struct Patience {
+    begun: Instant,
+}
+
+impl Patience {
+    pub fn new() -> Self {
+        Self {
+            begun: Instant::now(),
+        }
+    }
+
+    /// Fails when it is at its end; `what` is waited for.
+    pub fn check(&self, what: &str) {
+        assert!(self.begun.elapsed() < PATIENCE, "waited in vain: {what}");
+    }
+
+    fn left(&self) -> Duration {
+        PATIENCE.saturating_sub(self.begun.elapsed())
+    }
+}
+
+/// Waits for the end of a process; if it does not come, kills it and fails.
+pub fn ended(child: Child) -> Output {
+    let id = child.id().to_string();
+    let (sender, output) = channel();
+    // What it says is read while it runs: a full pipe would hold it up.
+    std::thread::spawn(move || sender.send(child.wait_with_output()));
+    output.recv_timeout(PATIENCE).map_or_else(
+        |_| {
+            let _ = Command::new("kill").args(["-s", "KILL", &id]).status();
+            panic!("process {id} does not end")
+        },
+        |output| output.expect("wait"),
+    )
+}
+
+/// Runs a process to its end.
+fn run(mut command: Command) -> std::io::Result<Output> {
+    let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    piped.spawn().map(ended)
+}
+
 /// Runs `enact` and returns what it says; it must finish, whatever the verdict.
 pub fn enact(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_enact"))
-        .args(arguments)
-        .output()
-        .expect("enact");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+    command.args(arguments);
+    let output = run(command).expect("enact");
     let (said, error) = (text(&output.stdout), text(&output.stderr));
     let is_finished = matches!(output.status.code(), Some(0 | 3));
     assert!(is_finished, "{arguments:?}: {said}{error}");
@@ -117,7 +162,7 @@ impl House {
     }
 
     pub fn enact_with_iceoryx2(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().expect("enact")
+        run(self.command(arguments)).expect("enact")
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
@@ -139,7 +184,8 @@ impl House {
         let open_to_all = std::fs::Permissions::from_mode(0o755);
         std::fs::set_permissions(self.whole.path(), open_to_all).expect("permissions");
         let mut command = self.command(arguments);
-        command.uid(NOBODY).gid(NOBODY).output().ok()
+        command.uid(NOBODY).gid(NOBODY);
+        run(command).ok()
     }
 
     /// Runs a daemon that must fail; what it says.
@@ -174,10 +220,7 @@ impl House {
 
     /// Runs a tracker to its end; what it says it has sent.
     pub fn tracker(&self, arguments: &[&str]) -> Value {
-        let output = self
-            .spawn_tracker(arguments)
-            .wait_with_output()
-            .expect("wait");
+        let output = ended(self.spawn_tracker(arguments));
         let said = text(&output.stdout);
         let error = text(&output.stderr);
         assert!(output.status.success(), "{arguments:?}: {said}{error}");
@@ -190,10 +233,7 @@ impl House {
 
     /// Runs a tracker that is to be killed.
     pub fn tracker_that_dies(&self, arguments: &[&str]) {
-        let output = self
-            .spawn_tracker(arguments)
-            .wait_with_output()
-            .expect("wait");
+        let output = ended(self.spawn_tracker(arguments));
         assert!(!output.status.success(), "it lives");
     }
 }
@@ -232,7 +272,9 @@ impl Daemon {
         let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
         command.args(["capture", scene, "-o", house.text(house.folder())]);
         command.args(arguments);
-        Self::run(house, command)
+        command.arg("--iceoryx2").arg(house.iceoryx2());
+        command.args(["--format", "ndjson"]);
+        Self::read(house, command)
     }
 
     /// The same with a file system of that size for its takes, if one may be mounted.
@@ -244,9 +286,7 @@ impl Daemon {
             command
         };
         let mount = format!("mount -t tmpfs -o size={size} tmpfs \"$1\"");
-        let may = unshared(&mount)
-            .output()
-            .is_ok_and(|output| output.status.success());
+        let may = run(unshared(&mount)).is_ok_and(|output| output.status.success());
         if !may {
             return None;
         }
@@ -256,12 +296,6 @@ impl Daemon {
             house.iceoryx2().display()
         );
         Some(Self::read(house, unshared(&script)))
-    }
-
-    fn run(house: &House, mut command: Command) -> Self {
-        command.arg("--iceoryx2").arg(house.iceoryx2());
-        command.args(["--format", "ndjson"]);
-        Self::read(house, command)
     }
 
     fn read(house: &House, mut command: Command) -> Self {
@@ -292,8 +326,9 @@ impl Daemon {
         if let Some(at) = self.kept.iter().position(|said| said["what"] == what) {
             return self.kept.remove(at);
         }
+        let patience = Patience::new();
         loop {
-            let said = self.said.recv_timeout(PATIENCE);
+            let said = self.said.recv_timeout(patience.left());
             let said = said.unwrap_or_else(|_| panic!("no {what:?}, only {:?}", self.kept));
             if said["what"] == what {
                 return said;
@@ -316,11 +351,37 @@ impl Daemon {
         }
     }
 
-    /// Samples in the journal that is being written.
-    fn journalled(&self) -> u64 {
+    /// The journal that is being written.
+    fn journal(&self) -> Option<PathBuf> {
         let entries = std::fs::read_dir(&self.house.0).expect("list").flatten();
         let mut parts = entries.map(|entry| entry.path());
-        let Some(part) = parts.find(|path| path.to_string_lossy().ends_with(".part")) else {
+        parts.find(|path| path.to_string_lossy().ends_with(".part"))
+    }
+
+    /// Waits until the journal grows, then for that long. The longest that this thread was kept
+    /// from running meanwhile: a machine so busy may have kept the daemon, too.
+    pub fn wait_after_growth(&self, after: Duration) -> Duration {
+        const STEP: Duration = Duration::from_millis(1);
+        let part = self.journal().expect("a journal");
+        let length = || std::fs::metadata(&part).expect("there").len();
+        let (patience, before) = (Patience::new(), length());
+        while length() == before {
+            patience.check("the journal grows");
+            std::thread::sleep(STEP);
+        }
+        let grown = Instant::now();
+        let mut stalled = Duration::ZERO;
+        while grown.elapsed() < after {
+            let begun = Instant::now();
+            std::thread::sleep(STEP);
+            stalled = stalled.max(begun.elapsed() - STEP);
+        }
+        stalled
+    }
+
+    /// Samples in the journal that is being written.
+    fn journalled(&self) -> u64 {
+        let Some(part) = self.journal() else {
             return 0;
         };
         let Ok(recording) = enact::ingest::Recording::open(&part) else {

@@ -1,15 +1,16 @@
 //! Subscribers that die, services that others made, users without rights.
 
-use std::io::{BufRead, BufReader, Lines};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
 
 use enact::ingest::live::{Node, PoseRecord, Quality};
 use enact::wire::live::{EstimateRecord, LiveService, TakeRecord};
 use iceoryx2::prelude::{Config, FilePath, NodeBuilder, SemanticString, SignalHandlingMode};
 
-use super::harness::{Daemon, House};
+use super::harness::{Daemon, House, LIFETIME, Patience};
 
 const PENCIL: &str = "recordings/pencil_tip.mcap";
 const SCENE: &str = "config/pencil_tip.toml";
@@ -23,14 +24,15 @@ fn listener_process() {
     };
     let (manner, iceoryx2) = line.split_once('\n').expect("two lines");
     if manner == "deaf" {
-        deaf(Path::new(iceoryx2));
+        return deaf(Path::new(iceoryx2));
     }
     let node = Node::join("listener", Some(Path::new(iceoryx2))).expect("node");
     let estimates = node.service::<EstimateRecord>("enact/estimate", Quality::NOTES);
     let estimates = estimates.expect("service").factory;
     let estimates = estimates.subscriber_builder().create().expect("port");
     println!("\nlistening");
-    loop {
+    let begun = Instant::now();
+    while begun.elapsed() < LIFETIME {
         while let Some(sample) = estimates.receive().expect("receive") {
             println!("{} {}", sample.take, sample.is_final);
         }
@@ -40,7 +42,7 @@ fn listener_process() {
 
 /// Makes the services of estimates and takes without overflow, where a publisher may wait for
 /// its subscriber, holds a full buffer of one, and never looks at it.
-fn deaf(iceoryx2: &Path) -> ! {
+fn deaf(iceoryx2: &Path) {
     let file = FilePath::new(iceoryx2.to_str().expect("UTF-8").as_bytes()).expect("path");
     let config = Config::from_file(&file).expect("config");
     let node = NodeBuilder::new()
@@ -66,15 +68,13 @@ fn deaf(iceoryx2: &Path) -> ! {
     let _estimates = estimates.subscriber_builder().create().expect("port");
     let _takes = takes.subscriber_builder().create().expect("port");
     println!("\nlistening");
-    loop {
-        std::thread::park();
-    }
+    std::thread::sleep(LIFETIME);
 }
 
 /// A process that listens, until it is killed.
 struct Listener {
     child: Child,
-    said: Lines<BufReader<ChildStdout>>,
+    said: Receiver<String>,
 }
 
 impl Listener {
@@ -90,16 +90,32 @@ impl Listener {
             .stdout(Stdio::piped())
             .spawn()
             .expect("spawn");
-        let mut said = BufReader::new(child.stdout.take().expect("piped")).lines();
-        let is_there = said.any(|line| line.expect("a line") == "listening");
-        assert!(is_there, "it ended");
-        Self { child, said }
+        let lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+        let (sender, said) = channel();
+        std::thread::spawn(move || {
+            let mut lines = lines.map_while(Result::ok);
+            while lines.next().is_some_and(|line| sender.send(line).is_ok()) {}
+        });
+        let listener = Self { child, said };
+        listener.find(|line| (line == "listening").then_some(()));
+        listener
+    }
+
+    /// The first thing that it says of which something can be made.
+    fn find<T>(&self, of: impl Fn(&str) -> Option<T>) -> T {
+        let patience = Patience::new();
+        loop {
+            patience.check("a listener hears");
+            let line = self.said.recv_timeout(Duration::from_secs(60));
+            if let Some(found) = of(&line.expect("it lives, and hears")) {
+                return found;
+            }
+        }
     }
 
     /// The take whose final estimate comes next.
-    fn next_final(&mut self) -> Option<u64> {
-        let mut lines = self.said.by_ref().map_while(Result::ok);
-        lines.find_map(|line| line.strip_suffix(" 1")?.parse().ok())
+    fn next_final(&self) -> Option<u64> {
+        Some(self.find(|line| line.strip_suffix(" 1")?.parse().ok()))
     }
 
     /// As kill -9 does.
@@ -132,7 +148,7 @@ fn a_killed_subscriber_and_its_successors_do_not_disturb_the_daemon() {
     first.kill();
     // While the dead one is still on the service.
     assert_eq!(take(&house, &mut daemon), Some(2));
-    let mut second = Listener::start(&house, "hears");
+    let second = Listener::start(&house, "hears");
     assert_eq!(take(&house, &mut daemon), Some(3));
     assert_eq!(second.next_final(), Some(3));
     // As many as there are places, all killed: their places are given back.
@@ -142,7 +158,7 @@ fn a_killed_subscriber_and_its_successors_do_not_disturb_the_daemon() {
         .collect();
     crowd.iter_mut().for_each(Listener::kill);
     daemon.wait_until_cleared(Duration::from_secs(20));
-    let mut third = Listener::start(&house, "hears");
+    let third = Listener::start(&house, "hears");
     assert_eq!(take(&house, &mut daemon), Some(4));
     assert_eq!(third.next_final(), Some(4));
     assert_eq!(second.next_final(), Some(4));

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// Longer than anything takes.
+use super::harness::Patience;
+
+/// Longer than a read takes.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 pub fn connect(url: &str) -> TcpStream {
@@ -23,7 +25,9 @@ pub fn exchange(url: &str, bytes: &[u8]) -> String {
     let _ = stream.write_all(bytes);
     let mut answer = Vec::new();
     let mut part = [0; 4096];
+    let patience = Patience::new();
     loop {
+        patience.check("the answer ends");
         match stream.read(&mut part) {
             Ok(0) => break,
             Ok(length) => answer.extend_from_slice(&part[..length]),
@@ -78,7 +82,9 @@ impl Viewer {
         let request = upgrade(Some("foxglove.sdk.v1"));
         stream.write_all(request.as_bytes()).expect("write");
         let mut head = Vec::new();
+        let patience = Patience::new();
         while !head.ends_with(b"\r\n\r\n") {
+            patience.check("a head");
             let mut byte = [0];
             stream.read_exact(&mut byte).expect("read");
             head.push(byte[0]);
@@ -92,6 +98,7 @@ impl Viewer {
             topics: Vec::new(),
         };
         while viewer.topics.len() < topics {
+            patience.check("topics");
             let (opcode, data) = viewer.frame();
             if opcode != 1 {
                 continue;
@@ -133,7 +140,9 @@ impl Viewer {
 
     /// The next message of a topic.
     pub fn message(&mut self) -> Message {
+        let patience = Patience::new();
         loop {
+            patience.check("a message");
             let (opcode, data) = self.frame();
             // Message data: 1, number of the subscription, log time, the message.
             if opcode == 2 && data.first() == Some(&1) {

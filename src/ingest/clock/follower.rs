@@ -74,6 +74,22 @@ mod tests {
     }
 
     #[test]
+    fn an_arrival_before_the_last_one_moves_nothing() {
+        let mut follower = Follower::new(0, 5_000_000_000);
+        for k in 1..100_i64 {
+            follower.stamp(k * 1_000_000, 5_000_000_000 + k * 1_000_000);
+        }
+        let before = follower.offset_ns();
+        // A second back, of a sample from two seconds ago: nothing is known of the delay by it.
+        follower.stamp(-1_901_000_000, 4_099_000_000);
+        assert_eq!(follower.offset_ns(), before);
+        // The next is a millisecond after the last: that is all there may have been of drift.
+        follower.stamp(100_000_000, 5_200_000_000);
+        let drift_ns = follower.offset_ns() - before;
+        assert!((0..=101_000).contains(&drift_ns), "{drift_ns} ns");
+    }
+
+    #[test]
     fn a_drifting_clock_is_followed() {
         for drift_ppm in [-200_i64, 200] {
             let mut follower = Follower::new(0, 0);

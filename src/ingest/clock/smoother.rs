@@ -94,6 +94,18 @@ mod tests {
     }
 
     #[test]
+    fn an_arrival_before_the_last_one_is_not_stamped_before_it() {
+        let mut smoother = Smoother::new(0);
+        let mut last = 0;
+        for k in 1..2000_i64 {
+            let early = if k % 500 == 0 { 3_000_000_000 } else { 0 };
+            let stamp = smoother.stamp(k * 5_000_000 - early, 1);
+            assert!(stamp >= last, "{k}: {stamp} after {last}");
+            last = stamp;
+        }
+    }
+
+    #[test]
     fn a_hole_in_the_sequence_is_a_hole_in_the_stamps() {
         let mut smoother = Smoother::new(0);
         for k in 1..1000_i64 {

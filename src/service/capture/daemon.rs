@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::mpsc::{self, SyncSender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -22,6 +22,7 @@ use super::notify::tell;
 use super::previewer::{Followed, Previewer, Shown};
 use super::recorder::Recorder;
 use super::said::{Said, Status};
+use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
 use crate::ingest::live::{StreamTopic, stream_topics};
@@ -324,15 +325,8 @@ fn spawn_syncer(
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<std::fs::File>> {
     // One waits at most: while a sync takes long, the next one is for both.
-    let (sender, queue): (_, Receiver<std::fs::File>) = mpsc::sync_channel(1);
+    let (sender, queue) = mpsc::sync_channel(1);
     let speaker = speaker.clone();
-    threads.push(spawn("sync", move || {
-        for file in queue {
-            if let Err(error) = file.sync_data() {
-                let text = format!("the journal was not synced: {error}");
-                speaker.say_at_once(Notice::of(Said::Warning { text }));
-            }
-        }
-    })?);
+    threads.push(spawn("sync", move || sync_all(&queue, &speaker))?);
     Ok(sender)
 }

@@ -31,6 +31,11 @@
 //! with what was sent before its stop. There is no pre-roll: who wants what led up to a motion
 //! starts the take before it, and discards the take if nothing follows.
 //!
+//! A process that is killed loses at most what came in the last `chunk_ms`, a machine that fails what
+//! came in the last `chunk_ms + sync_ms`. What was being written is left as `….mcap.part`; `enact
+//! recover` makes a recording of all that can be read in it, whatever happened to its bytes, and keeps
+//! it as `….mcap.part.recovered`: journals are removed by hand only.
+//!
 //! Take after take can be recorded while earlier ones are estimated. A journal of more than two
 //! million messages is left to `enact process`.
 //!
@@ -84,6 +89,7 @@ mod notify;
 mod previewer;
 mod recorder;
 mod said;
+mod syncer;
 mod take;
 mod viewer;
 

@@ -71,16 +71,7 @@ struct State {
 impl Recorder {
     /// Journals what comes until nobody sends any more, then closes the take.
     pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
-        let mut state = State {
-            take: None,
-            takes: 0,
-            outside: 0,
-            followed: None,
-            is_over: false,
-            answered: VecDeque::new(),
-            totals: Default::default(),
-            said: Instant::now(),
-        };
+        let mut state = State::new();
         if start_now {
             self.start(&mut state, None);
         }
@@ -97,7 +88,7 @@ impl Recorder {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            self.tick(&mut state);
+            self.tick(&mut state, Instant::now());
         }
         if state.take.is_some() {
             self.stop(&mut state, None);
@@ -311,8 +302,7 @@ impl Recorder {
     }
 
     /// Everything that is done by time.
-    fn tick(&self, state: &mut State) {
-        let now = Instant::now();
+    fn tick(&self, state: &mut State, now: Instant) {
         if let Some(mut take) = state.take.take() {
             let ticked = take.tick(now, &self.settings);
             if ticked.is_ok() {
@@ -382,6 +372,20 @@ impl Recorder {
 }
 
 impl State {
+    /// No take yet.
+    fn new() -> Self {
+        Self {
+            take: None,
+            takes: 0,
+            outside: 0,
+            followed: None,
+            is_over: false,
+            answered: VecDeque::new(),
+            totals: Default::default(),
+            said: Instant::now(),
+        }
+    }
+
     /// What is followed needs no more previews.
     fn unfollow(&mut self) {
         self.is_over |= self.followed.take().is_some();
@@ -412,3 +416,6 @@ fn status(state: &State) -> Status {
         latency,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -186,3 +186,6 @@ impl Take {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,29 +1,62 @@
 //! What is wrong with a file, and where.
 
+use std::ops::Range;
+
 use thiserror::Error;
 
 /// A place where a file is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Damage {
-    /// The file ends, or its records cannot be told apart any more.
-    #[error("cut off: nothing can be read from byte {at} on")]
+    /// Nothing that could be verified comes after: the file ends in the middle of a record, or
+    /// its rest is destroyed.
+    #[error("cut off: nothing can be read from byte {at} on, {bytes} bytes")]
     Cut {
         /// Offset of the first record that is not whole.
         at: usize,
+        /// From there to the end of the file.
+        bytes: usize,
+    },
+    /// Bytes that are no records, before others that are.
+    #[error("bytes {at} to {end} are no records and are left out")]
+    Gap {
+        /// Offset of the first.
+        at: usize,
+        /// Offset of the next record.
+        end: usize,
     },
     /// A chunk cannot be decompressed or fails its checksum: none of its messages is used.
-    #[error("chunk at byte {at} is left out: {reason}")]
+    #[error("chunk in bytes {at} to {end} is left out: {reason}")]
     Chunk {
         /// Offset in the file.
         at: usize,
+        /// Offset of the next record.
+        end: usize,
         /// What the MCAP reader says.
         reason: String,
+    },
+    /// A chunk that passes its checksum, and whose type or length is wrong. Nothing of it is lost.
+    #[error(
+        "type or length of the chunk at byte {at} is damaged: it is read as its own header says"
+    )]
+    Frame {
+        /// Offset in the file.
+        at: usize,
+    },
+    /// The same chunk a second time: its messages are used once.
+    #[error("chunk at byte {at} is that of byte {first} again, and left out")]
+    Repeated {
+        /// Offset in the file.
+        at: usize,
+        /// Offset of the first.
+        first: usize,
     },
     /// A record cannot be parsed.
     #[error("record of type {opcode:#04x} at byte {at} is left out: {reason}")]
     Record {
         /// Offset in the file, of its chunk if it is in one.
         at: usize,
+        /// How long it is; nothing if it is in a chunk, which was read.
+        bytes: usize,
         /// Its type.
         opcode: u8,
         /// What the MCAP reader says.
@@ -45,11 +78,13 @@ pub enum Damage {
         /// The schema.
         schema: u16,
     },
-    /// A message names a channel that is not there.
-    #[error("message at byte {at} is left out: channel {id} is not defined")]
+    /// Messages name a channel that is not there.
+    #[error("{messages} messages from byte {at} on are left out: channel {id} is not defined")]
     NoChannel {
-        /// Offset in the file, of its chunk if it is in one.
+        /// Offset of the first in the file, of its chunk if it is in one.
         at: usize,
+        /// How many.
+        messages: u64,
         /// The channel.
         id: u16,
     },
@@ -62,18 +97,38 @@ pub enum Damage {
         saved: u32,
     },
     /// All records are there, but not the end of the file.
-    #[error("the end of the file is missing")]
+    #[error("the end of the file is missing or damaged")]
     NoEnd,
+}
+
+impl Damage {
+    /// The bytes of the file that were not read.
+    pub fn unread(&self) -> Option<Range<usize>> {
+        match *self {
+            Damage::Cut { at, bytes } | Damage::Record { at, bytes, .. } if bytes > 0 => {
+                Some(at..at + bytes)
+            }
+            Damage::Gap { at, end } | Damage::Chunk { at, end, .. } => Some(at..end),
+            _ => None,
+        }
+    }
+
+    /// Whether all that the file ever held was read in spite of it.
+    pub fn is_harmless(&self) -> bool {
+        matches!(self, Damage::NoEnd | Damage::Frame { .. })
+    }
 }
 
 /// How many damages are kept in full.
 const KEPT: usize = 16;
 
-/// The damages of a file: the first few, and how many in all.
+/// The damages of a file: the first few, how many in all, and all that was not read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Damages {
     first: Vec<Damage>,
     count: usize,
+    harmful: usize,
+    unread: Vec<Range<usize>>,
 }
 
 impl Damages {
@@ -87,6 +142,21 @@ impl Damages {
         self.count
     }
 
+    /// Whether there are any but a missing end and chunks that were read in spite of theirs.
+    pub fn is_loss(&self) -> bool {
+        self.harmful > 0
+    }
+
+    /// Every byte of the file that was not read, in order; ranges that touch are one.
+    pub fn unread(&self) -> &[Range<usize>] {
+        &self.unread
+    }
+
+    /// How many bytes were not read.
+    pub fn unread_bytes(&self) -> usize {
+        self.unread.iter().map(ExactSizeIterator::len).sum()
+    }
+
     /// Whether the file is cut off: its end is not there.
     pub fn is_truncated(&self) -> bool {
         self.first
@@ -96,17 +166,16 @@ impl Damages {
 
     pub(super) fn push(&mut self, damage: Damage) {
         self.count += 1;
+        self.harmful += usize::from(!damage.is_harmless());
+        if let Some(range) = damage.unread() {
+            match self.unread.last_mut() {
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => self.unread.push(range),
+            }
+        }
         // A missing end is always said, however much came before it.
         if self.first.len() < KEPT || matches!(damage, Damage::Cut { .. } | Damage::NoEnd) {
             self.first.push(damage);
         }
-    }
-
-    pub(super) fn append(&mut self, others: Damages) {
-        let unkept = others.count - others.first.len();
-        for damage in others.first {
-            self.push(damage);
-        }
-        self.count += unkept;
     }
 }

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::damage::{Damage, Damages};
 use super::record::Content;
+use super::summary;
 use super::walk::Walk;
 
 /// Why bytes are not an MCAP file at all.
@@ -17,7 +18,7 @@ pub enum ContainerError {
     /// There are none.
     #[error("the file is empty")]
     Empty,
-    /// They begin with something else.
+    /// They begin with something else, and nothing in them is a record that can be verified.
     #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
     NotMcap,
 }
@@ -86,6 +87,26 @@ pub struct Container {
     damages: Damages,
 }
 
+/// What is known of the messages of a channel, defined or not.
+#[derive(Clone, Copy)]
+struct Tally {
+    /// Offset of the first, of its chunk if it is in one.
+    at: usize,
+    messages: u64,
+    /// Least and greatest log time [ns].
+    log_times: (u64, u64),
+}
+
+/// What a walk gathers before it is known what is defined.
+#[derive(Default)]
+struct Gathered {
+    tallies: BTreeMap<u16, Tally>,
+    /// Channels whose schema did not come before them.
+    waiting: Vec<mcap::records::Channel>,
+    redefined: Vec<Damage>,
+    last_log_time: u64,
+}
+
 impl Container {
     /// Walks through the bytes of a file. Damage is no error: what can be read is there, and
     /// [`Container::damages`] says what cannot.
@@ -93,9 +114,7 @@ impl Container {
         if bytes.is_empty() {
             return Err(ContainerError::Empty);
         }
-        if !bytes.starts_with(MAGIC) {
-            return Err(ContainerError::NotMcap);
-        }
+        let has_magic = bytes.starts_with(MAGIC);
         let bytes = Arc::new(bytes);
         let mut container = Self {
             bytes: Arc::clone(&bytes),
@@ -110,14 +129,17 @@ impl Container {
             damages: Damages::default(),
         };
         let mut walk = Walk::verifying(bytes);
-        let mut damages = Damages::default();
+        let mut gathered = Gathered::default();
+        let mut is_anything = has_magic;
         while let Some((_, content)) = walk.next_content() {
-            if let Some(damage) = container.note(content, walk.offset()) {
-                damages.push(damage);
-            }
+            is_anything = true;
+            container.note(content, walk.offset(), &mut gathered);
+        }
+        if !is_anything {
+            return Err(ContainerError::NotMcap);
         }
         container.damages = walk.into_damages();
-        container.damages.append(damages);
+        container.conclude(gathered);
         Ok(container)
     }
 
@@ -194,7 +216,7 @@ impl Container {
         &self.damages
     }
 
-    fn note(&mut self, content: Content, at: usize) -> Option<Damage> {
+    fn note(&mut self, content: Content, at: usize, gathered: &mut Gathered) {
         match content {
             Content::Header { profile } => self.profile = profile,
             Content::Schema { header, data } => {
@@ -203,22 +225,22 @@ impl Container {
                     encoding: header.encoding,
                     data,
                 };
-                return define(&mut self.schemas, "schema", header.id, schema);
+                let redefined = define(&mut self.schemas, "schema", header.id, schema);
+                gathered.redefined.extend(redefined);
             }
-            Content::Channel(channel) => return self.note_channel(channel),
+            Content::Channel(channel) => self.note_channel(channel, gathered),
             Content::Message { header, .. } => {
-                let Some(channel) = self.channels.get_mut(&header.channel_id) else {
-                    return Some(Damage::NoChannel {
-                        at,
-                        id: header.channel_id,
-                    });
-                };
-                channel.messages += 1;
-                self.messages += 1;
                 let time = header.log_time;
-                let (first, last) = self.log_times.unwrap_or((time, time));
-                self.is_sorted &= time >= last;
-                self.log_times = Some((first.min(time), last.max(time)));
+                let tally = gathered.tallies.entry(header.channel_id).or_insert(Tally {
+                    at,
+                    messages: 0,
+                    log_times: (time, time),
+                });
+                tally.messages += 1;
+                let (first, last) = tally.log_times;
+                tally.log_times = (first.min(time), last.max(time));
+                self.is_sorted &= time >= gathered.last_log_time;
+                gathered.last_log_time = gathered.last_log_time.max(time);
             }
             Content::Attachment {
                 log_time,
@@ -239,31 +261,62 @@ impl Container {
             }),
             Content::Other => {}
         }
-        None
     }
 
-    fn note_channel(&mut self, record: mcap::records::Channel) -> Option<Damage> {
+    fn note_channel(&mut self, record: mcap::records::Channel, gathered: &mut Gathered) {
         let schema_id = (record.schema_id != 0).then_some(record.schema_id);
-        if let Some(schema) = schema_id
-            && !self.schemas.contains_key(&schema)
-        {
-            return Some(Damage::NoSchema {
-                id: record.id,
-                schema,
-            });
+        if schema_id.is_some_and(|schema| !self.schemas.contains_key(&schema)) {
+            gathered.waiting.push(record);
+            return;
         }
-        let messages = self
-            .channels
-            .get(&record.id)
-            .map_or(0, |channel| channel.messages);
         let channel = Channel {
             topic: record.topic,
             schema_id,
             message_encoding: record.message_encoding,
             metadata: record.metadata,
-            messages,
+            messages: 0,
         };
-        define(&mut self.channels, "channel", record.id, channel)
+        let redefined = define(&mut self.channels, "channel", record.id, channel);
+        gathered.redefined.extend(redefined);
+    }
+
+    /// Everything is walked through: what is still not defined is looked for in the summary, and
+    /// messages are counted.
+    fn conclude(&mut self, mut gathered: Gathered) {
+        let is_lost = |id: &u16| !self.channels.contains_key(id);
+        if !gathered.waiting.is_empty() || gathered.tallies.keys().any(is_lost) {
+            for content in summary::definitions(&Arc::clone(&self.bytes)) {
+                self.note(content, 0, &mut gathered);
+            }
+        }
+        for channel in std::mem::take(&mut gathered.waiting) {
+            self.note_channel(channel, &mut gathered);
+        }
+        gathered
+            .redefined
+            .into_iter()
+            .for_each(|damage| self.damages.push(damage));
+        for channel in gathered.waiting {
+            let (id, schema) = (channel.id, channel.schema_id);
+            if !self.channels.contains_key(&id) {
+                self.damages.push(Damage::NoSchema { id, schema });
+            }
+        }
+        for (id, tally) in gathered.tallies {
+            let Tally {
+                at,
+                messages,
+                log_times: (first, last),
+            } = tally;
+            let Some(channel) = self.channels.get_mut(&id) else {
+                self.damages.push(Damage::NoChannel { at, messages, id });
+                continue;
+            };
+            channel.messages = messages;
+            self.messages += messages;
+            let (least, greatest) = self.log_times.unwrap_or((first, last));
+            self.log_times = Some((least.min(first), greatest.max(last)));
+        }
     }
 }
 

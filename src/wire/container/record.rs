@@ -22,6 +22,29 @@ const RECORD_LIMIT_BYTES: usize = 64 << 20;
 /// Channel, sequence number and two times before a message's data.
 const MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
 
+/// Log time and offset of a message.
+const INDEX_ENTRY_BYTES: usize = 8 + 8;
+
+/// Start and end time before what a chunk says of its records.
+const CHUNK_TIMES_BYTES: usize = 8 + 8;
+
+/// The compressions of chunks, each with what its data begin with.
+const COMPRESSIONS: [(&[u8], &[u8]); 3] = [
+    (b"", b""),
+    (b"zstd", &[0x28, 0xb5, 0x2f, 0xfd]),
+    (b"lz4", &[0x04, 0x22, 0x4d, 0x18]),
+];
+
+/// The first type of record that the format leaves to others.
+pub(super) const PRIVATE: u8 = 0x80;
+
+/// A private record of ours in a chunk: after [`REPEATED`], schema and channel records that the
+/// file has already, for the chunk to be read without those before it.
+pub const REPEATS: u8 = 0xe0;
+
+/// What such a record begins with: others may use its type.
+pub const REPEATED: &[u8] = b"enact repeats\n";
+
 /// A record's content, its bulk as a range of the bytes it was read from.
 pub(super) enum Content {
     Header {
@@ -81,6 +104,13 @@ pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Con
         op::HEADER => Ok(Content::Header {
             profile: text(body, &mut 0)?,
         }),
+        op::MESSAGE_INDEX => {
+            let entries = body.get(2..).ok_or(McapError::UnexpectedEof)?;
+            match prefixed(entries, &mut 0)?.len() % INDEX_ENTRY_BYTES {
+                0 => Ok(Content::Other),
+                _ => Err(McapError::UnexpectedEof),
+            }
+        }
         op::SCHEMA => schema(body),
         op::CHANNEL => channel(body),
         op::METADATA => {
@@ -185,11 +215,51 @@ fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapEr
     Ok(pairs)
 }
 
-/// Unpacks the chunk record `record` (frame included) into `records`, which holds whole
-/// verified records afterwards, or nothing.
-pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
+/// What a chunk says of itself. With it a chunk can be told without its record's type and length.
+#[derive(Clone, Copy)]
+pub(super) struct ChunkHeader {
+    /// Where its data end, and its record should.
+    pub(super) end: usize,
+    /// Whether it has a checksum.
+    pub(super) is_checked: bool,
+    /// Length of its data in the file.
+    pub(super) packed: usize,
+    /// Whether they are not compressed: nothing in them shows that they are a chunk's.
+    pub(super) is_plain: bool,
+}
+
+/// The chunk header that a record at `at` has, if it is one: of a compression we know, with data
+/// that begin as they should and are all there.
+pub(super) fn chunk_header(bytes: &[u8], at: usize) -> Option<ChunkHeader> {
+    let record = bytes.get(at..)?;
+    let mut from = FRAME_BYTES + CHUNK_TIMES_BYTES;
+    let size = u64::from_le_bytes(take(record, &mut from).ok()?);
+    let crc = u32::from_le_bytes(take(record, &mut from).ok()?);
+    let name = prefixed(record, &mut from).ok()?;
+    let packed = u64::from_le_bytes(take(record, &mut from).ok()?);
+    let (name, magic) = COMPRESSIONS.iter().find(|(known, _)| *known == name)?;
+    let packed = usize::try_from(packed).ok()?;
+    let data = record.get(from..from.checked_add(packed)?)?;
+    let is_plain = name.is_empty();
+    let is_likely = packed > 0 && data.starts_with(magic) && (!is_plain || size == packed as u64);
+    is_likely.then_some(ChunkHeader {
+        end: at + from + packed,
+        is_checked: crc != 0,
+        packed,
+        is_plain,
+    })
+}
+
+/// Unpacks the chunk in `bytes[at..end]` into `records`, which holds whole verified records
+/// afterwards, or nothing. Its record's type and length are not looked at.
+pub(super) fn unpack_chunk(
+    bytes: &[u8],
+    at: usize,
+    end: usize,
+    records: &mut Vec<u8>,
+) -> Result<(), McapError> {
     records.clear();
-    let result = unpack(record, records);
+    let result = unpack(&bytes[at..end], records);
     if result.is_err() {
         records.clear();
     }
@@ -197,8 +267,7 @@ pub(super) fn unpack_chunk(record: &[u8], records: &mut Vec<u8>) -> Result<(), M
 }
 
 fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
-    // Start and end time: nothing that is used.
-    let mut at = FRAME_BYTES + 16;
+    let mut at = FRAME_BYTES + CHUNK_TIMES_BYTES;
     let size = u64::from_le_bytes(take(record, &mut at)?);
     let saved = u32::from_le_bytes(take(record, &mut at)?);
     let compression = prefixed(record, &mut at)?;
@@ -206,28 +275,61 @@ fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     if size > RECORD_LIMIT_BYTES as u64 {
         return Err(McapError::ChunkTooLarge(size));
     }
+    // A header of zeros is that of an empty chunk: its record then holds what it says nothing of.
+    let is_short = compression.is_empty() && packed_size != (record.len() - at) as u64;
+    if is_short || (size == 0 && at < record.len()) {
+        return Err(McapError::UnexpectedEoc);
+    }
     if !compression.is_empty() {
-        return decompress(record, records);
+        decompress(&record[FRAME_BYTES..], records)?;
+        return check(records, size, saved);
     }
     let plain = usize::try_from(packed_size)
         .ok()
         .and_then(|length| record.get(at..at.checked_add(length)?))
         .ok_or(McapError::UnexpectedEoc)?;
-    let calculated = crc32fast::hash(plain);
-    if saved != 0 && saved != calculated {
-        return Err(McapError::BadChunkCrc { saved, calculated });
-    }
-    let mut at = 0;
-    while at < plain.len() {
-        let (_, range) = frame(plain, at).ok_or(McapError::UnexpectedEoc)?;
-        at = range.end;
+    check(plain, size, saved)?;
+    if !are_records(plain) {
+        return Err(McapError::UnexpectedEoc);
     }
     records.extend_from_slice(plain);
     Ok(())
 }
 
-/// The checksum is looked at before the first record comes out.
-fn decompress(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
+/// Whether a chunk's records are all there and are what was written. A compressed stream that ends
+/// in zeros has no end: the library then hands out nothing, and no error.
+fn check(records: &[u8], size: u64, saved: u32) -> Result<(), McapError> {
+    if records.len() as u64 != size {
+        return Err(McapError::UnexpectedEoc);
+    }
+    let calculated = crc32fast::hash(records);
+    if saved != 0 && saved != calculated {
+        return Err(McapError::BadChunkCrc { saved, calculated });
+    }
+    Ok(())
+}
+
+/// Of a record that repeats others, how many bytes are before the first of them.
+pub(super) fn repeated(opcode: u8, body: &[u8]) -> Option<usize> {
+    let records = body.strip_prefix(REPEATED)?;
+    (opcode == REPEATS && are_records(records)).then_some(REPEATED.len())
+}
+
+/// Whether bytes are whole records, one after the other.
+fn are_records(bytes: &[u8]) -> bool {
+    let mut at = 0;
+    while at < bytes.len() {
+        let Some((_, range)) = frame(bytes, at) else {
+            return false;
+        };
+        at = range.end;
+    }
+    true
+}
+
+/// The checksum is looked at before the first record comes out. `body` is the chunk's record
+/// without type and length, which are made here.
+fn decompress(body: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -235,14 +337,19 @@ fn decompress(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
             .with_record_length_limit(RECORD_LIMIT_BYTES)
             .with_prevalidate_chunk_crcs(true),
     );
-    let mut rest = record;
+    let mut opening = vec![op::CHUNK];
+    opening.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    let (mut rest, mut after) = (&opening[..], body);
     while let Some(event) = reader.next_event() {
         match event? {
             LinearReadEvent::ReadRequest(wanted) => {
-                let (given, after) = rest.split_at(wanted.min(rest.len()));
+                if rest.is_empty() {
+                    rest = std::mem::take(&mut after);
+                }
+                let (given, left) = rest.split_at(wanted.min(rest.len()));
                 reader.insert(given.len()).copy_from_slice(given);
                 reader.notify_read(given.len());
-                rest = after;
+                rest = left;
             }
             LinearReadEvent::Record { opcode, data } => {
                 records.push(opcode);

@@ -1,5 +1,6 @@
 //! The records of a file's data section, one by one, in file order.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -7,7 +8,8 @@ use mcap::MAGIC;
 use mcap::records::op;
 
 use super::damage::{Damage, Damages};
-use super::record::{self, Content};
+use super::record::{self, ChunkHeader, Content, FRAME_BYTES};
+use super::scan::{self, Scan};
 
 /// A message as it lies in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +44,9 @@ pub struct Walk {
     /// The open chunk's records, whole and verified, and where the next of them begins.
     chunk: Vec<u8>,
     chunk_at: usize,
+    /// Where chunks begin that were read, by length and checksum of their records in the file.
+    chunks: BTreeMap<(usize, u32), Vec<usize>>,
+    scan: Scan,
     verifies_data_section: bool,
     ended: bool,
     damages: Damages,
@@ -51,8 +56,15 @@ impl Walk {
     /// A walk that trusts an earlier one for the data section's checksum.
     pub(super) fn new(bytes: Arc<Vec<u8>>) -> Self {
         Self {
+            // Without its magic a file is damaged from its first byte on.
+            at: if bytes.starts_with(MAGIC) {
+                MAGIC.len()
+            } else {
+                0
+            },
+            scan: Scan::new(bytes.len()),
+            chunks: BTreeMap::new(),
             bytes,
-            at: MAGIC.len(),
             offset: 0,
             chunk: Vec::new(),
             chunk_at: 0,
@@ -95,6 +107,10 @@ impl Walk {
                 Err(error) => {
                     let damage = Damage::Record {
                         at: self.offset,
+                        bytes: match place {
+                            Place::File => self.at - self.offset,
+                            Place::Chunk => 0,
+                        },
                         opcode,
                         reason: error.to_string(),
                     };
@@ -125,66 +141,170 @@ impl Walk {
             if self.chunk_at < self.chunk.len() {
                 let (opcode, range) = record::frame(&self.chunk, self.chunk_at)
                     .expect("an unpacked chunk holds whole records");
-                self.chunk_at = range.end;
+                self.chunk_at = match record::repeated(opcode, &self.chunk[range.clone()]) {
+                    // What it repeats is walked through as if it lay in the chunk itself.
+                    Some(prefix) => range.start + prefix,
+                    None => range.end,
+                };
                 return Some((Place::Chunk, opcode, range));
             }
             if self.ended {
                 return None;
             }
-            let Some((opcode, range)) = record::frame(&self.bytes, self.at) else {
-                self.end_cut();
-                return None;
-            };
             self.offset = self.at;
-            self.at = range.end;
-            match opcode {
-                op::CHUNK => self.open_chunk(range.end),
-                op::DATA_END => {
-                    self.end_whole(range);
-                    return None;
-                }
-                // A footer without the record that ends the data: a chunk with its type
-                // damaged would look so.
-                op::FOOTER => {
-                    self.at = self.offset;
-                    self.end_cut();
-                    return None;
-                }
-                _ => return Some((Place::File, opcode, range)),
+            if let Some((opcode, range)) = self.next_in_file() {
+                return Some((Place::File, opcode, range));
             }
         }
     }
 
-    fn open_chunk(&mut self, end: usize) {
+    /// Takes the next step in the file: over a record that is handed out, into a chunk, over what
+    /// is damaged, or to the end.
+    fn next_in_file(&mut self) -> Option<(u8, Range<usize>)> {
+        if self.at == self.bytes.len() {
+            self.end(Damage::NoEnd);
+            return None;
+        }
+        if self.at < MAGIC.len() {
+            self.go_on();
+            return None;
+        }
+        let frame = record::frame(&self.bytes, self.at);
+        // What looks like a chunk is one, whatever its type and its length say.
+        if let Some(chunk) = record::chunk_header(&self.bytes, self.at) {
+            let is_framed = frame == Some((op::CHUNK, self.at + FRAME_BYTES..chunk.end));
+            if is_framed || self.is_chunk(chunk) {
+                return self.open_chunk(chunk.end, is_framed);
+            }
+        }
+        let frame = frame
+            .filter(|(opcode, range)| *opcode != 0 && scan::is_plausible(&self.bytes, range.end));
+        let Some((opcode, range)) = frame else {
+            self.go_on();
+            return None;
+        };
+        match opcode {
+            op::CHUNK => return self.open_chunk(range.end, true),
+            op::DATA_END => {
+                self.end_whole(range);
+                return None;
+            }
+            // The record that ends the data is not there.
+            op::FOOTER => {
+                self.end(Damage::NoEnd);
+                return None;
+            }
+            _ => {}
+        }
+        self.at = range.end;
+        Some((opcode, range))
+    }
+
+    /// Whether what has a chunk's header and not its type or length is one. Numbers of another
+    /// record may look like the header of a chunk that is not compressed.
+    fn is_chunk(&mut self, header: ChunkHeader) -> bool {
+        let (bytes, at) = (&self.bytes, self.at);
+        let mut passes = || record::unpack_chunk(bytes, at, header.end, &mut self.chunk).is_ok();
+        header.is_checked && (!header.is_plain || passes())
+    }
+
+    /// Unpacks the chunk from here to `end`; nothing of it is handed out unless all of it can be.
+    fn open_chunk(&mut self, end: usize, is_framed: bool) -> Option<(u8, Range<usize>)> {
+        let at = self.at;
         self.chunk_at = 0;
-        if let Err(error) = record::unpack_chunk(&self.bytes[self.offset..end], &mut self.chunk) {
-            self.damages.push(Damage::Chunk {
-                at: self.offset,
-                reason: error.to_string(),
+        match record::unpack_chunk(&self.bytes, at, end, &mut self.chunk) {
+            Ok(()) => {
+                self.at = end;
+                if !is_framed {
+                    self.damages.push(Damage::Frame { at });
+                    self.check_end(at);
+                }
+                if let Some(first) = self.first_of(at..end) {
+                    self.chunk.clear();
+                    self.damages.push(Damage::Repeated { at, first });
+                }
+            }
+            Err(error) => {
+                // Its length may be what is damaged: another one may begin before its end.
+                let is_end = scan::is_plausible(&self.bytes, end);
+                let limit = if is_end { end } else { self.bytes.len() };
+                let next = self.scan.find(&self.bytes, at + 1..limit);
+                self.at = next.unwrap_or(limit);
+                let reason = error.to_string();
+                let end = self.at;
+                self.damages.push(Damage::Chunk { at, end, reason });
+            }
+        }
+        None
+    }
+
+    /// After a chunk whose record says another length than its header: where neither leads to a
+    /// record, the next that can be trusted is looked for, from the chunk's beginning on.
+    fn check_end(&mut self, at: usize) {
+        if scan::is_plausible(&self.bytes, self.at) {
+            return;
+        }
+        let end = self.at;
+        let next = self.scan.find(&self.bytes, at + 1..self.bytes.len());
+        self.at = next.unwrap_or(end);
+        if self.at > end {
+            self.damages.push(Damage::Gap {
+                at: end,
+                end: self.at,
             });
         }
     }
 
-    fn end_cut(&mut self) {
+    /// Where the same chunk was read before, if it was.
+    fn first_of(&mut self, chunk: Range<usize>) -> Option<usize> {
+        let checksum = crc32fast::hash(&self.bytes[chunk.clone()]);
+        let same = self.chunks.entry((chunk.len(), checksum)).or_default();
+        let is_same = |first: &&usize| {
+            let first = **first..**first + chunk.len();
+            self.bytes[first] == self.bytes[chunk.clone()]
+        };
+        let first = same.iter().find(is_same).copied();
+        if first.is_none() {
+            same.push(chunk.start);
+        }
+        first
+    }
+
+    /// Goes on at the next record that can be trusted, if there is one.
+    fn go_on(&mut self) {
+        let (at, length) = (self.at, self.bytes.len());
+        match self.scan.find(&self.bytes, at + 1..length) {
+            Some(end) => {
+                self.at = end;
+                self.damages.push(Damage::Gap { at, end });
+            }
+            None => self.end(Damage::Cut {
+                at,
+                bytes: length - at,
+            }),
+        }
+    }
+
+    fn end(&mut self, damage: Damage) {
         self.ended = true;
-        self.damages.push(Damage::Cut { at: self.at });
+        self.damages.push(damage);
     }
 
     /// At the record that ends the data section.
     fn end_whole(&mut self, body: Range<usize>) {
         self.ended = true;
+        let saved = self.bytes.get(body).and_then(|body| body.try_into().ok());
+        let Some(saved) = saved.map(u32::from_le_bytes) else {
+            return self.damages.push(Damage::NoEnd);
+        };
         if !self.verifies_data_section {
             return;
         }
-        let saved = self.bytes.get(body).and_then(|body| body.try_into().ok());
-        let Some(saved) = saved.map(u32::from_le_bytes) else {
-            return self.damages.push(Damage::Cut { at: self.offset });
-        };
-        let calculated = crc32fast::hash(&self.bytes[..self.offset]);
+        let calculated = crc32fast::hash(&self.bytes[..self.at]);
         if saved != 0 && saved != calculated {
             self.damages.push(Damage::Checksum { calculated, saved });
         }
-        if !self.bytes[self.offset..].ends_with(MAGIC) {
+        if !self.bytes[self.at..].ends_with(MAGIC) {
             self.damages.push(Damage::NoEnd);
         }
     }

@@ -432,6 +432,52 @@ fn a_foreign_file_keeps_its_topics_and_is_sorted_stably() {
 }
 
 #[test]
+fn a_ros_2_recording_stays_one_and_says_the_same() {
+    let directory = tempfile::tempdir().expect("directory");
+    let ros = read(&written(&foreign(&directory), "ros.mcap", SCENE_TOML));
+    let plain = read(&written(&recording(&directory), "plain.mcap", SCENE_TOML));
+    assert_eq!((ros.profile(), plain.profile()), ("ros2", ""));
+    let ours = ros.channels().values();
+    let ours: Vec<_> = ours.filter(|c| topics::is_ours(&c.metadata)).collect();
+    assert_eq!(ours.len(), 7);
+    for channel in ours {
+        let schema = ros.schema_of(channel).expect("a schema");
+        let encodings = (&channel.message_encoding[..], &schema.encoding[..]);
+        assert_eq!(encodings, ("cdr", "ros2msg"), "{}", channel.topic);
+    }
+    for topic in ["/estimate/pencil/pose", "/sketch/pencil/pose"] {
+        let (theirs, expected) = (poses(&ros, topic), poses(&plain, topic));
+        assert!(expected.len() > 10 && theirs == expected, "{topic}");
+    }
+    let count = |container: &Container, topic: &str| {
+        let mut channels = container.channels().values();
+        channels.find(|c| c.topic == topic).map(|c| c.messages)
+    };
+    for (of_ros, of_plain) in [
+        ("/estimate/tf", "/tf"),
+        (topics::EVENTS, topics::EVENTS),
+        (topics::REPORT, topics::REPORT),
+    ] {
+        assert_eq!(count(&ros, of_ros), count(&plain, of_plain), "{of_ros}");
+    }
+    // And so does a copy with marks.
+    let (input, output) = (foreign(&directory), directory.path().join("marked.mcap"));
+    let mark = Mark {
+        stamp: Stamp(40),
+        event: Some("bounce".to_owned()),
+    };
+    let marks = [(mark.stamp, mark)];
+    super::super::write_marks(&output, &read(&input), &input, "/marks", &marks).expect("write");
+    let marked = read(&output);
+    assert_eq!(
+        (marked.profile(), count(&marked, "/marks")),
+        ("ros2", Some(1))
+    );
+    let mut schemas = marked.schemas().values();
+    assert!(schemas.all(|schema| schema.encoding == "ros2msg"));
+}
+
+#[test]
 fn the_input_is_never_overwritten_under_any_of_its_names() {
     let directory = tempfile::tempdir().expect("directory");
     let input = recording(&directory);

@@ -95,15 +95,20 @@ fn of_a_killed_recorder_everything_but_the_open_chunk_is_recovered() {
     let before = journal.whole[journal.whole.len() - 2] as usize;
     drop(journal);
     fs::remove_file(&part).expect("remove");
-    for (cut, expected) in [
-        (whole.len(), 100),
-        (whole.len() - 1, 100),
-        (before + 30, 90),
+    for (cut, expected, unread) in [
+        (whole.len(), 100, 0),
+        // The index of the last chunk alone.
+        (whole.len() - 1, 100, 1),
+        (before + 30, 90, 30),
     ] {
         fs::write(&part, &whole[..cut]).expect("write");
         assert_eq!(abandoned(folder.path()).expect("list"), vec![part.clone()]);
         let recovered = recover(&part).expect("recover");
-        assert!(recovered.is_removed && !part.exists());
+        assert_eq!(recovered.is_whole, unread == 0);
+        assert_eq!(recovered.unread.is_empty(), unread == 0);
+        assert!(!part.exists());
+        assert!(fs::read(&recovered.journal).expect("kept") == whole[..cut]);
+        fs::remove_file(&recovered.journal).expect("remove");
         let saved =
             messages(&path, "/capture/tracker/a/pose") + messages(&path, "/capture/tracker/b/pose");
         assert_eq!(saved, expected, "cut at {cut} of {}", whole.len());
@@ -127,9 +132,10 @@ fn damage_in_the_middle_is_said_and_the_journal_kept() {
     bytes[middle + 60] ^= 0xff;
     fs::write(&part, &bytes).expect("write");
     let recovered = recover(&part).expect("recover");
-    assert!(!recovered.is_removed && part.exists());
+    assert!(!recovered.is_whole && fs::read(&recovered.journal).expect("kept") == bytes);
     assert!(recovered.damages.len() > 1, "{:?}", recovered.damages);
-    assert!(matches!(recover(&part), Err(WriteError::Exists { .. })));
+    assert_eq!(recovered.unread[0].start, middle);
+    assert!(abandoned(folder.path()).expect("list").is_empty());
 }
 
 #[test]
@@ -153,6 +159,44 @@ fn after_an_error_the_file_so_far_is_valid() {
     let stream = mcap::MessageStream::new(&bytes).expect("valid");
     let messages: Result<Vec<_>, _> = stream.collect();
     assert_eq!(messages.expect("messages").len(), 75);
+}
+
+/// A chunk without those before it: what it needs to be understood is in it.
+#[test]
+fn every_chunk_is_read_alone() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mut journal = journal(&folder.path().join("take.mcap"));
+    fill(&mut journal, 0..100);
+    let bytes = fs::read(journal.part()).expect("read");
+    let mut read = 0;
+    for pair in journal.whole.windows(2) {
+        let chunk = &bytes[pair[0] as usize..pair[1] as usize];
+        let alone = [mcap::MAGIC, chunk].concat();
+        let found = crate::wire::Container::new(alone).expect("MCAP");
+        assert!(!found.damages().is_loss(), "{:?}", found.damages().first());
+        assert_eq!(found.message_count(), 15);
+        assert!(
+            found
+                .channels()
+                .values()
+                .all(|c| found.schema_of(c).is_some())
+        );
+        read += 1;
+    }
+    assert_eq!(read, 10);
+}
+
+/// However long nobody closes a chunk, it is bounded: what is in memory is lost by a kill.
+#[test]
+fn a_chunk_that_grows_too_large_is_closed() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mut journal = journal(&folder.path().join("take.mcap"));
+    let before = journal.whole.len();
+    for k in 0..6000 {
+        let receipt = Stamp(START + k * MS);
+        journal.pose(0, receipt, &record(k), None).expect("write");
+    }
+    assert!(journal.whole.len() > before && journal.open_bytes < CHUNK_BYTES);
 }
 
 #[test]

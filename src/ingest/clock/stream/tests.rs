@@ -92,6 +92,66 @@ fn a_clock_that_is_set_does_not_tear_the_stamps_apart() {
     }
 }
 
+/// Before a stream has a cadence its clock is only seen to go back; and where a publisher begins
+/// again, its numbers do not tell either.
+#[test]
+fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
+    const HOUR: i64 = 3_600_000 * MS;
+    // Intervals of 1 to 41 ms, and every fifth of 200 ms.
+    let mut at = START;
+    let uneven: Vec<i64> = (0..400_i64)
+        .map(|k| {
+            at += if k % 5 == 0 { 200 } else { 1 + k * 7919 % 41 } * MS;
+            at
+        })
+        .collect();
+    for (is_uneven, has_restart, from) in [
+        (true, false, 10),
+        (true, false, 200),
+        (false, true, 200),
+        (true, true, 10),
+    ] {
+        let readings: Vec<Reading> = (0..400)
+            .map(|k| {
+                let is_after = k >= from;
+                let even = reading(k as i64);
+                let truth = if is_uneven {
+                    uneven[k]
+                } else {
+                    START + k as i64 * 5 * MS
+                };
+                let begins = has_restart && is_after;
+                Reading {
+                    session: 1 + u32::from(begins),
+                    sequence: if begins { k - from } else { k } as u64,
+                    sample_ns: Some(truth - if is_after { HOUR } else { 0 }),
+                    receipt_ns: truth + 2 * MS,
+                    ..even
+                }
+            })
+            .collect();
+        let (stamps, quality) = stamps(Some(StampSource::Sample), &readings);
+        let case = format!("uneven {is_uneven}, restart {has_restart}, from {from}");
+        assert_eq!(quality.steps, 1, "{case}");
+        assert_eq!(quality.restarts, u64::from(has_restart), "{case}");
+        for (stamp, reading) in stamps.iter().zip(&readings) {
+            let delay_ns = reading.receipt_ns - stamp;
+            assert!((0..10 * MS).contains(&delay_ns), "{case}: {delay_ns} ns");
+        }
+    }
+}
+
+/// Our own clock is never set during a take; were it, stamps by arrival would stand still.
+#[test]
+fn stamps_by_arrival_never_go_back() {
+    let mut readings: Vec<Reading> = (0..600).map(reading).collect();
+    for reading in &mut readings[300..] {
+        reading.receipt_ns -= 3_600_000 * MS;
+    }
+    let (stamps, quality) = stamps(Some(StampSource::Receipt), &readings);
+    assert!(stamps.is_sorted() && quality.steps > 0);
+}
+
 /// Readings with those times and arrivals \[ns\], numbered in that order.
 fn readings(times: impl IntoIterator<Item = (i64, i64)>) -> Vec<Reading> {
     let reading = |(k, (time_ns, receipt_ns)): (usize, (i64, i64))| Reading {
