@@ -1,6 +1,9 @@
 //! The commands from outside: what they print, where, with which exit code, and what they leave
 //! behind when something is wrong.
 
+#[path = "support/skip.rs"]
+mod skip;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -10,6 +13,7 @@ use enact::math::Pose;
 use enact::motion::{Mark, PoseSample, Stamp};
 use enact::write::RecordingWriter;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use skip::skip;
 use tempfile::TempDir;
 
 const SCENE: &str = r#"
@@ -361,6 +365,7 @@ fn outputs_that_cannot_be_written_are_refused() {
 
 #[test]
 fn a_full_disk_is_said_and_leaves_nothing() {
+    let name = "a_full_disk_is_said_and_leaves_nothing";
     let bench = Bench::new(&Plan::default());
     // A file system of our own, of two pages, that ends with the shell.
     let script = r#"
@@ -383,10 +388,10 @@ fn a_full_disk_is_said_and_leaves_nothing() {
             assert_eq!(String::from_utf8_lossy(&output.stdout), "");
         }
         Ok(output) if output.status.code() == Some(42) => {
-            eprintln!("skipped: no right to mount a small file system");
+            skip(name, "no right to mount a small file system");
         }
         Ok(output) => panic!("{output:?}"),
-        Err(error) => eprintln!("skipped: unshare: {error}"),
+        Err(error) => skip(name, &format!("unshare: {error}")),
     }
 }
 
@@ -408,7 +413,8 @@ fn a_full_stdout_is_an_error_and_a_closed_one_is_not() {
     assert_eq!(closed.status.code(), Some(0));
     assert_eq!(String::from_utf8_lossy(&closed.stderr), "");
     let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
-        eprintln!("skipped: no /dev/full");
+        let name = "a_full_stdout_is_an_error_and_a_closed_one_is_not";
+        skip(name, "no /dev/full");
         return;
     };
     let full = inspect(full.into());

@@ -1,6 +1,9 @@
 //! Real tosses of a cube: the first flight, with free gravity, against the fits that came with
 //! the data; and flight and impact told slowly, whose duration is known. Skipped, saying so, where the data are not there.
 
+#[path = "support/skip.rs"]
+mod skip;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +11,7 @@ use enact::config::scene_from_toml;
 use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use nalgebra::Vector3;
+use skip::skip;
 
 /// One line of the manifest: a toss that somebody else has fitted.
 struct Toss {
@@ -23,7 +27,8 @@ fn folder() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    eprintln!("skipped: no real tosses at {}", folder.display());
+    let name = "first_flights_agree_with_the_fits_that_came_with_them";
+    skip(name, &format!("no real tosses at {}", folder.display()));
     None
 }
 

@@ -3,6 +3,8 @@
 
 #[path = "../tools/perform/mod.rs"]
 mod perform;
+#[path = "support/skip.rs"]
+mod skip;
 
 use std::path::Path;
 
@@ -11,6 +13,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use perform::wander::{HAND_ORIENTATION, HAND_POSITION, Spectrum, Wander};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use skip::skip;
 
 const RATE_HZ: f64 = 100.0;
 /// Samples of a window of the periodogram.
@@ -110,11 +113,11 @@ fn detrended(window: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
 }
 
 /// Poses at 100 Hz of a real hand-held body; `None` where the measurements are absent.
-fn real_hand() -> Option<Vec<(Vector3<f64>, UnitQuaternion<f64>)>> {
+fn real_hand(test: &str) -> Option<Vec<(Vector3<f64>, UnitQuaternion<f64>)>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../shared/real/handheld/vicon_handheld_primesense_2.csv");
     let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: no {}", path.display());
+        skip(test, &format!("no {}", path.display()));
         return None;
     };
     let mut rows: Vec<Vec<f64>> = text
@@ -151,8 +154,8 @@ fn real_hand() -> Option<Vec<(Vector3<f64>, UnitQuaternion<f64>)>> {
 }
 
 /// Power of position [m²/Hz] and of orientation [rad²/Hz], per axis.
-fn real_power() -> Option<(Power, Power)> {
-    let poses = real_hand()?;
+fn real_power(test: &str) -> Option<(Power, Power)> {
+    let poses = real_hand(test)?;
     let velocity: Vec<_> = poses
         .windows(2)
         .map(|p| (p[1].0 - p[0].0) * RATE_HZ)
@@ -190,7 +193,7 @@ fn between(value: f64, low: f64, high: f64) {
 
 #[test]
 fn a_real_hand_is_as_described() {
-    let Some((position, orientation)) = real_power() else {
+    let Some((position, orientation)) = real_power("a_real_hand_is_as_described") else {
         return;
     };
     between(position.slope(0.3, 1.0), -4.1, -3.8);
@@ -215,7 +218,9 @@ fn a_made_up_hand_is_like_it() {
 
 #[test]
 fn a_real_tracker_is_quieter_than_the_performances() {
-    let Some(poses) = real_hand() else { return };
+    let Some(poses) = real_hand("a_real_tracker_is_quieter_than_the_performances") else {
+        return;
+    };
     // Fourth differences of white noise are √70 times as large; the median does not see jumps.
     let mut noise_m: Vec<f64> = poses
         .windows(5)

@@ -8,11 +8,14 @@ mod perform;
 
 use std::path::Path;
 
-use case::{Case, another_leads, estimated};
+use case::{Case, Posed, another_leads, estimated};
 use enact::config::scene_from_toml;
+use enact::estimate::merit::Price;
+use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::{Bound, Part};
 use enact::ingest::{Recording, Source};
 use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
-use enact::pipeline::{Outcome, Pipeline};
+use enact::pipeline::{Outcome, Pipeline, SearchWork};
 use perform::{Acting, Polyhedron, Throw, bounces, thrown};
 
 const OPEN: Touching = Touching {
@@ -115,16 +118,15 @@ fn enumerated(scene: &Scene, case: &Case) -> (f64, Vec<Event>, usize) {
     best
 }
 
-/// The search finds what trying all sequences finds, for bounces with the timing known or not, at
-/// these seeds. In all so many are tried, and so many solved by the search: as `tests/golden.rs`
-/// says of its counters, a change is no error by itself.
-fn assert_exact(
-    solid: Polyhedron,
-    (bounces, is_timing_known, seeds): (usize, bool, std::ops::Range<u64>),
-    counts: (usize, usize),
-) {
-    let (mut tried, mut solved) = (0, 0);
-    for seed in seeds {
+/// Bounces of a solid, of which nobody says what touches.
+struct Bouncing {
+    case: Case,
+    scene: Scene,
+    name: String,
+}
+
+impl Bouncing {
+    fn new(solid: Polyhedron, bounces: usize, is_timing_known: bool, seed: u64) -> Self {
         let acting = if is_timing_known {
             Acting::timing_known()
         } else {
@@ -135,18 +137,134 @@ fn assert_exact(
             mark_error_s: 0.0,
             ..acting
         };
-        let truth = thrown(solid, &Throw::BOX, bounces, seed).unwrap();
+        let mut truth = thrown(solid, &Throw::BOX, bounces, seed).unwrap();
+        truth.scene.mark_sd_s = Some(0.001);
         let case = Case::new(&truth, &acting, seed);
         let mut scene = opened(case.scene());
         scene.velocity_gaps = VelocityGaps::Never;
-        scene.mark_sd_s = Some(0.001);
-        let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
-        let (objective, events, count) = enumerated(&scene, &case);
-        let name = format!("{solid:?}, {bounces} bounces, seed {seed}");
-        assert_eq!(found.scene.events, events, "{name}");
-        assert_eq!(found.estimate.objective, objective, "{name}");
+        Self {
+            case,
+            scene,
+            name: format!("{solid:?}, {bounces} bounces, {is_timing_known}, seed {seed}"),
+        }
+    }
+
+    /// What is inferred is what trying all sequences finds; the work of the search, if there was
+    /// one, and how many sequences there are.
+    fn assert_exact(&self) -> (Option<SearchWork>, usize) {
+        let found = estimated(&self.scene, &self.case.performance.events, &mut ()).unwrap();
+        let (objective, events, count) = enumerated(&self.scene, &self.case);
+        assert_eq!(found.scene.events, events, "{}", self.name);
+        assert_eq!(found.estimate.objective, objective, "{}", self.name);
+        (found.search, count)
+    }
+}
+
+/// What the fits of the arcs do not tell is searched for, and proven without trying them all:
+/// in some the likeliest sequence is the best, in some it is not.
+#[test]
+fn what_the_fits_do_not_tell_is_searched_for() {
+    let mut surprises = 0;
+    for seed in [10, 14, 16, 45] {
+        let bouncing = Bouncing::new(Polyhedron::Cube, 2, true, seed);
+        let (work, count) = bouncing.assert_exact();
+        let name = &bouncing.name;
+        let work = work.unwrap_or_else(|| panic!("no search: {name}"));
+        println!("{name}: {work:?}");
+        assert!(work.is_proven, "{name}: {work:?}");
+        let sequences = 2.0..=count as f64;
+        assert!(sequences.contains(&work.sequences), "{name}: {work:?}");
+        assert!((1..=count / 8).contains(&work.solves), "{name}: {work:?}");
+        assert!(work.bounds > 0 && work.nodes > 0, "{name}: {work:?}");
+        surprises += usize::from(work.solves > 1);
+    }
+    assert!(surprises > 0, "the likeliest sequence is always the best");
+}
+
+/// No bound of a sequence is above what the sequence costs, nor far below where it is done.
+#[test]
+fn bounds_are_below_what_they_bound_and_near() {
+    for (is_timing_known, seed) in [(true, 16), (true, 45), (false, 3), (false, 6)] {
+        let Bouncing { case, scene, name } =
+            Bouncing::new(Polyhedron::Cube, 2, is_timing_known, seed);
+        let outcome = case.estimated(&mut ()).unwrap();
+        let posed = Posed::new(case.scene(), &outcome.sketch);
+        let cost = 0.5 * outcome.estimate.objective;
+        let arcs: Vec<usize> = (0..posed.segments.len()).collect();
+        let part = |arcs| Part {
+            scene: case.scene(),
+            sketch: &outcome.sketch,
+            segments: &posed.segments,
+            arcs,
+            guess: &posed.guesses[0],
+            own_priors: true,
+        };
+        let mut whole = Bound::default();
+        let mut last = 0.0;
+        for share in [0.25, 0.5, 1.0, f64::INFINITY] {
+            whole.raise(&part(&arcs), share * cost);
+            println!("{name}: {share} {} {cost}", whole.cost);
+            assert!(whole.cost >= last, "{name}: {} after {last}", whole.cost);
+            assert!(
+                whole.cost <= cost * (1.0 + 1e-9),
+                "{name}: {} > {cost}",
+                whole.cost
+            );
+            assert!(whole.is_done() || whole.cost > share * cost, "{name}");
+            last = whole.cost;
+        }
+        assert!(
+            whole.is_done() && last > 0.95 * cost,
+            "{name}: {last} < {cost}"
+        );
+        // Arcs by themselves are less than all of them tied.
+        let mut alone = 0.0;
+        for arc in &arcs {
+            let mut bound = Bound::default();
+            bound.raise(&part(std::slice::from_ref(arc)), f64::INFINITY);
+            assert!(bound.cost > 0.0, "{name}: {arc}");
+            alone += bound.cost;
+        }
+        println!("{name}: alone {alone} {cost}");
+        assert!(alone <= cost, "{name}: {alone} > {cost}");
+        assert!(scene.open_events().len() == 2);
+    }
+}
+
+/// Where constraints hold the dual value is the objective, whatever the multipliers are.
+#[test]
+fn the_dual_value_of_a_motion_is_its_cost() {
+    let case = Case::pencil(perform::Style::Tip, &Acting::timing_known(), 3);
+    let outcome = case.estimated(&mut ()).unwrap();
+    let posed = Posed::new(case.scene(), &outcome.sketch);
+    let (problem, layout) = (&posed.problem, &posed.layout);
+    let recipe = Recipe::default();
+    let solution = recipe::solve(problem, layout, &posed.guesses[0], &recipe, &mut ());
+    assert!(solution.finished.converged);
+    assert!(solution.multipliers.iter().any(|of_row| of_row.abs() > 1.0));
+    for weight in [1e2, 1e4] {
+        let mut price = Price::new(&solution.system, weight);
+        price.multipliers.clone_from(&solution.multipliers);
+        let (dual, cost) = (price.dual(&solution.system), solution.system.cost);
+        assert!((dual - cost).abs() < 1e-6 * cost, "{dual} for {cost}");
+        assert!(price.merit(&solution.system) > cost + 1e-6 * cost);
+    }
+}
+
+/// The search finds what trying all sequences finds, for bounces with the timing known or not, at
+/// these seeds. In all so many are tried, and so many solved by the search: as `tests/golden.rs`
+/// says of its counters, a change is no error by itself.
+fn assert_exact(
+    solid: Polyhedron,
+    (bounces, is_timing_known, seeds): (usize, bool, std::ops::Range<u64>),
+    counts: (usize, usize),
+) {
+    let (mut tried, mut solved) = (0, 0);
+    for seed in seeds {
+        let bouncing = Bouncing::new(solid, bounces, is_timing_known, seed);
+        let (search, count) = bouncing.assert_exact();
         tried += count;
-        solved += found.search.map_or(1, |work| work.solves);
+        solved += search.map_or(1, |work| work.solves);
     }
     assert_eq!((tried, solved), counts);
 }

@@ -10,8 +10,11 @@ use std::path::Path;
 
 #[path = "tidy/tokens.rs"]
 mod tokens;
+#[path = "tidy/uses.rs"]
+mod uses;
 
-use tokens::{Token, out_of_line_tests, tokens, without_tests};
+use tokens::{Token, is_word, out_of_line_tests, tokens, without_tests};
+use uses::uses;
 
 /// Longest file [lines].
 const LINES: usize = 800;
@@ -124,6 +127,19 @@ const DOORS: &[(&str, &[&str])] = &[
 /// Where everything comes from outside.
 const NO_UNWRAP: &[&str] = &["ingest", "wire", "config"];
 
+/// Its files that say `expect`, how often, and why nothing from outside can make it fail.
+const EXPECTS: &[(&str, usize, &str)] = &[
+    ("src/wire/encode.rs", 3, "it encodes what is ours"),
+    (
+        "src/wire/container/walk.rs",
+        1,
+        "a chunk is unpacked up to its last whole record",
+    ),
+];
+
+/// How a test would say that it does not run, but to `tests/support/skip.rs`.
+const SKIPS: &[&str] = &["\"skipped", "\"not tested"];
+
 struct File {
     /// From the crate's root, with slashes.
     path: String,
@@ -164,6 +180,7 @@ fn violations(files: &[File]) -> Vec<String> {
         if lines > LINES {
             found.push(format!("{}: {lines} lines, at most {LINES}", file.path));
         }
+        check_skips(file, &mut found);
         if !file.path.starts_with("src/") || is_test(&file.path) {
             continue;
         }
@@ -172,13 +189,64 @@ fn violations(files: &[File]) -> Vec<String> {
         check_doors(file, &code, &mut found);
         check_core(file, &code, &mut found);
         check_mod(file, &code, &mut found);
+        check_names(file, &code, &mut found);
         if NO_UNWRAP.contains(&room(&file.path)) {
-            for at in matches(&code, &[".", "unwrap", "("]) {
-                found.push(format!("{}:{}: unwrap()", file.path, code[at].line));
-            }
+            check_unwraps(file, &code, &mut found);
         }
     }
     found
+}
+
+fn check_unwraps(file: &File, code: &[Token], found: &mut Vec<String>) {
+    for at in matches(code, &[".", "unwrap", "("]) {
+        found.push(format!("{}:{}: unwrap()", file.path, code[at].line));
+    }
+    let allowed = EXPECTS.iter().find(|(path, ..)| *path == file.path);
+    let allowed = allowed.map_or(0, |(_, count, _)| *count);
+    let expects: Vec<usize> = matches(code, &[".", "expect", "("]).collect();
+    if expects.len() != allowed {
+        let lines = expects.iter().map(|at| code[*at].line.to_string());
+        found.push(format!(
+            "{}:{}: {} expect(), {allowed} in the table",
+            file.path,
+            lines.collect::<Vec<_>>().join(", "),
+            expects.len()
+        ));
+    }
+}
+
+/// Skips that nobody counts.
+fn check_skips(file: &File, found: &mut Vec<String>) {
+    if file.path.starts_with("tests/support/")
+        || !file.path.contains("test")
+        || file.path == "tests/tidy.rs"
+    {
+        return;
+    }
+    for (index, line) in file.text.lines().enumerate() {
+        if SKIPS.iter().any(|said| line.contains(said)) {
+            found.push(format!("{}:{}: an uncounted skip", file.path, index + 1));
+        }
+    }
+}
+
+/// A crate, and what is above a module, are called by their own names, or the other checks would
+/// not know them.
+fn check_names(file: &File, code: &[Token], found: &mut Vec<String>) {
+    for at in matches(code, &["extern", "crate"]) {
+        found.push(format!("{}:{}: extern crate", file.path, code[at].line));
+    }
+    for used in uses(code) {
+        let is_renamed = used.path.len() == 1 && used.alias.is_some();
+        let is_whole = used.path.len() == 2 && used.path[1] == "*" && used.path[0] != "super";
+        let is_own = matches!(used.path[0].as_str(), "self" | "Self");
+        if is_renamed || is_whole && !is_own {
+            found.push(format!(
+                "{}:{}: {} under another name",
+                file.path, used.line, used.path[0]
+            ));
+        }
+    }
 }
 
 fn check_imports(file: &File, code: &[Token], found: &mut Vec<String>) {
@@ -262,15 +330,16 @@ fn check_doors(file: &File, code: &[Token], found: &mut Vec<String>) {
         if places.iter().any(|place| file.path.starts_with(place)) {
             continue;
         }
-        for at in matches(code, &[name]) {
-            if names_a_crate(code, at) {
-                found.push(format!(
-                    "{}:{}: {name} outside {}",
-                    file.path,
-                    code[at].line,
-                    places.join(", ")
-                ));
-            }
+        let pattern = [*name];
+        let named = matches(code, &pattern).filter(|at| names_a_crate(code, *at));
+        let used = uses(code).into_iter().filter(|used| used.path[0] == *name);
+        let lines: BTreeSet<usize> = named
+            .map(|at| code[at].line)
+            .chain(used.map(|used| used.line))
+            .collect();
+        for line in lines {
+            let places = places.join(", ");
+            found.push(format!("{}:{line}: {name} outside {places}", file.path));
         }
     }
 }
@@ -279,7 +348,14 @@ fn check_doors(file: &File, code: &[Token], found: &mut Vec<String>) {
 fn names_a_crate(code: &[Token], at: usize) -> bool {
     let before = at.checked_sub(1).map(|at| code[at].text.as_str());
     let after = code.get(at + 1).map(|token| token.text.as_str());
-    let begins = !matches!(before, Some("::" | "." | "mod" | "fn" | "let"));
+    let begins = match before {
+        Some("." | "mod" | "fn" | "let") => false,
+        // `::name` begins at the crates, `a::name` and `<A>::name` go on.
+        Some("::") => at
+            .checked_sub(2)
+            .is_none_or(|at| !code[at].text.ends_with(|c| is_word(c) || c == '>')),
+        _ => true,
+    };
     begins && (after == Some("::") || before == Some("use") || after == Some("!"))
 }
 
@@ -287,14 +363,18 @@ fn check_core(file: &File, code: &[Token], found: &mut Vec<String>) {
     if !CORE.contains(&room(&file.path)) {
         return;
     }
+    let uses = uses(code);
     for pattern in NOT_IN_CORE {
-        for at in matches(code, pattern) {
-            found.push(format!(
-                "{}:{}: {} in the core",
-                file.path,
-                code[at].line,
-                pattern.concat()
-            ));
+        let names: Vec<&str> = pattern.iter().copied().filter(|t| *t != "::").collect();
+        let brings = |path: &[String]| path.windows(names.len()).any(|part| part == names);
+        let used = uses.iter().filter(|used| brings(&used.path));
+        let lines: BTreeSet<usize> = matches(code, pattern)
+            .map(|at| code[at].line)
+            .chain(used.map(|used| used.line))
+            .collect();
+        for line in lines {
+            let pattern = pattern.concat();
+            found.push(format!("{}:{line}: {pattern} in the core", file.path));
         }
     }
 }
@@ -471,6 +551,77 @@ fn planted_violations_are_caught() {
             "#[cfg(test)]\nmod tests { fn f() {} }\nfn f() { g().unwrap(); }",
             "raw.rs:3: unwrap()",
         ),
+        (
+            "src/config/raw.rs",
+            "fn f() {\n g().expect(\"x\"); }",
+            "raw.rs:2: 1 expect(), 0 in the table",
+        ),
+        (
+            "src/wire/encode.rs",
+            "fn f() {}",
+            "encode.rs:: 0 expect(), 3 in the table",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use std::{\n collections::BTreeMap,\n fs,\n};",
+            "cut.rs:3: std::fs in the core",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use std::{io::{self}, thread::{self as t, sleep}};",
+            "std::thread in the core",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use {crate::math::Pose, std::{env as e}};",
+            "std::env in the core",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use std as s;",
+            "std under another name",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use std::{self as s};",
+            "std under another name",
+        ),
+        (
+            "src/segment/cut.rs",
+            "use std::*;",
+            "std under another name",
+        ),
+        (
+            "src/wire/pose.rs",
+            "use crate as c;\nfn f() { c::cli::run(); }",
+            "crate under another name",
+        ),
+        (
+            "src/wire/pose.rs",
+            "use crate::{self as c};",
+            "crate under another name",
+        ),
+        (
+            "src/wire/pose.rs",
+            "extern crate rayon as r;",
+            "extern crate",
+        ),
+        (
+            "src/wire/pose.rs",
+            "fn f() { ::rayon::join(g, h); }",
+            "rayon outside",
+        ),
+        ("src/wire/pose.rs", "use ::rayon as r;", "rayon outside"),
+        (
+            "src/write/ros.rs",
+            "use {serde, cdr};",
+            "ros.rs:1: cdr outside",
+        ),
+        (
+            "tests/real.rs",
+            "fn f() { eprintln!(\"skipped: no data\"); }",
+            "real.rs:1: an uncounted skip",
+        ),
     ] {
         let found = of(path, text);
         assert!(
@@ -512,6 +663,14 @@ fn what_is_allowed_is_not_caught() {
             "#![warn(x)]\n//! Prose.\n#[cfg(test)]\nmod tests;\npub(crate) mod a;\npub use a::{B, C};",
         ),
         ("src/main.rs", "fn main() { enact::cli::run(); }"),
+        (
+            "src/segment/cut.rs",
+            "use std::{cmp, collections::BTreeMap as Map};\nuse super::*;\nuse crate::motion::fs;\npub use self::a::*;",
+        ),
+        (
+            "src/segment/cut.rs",
+            "fn f<'a>(x: &'a [u8]) -> impl Fn() + use<'a> { || <A>::cdr::f(B::mcap::g(x)) }",
+        ),
     ] {
         assert_eq!(of(path, text), Vec::<String>::new(), "{path}: {text}");
     }

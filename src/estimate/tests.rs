@@ -17,6 +17,8 @@ use crate::motion::{
 };
 use crate::physics::{Body, Shape, State, contact, flow, impact};
 
+mod approach;
+
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
 fn parameter(name: &str, quantity: Quantity, initial: f64, bounds: (f64, f64)) -> FreeParameter {

@@ -125,6 +125,23 @@ mod tests {
     use super::*;
     use crate::math::differentiate;
 
+    #[test]
+    fn both_quaternions_of_a_rotation_have_one_logarithm() {
+        for theta in cases() {
+            let rotation = exp(&theta);
+            let other = UnitQuaternion::new_unchecked(-rotation.into_inner());
+            let [one, same] = [rotation, other].map(|q| log(&q));
+            assert!(same.norm() <= std::f64::consts::PI + 1e-12, "{same}");
+            // At half a turn both directions are one rotation.
+            let is_half = std::f64::consts::PI - theta.norm() < 1e-6;
+            let off = (one - same).norm();
+            assert!(
+                off < 1e-12 || is_half && (one + same).norm() < 1e-5,
+                "{theta}"
+            );
+        }
+    }
+
     /// Directions and angles on both sides of every switch, and near π.
     fn cases() -> Vec<Vector3<f64>> {
         let axes = [

@@ -132,3 +132,6 @@ fn middle_s(body: &BodySketch) -> f64 {
     let samples = &body.samples;
     samples.get(samples.len() / 2).map_or(0.0, |s| s.acted_s)
 }
+
+#[cfg(test)]
+mod tests;

@@ -76,14 +76,38 @@ mod tests {
 
     /// So many metres along, in two seconds.
     fn moving(distance_m: f64) -> Vec<Sample> {
+        moving_for(distance_m, 2.0)
+    }
+
+    fn moving_for(distance_m: f64, duration_s: f64) -> Vec<Sample> {
         (0..=200)
-            .map(|i| Sample {
-                stamp: Stamp(i * 10_000_000),
-                acted_s: 0.01 * i as f64,
-                position_m: Vector3::new(distance_m * i as f64 / 200.0, 0.0, 1.0),
+            .map(|i| f64::from(i) / 200.0)
+            .map(|share| Sample {
+                stamp: Stamp((share * duration_s * 1e9) as i64),
+                acted_s: share * duration_s,
+                position_m: Vector3::new(distance_m * share, 0.0, 1.0),
                 orientation: UnitQuaternion::identity(),
             })
             .collect()
+    }
+
+    #[test]
+    fn too_far_alone_is_refused() {
+        // Within 9/20 of the way of the middle are nine tenths of the samples: 9.9 and 10.35 m,
+        // where 500 sizes are 10 m.
+        assert_eq!(check_units(&die(), &moving_for(22.0, 60.0)), Ok(()));
+        let error = check_units(&die(), &moving_for(23.0, 60.0)).unwrap_err();
+        assert!(matches!(error, SegmentError::Units { reach_m, .. } if reach_m > 10.0));
+    }
+
+    #[test]
+    fn too_fast_alone_is_refused() {
+        // 500 sizes are a kilometre.
+        let mut large = die();
+        large.shape = Shape::Sphere { radius_m: 1.0 };
+        assert_eq!(check_units(&large, &moving(58.0)), Ok(()));
+        let error = check_units(&large, &moving(62.0)).unwrap_err();
+        assert!(matches!(error, SegmentError::Units { speed_m_s, .. } if speed_m_s > 30.0));
     }
 
     #[test]

@@ -178,3 +178,6 @@ fn make_signs_continuous(samples: &mut Vec<PoseSample>) {
         last = coords;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -166,7 +166,7 @@ impl Hit {
 
     pub fn strike(&mut self, blow: &Blow) {
         let length = self.bytes.len();
-        let place = |share: u32| (u64::from(share) * length as u64 >> 32) as usize;
+        let place = |share: u32| ((u64::from(share) * length as u64) >> 32) as usize;
         if length == 0 {
             return;
         }

@@ -108,7 +108,8 @@ fn word_or_sign(chars: &[char], at: usize) -> usize {
     }
 }
 
-fn is_word(c: char) -> bool {
+/// Whether a name may contain it.
+pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 

@@ -10,6 +10,9 @@ use crate::physics::state::{State, StateTangent};
 
 mod derivatives;
 
+/// Draws after which there should have been what is wanted.
+pub(super) const DRAWS: usize = 10_000;
+
 /// Bodies, poses and contacts of unit scale, from a seed.
 pub(super) struct Draw(ChaCha8Rng);
 
@@ -27,12 +30,9 @@ impl Draw {
     }
 
     fn direction(&mut self) -> Vector3<f64> {
-        loop {
-            let v = self.vector(1.0);
-            if (0.1..1.0).contains(&v.norm()) {
-                return v.normalize();
-            }
-        }
+        let mut draws = (0..DRAWS).map(|_| self.vector(1.0));
+        let v = draws.find(|v| (0.1..1.0).contains(&v.norm()));
+        v.expect("a direction").normalize()
     }
 
     pub(super) fn body(&mut self) -> Body {
@@ -133,7 +133,7 @@ pub(super) struct Case {
 
 impl Case {
     pub(super) fn draw(draw: &mut Draw, kind: usize, has_two: bool) -> Self {
-        loop {
+        for _ in 0..DRAWS {
             let contact = draw.contact(kind);
             let mut a = (draw.body(), draw.state());
             let mut b = has_two.then(|| (draw.body(), draw.state()));
@@ -162,6 +162,7 @@ impl Case {
                 return case;
             }
         }
+        panic!("no case of kind {kind} in {DRAWS} draws");
     }
 
     fn touch(&self) -> Touch {

@@ -230,6 +230,20 @@ fn each_fault_is_dropped_once_and_counted() {
     }
 }
 
+/// Readings are late that come after a later one, not only after the one before.
+#[test]
+fn all_that_come_late_are_counted() {
+    let scene = scene();
+    let mut take = take(&scene);
+    let of_red: Vec<usize> = (0..take.len())
+        .filter(|at| matches!(take[*at], TakeEvent::Pose { body: 0, .. }))
+        .collect();
+    let early = take.remove(of_red[13]);
+    take.insert(of_red[10], early);
+    let (_, counts) = clean(&scene, &take).unwrap();
+    assert_eq!(counts.reordered, 3);
+}
+
 #[test]
 fn signs_are_made_continuous() {
     let scene = scene();

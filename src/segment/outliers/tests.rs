@@ -102,6 +102,90 @@ fn what_has_no_usual_distance_is_left_alone() {
     assert_eq!(found(&stream), [0; 0]);
 }
 
+/// White noise in all three directions \[m\], the same every time.
+fn noisy(sd_m: f64) -> Vec<PoseSample> {
+    let mut stream = bouncing();
+    let mut state = 1_u64;
+    // A sum of four uniform numbers is near enough to normal.
+    let mut draw = || {
+        let uniform = (0..4).map(|_| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / 2_f64.powi(31) - 0.5
+        });
+        uniform.sum::<f64>() * 3_f64.sqrt()
+    };
+    for sample in &mut stream {
+        sample.position_m += Vector3::from_fn(|_, _| sd_m * draw());
+    }
+    stream
+}
+
+#[test]
+fn a_centimetre_is_no_jump_and_three_are() {
+    for (off_m, expected) in [(0.006, &[][..]), (0.03, &[12][..])] {
+        let mut stream = bouncing();
+        stream[12].position_m.x += off_m;
+        assert_eq!(found(&stream), expected, "{off_m} m");
+    }
+    for (off_rad, expected) in [(0.03, &[][..]), (0.2, &[12][..])] {
+        let mut stream = bouncing();
+        turned(&mut stream[12], Vector3::new(off_rad, 0.0, 0.0));
+        assert_eq!(found(&stream), expected, "{off_rad} rad");
+    }
+}
+
+/// Where nothing moves nothing is usual, and the least limits are all there is.
+#[test]
+fn at_rest_a_centimetre_and_some_degrees_are_the_limits() {
+    let resting = || {
+        let mut stream = bouncing();
+        let first = stream[0];
+        for sample in &mut stream {
+            *sample = PoseSample {
+                stamp: sample.stamp,
+                ..first
+            };
+        }
+        stream
+    };
+    for (off_m, expected) in [(0.008, &[][..]), (0.013, &[12][..])] {
+        let mut stream = resting();
+        stream[12].position_m.x += off_m;
+        assert_eq!(found(&stream), expected, "{off_m} m");
+    }
+    for (off_rad, expected) in [(0.05, &[][..]), (0.08, &[12][..])] {
+        let mut stream = resting();
+        turned(&mut stream[12], Vector3::new(off_rad, 0.0, 0.0));
+        assert_eq!(found(&stream), expected, "{off_rad} rad");
+    }
+}
+
+#[test]
+fn what_is_a_jump_depends_on_the_noise() {
+    let sd_m = 0.01;
+    assert_eq!(found(&noisy(sd_m)), [0; 0]);
+    for (deviations, expected) in [(4.0, &[][..]), (40.0, &[12][..])] {
+        let mut stream = noisy(sd_m);
+        stream[12].position_m.x += deviations * sd_m;
+        assert_eq!(found(&stream), expected, "{deviations} standard deviations");
+    }
+}
+
+#[test]
+fn a_sixth_of_jumps_is_found_and_one_of_two_readings_is_a_strange_stream() {
+    let jumping = |period: usize| {
+        let mut stream = bouncing();
+        for (k, sample) in stream.iter_mut().skip(2).step_by(period).enumerate() {
+            sample.position_m.x += 3.0 + k as f64;
+        }
+        found(&stream).len()
+    };
+    assert_eq!(jumping(6), 10);
+    assert_eq!(jumping(2), 0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
 

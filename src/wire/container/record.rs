@@ -73,11 +73,12 @@ pub(super) enum Content {
 
 /// The record at `at`: its opcode and the range of its body. `None` where it is not whole.
 pub(super) fn frame(bytes: &[u8], at: usize) -> Option<(u8, Range<usize>)> {
-    let frame = bytes.get(at..at.checked_add(FRAME_BYTES)?)?;
-    let length = u64::from_le_bytes(frame[1..].try_into().expect("eight bytes"));
+    let frame: [u8; FRAME_BYTES] = *bytes.get(at..)?.first_chunk()?;
+    let [opcode, length @ ..] = frame;
+    let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
     let start = at + FRAME_BYTES;
-    let end = start.checked_add(usize::try_from(length).ok()?)?;
-    (end <= bytes.len()).then(|| (frame[0], start..end))
+    let end = start.checked_add(length)?;
+    (end <= bytes.len()).then_some((opcode, start..end))
 }
 
 /// Parses the record whose body is `range` of `bytes`.
@@ -85,18 +86,15 @@ pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Con
     let body = &bytes[range.clone()];
     match opcode {
         op::MESSAGE => {
-            if body.len() < MESSAGE_HEADER_BYTES {
-                return Err(McapError::UnexpectedEof);
-            }
-            let number =
-                |at: usize| u64::from_le_bytes(body[at..at + 8].try_into().expect("eight bytes"));
+            let at = &mut 0;
+            let header = MessageHeader {
+                channel_id: u16::from_le_bytes(take(body, at)?),
+                sequence: u32::from_le_bytes(take(body, at)?),
+                log_time: u64::from_le_bytes(take(body, at)?),
+                publish_time: u64::from_le_bytes(take(body, at)?),
+            };
             Ok(Content::Message {
-                header: MessageHeader {
-                    channel_id: u16::from_le_bytes([body[0], body[1]]),
-                    sequence: u32::from_le_bytes(body[2..6].try_into().expect("four bytes")),
-                    log_time: number(6),
-                    publish_time: number(14),
-                },
+                header,
                 data: range.start + MESSAGE_HEADER_BYTES..range.end,
             })
         }
@@ -181,9 +179,10 @@ fn attachment(bytes: &[u8], range: Range<usize>) -> Result<Content, McapError> {
 }
 
 fn take<const N: usize>(body: &[u8], at: &mut usize) -> Result<[u8; N], McapError> {
-    let bytes = body.get(*at..*at + N).ok_or(McapError::UnexpectedEof)?;
+    let bytes = body.get(*at..).and_then(|rest| rest.first_chunk());
+    let bytes = bytes.ok_or(McapError::UnexpectedEof)?;
     *at += N;
-    Ok(bytes.try_into().expect("as many bytes as were asked for"))
+    Ok(*bytes)
 }
 
 /// Bytes after their length in 32 bits.

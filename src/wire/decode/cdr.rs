@@ -101,8 +101,9 @@ impl<'a> Cdr<'a> {
     /// A primitive of `N` bytes, aligned to its size, in little-endian order.
     fn primitive<const N: usize>(&mut self, field: &'static str) -> Result<[u8; N], DecodeError> {
         self.at = self.at.next_multiple_of(N);
-        let bytes = self.take(N, field)?;
-        let mut bytes: [u8; N] = bytes.try_into().expect("as many bytes as were asked for");
+        let bytes = self.data.get(self.at..).and_then(|rest| rest.first_chunk());
+        let mut bytes: [u8; N] = *bytes.ok_or_else(|| self.short(field))?;
+        self.at += N;
         if self.is_big_endian {
             bytes.reverse();
         }

@@ -7,6 +7,10 @@ use mcap::records::MessageHeader;
 use mcap::{Attachment, WriteOptions};
 use tempfile::TempDir;
 
+#[path = "../../../tests/support/skip.rs"]
+mod skip;
+
+use self::skip::skip;
 use super::samples::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use super::*;
 use crate::motion::{Against, Mark, Penetration};
@@ -528,7 +532,8 @@ fn a_real_capture_comes_out_unchanged() {
     let input = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../shared/real/mcap/cub_stabilize_2025_11_13.mcap");
     let Ok(bytes) = fs::read(&input) else {
-        eprintln!("skipped: {} is not there", input.display());
+        let name = "a_real_capture_comes_out_unchanged";
+        skip(name, &format!("no {}", input.display()));
         return;
     };
     let directory = tempfile::tempdir().expect("directory");

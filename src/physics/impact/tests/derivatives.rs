@@ -211,7 +211,7 @@ fn several_contacts_at_once() {
 fn several_contacts_of_different_kinds() {
     let mut draw = Draw::new(24);
     let mut checked = 0;
-    while checked < 6 {
+    for _ in 0..DRAWS {
         let first = Case::draw(&mut draw, 3, true);
         let second = Case::draw(&mut draw, 8, true);
         let movers = movers(&first);
@@ -224,5 +224,9 @@ fn several_contacts_of_different_kinds() {
             assert!(check(&meeting, &movers, &law, "a rim and an edge"));
             checked += 1;
         }
+        if checked == 6 {
+            return;
+        }
     }
+    panic!("only {checked} cases in {DRAWS} draws");
 }

@@ -1,5 +1,3 @@
-use std::path::PathBuf;
-
 use super::*;
 use crate::config::capture_from_toml;
 use crate::ingest::Recording;
@@ -33,7 +31,7 @@ fn record(k: u64) -> PoseRecord {
 }
 
 /// Log times of the samples that a killed process would leave.
-fn on_disk(part: &PathBuf) -> Vec<u64> {
+fn on_disk(part: &std::path::Path) -> Vec<u64> {
     let recording = Recording::open(part).expect("open");
     let container = recording.container();
     assert!(container.is_sorted() && !container.damages().is_loss());
@@ -95,7 +93,7 @@ fn log_times_follow_no_clock_that_can_be_set() {
     take.note_counts().expect("counted");
     take.journal.close_chunk().expect("closed");
     let expected: Vec<u64> = (0..400).map(|k| wall_ns as u64 + k * 1_000_000).collect();
-    assert_eq!(on_disk(&take.journal.part().to_owned()), expected);
+    assert_eq!(on_disk(take.journal.part()), expected);
     // What came before the take began, by the same poll.
     let before = take.anchor.stamp(begun - MS * 3);
     assert_eq!(before, Stamp(wall_ns - 3_000_000));

@@ -1,0 +1,60 @@
+//! Contacts approach: a condition of every collision, and a stricter one while the sweep leads.
+
+use super::*;
+use crate::estimate::block::Block;
+
+/// The rows of approach speeds, each with its value, its limit and by how much it is broken.
+fn approaches(block: &Block) -> Vec<(f64, f64, f64)> {
+    let row = |row: usize| (block.values[row], block.bounds[row].1, block.violation(row));
+    block.approach.clone().map(row).collect()
+}
+
+fn evaluated(frame: &Frame, guidance: &Guidance, point: &Point) -> System {
+    let mut system = System::new(frame);
+    system.evaluate(frame, guidance, point);
+    system
+}
+
+#[test]
+fn contacts_that_approach_too_slowly_break_their_condition() {
+    each_case(0.0, |frame, guidance, point, _| {
+        let system = evaluated(frame, guidance, point);
+        for block in &system.blocks[..frame.problem.collisions.len()] {
+            let rows = approaches(block);
+            assert!(!rows.is_empty());
+            for (speed, limit, broken) in rows {
+                assert!(
+                    speed < 0.0 && limit == 0.0 && broken == 0.0,
+                    "{speed} {limit}"
+                );
+            }
+        }
+        let mut faster = guidance.clone();
+        for limit_m_s in &mut faster.approach_limits_m_s {
+            *limit_m_s = -100.0;
+        }
+        let asked = evaluated(frame, &faster, point);
+        for block in &asked.blocks[..frame.problem.collisions.len()] {
+            for (speed, limit, broken) in approaches(block) {
+                assert!(limit < speed && broken == speed - limit, "{speed} {limit}");
+            }
+        }
+        assert!(asked.violation() > system.violation());
+    });
+}
+
+#[test]
+fn what_leads_the_sweep_asks_for_an_approach_that_the_start_has() {
+    each_case(0.0, |frame, _, point, _| {
+        let leading = recipe::leading(frame, point);
+        let system = evaluated(frame, &leading, point);
+        for block in &system.blocks[..frame.problem.collisions.len()] {
+            let fastest = approaches(block).into_iter();
+            let fastest = fastest
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .expect("contacts");
+            assert!(fastest.1 < 0.0, "{fastest:?} may stand still");
+            assert_eq!(fastest.2, 0.0, "{fastest:?}");
+        }
+    });
+}
