@@ -44,7 +44,7 @@ fn motions() -> Vec<(&'static str, Truth)> {
 fn assert_recovered(acting: &Acting, limit: f64) {
     for (name, mut truth) in motions() {
         // Marks are stamps, exact to a nanosecond, and the last is put at the last sample.
-        truth.scene.mark_sd_s = Some(10.0);
+        truth.scene.mark_sd_s = Some(1e3);
         let case = Case::new(&truth, acting, 0);
         let outcome = case.estimated(&mut ()).unwrap();
         let estimate = &outcome.estimate;

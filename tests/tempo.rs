@@ -45,7 +45,8 @@ fn a_faster_tracker_takes_no_more_iterations_and_no_more_memory() {
         assert!(stored < 16 * used.min(450) + 1000, "{used}: {stored}");
     }
     let (least, most) = (iterations.iter().min(), iterations.iter().max());
-    assert!(most.unwrap() - least.unwrap() <= 2, "{iterations:?}");
+    // Each time that samples are assigned again takes a few more.
+    assert!(most.unwrap() <= &(2 * least.unwrap()), "{iterations:?}");
     // Two draws of the same hand, at another rate: the optimum is about the same.
     let off = (durations_s[2] - durations_s[1]).abs() / durations_s[1];
     assert!(off < 0.03, "{durations_s:?}");

@@ -251,9 +251,10 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
         origin: Stamp(0),
         bodies,
         marks_s: marks_s.clone(),
+        // What nothing remains of has marks that say nothing.
         marks: marks_s
             .iter()
-            .map(|mark_s| mark(mark_s + 0.01 * offset))
+            .map(|mark_s| mark(mark_s + 0.01 * offset).filter(|_| offset > 0.0))
             .collect(),
     };
     let guess = Guess {

@@ -6,6 +6,8 @@
 //! between two that are fitted alone, and between one and a goal. Marks are weighed by as much as
 //! samples count too often; of a performance that needs no bending they weigh little.
 
+use nalgebra::Vector3;
+
 use crate::motion::{GoalTarget, Guess, Scene, Segment, Sketch};
 use crate::physics::flow;
 
@@ -23,10 +25,14 @@ pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &G
 
 /// Mean square by which positions of flights are off per axis, from how they meet at events \[m²\].
 fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
-    let position_m = |index: usize, event: usize| {
+    let arrival = |index: usize, event: usize| {
         let arc = &guess.arcs[index];
         let after_s = guess.event_times_s[event] - arc.epoch_s;
-        flow::position(&scene.gravity_m_s2, &arc.state, after_s)
+        let position_m = flow::position(&scene.gravity_m_s2, &arc.state, after_s);
+        (
+            position_m,
+            arc.state.velocity_m_s + scene.gravity_m_s2 * after_s,
+        )
     };
     let ending = |body: usize, event: usize| {
         segments
@@ -39,18 +45,41 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
             continue;
         };
         if let Some(before) = ending(segment.body, event) {
-            let apart_m = position_m(index, event) - position_m(before, event);
+            let (from, to) = (arrival(before, event), arrival(index, event));
             // Both are off.
-            squares_m2.push(apart_m.norm_squared() / 6.0);
+            squares_m2.push(0.5 * across_m2(to.0 - from.0, to.1 - from.1));
         }
     }
     for goal in &scene.goals {
         if let Some(index) = ending(goal.body, goal.event)
             && let GoalTarget::Pose { world_from_body } = &goal.target
         {
-            let apart_m = position_m(index, goal.event) - world_from_body.translation.vector;
-            squares_m2.push(apart_m.norm_squared() / 3.0);
+            let (position_m, velocity_m_s) = arrival(index, goal.event);
+            let apart_m = position_m - world_from_body.translation.vector;
+            squares_m2.push(across_m2(apart_m, velocity_m_s));
         }
     }
     squares_m2.iter().sum::<f64>() / squares_m2.len().max(1) as f64
+}
+
+/// Mean square per axis of what is across a relative velocity: what is along it may be the mark's
+/// own error.
+fn across_m2(apart_m: Vector3<f64>, velocity_m_s: Vector3<f64>) -> f64 {
+    let along_m = velocity_m_s
+        .try_normalize(0.0)
+        .map_or(0.0, |direction| apart_m.dot(&direction));
+    0.5 * (apart_m.norm_squared() - along_m * along_m).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_mark_is_off_by_is_not_the_hands() {
+        let (apart_m, velocity_m_s) = (Vector3::new(0.02, 0.03, 0.0), Vector3::new(3.0, 0.0, 0.0));
+        assert!((across_m2(apart_m, velocity_m_s) - 0.5 * 0.03 * 0.03).abs() < 1e-15);
+        let still = across_m2(apart_m, Vector3::zeros());
+        assert!((still - 0.5 * apart_m.norm_squared()).abs() < 1e-15);
+    }
 }

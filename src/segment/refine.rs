@@ -30,6 +30,8 @@ const GAIN_MIN: f64 = 1e-3;
 const SAMPLES_ALIKE: f64 = 10.0;
 /// Degrees of freedom of Student's distribution of a mark's error.
 const MARK_FREEDOM: f64 = 2.0;
+/// A cut that is farther from its mark says that the mark is wrong.
+const FAR_DEVIATIONS: f64 = 4.0;
 /// Rounds over all marks at most.
 const ROUNDS_MAX: usize = 3;
 
@@ -79,12 +81,16 @@ fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f6
 }
 
 /// Makes the deviations of marks as large as the cuts say that they are: a normal distribution then
-/// pulls at an event as much as Student's does at the cut.
+/// pulls at an event as much as Student's does at the cut. Marks that are far from the cut are none.
 pub fn loosen(sketch: &mut Sketch) {
     for (mark, cut_s) in sketch.marks.iter_mut().zip(&sketch.marks_s) {
-        if let Some(mark) = mark {
-            mark.sd_s *= student_sd((cut_s - mark.acted_s) / mark.sd_s);
-        }
+        *mark = mark.and_then(|mark| {
+            let deviations = (cut_s - mark.acted_s) / mark.sd_s;
+            (deviations.abs() <= FAR_DEVIATIONS).then(|| MarkTime {
+                sd_s: mark.sd_s * student_sd(deviations),
+                ..mark
+            })
+        });
     }
 }
 

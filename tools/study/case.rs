@@ -32,8 +32,7 @@ impl Case {
 
     /// Acts a true motion.
     pub fn new(truth: &Truth, acting: &Acting, seed: u64) -> Self {
-        let mut performance = perform(truth, acting, seed);
-        end_with_the_samples(&mut performance.events);
+        let performance = perform(truth, acting, seed);
         let mut hidden_s = BTreeMap::new();
         let mut next = vec![0; performance.sample_times_s.len()];
         for event in &performance.events {
@@ -124,20 +123,6 @@ impl Case {
             arcs: arcs.collect(),
             event_times_s: event_times_s.map(|time_s| time_s + offset_s).collect(),
             parameters: own.parameters.clone(),
-        }
-    }
-}
-
-/// A recorder that stops with the motion has no mark after its last sample.
-fn end_with_the_samples(events: &mut [TakeEvent]) {
-    let stamps = events.iter().filter_map(|event| match event {
-        TakeEvent::Pose { sample, .. } => Some(sample.stamp),
-        TakeEvent::Mark(_) => None,
-    });
-    let Some(last) = stamps.max() else { return };
-    for event in events {
-        if let TakeEvent::Mark(mark) = event {
-            mark.stamp = mark.stamp.min(last);
         }
     }
 }

@@ -6,7 +6,6 @@ use super::bins::Bins;
 use super::noise::Noise;
 use super::trace::{Six, Trace, traces};
 use crate::estimate::finish::Kkt;
-use crate::estimate::mark::EventMark;
 use crate::estimate::point::Point;
 use crate::estimate::system::{Frame, System};
 use crate::estimate::timing::Moment;
@@ -14,6 +13,9 @@ use crate::estimate::timing::Moment;
 /// Share of an unknown's information that may come from the damping before it counts as
 /// undetermined.
 const DAMPING_SHARE_MAX: f64 = 0.1;
+/// What samples and marks see of an answer, as a share of it, for the performance to determine it at
+/// all: less is rounding.
+const SEEN_SHARE_MIN: f64 = 1e-4;
 /// Directions tried beyond those that the constraints leave free by count: rows may say the same.
 const DIRECTIONS_MORE: usize = 2;
 /// Directions at most: with more, the residuals say nothing.
@@ -139,25 +141,30 @@ impl<'a> Covariance<'a> {
     }
 
     fn sd(&self, own: f64, answer: &DVector<f64>, trace: &Trace) -> Option<f64> {
+        let (marks, beyond) = self.marks(answer);
+        let seen = trace.squares[0] + trace.squares[1];
         // Written so that NaN is undetermined too.
-        if !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own) {
+        let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
+        if is_damped || seen + marks < SEEN_SHARE_MIN * own {
             return None;
         }
-        let priors = (own - trace.squares[0] - trace.squares[1] + self.marks(answer)).max(0.0);
+        let priors = (own - seen + beyond).max(0.0);
         Some((self.noise.variance(trace) + priors).sqrt())
     }
 
-    /// What marks add to a variance beyond being priors: they count as often as samples do, but are
-    /// off by what they say.
-    fn marks(&self, answer: &DVector<f64>) -> f64 {
+    /// What marks see of an answer, squared, and what that adds to a variance beyond being a prior:
+    /// marks count as often as samples do, but are off by what they say.
+    fn marks(&self, answer: &DVector<f64>) -> (f64, f64) {
         let (problem, layout) = (self.frame.problem, self.frame.layout);
-        let of_mark = |mark: &EventMark| {
+        let (mut squares, mut beyond) = (0.0, 0.0);
+        for mark in &problem.marks {
             let by = mark.term(problem, self.point).jacobian;
             let by = layout.of_mark(mark).into_iter().zip(by);
             let seen: f64 = by.filter_map(|(at, by)| Some(by * answer[at?])).sum();
-            (mark.counted - 1.0) * seen * seen
-        };
-        problem.marks.iter().map(of_mark).sum()
+            squares += seen * seen;
+            beyond += (mark.counted - 1.0) * seen * seen;
+        }
+        (squares, beyond)
     }
 }
 
