@@ -164,9 +164,16 @@ impl Bouncing {
 /// in some the likeliest sequence is the best, in some it is not.
 #[test]
 fn what_the_fits_do_not_tell_is_searched_for() {
-    let mut surprises = 0;
-    for seed in [10, 14, 16, 45] {
+    let (mut searched, mut surprises) = (0, 0);
+    // Of most performances the fits tell enough.
+    for seed in 0..80 {
         let bouncing = Bouncing::new(Polyhedron::Cube, 2, true, seed);
+        let events = &bouncing.case.performance.events;
+        let found = estimated(&bouncing.scene, events, &mut ()).unwrap();
+        if found.search.is_none() || searched == 4 {
+            continue;
+        }
+        searched += 1;
         let (work, count) = bouncing.assert_exact();
         let name = &bouncing.name;
         let work = work.unwrap_or_else(|| panic!("no search: {name}"));
@@ -178,6 +185,7 @@ fn what_the_fits_do_not_tell_is_searched_for() {
         assert!(work.bounds > 0 && work.nodes > 0, "{name}: {work:?}");
         surprises += usize::from(work.solves > 1);
     }
+    assert_eq!(searched, 4, "nothing is searched for");
     assert!(surprises > 0, "the likeliest sequence is always the best");
 }
 
@@ -222,11 +230,11 @@ fn bounds_are_below_what_they_bound_and_near() {
         for arc in &arcs {
             let mut bound = Bound::default();
             bound.raise(&part(std::slice::from_ref(arc)), f64::INFINITY);
-            assert!(bound.cost > 0.0, "{name}: {arc}");
+            assert!(bound.cost >= 0.0, "{name}: {arc}");
             alone += bound.cost;
         }
         println!("{name}: alone {alone} {cost}");
-        assert!(alone <= cost, "{name}: {alone} > {cost}");
+        assert!(alone > 0.0 && alone <= cost, "{name}: {alone} > {cost}");
         assert!(scene.open_events().len() == 2);
     }
 }
