@@ -560,7 +560,7 @@ fn planted_violations_are_caught() {
         (
             "src/wire/encode.rs",
             "fn f() {}",
-            "encode.rs:: 0 expect(), 3 in the table",
+            "encode.rs:: 0 expect(), 2 in the table",
         ),
         (
             "src/segment/cut.rs",

@@ -26,8 +26,10 @@ const ROUNDING: f64 = 1e-14;
 const ACTING_ROUNDS: usize = 12;
 /// Back-substitutions at most.
 const REFINEMENTS: usize = 8;
-/// A step that promises more than this share of what the one before did converges slowly.
+/// After so many steps one that promises more than this share of what the one before did converges
+/// slowly.
 const SLOW: f64 = 0.2;
+const SLOW_STEPS: usize = 5;
 /// Halvings of a step at most.
 const HALVINGS_MAX: usize = 12;
 /// An objective below this is none: the decrease is then measured against it. What is promised
@@ -291,7 +293,7 @@ impl Finish<'_> {
         };
         let mut promised_before: Option<f64> = None;
         let mut is_slow = false;
-        for _ in 0..tolerances.steps {
+        for taken_before in 0..tolerances.steps {
             if should_stop() {
                 break;
             }
@@ -319,8 +321,9 @@ impl Finish<'_> {
                 break;
             }
             // Steps that a Gauss–Newton model shortens or repeats want the constraints' curvature.
+            let is_late = taken_before + 1 >= SLOW_STEPS;
             is_slow |= taken != Taken::Whole
-                || promised_before.is_some_and(|before| promised > SLOW * before);
+                || is_late && promised_before.is_some_and(|before| promised > SLOW * before);
             promised_before = (taken == Taken::Whole).then_some(promised);
         }
         finished
