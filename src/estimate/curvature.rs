@@ -210,17 +210,21 @@ mod tests {
     use super::*;
 
     /// `νᵀc` and the price of velocity gaps, of which the curvature is asked.
-    fn pulled(frame: &Frame, point: &Point, delta: &DVector<f64>, pulls: &[f64]) -> f64 {
+    fn pulled(
+        frame: &Frame,
+        point: &Point,
+        delta: &DVector<f64>,
+        (pulls, gap_pulls): (&[f64], &[f64]),
+    ) -> f64 {
         let mut there = point.clone();
         there.retract_from(point, frame.problem, frame.layout, delta);
         let mut system = System::new(frame);
         let guidance = Guidance::none(frame.problem);
         system.evaluate(frame, &guidance, &there);
-        system
-            .values()
-            .zip(pulls)
-            .map(|(value, pull)| value * pull)
-            .sum()
+        let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
+        let rows = system.values().zip(pulls);
+        let rows = rows.chain(gaps.copied().zip(gap_pulls));
+        rows.map(|(value, pull)| value * pull).sum()
     }
 
     /// Against second differences of the values themselves.
@@ -228,9 +232,6 @@ mod tests {
     fn it_is_the_second_derivative_of_the_pull() {
         each_case(1.0, |frame, _, point, _| {
             let problem = frame.problem;
-            if problem.velocity_gap_weight.is_some() {
-                return;
-            }
             let size = frame.layout.size();
             let mut system = System::new(frame);
             let guidance = Guidance::none(problem);
@@ -247,6 +248,10 @@ mod tests {
                     }
                 })
                 .collect();
+            // Velocity gaps pull by what they cost, where they are priced.
+            let weight = problem.velocity_gap_weight.unwrap_or(0.0);
+            let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
+            let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
             let mut matrix = Envelope::zeros(&frame.layout.pattern);
             add(frame, &system, point, &pulls, &mut matrix);
             let at = Nudged::new(frame, point);
@@ -258,7 +263,7 @@ mod tests {
                         let mut delta = DVector::zeros(size);
                         delta[i] += signs[0] * steps[0];
                         delta[j] += signs[1] * steps[1];
-                        pulled(frame, point, &delta, &pulls)
+                        pulled(frame, point, &delta, (&pulls, &gap_pulls))
                     };
                     let second = value([1.0, 1.0]) - value([1.0, -1.0]) - value([-1.0, 1.0])
                         + value([-1.0, -1.0]);

@@ -2,8 +2,8 @@
 //!
 //! Samples are assigned to flights where the marks say, within what the stream tells. The estimation
 //! then moves the events, and a sample may end up compared with a flight that is over, or that has
-//! not begun. So samples are assigned again once the events have settled, and the estimation goes on from where it was,
-//! until every sample is of the flight that it is compared with.
+//! not begun. So samples are assigned again once the events have settled, and the estimation goes on
+//! from where it was, until every sample is of the flight that it is compared with.
 
 use std::ops::Range;
 
