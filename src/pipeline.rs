@@ -75,15 +75,21 @@ pub enum PipelineError {
 }
 
 impl Outcome {
-    fn unchecked(inferred: Inferred, cut: Cut, sketch: Sketch, counts: SampleCounts) -> Self {
+    fn unchecked(
+        inferred: Inferred,
+        cut: Cut,
+        (sketch, counts): (Sketch, SampleCounts),
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let scene = inferred.scene;
         Self {
+            estimate: inferred.solved.with_deviations(&scene, observer),
             marks_made_s: cut.marks_made_s,
-            scene: inferred.scene,
+            scene,
             inferred: inferred.events,
             search: inferred.search,
             sketch,
             counts,
-            estimate: inferred.estimate,
             verification: None,
             settled: None,
         }
@@ -198,7 +204,8 @@ impl Pipeline {
         let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
-        Ok(Outcome::unchecked(inferred, cut, sketch, counts))
+        let performed = (sketch, counts);
+        Ok(Outcome::unchecked(inferred, cut, performed, observer))
     }
 
     /// Marks that were pushed: by these repeated collisions are counted.
@@ -295,7 +302,7 @@ fn solve(
         .map_err(|NoContact { event }| PipelineError::NoContact {
             event: scene.events[event].name.clone(),
         })?;
-    let counters = &mut inferred.estimate.counters;
+    let counters = &mut inferred.solved.estimate.counters;
     counters.fit_iterations = guessed.fit_iterations;
     counters.assignment_rounds = cut.rounds;
     Ok(inferred)

@@ -28,7 +28,7 @@ const ACTING_ROUNDS: usize = 12;
 const REFINEMENTS: usize = 8;
 /// After so many steps one that promises more than this share of what the one before did converges
 /// slowly.
-const SLOW: f64 = 0.2;
+const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
 /// Halvings of a step at most.
 const HALVINGS_MAX: usize = 12;

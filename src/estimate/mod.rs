@@ -7,7 +7,7 @@
 //! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
 //! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
 //! [`events`] lets it begin, [`recipe`] is the loop.
-//! What is said of it: [`covariance`], `timing`, [`outcome`]. [`solve`] is the stage as the pipeline sees it,
+//! What is said of it: [`outcome`], [`covariance`], `timing`, `deviation`. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
 pub mod acting;
@@ -19,6 +19,7 @@ pub mod constraint;
 pub mod covariance;
 mod curvature;
 pub mod descend;
+mod deviation;
 pub mod events;
 pub mod finish;
 pub mod layout;
@@ -40,4 +41,4 @@ mod timing;
 
 pub use bound::{Bound, Part};
 pub use recipe::Recipe;
-pub use solve::{cost, estimate};
+pub use solve::{Solved, cost, estimate};

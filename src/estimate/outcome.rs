@@ -2,12 +2,11 @@
 
 use super::collision;
 use super::constraint;
-use super::covariance::Covariance;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::Solution;
 use super::system::{Frame, System};
-use super::timing::{self, Moment};
+use super::timing;
 use crate::math::so3;
 use crate::motion::{
     ArcEstimate, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
@@ -23,7 +22,7 @@ pub const PHYSICAL: Gap = Gap {
     angular_velocity_rad_s: 1e-7,
 };
 
-/// The estimate of a scene from where the solver ended.
+/// The estimate of a scene from where the solver ended, without standard deviations.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
@@ -34,37 +33,10 @@ pub fn estimate(
     let problem = frame.problem;
     let point = &solution.point;
     let errors = errors(problem, frame, point);
-    let sds = Sds::of(frame, solution, &errors);
-    let events = events(scene, sketch, frame, solution, &sds);
+    let events = events(scene, sketch, problem, solution);
     let arcs = arcs(problem, frame, point, &events);
     let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
-    let parameters: Vec<ParameterEstimate> = problem
-        .parameters
-        .iter()
-        .enumerate()
-        .map(|(index, free)| ParameterEstimate {
-            name: free.name.clone(),
-            value: point.parameters[index],
-            sd: sds.parameters[index],
-            lower: free.lower,
-            upper: free.upper,
-        })
-        .collect();
-    let mut undetermined: Vec<String> = parameters
-        .iter()
-        .filter(|parameter| parameter.sd.is_none())
-        .map(|parameter| parameter.name.clone())
-        .collect();
-    undetermined.extend(
-        events
-            .iter()
-            .filter(|e| !timing::event_moment(frame, e.event).is_empty() && e.sd_s.is_none())
-            .map(|e| format!("time of {}", scene.events[e.event].name)),
-    );
-    let duration = sds.duration;
-    if !duration.is_determined() {
-        undetermined.push("duration".into());
-    }
+    let parameters = problem.parameters.iter().zip(&point.parameters);
     Estimate {
         verdict,
         reason,
@@ -75,69 +47,36 @@ pub fn estimate(
         residuals: residuals(problem, &errors),
         sample_times: sample_times(sketch, segments, problem, point),
         events,
-        duration,
-        parameters,
-        undetermined,
+        duration: DurationEstimate {
+            duration_s: timing::duration(frame, point).duration_s,
+            sd_s: None,
+        },
+        parameters: parameters
+            .map(|(free, value)| ParameterEstimate {
+                name: free.name.clone(),
+                value: *value,
+                sd: None,
+                lower: free.lower,
+                upper: free.upper,
+            })
+            .collect(),
+        undetermined: Vec::new(),
         counters: solution.counters,
-    }
-}
-
-/// Standard deviations of all events' times and all parameters; `None` where the one is fixed or
-/// the performance does not determine it.
-struct Sds {
-    events_s: Vec<Option<f64>>,
-    duration: DurationEstimate,
-    parameters: Vec<Option<f64>>,
-}
-
-impl Sds {
-    fn of(frame: &Frame, solution: &Solution, errors: &[Vec<[f64; 6]>]) -> Self {
-        let (layout, at) = (frame.layout, (&solution.point, &solution.system));
-        let duration = timing::duration(frame, &solution.point);
-        let events = (0..layout.events.len()).map(|event| timing::event_moment(frame, event));
-        let parameters = layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
-        let moments = events.chain([duration.moment]).chain(parameters);
-        let moments: Vec<Moment> = moments.collect();
-        let covariance = Covariance::new(frame, at, &solution.multipliers, errors);
-        let mut sds = match &covariance {
-            Some(covariance) => covariance.sds(&moments),
-            None => vec![None; moments.len()],
-        };
-        let parameters = sds.split_off(layout.events.len() + 1);
-        // The time line has no deviation where it is fixed.
-        let own_s = match moments[layout.events.len()].as_slice() {
-            [] => Some(0.0),
-            _ => sds.pop().flatten(),
-        };
-        sds.truncate(layout.events.len());
-        let contradiction_s = covariance.as_ref().map_or(0.0, |covariance| {
-            timing::contradiction_s(frame, &solution.system, covariance)
-        });
-        Self {
-            events_s: sds,
-            duration: DurationEstimate {
-                duration_s: duration.duration_s,
-                sd_s: own_s.map(|own_s| own_s.hypot(contradiction_s)),
-            },
-            parameters,
-        }
     }
 }
 
 fn events(
     scene: &Scene,
     sketch: &Sketch,
-    frame: &Frame,
+    problem: &Problem,
     solution: &Solution,
-    sds: &Sds,
 ) -> Vec<EventEstimate> {
-    let problem = frame.problem;
     let point = &solution.point;
     (0..scene.events.len())
         .map(|event| EventEstimate {
             event,
             time_s: timing::event_time_s(problem, point, event),
-            sd_s: sds.events_s[event],
+            sd_s: None,
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
         })

@@ -1,5 +1,7 @@
-//! The stage as the pipeline sees it: guesses in, an estimate out.
+//! The stage as the pipeline sees it: guesses in, a motion out, and how certain that is where it is
+//! asked.
 
+use super::deviation;
 use super::layout::Layout;
 use super::outcome;
 use super::point::Point;
@@ -9,6 +11,32 @@ use super::system::{Frame, Guidance, System};
 use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
 };
+
+/// A motion that was found, and where: what its deviations are made from.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// It, without deviations.
+    pub estimate: Estimate,
+    posed: Posed,
+    epochs_s: Vec<f64>,
+    solution: Solution,
+}
+
+impl Solved {
+    /// The estimate with its deviations, and with what is undetermined.
+    pub fn with_deviations(self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
+        observer.phase(Phase::Covariance);
+        let Self {
+            mut estimate,
+            posed,
+            epochs_s,
+            solution,
+        } = self;
+        let frame = posed.frame(epochs_s, &solution.point);
+        deviation::fill(&mut estimate, scene, &frame, &solution);
+        estimate
+    }
+}
 
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///
@@ -26,14 +54,13 @@ pub fn estimate(
     guesses: &[Guess],
     recipe: &Recipe,
     observer: &mut dyn Observer,
-) -> Estimate {
+) -> Solved {
     let exact = Posed::new(Problem::new(scene, sketch, segments));
     let may_bend =
         scene.velocity_gaps != VelocityGaps::Never && !exact.problem.collisions.is_empty();
     let is_hopeless =
         scene.velocity_gaps == VelocityGaps::Always || exact.problem.is_overconstrained();
-    let bent;
-    let mut of = &exact;
+    let mut bent = None;
     let mut work = Counters::default();
     let is_bent = may_bend && is_hopeless;
     let mut found = (!is_bent).then(|| {
@@ -46,31 +73,35 @@ pub fn estimate(
         .as_ref()
         .is_some_and(|(_, solution)| is_final(solution))
     {
-        bent = Posed::new(exact.problem.bent());
-        let (best, solution) = bent.best(guesses, recipe, observer);
+        let relaxed = Posed::new(exact.problem.bent());
+        let (best, solution) = relaxed.best(guesses, recipe, observer);
         work.add(&solution.counters);
         let closed = (!is_hopeless && !solution.stopped).then(|| {
             let guess = solution.point.guess(&exact.problem, &guesses[best]);
             exact.solve(&guess, &recipe.without_sweep(), observer)
         });
-        (of, found) = (&bent, Some((best, solution)));
+        (bent, found) = (Some(relaxed), Some((best, solution)));
         if let Some(closed) = closed {
             work.add(&closed.counters);
             if closed.finished.converged {
-                (of, found) = (&exact, Some((best, closed)));
+                (bent, found) = (None, Some((best, closed)));
             }
         }
     }
     let (best, mut solution) = found.expect("solved one way or the other");
     solution.counters = work;
-    observer.phase(Phase::Covariance);
-    let epochs_s = recipe::epochs_s(&guesses[best]);
-    let start = Point::new(&of.problem, &guesses[best]);
-    let frame = Frame::new(&of.problem, &of.layout, epochs_s, &start);
-    outcome::estimate(scene, sketch, segments, &frame, &solution)
+    let posed = bent.unwrap_or(exact);
+    let frame = posed.frame(recipe::epochs_s(&guesses[best]), &solution.point);
+    Solved {
+        estimate: outcome::estimate(scene, sketch, segments, &frame, &solution),
+        epochs_s: frame.epochs_s,
+        posed,
+        solution,
+    }
 }
 
 /// A problem and where its unknowns sit.
+#[derive(Clone, Debug)]
 struct Posed {
     problem: Problem,
     layout: Layout,
@@ -80,6 +111,10 @@ impl Posed {
     fn new(problem: Problem) -> Self {
         let layout = Layout::new(&problem);
         Self { problem, layout }
+    }
+
+    fn frame(&self, epochs_s: Vec<f64>, point: &Point) -> Frame<'_> {
+        Frame::new(&self.problem, &self.layout, epochs_s, point)
     }
 
     fn best(

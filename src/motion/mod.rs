@@ -14,6 +14,7 @@ pub mod seat;
 pub mod settled;
 pub mod sketch;
 pub mod take;
+pub mod time_map;
 pub mod verification;
 
 pub use doubt::{About, Doubt, Place};
@@ -35,4 +36,5 @@ pub use sketch::{
     BodySketch, DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch,
 };
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
+pub use time_map::TimeMap;
 pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

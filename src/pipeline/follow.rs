@@ -9,10 +9,10 @@ use std::ops::Range;
 
 use super::Cut;
 use super::infer::Inferred;
-use super::warm::{self, Known, TimeLine};
-use crate::estimate::{self, Recipe};
+use super::warm::{self, Known};
+use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
-    Counters, Estimate, EventKind, Observer, Scene, Segment, Sketch, Timing, Verdict,
+    Counters, EventKind, Observer, Scene, Segment, Sketch, TimeMap, Timing, Verdict,
 };
 use crate::segment;
 use crate::segment::cut::{SAMPLES_MIN, median_interval_s};
@@ -38,10 +38,10 @@ pub(super) fn follow(
     }
     let mut leaving_out = false;
     let mut rounds = 0;
-    while rounds < ROUNDS && inferred.estimate.verdict != Verdict::Failed {
+    while rounds < ROUNDS && inferred.solved.estimate.verdict != Verdict::Failed {
         let known = Known {
             segments: &cut.segments,
-            estimate: &inferred.estimate,
+            estimate: &inferred.solved.estimate,
         };
         let Some(acted) = Acted::new(&known, scene, sketch) else {
             break;
@@ -61,13 +61,13 @@ pub(super) fn follow(
         };
         rounds += 1;
         leaving_out |= 2 * rounds >= ROUNDS;
-        let mut work: Counters = inferred.estimate.counters;
-        work.add(&again.counters);
-        again.counters = work;
-        inferred.estimate = again;
+        let mut work: Counters = inferred.solved.estimate.counters;
+        work.add(&again.estimate.counters);
+        again.estimate.counters = work;
+        inferred.solved = again;
         (*sketch, cut.segments) = (next.sketch, next.segments);
     }
-    inferred.estimate.counters.assignment_rounds += rounds;
+    inferred.solved.estimate.counters.assignment_rounds += rounds;
 }
 
 /// A sketch whose samples are assigned anew.
@@ -89,13 +89,13 @@ impl<'a> Acted<'a> {
     /// behind.
     fn new(known: &Known<'a>, scene: &'a Scene, sketch: &'a Sketch) -> Option<Self> {
         let segments = known.segments;
-        let line = TimeLine::new(known, sketch, segments)?;
+        let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
         let events = known.estimate.events.iter();
         let acted = Self {
             scene,
             sketch,
             segments,
-            events_s: events.map(|event| line.acted_s(event.time_s)).collect(),
+            events_s: events.map(|event| map.acted_s(event.time_s)).collect(),
         };
         let mut all = segments.iter();
         let is_wrong = all.any(|s| acted.within(s) != s.samples || acted.is_left_behind(s));
@@ -167,13 +167,13 @@ impl<'a> Acted<'a> {
     }
 }
 
-/// The estimate of the new cut from the old one; `None` where that leads nowhere.
+/// The motion of the new cut from the old one; `None` where that leads nowhere.
 fn solved(
     known: &Known,
     scene: &Scene,
     assigned: &Assigned,
     observer: &mut dyn Observer,
-) -> Option<Estimate> {
+) -> Option<Solved> {
     let guess = [warm::guess(
         known,
         scene,
@@ -196,5 +196,5 @@ fn solved(
             observer,
         )
     });
-    solved.find(|estimate| estimate.verdict == verdict)
+    solved.find(|solved| solved.estimate.verdict == verdict)
 }

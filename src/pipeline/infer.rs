@@ -3,7 +3,7 @@
 
 use super::search::{Field, Found, SearchWork, search};
 use crate::estimate::problem::Problem;
-use crate::estimate::{self, Recipe};
+use crate::estimate::{self, Recipe, Solved};
 use crate::initialise::contact;
 use crate::motion::{
     Contacts, Estimate, Guess, Observer, Scene, Segment, Sketch, VelocityGaps, Verdict,
@@ -14,10 +14,10 @@ use crate::verify::touches;
 /// others.
 const FAR: f64 = 60.0;
 
-/// An estimate in a scene that says everything.
+/// A motion in a scene that says everything.
 pub(super) struct Inferred {
     pub(super) scene: Scene,
-    pub(super) estimate: Estimate,
+    pub(super) solved: Solved,
     /// Collisions whose contacts the scene left open.
     pub(super) events: Vec<usize>,
     /// If there was a search.
@@ -57,21 +57,22 @@ pub(super) fn infer(
         || Problem::new(&understood, sketch, segments).is_overconstrained();
     let mut first = None;
     if is_bent || !rankings.iter().any(contact::Ranking::is_ambiguous) {
-        let estimate = solve(&understood, observer);
+        let solved = solve(&understood, observer);
+        let estimate = &solved.estimate;
         let is_near = || {
             let fits = estimate::cost(&understood, sketch, segments, &guesses[0]);
             0.5 * estimate.objective < FAR * fits
         };
-        let is_good = || is_sound(&understood, &estimate, &events) && (is_bent || is_near());
+        let is_good = || is_sound(&understood, estimate, &events) && (is_bent || is_near());
         if events.is_empty() || is_good() || observer.should_stop() {
             return Ok(Inferred {
                 scene: understood,
-                estimate,
+                solved,
                 events,
                 search: None,
             });
         }
-        first = Some(estimate);
+        first = Some(solved);
     }
     // Where the likeliest is clear, but no good, the fits are misleading.
     let open = rankings.iter().map(|ranking| {
@@ -94,7 +95,7 @@ pub(super) fn infer(
     };
     let Found {
         choice,
-        mut estimate,
+        mut solved,
         work,
     } = search(&field, recipe, observer).expect("every collision has a candidate");
     let mut understood = scene.clone();
@@ -102,14 +103,15 @@ pub(super) fn infer(
         understood.set_contacts(*event, &candidates[*chosen]);
     }
     if !work.is_proven {
-        estimate.reason = format!(
-            "the search ended after {} bounds: other contacts may fit better; {}",
-            work.bounds, estimate.reason
+        let reason = &mut solved.estimate.reason;
+        *reason = format!(
+            "the search ended after {} bounds: other contacts may fit better; {reason}",
+            work.bounds
         );
     }
     Ok(Inferred {
         scene: understood,
-        estimate,
+        solved,
         events,
         search: Some(work),
     })

@@ -18,7 +18,7 @@ use super::follow::follow;
 use super::infer::{Inferred, is_sound};
 use super::warm::{self, Known};
 use super::{Outcome, PipelineError, account, cut, doubts, solve};
-use crate::estimate::{self, Recipe};
+use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
     Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
 };
@@ -121,11 +121,11 @@ impl Preview {
         let warm = last.and_then(|last| {
             // They weigh what they did.
             sketch.marks.clone_from(&last.outcome.sketch.marks);
-            let estimate = last.next(&sketch, &cut.segments, observer)?;
-            Some((last.begun, last.continued(estimate)))
+            let solved = last.next(&sketch, &cut.segments, observer)?;
+            Some((last.begun, last.continued(solved)))
         });
         let is_trusted = warm.as_ref().is_some_and(|(begun, warm)| {
-            warm.estimate.objective <= DOUBT * begun.per_sample * used as f64
+            warm.solved.estimate.objective <= DOUBT * begun.per_sample * used as f64
         });
         let (begun, mut inferred, is_warm) = match warm {
             Some((begun, warm)) if is_trusted => (begun, warm, true),
@@ -133,22 +133,22 @@ impl Preview {
                 let weighed = std::mem::replace(&mut sketch.marks, marks);
                 let anew = solve(&scene, &mut sketch, &cut, observer)?;
                 let is_better = |warm: &Inferred| {
-                    warm.estimate.verdict == anew.estimate.verdict
-                        && warm.estimate.objective < anew.estimate.objective
+                    let (warm, anew) = (&warm.solved.estimate, &anew.solved.estimate);
+                    warm.verdict == anew.verdict && warm.objective < anew.objective
                 };
                 let warm = warm.map(|(_, warm)| warm).filter(is_better);
                 if warm.is_some() {
                     sketch.marks = weighed;
                 }
                 let (best, is_warm) = warm.map_or((anew, false), |warm| (warm, true));
-                (Begun::new(used, &best.estimate), best, is_warm)
+                (Begun::new(used, &best.solved.estimate), best, is_warm)
             }
         };
-        inferred.estimate.counters.assignment_rounds = cut.rounds;
+        inferred.solved.estimate.counters.assignment_rounds = cut.rounds;
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
-        let (segments, solved) = (cut.segments.clone(), inferred.estimate.verdict);
-        let mut outcome = Outcome::unchecked(inferred, cut, sketch, counts);
+        let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
+        let mut outcome = Outcome::unchecked(inferred, cut, (sketch, counts), observer);
         let doubts = doubts(&outcome);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {
@@ -190,23 +190,23 @@ impl Preview {
 }
 
 impl Last {
-    /// That estimate in place of this one, in the scene as it is understood.
-    fn continued(self, estimate: Estimate) -> Inferred {
+    /// That motion in place of this one, in the scene as it is understood.
+    fn continued(self, solved: Solved) -> Inferred {
         Inferred {
             scene: self.outcome.scene,
             events: self.outcome.inferred,
             search: self.outcome.search,
-            estimate,
+            solved,
         }
     }
 
-    /// The estimate that goes on from this one; `None` where that does not lead to a motion.
+    /// The motion that goes on from this one; `None` where that does not lead to a motion.
     fn next(
         &self,
         sketch: &Sketch,
         segments: &[Segment],
         observer: &mut dyn Observer,
-    ) -> Option<Estimate> {
+    ) -> Option<Solved> {
         let known = Known {
             segments: &self.segments,
             estimate: &self.outcome.estimate,
@@ -217,9 +217,10 @@ impl Last {
         let scene = &self.outcome.scene;
         let guess = [warm::guess(&known, scene, sketch, segments)?];
         let recipe = Recipe::default().from_the_last();
-        let estimate = estimate::estimate(scene, sketch, segments, &guess, &recipe, observer);
+        let solved = estimate::estimate(scene, sketch, segments, &guess, &recipe, observer);
         let open = &self.outcome.inferred;
-        let is_good = estimate.verdict == self.solved && is_sound(scene, &estimate, open);
-        is_good.then_some(estimate)
+        let estimate = &solved.estimate;
+        let is_good = estimate.verdict == self.solved && is_sound(scene, estimate, open);
+        is_good.then_some(solved)
     }
 }

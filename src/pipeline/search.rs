@@ -20,10 +20,9 @@ use std::collections::BinaryHeap;
 
 use self::ahead::Least;
 use super::infer::is_sound;
-use crate::estimate::{self, Recipe};
+use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
-    Contacts, Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
-    Verdict,
+    Contacts, Counters, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
 
 /// Iterations of the whole problem after which the search ends with what it has; those of a part
@@ -43,7 +42,7 @@ pub(super) struct Field<'a> {
     /// Open collisions in order of time, each with what may touch, likeliest first.
     pub(super) open: &'a [(usize, Vec<Contacts>)],
     /// A sequence (indices into the candidates) that is solved already.
-    pub(super) first: Option<(Vec<usize>, Estimate)>,
+    pub(super) first: Option<(Vec<usize>, Solved)>,
 }
 
 /// The work of a search.
@@ -74,7 +73,7 @@ impl SearchWork {
 pub(super) struct Found {
     /// What touches at each open collision (indices into the candidates).
     pub(super) choice: Vec<usize>,
-    pub(super) estimate: Estimate,
+    pub(super) solved: Solved,
     pub(super) work: SearchWork,
 }
 
@@ -92,7 +91,7 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
     let mut search = Search::new(field, recipe, field.is_bent);
     if let Some(first) = &field.first {
         search.work.solves += 1;
-        search.counters.add(&first.1.counters);
+        search.counters.add(&first.1.estimate.counters);
         search.known.push(first.clone());
     }
     let failures = if may_bend { 1 } else { usize::MAX };
@@ -167,13 +166,13 @@ impl Eq for Node {}
 impl Solution {
     /// Half the sum of squared residuals.
     fn cost(&self) -> f64 {
-        0.5 * self.estimate.objective
+        0.5 * self.solved.estimate.objective
     }
 }
 
 struct Solution {
     choice: Vec<usize>,
-    estimate: Estimate,
+    solved: Solved,
     /// Whether it is a motion, in which nothing else would have touched first.
     is_sound: bool,
 }
@@ -186,7 +185,7 @@ struct Search<'a> {
     queue: BinaryHeap<Reverse<Node>>,
     solutions: Vec<Solution>,
     /// Those that were there before.
-    known: Vec<(Vec<usize>, Estimate)>,
+    known: Vec<(Vec<usize>, Solved)>,
     best: Option<usize>,
     made: usize,
     /// Least cost of all arcs that begin at or after an open collision.
@@ -254,7 +253,7 @@ impl<'a> Search<'a> {
                 self.work.is_proven = true;
                 return;
             }
-            let is_failed = |s: &&Solution| s.estimate.verdict != Verdict::Physical;
+            let is_failed = |s: &&Solution| s.solved.estimate.verdict != Verdict::Physical;
             let failed = self.solutions.iter().filter(is_failed).count();
             let is_over =
                 self.iterations > ITERATIONS_MAX || node.cost > limit || failed >= failures;
@@ -283,17 +282,17 @@ impl<'a> Search<'a> {
         };
         self.made += 1;
         self.queue.push(Reverse(node));
-        for (choice, estimate) in std::mem::take(&mut self.known) {
-            self.solved(choice, estimate);
+        for (choice, solved) in std::mem::take(&mut self.known) {
+            self.keep(choice, solved);
         }
     }
 
     /// Solutions whose velocities jump.
-    fn bent(&self) -> Vec<(Vec<usize>, Estimate)> {
-        let jumps = |s: &&Solution| s.estimate.verdict == Verdict::Plausible;
+    fn bent(&self) -> Vec<(Vec<usize>, Solved)> {
+        let jumps = |s: &&Solution| s.solved.estimate.verdict == Verdict::Plausible;
         let solutions = self.solutions.iter().filter(jumps);
         solutions
-            .map(|s| (s.choice.clone(), s.estimate.clone()))
+            .map(|s| (s.choice.clone(), s.solved.clone()))
             .collect()
     }
 
@@ -345,20 +344,20 @@ impl<'a> Search<'a> {
             return;
         }
         let scene = self.with(&places(&node.choice));
-        let estimate = self.estimate(&scene, observer);
+        let solved = self.estimate(&scene, observer);
         observer.phase(Phase::Sequence);
-        self.solved(node.choice, estimate);
+        self.keep(node.choice, solved);
     }
 
-    fn solved(&mut self, choice: Vec<usize>, estimate: Estimate) {
+    fn keep(&mut self, choice: Vec<usize>, solved: Solved) {
         let scene = self.with(&places(&choice));
         let open: Vec<usize> = self.field.open.iter().map(|(event, _)| *event).collect();
         let may_jump = self.scene.velocity_gaps == VelocityGaps::Always;
         let solution = Solution {
-            is_sound: (may_jump || estimate.verdict == Verdict::Physical)
-                && is_sound(&scene, &estimate, &open),
+            is_sound: (may_jump || solved.estimate.verdict == Verdict::Physical)
+                && is_sound(&scene, &solved.estimate, &open),
             choice,
-            estimate,
+            solved,
         };
         if solution.is_sound {
             self.queue.push(Reverse(Node {
@@ -375,7 +374,7 @@ impl<'a> Search<'a> {
     }
 
     /// As in a scene that says all, where velocities jump only if they must.
-    fn estimate(&mut self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
+    fn estimate(&mut self, scene: &Scene, observer: &mut dyn Observer) -> Solved {
         self.work.solves += 1;
         let Field {
             sketch,
@@ -388,16 +387,17 @@ impl<'a> Search<'a> {
         if may_bend && scene.velocity_gaps == VelocityGaps::Never {
             scene.velocity_gaps = VelocityGaps::WhenNeeded;
         }
-        let estimate = estimate::estimate(&scene, sketch, segments, guesses, self.recipe, observer);
-        self.iterations += estimate.counters.iterations as f64;
-        self.counters.add(&estimate.counters);
-        estimate
+        let solved = estimate::estimate(&scene, sketch, segments, guesses, self.recipe, observer);
+        let counters = &solved.estimate.counters;
+        self.iterations += counters.iterations as f64;
+        self.counters.add(counters);
+        solved
     }
 
     /// The best sound solution: the one that came up first, or else of those that wait.
     fn best(&self) -> Option<usize> {
         let sound = (0..self.solutions.len()).filter(|index| self.solutions[*index].is_sound);
-        let objective = |index: &usize| self.solutions[*index].estimate.objective;
+        let objective = |index: &usize| self.solutions[*index].solved.estimate.objective;
         self.best
             .or_else(|| sound.min_by(|a, b| objective(a).total_cmp(&objective(b))))
     }
@@ -405,8 +405,9 @@ impl<'a> Search<'a> {
     /// The best that was found, or the best that is known where none is sound.
     fn conclude(mut self, observer: &mut dyn Observer) -> Found {
         let rank = |solution: &Solution| {
-            let is_failed = solution.estimate.verdict == Verdict::Failed;
-            (!solution.is_sound, is_failed, solution.estimate.objective)
+            let estimate = &solution.solved.estimate;
+            let is_failed = estimate.verdict == Verdict::Failed;
+            (!solution.is_sound, is_failed, estimate.objective)
         };
         let best = self.best.or_else(|| {
             let all = 0..self.solutions.len();
@@ -415,25 +416,25 @@ impl<'a> Search<'a> {
                 (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
             })
         });
-        let (choice, mut estimate) = match best {
+        let (choice, mut solved) = match best {
             Some(best) => {
                 let solution = self.solutions.swap_remove(best);
-                (solution.choice, Some(solution.estimate))
+                (solution.choice, Some(solution.solved))
             }
             None => (self.likeliest(), None),
         };
-        let is_failed = |e: &Estimate| e.verdict == Verdict::Failed;
-        if estimate.as_ref().is_none_or(is_failed) {
+        let is_failed = |solved: &Solved| solved.estimate.verdict == Verdict::Failed;
+        if solved.as_ref().is_none_or(is_failed) {
             // With velocity gaps, where the scene allows them.
             let mut scene = self.with(&places(&choice));
             scene.velocity_gaps = self.field.scene.velocity_gaps;
-            estimate = Some(self.estimate(&scene, observer));
+            solved = Some(self.estimate(&scene, observer));
         }
-        let mut estimate = estimate.expect("just solved");
-        estimate.counters = self.counters;
+        let mut solved = solved.expect("just solved");
+        solved.estimate.counters = self.counters;
         Found {
             choice,
-            estimate,
+            solved,
             work: self.work,
         }
     }

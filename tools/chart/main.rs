@@ -37,6 +37,8 @@ mod real;
 #[path = "../study/results.rs"]
 #[allow(dead_code, reason = "studies leave theirs elsewhere")]
 mod results;
+#[path = "../run.rs"]
+mod run;
 mod scale;
 #[path = "../study/scaling.rs"]
 #[allow(dead_code, reason = "its own study is not run here")]
@@ -64,8 +66,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Result;
-use book::{Book, Run};
+use book::Book;
 use clap::Parser;
+use run::Run;
 
 /// What every part is told.
 #[derive(Parser)]

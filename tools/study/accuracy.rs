@@ -66,18 +66,18 @@ pub fn run(options: &Options) -> Result<()> {
         for style in Style::ALL {
             // Without noise a seed is in the tempo only.
             let seeds = if acting.tempo_variation > 0.0 {
-                options.seeds
+                options.range()
             } else {
-                1
+                0..1
             };
             let truth = style.truth();
-            let runs = (0..seeds).map(|seed| (seed, truth.clone()));
+            let runs = seeds.map(|seed| (seed, truth.clone()));
             rows.push(row(style.word().into(), (name, acting, target), runs));
         }
         let runs = (0..BOUNCING).filter_map(|seed| Some((seed, bounces(3, seed).ok()?)));
         rows.push(row("cube, 3 bounces".into(), (name, acting, target), runs));
     }
-    println!("{}", table(&rows));
+    options.show(table(&rows));
     options.write_json("accuracy", &rows)
 }
 

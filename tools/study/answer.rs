@@ -1,5 +1,6 @@
 //! How often the program finds the best known optimum, and what it takes.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -60,7 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
                 style,
                 Acting::timing_known(),
                 distortion,
-                options.seeds,
+                options.range(),
             ));
         }
     }
@@ -72,13 +73,13 @@ pub fn run(options: &Options) -> Result<()> {
                     hold_after_s,
                     ..Acting::default()
                 };
-                rows.push(row(style, acting, distortion, options.seeds));
+                rows.push(row(style, acting, distortion, options.range()));
             }
         }
     }
-    println!("{}", found(&rows));
-    println!("{}", timing(&rows));
-    println!("{}", failures(&rows));
+    options.show(found(&rows));
+    options.show(timing(&rows));
+    options.show(failures(&rows));
     options.write_json("answer", &rows)?;
     let header = "style,timing_known,rest_s,distortion,seed,verdict,converged,best,objective,lowest,\
                   starts,iterations,time_ms,sample_time_rms_ms,without_offset_ms";
@@ -120,7 +121,7 @@ fn lines(rows: &[Row]) -> Vec<String> {
     lines
 }
 
-fn row(style: Style, acting: Acting, distortion: f64, seeds: u64) -> Row {
+fn row(style: Style, acting: Acting, distortion: f64, seeds: Range<u64>) -> Row {
     let acting = Acting {
         distortion,
         ..acting
@@ -130,7 +131,7 @@ fn row(style: Style, acting: Acting, distortion: f64, seeds: u64) -> Row {
         timing_known: acting.is_timing_known(),
         distortion,
         rest_s: acting.hold_after_s,
-        seeds: (0..seeds).map(|seed| one(style, &acting, seed)).collect(),
+        seeds: seeds.map(|seed| one(style, &acting, seed)).collect(),
     }
 }
 

@@ -5,6 +5,8 @@
 //! reported standard deviations holds the truth in 95 of 100 cases. An estimate that reaches the
 //! predicted standard deviation is efficient: no unbiased one does better (Cramér–Rao).
 
+use std::ops::Range;
+
 use anyhow::Result;
 use enact::math::Pose;
 use enact::motion::{Estimate, Timing, Verdict};
@@ -85,7 +87,7 @@ pub fn run(options: &Options) -> Result<()> {
             "white noise",
             &weighed(style, &acting),
             &acting,
-            options.seeds,
+            options.range(),
         ));
         // The same with the weights that scenes have by default: the unit of the residuals is
         // found from the residuals, but position and orientation are weighed otherwise.
@@ -96,7 +98,7 @@ pub fn run(options: &Options) -> Result<()> {
             "white noise, default weights",
             &truth,
             &acting,
-            options.seeds,
+            options.range(),
         ));
         let mut truth = weighed(style, &acting);
         truth.scene.timing = Timing::Unknown {
@@ -112,7 +114,7 @@ pub fn run(options: &Options) -> Result<()> {
             "white noise, timing unknown",
             &truth,
             &slow,
-            options.seeds,
+            options.range(),
         ));
         let acting = Acting::timing_known();
         rows.push(row(
@@ -120,7 +122,7 @@ pub fn run(options: &Options) -> Result<()> {
             "wandering hand, timing known",
             &style.truth(),
             &acting,
-            options.seeds,
+            options.range(),
         ));
         let acting = Acting::default();
         rows.push(row(
@@ -128,16 +130,16 @@ pub fn run(options: &Options) -> Result<()> {
             "wandering hand, timing unknown",
             &style.truth(),
             &acting,
-            options.seeds,
+            options.range(),
         ));
     }
-    println!("{}", squares(&rows));
-    println!("{}", efficiency(&rows));
-    println!("{}", coverage(&rows));
+    options.show(squares(&rows));
+    options.show(efficiency(&rows));
+    options.show(coverage(&rows));
     options.write_json("covariance", &rows)
 }
 
-fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: u64) -> Row {
+fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: Range<u64>) -> Row {
     let mut row = Row {
         style: style.word(),
         way,
@@ -155,7 +157,7 @@ fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: u
         event_errors: Vec::new(),
     };
     let is_white = way.starts_with("white noise") && acting.is_timing_known();
-    for seed in 0..seeds {
+    for seed in seeds {
         let case = Case::new(truth, acting, seed);
         let Ok(outcome) = case.estimated(&mut ()) else {
             continue;

@@ -1,6 +1,7 @@
 //! How often reported intervals hold the truth, over scenes, hands and how slowly they wander.
 //!
-//! What the noise model was chosen on: seeds 0 to 119. What is reported begins at [`FIRST_SEED`].
+//! What the noise model was chosen on: seeds 0 to 119. What is reported begins at the
+//! option's 5000.
 
 use std::collections::BTreeMap;
 
@@ -16,8 +17,6 @@ use crate::table::{Table, number, percent};
 use crate::tosses;
 use crate::ways;
 
-/// First of the seeds that nothing was chosen on.
-const FIRST_SEED: u64 = 5000;
 /// Half widths of the 50, 90 and 95 % intervals [standard deviations].
 const INTERVALS: [f64; 3] = [0.674_49, 1.644_85, 1.959_96];
 /// What the tosses say of gravity together [m/s²].
@@ -91,7 +90,7 @@ pub fn run(options: &Options) -> Result<()> {
             continue;
         }
         let mut row = Row::new(way.name.clone());
-        for seed in FIRST_SEED..FIRST_SEED + options.seeds {
+        for seed in options.range() {
             let Some(case) = way.case(seed) else {
                 eprintln!("skipped: {}: no real hand", way.name);
                 break;
@@ -103,7 +102,7 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(row) = real_tosses()? {
         rows.push(row);
     }
-    println!("{}", table(&rows));
+    options.show(table(&rows));
     if options.only.is_some() {
         return Ok(());
     }

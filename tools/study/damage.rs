@@ -59,7 +59,7 @@ fn false_alarms(options: &Options) -> Result<()> {
         dropped: usize,
     }
     let mut rows: Vec<Row> = Vec::new();
-    for seed in 0..options.seeds {
+    for seed in options.range() {
         for (motion, truth) in motions(seed, &[20]) {
             for (timing, acting) in ways() {
                 for (distortion, noise) in [(1.0, false), (4.0, false), (8.0, false), (1.0, true)] {
@@ -123,7 +123,7 @@ fn false_alarms(options: &Options) -> Result<()> {
             row.dropped.to_string(),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     options.write_json("damage_false_alarms", &rows)
 }
 
@@ -148,7 +148,7 @@ fn outliers(options: &Options) -> Result<()> {
     for (timing, acting) in ways() {
         for share in [0.0, 0.01, 0.05, 0.2] {
             let mut of_motion: Vec<Row> = Vec::new();
-            for seed in 0..options.seeds {
+            for seed in options.range() {
                 for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
                     if of_motion.len() <= index {
                         of_motion.push(Row {
@@ -249,7 +249,7 @@ fn outliers(options: &Options) -> Result<()> {
             number(median(&row.outliers_us)),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     options.write_json("damage_outliers", &rows)
 }
 
@@ -299,7 +299,7 @@ fn proposals(options: &Options) -> Result<()> {
         for distortion in [1.0, 2.0, 4.0] {
             for variant in VARIANTS {
                 let first = rows.len();
-                for seed in 0..options.seeds {
+                for seed in options.range() {
                     for (index, (motion, truth)) in
                         motions(seed, &[2, 4, 6]).into_iter().enumerate()
                     {
@@ -376,7 +376,7 @@ fn proposals(options: &Options) -> Result<()> {
             number(median(&row.time_us)),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     options.write_json("damage_proposals", &rows)
 }
 
@@ -419,7 +419,7 @@ fn marks_off(options: &Options) -> Result<()> {
         for distortion in [1.0, 4.0] {
             for off in [0.0, 5.0, 20.0, 50.0] {
                 let first = rows.len();
-                for seed in 0..options.seeds {
+                for seed in options.range() {
                     for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
                         if rows.len() <= first + index {
                             rows.push(Row {
@@ -508,7 +508,7 @@ fn marks_off(options: &Options) -> Result<()> {
             number(median(&row.reseat_us)),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     options.write_json("damage_marks_off", &rows)
 }
 
@@ -530,7 +530,7 @@ fn marks_absent(options: &Options) -> Result<()> {
         for distortion in [1.0, 4.0] {
             for marks in ["none", "one less", "one more"] {
                 let first = rows.len();
-                for seed in 0..options.seeds {
+                for seed in options.range() {
                     for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
                         if rows.len() <= first + index {
                             rows.push(Row {
@@ -592,7 +592,7 @@ fn marks_absent(options: &Options) -> Result<()> {
             percent(row.physical, row.takes),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     options.write_json("damage_marks_absent", &rows)
 }
 
@@ -628,7 +628,7 @@ fn units(options: &Options) -> Result<()> {
             let mut names: Vec<String> = Vec::new();
             let mut counts: Vec<[usize; 4]> = Vec::new();
             let mut errors: Vec<String> = Vec::new();
-            for seed in 0..options.seeds.min(20) {
+            for seed in options.range().take(20) {
                 for (index, (motion, truth)) in motions(seed, &[4]).into_iter().enumerate() {
                     if names.len() <= index {
                         names.push(motion);
@@ -667,6 +667,6 @@ fn units(options: &Options) -> Result<()> {
             }
         }
     }
-    println!("{table}");
+    options.show(&table);
     Ok(())
 }

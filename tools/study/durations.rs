@@ -96,13 +96,14 @@ pub fn run(options: &Options) -> Result<()> {
     for style in Style::ALL {
         for distortion in [1.0, 2.0, 4.0] {
             let what = format!("pencil, {} first, {distortion}×", style.word());
-            let told: Vec<Told> = (0..options.seeds)
+            let told: Vec<Told> = options
+                .range()
                 .filter_map(|seed| pencil(style, distortion, seed))
                 .collect();
             rows.push(Row::new(what, &told));
         }
     }
-    println!("{}", table(&rows));
+    options.show(table(&rows));
     options.write_json("durations", &rows)
 }
 

@@ -5,9 +5,8 @@
 //! cargo run --release --example study -- all
 //! ```
 //!
-//! Every study prints a table and leaves its raw numbers in `tools/study/results/`; what was
-//! measured, where, and what it is worth is said in the README there. One thread; run them on a
-//! machine that does nothing else if times matter.
+//! Every study prints its tables and leaves a page with them and its raw numbers in
+//! `tools/study/results/`. One thread; run them on a machine that does nothing else if times matter.
 
 mod accuracy;
 mod answer;
@@ -21,12 +20,15 @@ mod errors;
 mod hands;
 mod nonsense;
 mod nonsense_table;
+mod pages;
 #[path = "../perform/mod.rs"]
 mod perform;
 mod phases;
 mod proposal;
 mod proposals;
 mod results;
+#[path = "../run.rs"]
+mod run;
 mod scales;
 mod scaling;
 mod scenes;
@@ -40,8 +42,11 @@ mod table;
 mod tosses;
 mod ways;
 
+use std::time::Instant;
+
 use clap::{Parser, Subcommand};
 use results::Options;
+use run::Run;
 
 /// Studies of the estimator.
 #[derive(Parser)]
@@ -103,6 +108,7 @@ fn main() -> anyhow::Result<()> {
         Study::Phases,
         Study::Stress,
         Study::Tosses,
+        Study::Durations,
         Study::Damage,
         Study::Nonsense,
     ];
@@ -113,6 +119,8 @@ fn main() -> anyhow::Result<()> {
         &one
     };
     for study in chosen {
+        let run = Run::here(false);
+        let started = Instant::now();
         match study {
             Study::Answer => answer::run(&options)?,
             Study::Scenes => scenes::run(&options)?,
@@ -131,6 +139,8 @@ fn main() -> anyhow::Result<()> {
             Study::Nonsense => nonsense_table::run(&options)?,
             Study::All => {}
         }
+        let seconds = started.elapsed().as_secs_f64();
+        options.write_page(study.name(), study.about(), &Run { seconds, ..run })?;
     }
     Ok(())
 }

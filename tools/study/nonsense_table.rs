@@ -1,6 +1,6 @@
 //! How much nonsense is still called physical, and how much sense is not.
 //!
-//! Seeds from [`FIRST_SEED`] on: the bounds were chosen on those below 16, and on the hovering vehicle's
+//! The bounds were chosen on seeds below 16, and on the hovering vehicle's
 //! windows from every eighth second on, where these begin four seconds later.
 
 use std::collections::BTreeMap;
@@ -14,9 +14,6 @@ use crate::nonsense::{Asked, faults, real};
 use crate::results::Options;
 use crate::table::Table;
 use crate::tosses;
-
-/// Seeds below were looked at when bounds were chosen.
-const FIRST_SEED: u64 = 5000;
 
 /// What became of a row's takes.
 #[derive(Default)]
@@ -84,7 +81,7 @@ pub fn run(options: &Options) -> Result<()> {
             continue;
         }
         let mut tally = Tally::new(row.is_right);
-        for seed in FIRST_SEED..FIRST_SEED + options.seeds {
+        for seed in options.range() {
             match (row.make)(seed) {
                 Ok(asked) => tally.add(&asked),
                 Err(_) => tally.unmade += 1,
@@ -132,7 +129,7 @@ pub fn run(options: &Options) -> Result<()> {
         let cells = [name.clone(), model.to_owned()].into_iter();
         table.row(cells.chain(numbers).chain([tally.said()]));
     }
-    println!("{table}");
+    options.show(&table);
     let header =
         "takes_of,model,takes,refused,gaps_closed,credible,physical,plausible,failed,doubts";
     options.write_csv("nonsense", header, &lines)

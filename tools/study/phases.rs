@@ -1,5 +1,7 @@
 //! Where the time of one estimate goes.
 
+use std::ops::Range;
+
 use anyhow::Result;
 use enact::motion::Phase;
 use enact::pipeline::Outcome;
@@ -33,14 +35,14 @@ pub fn run(options: &Options) -> Result<()> {
     let mut rows = Vec::new();
     for acting in [Acting::timing_known(), Acting::default()] {
         for style in Style::ALL {
-            rows.push(row(style, &acting, options.seeds));
+            rows.push(row(style, &acting, options.range()));
         }
     }
-    println!("{}", table(&rows));
+    options.show(table(&rows));
     options.write_json("phases", &rows)
 }
 
-fn row(style: Style, acting: &Acting, seeds: u64) -> Row {
+fn row(style: Style, acting: &Acting, seeds: Range<u64>) -> Row {
     let mut row = Row {
         style: style.word(),
         timing_known: acting.is_timing_known(),
@@ -49,7 +51,7 @@ fn row(style: Style, acting: &Acting, seeds: u64) -> Row {
         phases_s: Vec::new(),
         total_s: Vec::new(),
     };
-    for seed in 0..seeds {
+    for seed in seeds {
         let case = Case::pencil(style, acting, seed);
         let mut fastest: Option<(Stopwatch, Outcome)> = None;
         for _ in 0..REPEATS {

@@ -63,7 +63,8 @@ pub fn run(options: &Options) -> Result<()> {
         ],
     );
     for (count, timing, acting) in performances(options, &BOUNCES) {
-        let block: Vec<Row> = (0..options.seeds)
+        let block: Vec<Row> = options
+            .range()
             .filter_map(|seed| proposed(count, &acting, seed))
             .collect();
         let cells = cells(&block, timing);
@@ -71,7 +72,7 @@ pub fn run(options: &Options) -> Result<()> {
         table.row(cells);
         rows.extend(block);
     }
-    println!("{table}");
+    options.show(&table);
     match options.only {
         Some(_) => Ok(()),
         None => options.write_json("proposals", &rows),
@@ -141,7 +142,8 @@ fn proposed(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
             &posed.guesses,
             &Recipe::default(),
             &mut (),
-        );
+        )
+        .estimate;
         let is_sound = estimate.verdict == Verdict::Physical
             && !verify::touches(&understood, &estimate)
                 .iter()

@@ -154,7 +154,7 @@ pub fn run(options: &Options) -> Result<()> {
         if !options.wants(&row.name()) {
             continue;
         }
-        let seeds = options.first_seed..options.first_seed + options.seeds;
+        let seeds = options.range();
         let seeds: Vec<Seed> = seeds.filter_map(|seed| judged(&row, seed)).collect();
         let count = |holds: &dyn Fn(&Seed) -> bool| {
             percent(seeds.iter().filter(|seed| holds(seed)).count(), seeds.len())
@@ -175,7 +175,7 @@ pub fn run(options: &Options) -> Result<()> {
         ]);
         all.extend(seeds);
     }
-    println!("{table}");
+    options.show(&table);
     if options.only.is_some() {
         let missed = all.iter().filter(|seed: &&Seed| !seed.is_best);
         for Seed {

@@ -57,10 +57,10 @@ pub fn run(options: &Options) -> Result<()> {
     };
     let samples = of("samples, timing known", 8, timing_known);
     let title = "Cost against samples (pencil, tip first, timing known)";
-    println!("{}", table(title, &samples, |s| s.samples));
+    options.show(table(title, &samples, |s| s.samples));
     let unknown = of("samples, timing unknown", 6, timing_unknown);
     let title = "Cost against samples (pencil, tip first, timing unknown)";
-    println!("{}", table(title, &unknown, |s| s.samples));
+    options.show(table(title, &unknown, |s| s.samples));
     let mut segments = Vec::new();
     for count in [1, 3, 10, 30, 100, 300, 1000] {
         let Some(case) = bouncing(count) else {
@@ -70,8 +70,8 @@ pub fn run(options: &Options) -> Result<()> {
         segments.extend(size("segments, timing known", &case, RUNS));
     }
     let title = "Cost against segments (cube, timing known, wander 0.25×)";
-    println!("{}", table(title, &segments, |s| s.segments));
-    println!("{}", shares(&[&samples, &unknown, &segments]));
+    options.show(table(title, &segments, |s| s.segments));
+    options.show(shares(&[&samples, &unknown, &segments]));
     options.write_json("scaling", &[samples, unknown, segments])
 }
 

@@ -103,7 +103,8 @@ pub fn run(options: &Options) -> Result<()> {
         if !options.wants(&scenario.name) {
             continue;
         }
-        let seeds: Vec<Seed> = (0..options.seeds)
+        let seeds: Vec<Seed> = options
+            .range()
             .map(|seed| judged(&scenario, seed))
             .collect();
         let count = |holds: &dyn Fn(&Seed) -> bool| {
@@ -124,7 +125,7 @@ pub fn run(options: &Options) -> Result<()> {
         ]);
         all.extend(seeds);
     }
-    println!("{table}");
+    options.show(&table);
     if options.only.is_some() {
         return Ok(());
     }

@@ -64,7 +64,7 @@ struct Row {
 
 /// Runs it.
 pub fn run(options: &Options) -> Result<()> {
-    recordings()?;
+    recordings(options)?;
     let mut rows = Vec::new();
     let mut table = Table::new(
         "Sequences of a cube's bounces",
@@ -88,14 +88,15 @@ pub fn run(options: &Options) -> Result<()> {
         ],
     );
     for (count, _, acting) in performances(options, &BOUNCES) {
-        let block: Vec<Row> = (0..options.seeds)
+        let block: Vec<Row> = options
+            .range()
             .filter_map(|seed| searched(count, &acting, seed))
             .collect();
         table.row(cells(&block));
         eprintln!("{}", cells(&block).join(" | "));
         rows.extend(block);
     }
-    println!("{table}");
+    options.show(&table);
     match options.only {
         Some(_) => Ok(()),
         None => options.write_json("sequences", &rows),
@@ -225,7 +226,7 @@ fn places(open: &Scene, named: &Outcome) -> (usize, bool) {
     (worst, is_likely)
 }
 
-fn recordings() -> Result<()> {
+fn recordings(options: &Options) -> Result<()> {
     let mut table = Table::new(
         "Scenes that name no contact",
         &[
@@ -276,7 +277,7 @@ fn recordings() -> Result<()> {
             number(open_s / named_s),
         ]);
     }
-    println!("{table}");
+    options.show(&table);
     Ok(())
 }
 

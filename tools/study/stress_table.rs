@@ -1,6 +1,7 @@
 //! Where methods fail: every trouble at all seeds, and what the program says then.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::time::Instant;
 use std::{fs, panic};
 
@@ -70,7 +71,7 @@ pub fn run(options: &Options) -> Result<()> {
     panic::set_hook(Box::new(|_| {}));
     for trouble in all.iter().filter(|t| is_chosen(t, options)) {
         let begin = Instant::now();
-        let row = row(trouble, options.seeds);
+        let row = row(trouble, options.range());
         let took_s = begin.elapsed().as_secs();
         eprintln!(
             "{}: {}, {} | {} | {} false | {}, {} | {} | {took_s} s",
@@ -88,7 +89,7 @@ pub fn run(options: &Options) -> Result<()> {
         options.write_json("stress", &in_order(&all, &known))?;
     }
     panic::set_hook(hook);
-    println!("{}", table(&in_order(&all, &known)));
+    options.show(table(&in_order(&all, &known)));
     Ok(())
 }
 
@@ -103,8 +104,8 @@ fn is_chosen(trouble: &Trouble, options: &Options) -> bool {
     options.wants(&described)
 }
 
-fn row(trouble: &Trouble, seeds: u64) -> Row {
-    let each: Vec<(u64, Result<Judged, String>)> = (0..seeds)
+fn row(trouble: &Trouble, seeds: Range<u64>) -> Row {
+    let each: Vec<(u64, Result<Judged, String>)> = seeds
         .into_par_iter()
         .map(|seed| (seed, (trouble.make)(seed).map(|case| judged(&case, seed))))
         .collect();

@@ -71,8 +71,8 @@ pub fn run(options: &Options) -> Result<()> {
         .iter()
         .flat_map(|rate_hz| tosses.iter().map(|toss| flight(&scene, toss, *rate_hz)))
         .collect();
-    println!("{}", table(&flights));
-    println!("{}", failures(&flights));
+    options.show(table(&flights));
+    options.show(failures(&flights));
     let header = "toss,rate_hz,samples,flight_is_given,gx_m_s2,gy_m_s2,gz_m_s2,gz_sd_m_s2,\
                   position_mm_per_axis,orientation_deg_per_axis,position_mm,orientation_deg,failed";
     options.write_csv(

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::bins::Bins;
 use super::noise::Noise;
-use super::trace::{Six, Trace, traces};
+use super::trace::{Design, Six};
 use crate::estimate::finish::Kkt;
 use crate::estimate::point::Point;
 use crate::estimate::system::{Frame, System};
@@ -22,8 +22,6 @@ const DIRECTIONS_MORE: usize = 2;
 const DIRECTIONS_MAX: usize = 64;
 /// Of a direction less than this is left by the others: it is none of its own.
 const DEPENDENT: f64 = 1e-6;
-/// Unknowns whose traces are made at once.
-const AT_ONCE: usize = 16;
 
 /// Covariances at an optimum.
 pub struct Covariance<'a> {
@@ -31,7 +29,7 @@ pub struct Covariance<'a> {
     system: &'a System,
     point: &'a Point,
     kkt: Kkt,
-    bins: Bins,
+    design: Design<'a>,
     /// What the residuals are made of.
     pub noise: Noise,
 }
@@ -47,51 +45,47 @@ impl<'a> Covariance<'a> {
         residuals: &[Vec<Six>],
     ) -> Option<Self> {
         let kkt = Kkt::with_soft_bounds(frame, system, multipliers)?;
+        let bins = Bins::new(frame.problem, point);
         let mut covariance = Self {
             frame,
             system,
             point,
             kkt,
-            bins: Bins::new(frame.problem, point),
+            design: Design::new(frame, point, &bins),
             noise: Noise::stated(),
         };
         let nodes = frame.layout.nodes.iter().flatten().count();
         let held = equalities(system) + nodes;
         let free = frame.layout.size().saturating_sub(held) + DIRECTIONS_MORE;
         if free <= DIRECTIONS_MAX {
-            let absorbed = covariance.absorbed(free);
-            covariance.noise = Noise::of(&covariance.bins, residuals, &absorbed);
+            let absorbed = covariance.absorbed(&bins, free);
+            covariance.noise = Noise::of(&bins, residuals, &absorbed);
         }
         Some(covariance)
     }
 
     /// Directions of the bins' means that the fit has absorbed, orthonormal: what they see of as many
     /// random steps as are free; and where times are unknown, each bin along its own flight.
-    fn absorbed(&self, free: usize) -> Vec<Vec<Six>> {
-        let (layout, bins) = (self.frame.layout, &self.bins);
-        let mut random = Random::default();
-        let steps: Vec<DVector<f64>> = (0..free)
-            .map(|_| {
-                let hessian = &self.system.hessian;
-                let mut step = DVector::from_fn(layout.size(), |at, _| {
-                    random.next() * hessian.get(&layout.pattern, at, at).max(0.0).sqrt()
-                });
-                self.kkt.solve(self.frame, &mut step);
-                step
-            })
-            .collect();
-        let mut seen = traces(self.frame, self.point, bins, &steps);
-        let times = seen.pop().expect("the last is of the times");
+    fn absorbed(&self, bins: &Bins, free: usize) -> Vec<Vec<Six>> {
+        let layout = self.frame.layout;
         let mut directions: Vec<Vec<Six>> = Vec::new();
         if self.frame.problem.times_are_unknown() {
-            for bin in 0..bins.count() {
+            for (bin, rate) in self.design.rates().into_iter().enumerate() {
                 let mut column = vec![[0.0; 6]; bins.count()];
-                column[bin] = times.sums[bin];
+                column[bin] = rate;
                 directions.push(column);
             }
         }
-        directions.extend(seen.iter().map(|trace| bins.means(&trace.sums)));
-        orthonormal(directions)
+        let mut random = Random::default();
+        directions.extend((0..free).map(|_| {
+            let hessian = &self.system.hessian;
+            let mut step = DVector::from_fn(layout.size(), |at, _| {
+                random.next() * hessian.get(&layout.pattern, at, at).max(0.0).sqrt()
+            });
+            self.kkt.solve(self.frame, &mut step);
+            bins.means(&self.design.sums(&step))
+        }));
+        orthonormal(&directions)
     }
 
     /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance, were the weights all there is to say.
@@ -109,25 +103,28 @@ impl<'a> Covariance<'a> {
     /// Standard deviations of some sums of unknowns, each with its factor; `None` where a sum is of
     /// none, or where the performance does not determine it.
     pub fn sds(&self, sums: &[Moment]) -> Vec<Option<f64>> {
-        let mut sds = Vec::with_capacity(sums.len());
-        for some in sums.chunks(AT_ONCE) {
-            let answers: Vec<DVector<f64>> = some.iter().map(|sum| self.answer(sum)).collect();
-            let traces = traces(self.frame, self.point, &self.bins, &answers);
-            let each = some.iter().zip(&answers).zip(&traces);
-            sds.extend(each.map(|((sum, answer), trace)| {
-                let own: f64 = sum.iter().map(|(at, factor)| factor * answer[*at]).sum();
-                self.sd(own, answer, trace).filter(|_| !sum.is_empty())
-            }));
-        }
-        sds
+        let sd = |sum: &Moment| {
+            let answer = self.answer(sum);
+            let own: f64 = sum.iter().map(|(at, factor)| factor * answer[*at]).sum();
+            self.sd_of_answer(own, &answer)
+        };
+        let each = sums.iter().map(|sum| (!sum.is_empty()).then(|| sd(sum)));
+        each.map(Option::flatten).collect()
     }
 
     /// Standard deviation of what answers to errors like `answer`, and to a pull at itself by `own`;
     /// `None` where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
-        let answers = std::slice::from_ref(answer);
-        let traces = traces(self.frame, self.point, &self.bins, answers);
-        self.sd(own, answer, &traces[0])
+        let trace = self.design.trace(answer);
+        let (marks, beyond) = self.marks(answer);
+        let seen = trace.squares[0] + trace.squares[1];
+        // Written so that NaN is undetermined too.
+        let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
+        if is_damped || seen + marks < SEEN_SHARE_MIN * own {
+            return None;
+        }
+        let priors = (own - seen + beyond).max(0.0);
+        Some((self.noise.variance(&trace) + priors).sqrt())
     }
 
     /// `P m`: how all unknowns answer to a pull at a sum of some.
@@ -138,18 +135,6 @@ impl<'a> Covariance<'a> {
         }
         self.kkt.solve(self.frame, &mut x);
         x
-    }
-
-    fn sd(&self, own: f64, answer: &DVector<f64>, trace: &Trace) -> Option<f64> {
-        let (marks, beyond) = self.marks(answer);
-        let seen = trace.squares[0] + trace.squares[1];
-        // Written so that NaN is undetermined too.
-        let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
-        if is_damped || seen + marks < SEEN_SHARE_MIN * own {
-            return None;
-        }
-        let priors = (own - seen + beyond).max(0.0);
-        Some((self.noise.variance(trace) + priors).sqrt())
     }
 
     /// What marks see of an answer, squared, and what that adds to a variance beyond being a prior:
@@ -174,39 +159,24 @@ fn equalities(system: &System) -> usize {
     bounds.filter(|(lower, upper)| lower == upper).count()
 }
 
-/// Gram and Schmidt's columns of the same span, each made twice against rounding.
-fn orthonormal(directions: Vec<Vec<Six>>) -> Vec<Vec<Six>> {
-    let dot = |a: &[Six], b: &[Six]| -> f64 {
-        let all = a.iter().flatten().zip(b.iter().flatten());
-        all.map(|(a, b)| a * b).sum()
-    };
-    let mut columns: Vec<Vec<Six>> = Vec::new();
-    for mut direction in directions {
-        let scale = |direction: &mut Vec<Six>| {
-            let norm = dot(direction, direction).sqrt();
-            direction
-                .iter_mut()
-                .flatten()
-                .for_each(|entry| *entry /= norm);
-            norm
-        };
-        if !(scale(&mut direction) > 0.0) {
-            continue;
-        }
-        let mut left = 1.0;
-        for _ in 0..2 {
-            for column in &columns {
-                let share = dot(column, &direction);
-                let pairs = direction.iter_mut().flatten().zip(column.iter().flatten());
-                pairs.for_each(|(entry, other)| *entry -= share * other);
-            }
-            left *= scale(&mut direction);
-        }
-        if left > DEPENDENT {
-            columns.push(direction);
-        }
+/// Orthonormal columns of the same span.
+fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
+    let columns = directions.iter().filter_map(|direction| {
+        let entries = direction.iter().flatten().copied();
+        DVector::from_iterator(6 * direction.len(), entries).try_normalize(0.0)
+    });
+    let columns: Vec<DVector<f64>> = columns.collect();
+    if columns.is_empty() {
+        return Vec::new();
     }
-    columns
+    let decomposed = DMatrix::from_columns(&columns).col_piv_qr();
+    let pivots = decomposed.r();
+    let most = pivots.nrows().min(pivots.ncols());
+    let rank = (0..most).take_while(|at| pivots[(*at, *at)].abs() > DEPENDENT);
+    let columns = decomposed.q().columns(0, rank.count()).into_owned();
+    let (axes, _) = columns.as_slice().as_chunks::<6>();
+    let bins = columns.nrows() / 6;
+    axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
 }
 
 /// A repeatable stand-in for random numbers, uniform in ±1 (Marsaglia's xorshift).

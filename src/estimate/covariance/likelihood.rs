@@ -9,20 +9,67 @@
 //! −2 log L = log|S| + log|G| + rᵀS⁻¹r − hᵀG⁻¹h,    G = AᵀS⁻¹A,  h = AᵀS⁻¹r
 //! ```
 //!
-//! With `S` of block shape, positions and orientations by themselves and their axes alike, `G`,
-//! `h` and `rᵀS⁻¹r` are sums over both kinds: entries of one Gram matrix of `[A r]`, whose
-//! Cholesky factor holds everything.
+//! `S` is taken as diagonal in the cosine basis of each body's bins, as processes whose correlation
+//! falls with the distance nearly are (Whittle's likelihood, 1953): what sizes and shapes are
+//! compared by costs a sum over frequencies each. With `S` of block shape, positions and
+//! orientations by themselves and their axes alike, `G`, `h` and `rᵀS⁻¹r` are entries of one Gram
+//! matrix of `[A r]`, a sum over both kinds, whose Cholesky factor holds everything.
 
-/// Columns `[A r]` of one kind: `rows[bin][axis]` of so many columns each.
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use super::bins::Bins;
+
+/// The cosine basis (DCT II) of the bins, body by body.
+pub struct Cosines {
+    /// Per frequency: the bins of its body, and its values there, of unit norm.
+    frequencies: Vec<(Range<usize>, Vec<f64>)>,
+}
+
+impl Cosines {
+    /// Of a body's bins in a row, as many as there are.
+    pub fn new(bins: &Bins) -> Self {
+        let mut frequencies = Vec::with_capacity(bins.count());
+        let mut first = 0;
+        for body in bins.bins.chunk_by(|a, b| a.body == b.body) {
+            let count = body.len();
+            for frequency in 0..count {
+                let norm = if frequency == 0 { 1.0_f64 } else { 2.0 } / count as f64;
+                let step = PI * frequency as f64 / count as f64;
+                let values = (0..count).map(|bin| norm.sqrt() * (step * (bin as f64 + 0.5)).cos());
+                frequencies.push((first..first + count, values.collect()));
+            }
+            first += count;
+        }
+        Self { frequencies }
+    }
+
+    /// Variance at each frequency under a covariance of the bins, row by row.
+    pub fn variances(&self, covariance: &[f64]) -> Vec<f64> {
+        let count = self.frequencies.len();
+        let each = self.frequencies.iter().map(|(bins, values)| {
+            let rows = bins.clone().zip(values);
+            rows.map(|(row, left)| {
+                let row = &covariance[row * count..][bins.clone()];
+                let pairs = row.iter().zip(values);
+                left * pairs.map(|(entry, right)| entry * right).sum::<f64>()
+            })
+            .sum()
+        });
+        each.collect()
+    }
+}
+
+/// Columns `[A r]` of one kind: `[A r]ᵀ [A r]` at each frequency, lower triangles row by row.
 pub struct Columns {
-    bins: usize,
     count: usize,
-    rows: Vec<f64>,
+    squares: Vec<Vec<f64>>,
 }
 
 /// What the likelihood needs of one kind under one covariance.
 pub struct Gram {
-    /// `[A r]ᵀ S⁻¹ [A r]`, row by row.
+    count: usize,
+    /// Lower triangle of `[A r]ᵀ S⁻¹ [A r]`, row by row.
     entries: Vec<f64>,
     /// `log|S|` over the three axes.
     log_determinant: f64,
@@ -30,52 +77,50 @@ pub struct Gram {
 
 impl Columns {
     /// From columns that have three axes in every bin, the residual's last.
-    pub fn new<'c>(columns: impl ExactSizeIterator<Item = &'c [[f64; 6]]>, kind: usize) -> Self {
+    pub fn new(cosines: &Cosines, columns: &[&[[f64; 6]]], kind: usize) -> Self {
         let count = columns.len();
-        let mut rows = Vec::new();
-        let mut bins = 0;
-        for (index, column) in columns.enumerate() {
-            bins = column.len();
-            rows.resize(3 * bins * count, 0.0);
-            for (bin, six) in column.iter().enumerate() {
-                for axis in 0..3 {
-                    rows[(3 * bin + axis) * count + index] = six[3 * kind + axis];
+        let mut row = vec![0.0; count];
+        let squares = cosines.frequencies.iter().map(|(bins, values)| {
+            let mut square = vec![0.0; count * (count + 1) / 2];
+            for axis in 3 * kind..3 * kind + 3 {
+                for (entry, column) in row.iter_mut().zip(columns) {
+                    let pairs = column[bins.clone()].iter().zip(values);
+                    *entry = pairs.map(|(six, value)| six[axis] * value).sum();
+                }
+                let mut rest = square.as_mut_slice();
+                for (at, left) in row.iter().enumerate() {
+                    let (own, after) = rest.split_at_mut(at + 1);
+                    let pairs = own.iter_mut().zip(&row);
+                    pairs.for_each(|(entry, right)| *entry += left * right);
+                    rest = after;
                 }
             }
+            square
+        });
+        Self {
+            squares: squares.collect(),
+            count,
         }
-        Self { bins, count, rows }
     }
 
-    /// Under the covariance `S` of the bins, row by row; `None` where it is not positive definite.
-    pub fn gram(&self, covariance: &[f64]) -> Option<Gram> {
-        let (bins, width) = (self.bins, 3 * self.count);
-        let mut factor = covariance.to_vec();
-        let determinant = factorise(&mut factor, bins)?;
-        let mut rows = self.rows.clone();
-        for bin in 0..bins {
-            let (before, rest) = rows.split_at_mut(bin * width);
-            let row = &mut rest[..width];
-            for (other, earlier) in before.chunks_exact(width).enumerate() {
-                let share = factor[bin * bins + other];
-                for (entry, earlier) in row.iter_mut().zip(earlier) {
-                    *entry -= share * earlier;
-                }
+    /// Under these variances of the frequencies; `None` where one is not positive.
+    pub fn gram(&self, variances: impl Iterator<Item = f64>) -> Option<Gram> {
+        let mut entries = vec![0.0; self.count * (self.count + 1) / 2];
+        let mut log_determinant = 0.0;
+        for (square, variance) in self.squares.iter().zip(variances) {
+            // Written so that NaN fails too.
+            if !(variance > 0.0) {
+                return None;
             }
-            let scale = factor[bin * bins + bin].recip();
-            row.iter_mut().for_each(|entry| *entry *= scale);
-        }
-        let mut entries = vec![0.0; self.count * self.count];
-        for row in rows.chunks_exact(self.count) {
-            for (at, left) in row.iter().enumerate() {
-                let into = &mut entries[at * self.count..][..=at];
-                for (entry, right) in into.iter_mut().zip(row) {
-                    *entry += left * right;
-                }
-            }
+            let weight = variance.recip();
+            let pairs = entries.iter_mut().zip(square);
+            pairs.for_each(|(entry, square)| *entry += weight * square);
+            log_determinant += 3.0 * variance.ln();
         }
         Some(Gram {
+            count: self.count,
             entries,
-            log_determinant: 3.0 * determinant,
+            log_determinant,
         })
     }
 }
@@ -83,34 +128,30 @@ impl Columns {
 /// The logarithm of the restricted likelihood of both kinds' residuals, up to a constant.
 pub fn log_likelihood(kinds: [&Gram; 2]) -> f64 {
     let [a, b] = kinds;
-    let size = (a.entries.len() as f64).sqrt().round() as usize;
-    let mut sum: Vec<f64> = a
-        .entries
-        .iter()
-        .zip(&b.entries)
-        .map(|(a, b)| a + b)
-        .collect();
-    let rest = size - 1;
-    let square = sum[rest * size + rest];
+    let pairs = a.entries.iter().zip(&b.entries);
+    let mut sum: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
+    let last = sum.len() - 1;
     // The last pivot is what of the residual's square the fit leaves.
-    sum[rest * size + rest] += 1e-12 * square + f64::MIN_POSITIVE;
-    let Some(all) = factorise(&mut sum, size) else {
+    sum[last] += 1e-12 * sum[last] + f64::MIN_POSITIVE;
+    let Some(all) = factorise(&mut sum, a.count) else {
         return f64::NEG_INFINITY;
     };
-    let left = sum[rest * size + rest].powi(2);
+    let left = sum[last].powi(2);
     let absorbed = all - left.ln();
     -0.5 * (a.log_determinant + b.log_determinant + absorbed + left)
 }
 
-/// Cholesky's factor in the lower triangle, and the logarithm of the determinant.
-fn factorise(matrix: &mut [f64], size: usize) -> Option<f64> {
+/// Cholesky's factor of a lower triangle, and the logarithm of the determinant.
+fn factorise(triangle: &mut [f64], size: usize) -> Option<f64> {
+    let start = |row: usize| row * (row + 1) / 2;
     let mut determinant = 0.0;
     for row in 0..size {
-        let (above, rest) = matrix.split_at_mut(row * size);
-        let current = &mut rest[..size];
+        let (above, rest) = triangle.split_at_mut(start(row));
+        let current = &mut rest[..=row];
         for column in 0..row {
-            let other = &above[column * size..][..size];
-            let product: f64 = (0..column).map(|k| current[k] * other[k]).sum();
+            let other = &above[start(column)..=start(column) + column];
+            let pairs = current[..column].iter().zip(other);
+            let product: f64 = pairs.map(|(a, b)| a * b).sum();
             current[column] = (current[column] - product) / other[column];
         }
         let square: f64 = current[..row].iter().map(|entry| entry * entry).sum();

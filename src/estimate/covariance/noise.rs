@@ -8,7 +8,7 @@
 //! likelihood, and `K̄`, the mean of their covariances, is what the variance of an estimate is made with.
 
 use super::bins::Bins;
-use super::likelihood::{Columns, Gram, log_likelihood};
+use super::likelihood::{Columns, Cosines, Gram, log_likelihood};
 use super::trace::{Six, Trace};
 
 /// Correlation times, in flights.
@@ -88,14 +88,22 @@ impl Noise {
         let squares = mean_squares(residuals);
         let means = bins.mean_residuals(residuals);
         let shapes = shapes(bins);
+        let cosines = Cosines::new(bins);
+        let spectra: Vec<Vec<f64>> = shapes
+            .iter()
+            .map(|shape| cosines.variances(shape))
+            .collect();
+        let per_sample = cosines.variances(&one_per_sample(bins));
+        let columns = absorbed.iter().map(Vec::as_slice).chain([means.as_slice()]);
+        let columns: Vec<&[Six]> = columns.collect();
         let [positions, orientations] = [0, 1].map(|kind| {
-            let columns: Vec<&[Six]> = absorbed
-                .iter()
-                .map(Vec::as_slice)
-                .chain([means.as_slice()])
-                .collect();
-            let columns = Columns::new(columns.into_iter(), kind);
-            candidates(bins, &shapes, &columns, (white[kind], squares[kind]))
+            let columns = Columns::new(&cosines, &columns, kind);
+            candidates(
+                &spectra,
+                &per_sample,
+                &columns,
+                (white[kind], squares[kind]),
+            )
         });
         if positions.is_empty() || orientations.is_empty() {
             return Self::white_only(squares);
@@ -150,53 +158,59 @@ impl Noise {
 
 /// Correlations of the bins, row by row, for every roughness and time. Bodies wander by themselves.
 fn shapes(bins: &Bins) -> Vec<Vec<f64>> {
-    let all = Order::ALL
-        .iter()
-        .flat_map(|order| TIMES.map(|time| (order, time)));
-    all.map(|(order, time)| {
-        let time_s = time * bins.flight_s;
-        let each = bins
-            .bins
-            .iter()
-            .flat_map(|a| bins.bins.iter().map(move |b| (a, b)));
-        each.map(|(a, b)| {
-            if a.body == b.body && time_s > 0.0 {
-                order.correlation((a.time_s - b.time_s).abs() / time_s)
-            } else {
-                f64::from(u8::from(a == b))
+    let all = Order::ALL.iter().flat_map(|order| {
+        let count = bins.count();
+        TIMES.map(|time| {
+            let time_s = time * bins.flight_s;
+            let mut shape = vec![0.0; count * count];
+            for (row, a) in bins.bins.iter().enumerate() {
+                shape[row * count + row] = 1.0;
+                let before = bins.bins[..row].iter().enumerate();
+                for (column, b) in before.filter(|(_, b)| b.body == a.body && time_s > 0.0) {
+                    let entry = order.correlation((a.time_s - b.time_s).abs() / time_s);
+                    shape[row * count + column] = entry;
+                    shape[column * count + row] = entry;
+                }
             }
+            shape
         })
-        .collect()
-    })
-    .collect()
+    });
+    all.collect()
+}
+
+/// Covariance of the bins' means of white noise of variance one, row by row.
+fn one_per_sample(bins: &Bins) -> Vec<f64> {
+    let count = bins.count();
+    let mut covariance = vec![0.0; count * count];
+    for (bin, of) in bins.bins.iter().enumerate() {
+        covariance[bin * count + bin] = (of.samples as f64).recip();
+    }
+    covariance
 }
 
 /// Every size of every shape, and no wander.
 fn candidates(
-    bins: &Bins,
-    shapes: &[Vec<f64>],
+    spectra: &[Vec<f64>],
+    per_sample: &[f64],
     columns: &Columns,
     (white, square): (f64, f64),
 ) -> Vec<Candidate> {
-    let count = bins.count();
     // Rounding, where there is no noise at all.
     let floor = 1e-9 * square + 1e-300;
     let candidate = |shape: usize, size: f64, log_prior: f64| {
-        let mut covariance: Vec<f64> = shapes[shape].iter().map(|entry| size * entry).collect();
-        for (bin, of) in bins.bins.iter().enumerate() {
-            covariance[bin * count + bin] += white / of.samples as f64 + floor;
-        }
+        let each = spectra[shape].iter().zip(per_sample);
+        let variances = each.map(|(wander, one)| size * wander + white * one + floor);
         Some(Candidate {
             shape,
             size,
             log_prior,
-            gram: columns.gram(&covariance)?,
+            gram: columns.gram(variances)?,
         })
     };
-    let wanders = (0..shapes.len()).flat_map(|shape| SIZES.map(|size| (shape, size)));
+    let wanders = (0..spectra.len()).flat_map(|shape| SIZES.map(|size| (shape, size)));
     let wanders = wanders
         .filter_map(|(shape, size)| candidate(shape, size * square, PRIOR_POWER * size.ln()));
-    let none = PRIOR_NONE + (shapes.len() as f64).ln();
+    let none = PRIOR_NONE + (spectra.len() as f64).ln();
     wanders.chain(candidate(0, 0.0, none)).collect()
 }
 

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bins::{Bin, Bins};
-use super::likelihood::{Columns, log_likelihood};
+use super::likelihood::{Columns, Cosines, log_likelihood};
 use super::noise::Noise;
-use super::trace::{Six, traces};
+use super::trace::{Design, Six};
 use crate::estimate::outcome;
 use crate::estimate::tests::each_case;
 
@@ -32,30 +32,31 @@ fn traces_are_the_residuals_derivatives() {
         let mut random = Random(7);
         let step = DVector::from_iterator(lengths.len(), lengths.iter().map(|l| l * random.next()));
         let bins = Bins::new(problem, point);
-        let sums = |share: f64| {
+        let residuals = |share: f64| {
             let mut there = point.clone();
             there.retract_from(point, problem, frame.layout, &(&step * share));
-            let mut sums = vec![[0.0; 6]; bins.count()];
-            let residuals = outcome::errors(problem, frame, &there);
-            for (residual, bin) in residuals.iter().flatten().zip(&bins.of_samples) {
-                (0..6).for_each(|axis| sums[*bin][axis] += residual[axis]);
-            }
-            sums
+            outcome::errors(problem, frame, &there).concat()
         };
         const SHARE: f64 = 1e-5;
-        let (before, after) = (sums(-SHARE), sums(SHARE));
-        let exact = &traces(frame, point, &bins, std::slice::from_ref(&step))[0].sums;
-        for (bin, exact) in exact.iter().enumerate() {
+        let (before, after) = (residuals(-SHARE), residuals(SHARE));
+        let (mut sums, mut squares) = (vec![[0.0; 6]; bins.count()], [0.0; 2]);
+        for ((before, after), bin) in before.iter().zip(&after).zip(&bins.of_samples) {
             for axis in 0..6 {
-                let numeric = (after[bin][axis] - before[bin][axis]) / (2.0 * SHARE);
-                let error = (numeric - exact[axis]).abs();
-                assert!(
-                    error < 1e-5 * (1.0 + numeric.abs()),
-                    "{bin} {axis}: {numeric} {}",
-                    exact[axis]
-                );
+                let change = (after[axis] - before[axis]) / (2.0 * SHARE);
+                sums[*bin][axis] += change;
+                squares[axis / 3] += change * change;
             }
         }
+        let exact = Design::new(frame, point, &bins).trace(&step);
+        let agree = |numeric: f64, exact: f64| {
+            let error = (numeric - exact).abs();
+            assert!(error < 1e-5 * (1.0 + numeric.abs()), "{numeric} {exact}");
+        };
+        for (numeric, exact) in sums.iter().flatten().zip(exact.sums.iter().flatten()) {
+            agree(*numeric, *exact);
+        }
+        agree(squares[0], exact.squares[0]);
+        agree(squares[1], exact.squares[1]);
     });
 }
 
@@ -83,11 +84,17 @@ fn the_likelihood_is_that_of_contrasts() {
     let mut column = || -> Vec<Six> { (0..BINS).map(|_| random.six()).collect() };
     let absorbed = [column(), column(), column(), column()];
     let residual = column();
-    let kernel = |time: f64, white: f64| {
-        DMatrix::from_fn(BINS, BINS, |i, j| {
-            let correlation = (-(i as f64 - j as f64).abs() / time).exp();
-            2.0 * correlation + if i == j { white } else { 0.0 }
-        })
+    let bins = row_of_bins(BINS, 1);
+    let cosines = Cosines::new(&bins);
+    let basis = DMatrix::from_fn(BINS, BINS, |bin, frequency| {
+        let norm = if frequency == 0 { 1.0_f64 } else { 2.0 } / BINS as f64;
+        let turn = (bin as f64 + 0.5) * frequency as f64 / BINS as f64;
+        norm.sqrt() * (std::f64::consts::PI * turn).cos()
+    });
+    // A process of which the cosines are independent.
+    let kernel = |size: f64, white: f64| {
+        let variances = DVector::from_fn(BINS, |frequency, _| size / (1 + frequency) as f64);
+        &basis * DMatrix::from_diagonal(&variances.add_scalar(white)) * basis.transpose()
     };
     // Contrasts: an orthonormal basis of what the absorbed columns are not.
     let dense = |column: &Vec<Six>| DVector::from_fn(6 * BINS, |at, _| column[at / 6][at % 6]);
@@ -104,13 +111,13 @@ fn the_likelihood_is_that_of_contrasts() {
     let seen = contrasts.transpose() * dense(&residual);
 
     let both = |kinds: [(f64, f64); 2]| {
-        let kernels = kinds.map(|(time, white)| kernel(time, white));
+        let kernels = kinds.map(|(size, white)| kernel(size, white));
         let grams = [0, 1].map(|kind| {
             let all = absorbed.iter().chain([&residual]).map(Vec::as_slice);
             let all: Vec<&[Six]> = all.collect();
-            let covariance = kernels[kind].transpose();
-            Columns::new(all.into_iter(), kind)
-                .gram(covariance.as_slice())
+            let variances = cosines.variances(kernels[kind].as_slice());
+            Columns::new(&cosines, &all, kind)
+                .gram(variances.into_iter())
                 .unwrap()
         });
         let whole = DMatrix::from_fn(6 * BINS, 6 * BINS, |i, j| {

@@ -1,6 +1,6 @@
 //! What the samples see of a step of the unknowns: the residuals' derivative along it, bin by bin.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::bins::Bins;
 use crate::estimate::point::Point;
@@ -20,84 +20,195 @@ pub struct Trace {
     pub squares: [f64; 2],
 }
 
-impl Trace {
-    fn zeros(bins: &Bins) -> Self {
+/// The residuals' derivative at a point: the flow is evaluated once, for any number of steps.
+pub struct Design<'a> {
+    frame: &'a Frame<'a>,
+    bins: usize,
+    arcs: Vec<ArcDesign>,
+}
+
+/// That of one arc.
+struct ArcDesign {
+    samples: Vec<SampleDesign>,
+    /// Its bins, and what sums of samples need there.
+    pieces: Vec<(usize, Piece)>,
+}
+
+/// Derivative of one sample's residual.
+struct SampleDesign {
+    bin: usize,
+    /// Time since the arc's epoch \[s\].
+    since_s: f64,
+    /// By the state's orientation and by its angular velocity, in units.
+    turn: [Matrix3<f64>; 2],
+    /// By the sample's time, in units per second.
+    rate: Six,
+    /// Where its time lies: the node before it, and the share of the next.
+    time: (usize, f64),
+}
+
+/// Sums over the samples of one bin in one arc.
+#[derive(Default)]
+struct Piece {
+    /// Of powers of the time since the epoch, from the zeroth to the second.
+    powers: [f64; 3],
+    turn: [Matrix3<f64>; 2],
+    rate: Six,
+}
+
+/// A step as one arc has it: by position, velocity and half the acceleration in units of positions,
+/// by orientation and angular velocity.
+type ArcStep = [Vector3<f64>; 5];
+
+impl<'a> Design<'a> {
+    /// At `point`.
+    pub fn new(frame: &'a Frame, point: &Point, bins: &Bins) -> Self {
+        let problem = frame.problem;
+        let gravity_m_s2 = problem.gravity(&point.parameters);
+        let per_m = problem.position_unit_m.recip();
+        let per_rad = problem.orientation_unit_rad.recip();
+        let mut bin_of_sample = bins.of_samples.iter();
+        let arcs = problem.arcs.iter().enumerate().map(|(index, arc)| {
+            let state = &point.arcs[index];
+            let omega = &state.angular_velocity_rad_s;
+            let mut spin = Spin::new(&problem.bodies[arc.body], omega);
+            let own = arc.samples.iter().zip(&mut bin_of_sample);
+            let samples: Vec<SampleDesign> = own
+                .map(|(sample, bin)| {
+                    let since_s = sample.time_s(&point.node_times_s) - frame.epochs_s[index];
+                    let (turn, k) = spin.turn_and_derivative(since_s);
+                    let to_body = turn.inverse().to_rotation_matrix().into_inner() * per_rad;
+                    let by_spin = to_body * k;
+                    let velocity = (state.velocity_m_s + gravity_m_s2 * since_s) * per_m;
+                    let spinning = by_spin * omega;
+                    SampleDesign {
+                        bin: *bin,
+                        since_s,
+                        turn: [to_body, by_spin * since_s],
+                        rate: six(&velocity, &spinning),
+                        time: (sample.node, sample.share),
+                    }
+                })
+                .collect();
+            ArcDesign::new(samples)
+        });
         Self {
-            sums: vec![[0.0; 6]; bins.count()],
-            squares: [0.0; 2],
+            frame,
+            bins: bins.count(),
+            arcs: arcs.collect(),
         }
     }
 
-    fn add(&mut self, bin: usize, change: &Six) {
-        for (axis, (sum, change)) in self.sums[bin].iter_mut().zip(change).enumerate() {
-            *sum += change;
-            self.squares[axis / 3] += change * change;
+    /// Sums over the samples of each bin of what they see of a step.
+    pub fn sums(&self, step: &DVector<f64>) -> Vec<Six> {
+        let mut sums = vec![[0.0; 6]; self.bins];
+        let times_are_unknown = self.frame.problem.times_are_unknown();
+        for (index, arc) in self.arcs.iter().enumerate() {
+            let [x, v, half_pull, r, w] = self.arc_step(index, step);
+            for (bin, piece) in &arc.pieces {
+                let [count, first, second] = piece.powers;
+                let shift = x * count + v * first + half_pull * second;
+                let turn = piece.turn[0] * r + piece.turn[1] * w;
+                add(&mut sums[*bin], &six(&shift, &turn), 1.0);
+            }
+            if times_are_unknown {
+                for sample in &arc.samples {
+                    add(
+                        &mut sums[sample.bin],
+                        &sample.rate,
+                        self.later_s(sample, step),
+                    );
+                }
+            }
         }
+        sums
+    }
+
+    /// The same of every sample's time going on by a second.
+    pub fn rates(&self) -> Vec<Six> {
+        let mut sums = vec![[0.0; 6]; self.bins];
+        for (bin, piece) in self.arcs.iter().flat_map(|arc| &arc.pieces) {
+            add(&mut sums[*bin], &piece.rate, 1.0);
+        }
+        sums
+    }
+
+    /// What the samples see of a step.
+    pub fn trace(&self, step: &DVector<f64>) -> Trace {
+        let mut squares = [0.0; 2];
+        for (index, arc) in self.arcs.iter().enumerate() {
+            let [x, v, half_pull, r, w] = self.arc_step(index, step);
+            for sample in &arc.samples {
+                let shift = x + (v + half_pull * sample.since_s) * sample.since_s;
+                let turn = sample.turn[0] * r + sample.turn[1] * w;
+                let mut change = six(&shift, &turn);
+                add(&mut change, &sample.rate, self.later_s(sample, step));
+                for (axis, change) in change.iter().enumerate() {
+                    squares[axis / 3] += change * change;
+                }
+            }
+        }
+        Trace {
+            sums: self.sums(step),
+            squares,
+        }
+    }
+
+    fn arc_step(&self, arc: usize, step: &DVector<f64>) -> ArcStep {
+        let (problem, layout) = (self.frame.problem, self.frame.layout);
+        let per_m = problem.position_unit_m.recip();
+        let three =
+            |part: usize| -> Vector3<f64> { step.fixed_rows::<3>(layout.arcs[arc] + part).into() };
+        let of_axis = |axis: usize| {
+            let parameter = problem.gravity_parameters[axis]?;
+            Some(step[layout.parameters[parameter]])
+        };
+        let pull = Vector3::from_fn(|axis, _| of_axis(axis).unwrap_or(0.0));
+        [
+            three(part::POSITION) * per_m,
+            three(part::VELOCITY) * per_m,
+            pull * (0.5 * per_m),
+            three(part::ORIENTATION),
+            three(part::ANGULAR_VELOCITY),
+        ]
+    }
+
+    /// By how much a step makes a sample later \[s\].
+    fn later_s(&self, sample: &SampleDesign, step: &DVector<f64>) -> f64 {
+        let moved_s = |node: usize| {
+            let at = self.frame.layout.nodes.get(node).copied().flatten();
+            at.map_or(0.0, |at| step[at])
+        };
+        let (node, share) = sample.time;
+        (1.0 - share) * moved_s(node) + share * moved_s(node + 1)
     }
 }
 
-/// What the samples see of each of some steps from `point`; and, last, of their own times all going
-/// on by a second. The flow is evaluated once for all of them.
-pub fn traces(frame: &Frame, point: &Point, bins: &Bins, steps: &[DVector<f64>]) -> Vec<Trace> {
-    let (problem, layout) = (frame.problem, frame.layout);
-    let gravity_m_s2 = problem.gravity(&point.parameters);
-    let mut traces = vec![Trace::zeros(bins); steps.len() + 1];
-    let per_m = problem.position_unit_m.recip();
-    let per_rad = problem.orientation_unit_rad.recip();
-    let six = |shift: Vector3<f64>, turn: Vector3<f64>| -> Six {
-        let (shift, turn) = (shift * per_m, turn * per_rad);
-        [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
-    };
-    let pull = |step: &DVector<f64>| {
-        let parameters = problem.gravity_parameters;
-        let of_axis = |axis: usize| Some(step[layout.parameters[parameters[axis]?]]);
-        Vector3::from_fn(|axis, _| of_axis(axis).unwrap_or(0.0))
-    };
-    let pulls: Vec<Vector3<f64>> = steps.iter().map(pull).collect();
-    let mut bin_of_sample = bins.of_samples.iter();
-    for (index, arc) in problem.arcs.iter().enumerate() {
-        let state = &point.arcs[index];
-        let omega = &state.angular_velocity_rad_s;
-        let mut spin = Spin::new(&problem.bodies[arc.body], omega);
-        let parts: Vec<[Vector3<f64>; 5]> = steps
-            .iter()
-            .zip(&pulls)
-            .map(|(step, pull)| {
-                let three = |part: usize| -> Vector3<f64> {
-                    step.fixed_rows::<3>(layout.arcs[index] + part).into()
-                };
-                [
-                    three(part::POSITION),
-                    three(part::VELOCITY),
-                    pull * 0.5,
-                    three(part::ORIENTATION),
-                    three(part::ANGULAR_VELOCITY),
-                ]
-            })
-            .collect();
-        for (sample, bin) in arc.samples.iter().zip(&mut bin_of_sample) {
-            let s = sample.time_s(&point.node_times_s) - frame.epochs_s[index];
-            let (turn, k) = spin.turn_and_derivative(s);
-            let to_body = turn.inverse().to_rotation_matrix();
-            let rate = six(state.velocity_m_s + gravity_m_s2 * s, to_body * (k * omega));
-            traces[steps.len()].add(*bin, &rate);
-            let turn_by_spin = to_body * (k * s);
-            let each = steps.iter().zip(&parts).zip(&mut traces);
-            for ((step, [x, v, half_pull, r, w]), trace) in each {
-                let shift = x + (v + half_pull * s) * s;
-                let mut change = six(shift, to_body * r + turn_by_spin * w);
-                let moved_s = |node: usize| {
-                    let at = layout.nodes.get(node).copied().flatten();
-                    at.map_or(0.0, |at| step[at])
-                };
-                let later_s = (1.0 - sample.share) * moved_s(sample.node)
-                    + sample.share * moved_s(sample.node + 1);
-                for (change, rate) in change.iter_mut().zip(&rate) {
-                    *change += rate * later_s;
-                }
-                trace.add(*bin, &change);
+impl ArcDesign {
+    fn new(samples: Vec<SampleDesign>) -> Self {
+        let mut pieces: Vec<(usize, Piece)> = Vec::new();
+        for sample in &samples {
+            if pieces.last().is_none_or(|(bin, _)| *bin != sample.bin) {
+                pieces.push((sample.bin, Piece::default()));
             }
+            let (_, piece) = pieces.last_mut().expect("one was begun");
+            piece.powers[0] += 1.0;
+            piece.powers[1] += sample.since_s;
+            piece.powers[2] += sample.since_s * sample.since_s;
+            piece.turn[0] += sample.turn[0];
+            piece.turn[1] += sample.turn[1];
+            add(&mut piece.rate, &sample.rate, 1.0);
         }
+        Self { samples, pieces }
     }
-    traces
+}
+
+fn six(shift: &Vector3<f64>, turn: &Vector3<f64>) -> Six {
+    [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
+}
+
+fn add(sum: &mut Six, other: &Six, factor: f64) {
+    for (sum, other) in sum.iter_mut().zip(other) {
+        *sum += factor * other;
+    }
 }

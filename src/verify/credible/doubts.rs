@@ -18,7 +18,7 @@ pub fn doubts(
     let flights = flights(sketch, estimate);
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts(scene, estimate, &flights));
-    doubts.extend(marks::doubts(scene, marks_made_s, estimate, &flights));
+    doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(parameters::doubts(scene, estimate));
     doubts
 }

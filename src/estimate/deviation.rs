@@ -1,0 +1,50 @@
+//! Standard deviations of an estimate, and what the performance does not determine.
+
+use super::covariance::Covariance;
+use super::outcome;
+use super::recipe::Solution;
+use super::system::Frame;
+use super::timing::{self, Moment};
+use crate::motion::{Estimate, Scene};
+
+/// Gives events, duration and parameters of an estimate their deviations, `None` where the one is
+/// fixed or undetermined, and names what is undetermined.
+pub fn fill(estimate: &mut Estimate, scene: &Scene, frame: &Frame, solution: &Solution) {
+    let errors = outcome::errors(frame.problem, frame, &solution.point);
+    let at = (&solution.point, &solution.system);
+    let covariance = Covariance::new(frame, at, &solution.multipliers, &errors);
+    let sds = |moments: &[Moment]| match &covariance {
+        Some(covariance) => covariance.sds(moments),
+        None => vec![None; moments.len()],
+    };
+    let events = (0..scene.events.len()).map(|event| timing::event_moment(frame, event));
+    let parameters = frame.layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
+    let lasting = timing::duration(frame, &solution.point).moment;
+    let moments: Vec<Moment> = events.chain(parameters).chain([lasting]).collect();
+    let mut each = moments.iter().zip(sds(&moments));
+    let mut undetermined_times = Vec::new();
+    for (event, (moment, sd_s)) in estimate.events.iter_mut().zip(&mut each) {
+        event.sd_s = sd_s;
+        if !moment.is_empty() && sd_s.is_none() {
+            let name = &scene.events[event.event].name;
+            undetermined_times.push(format!("time of {name}"));
+        }
+    }
+    for (parameter, (_, sd)) in estimate.parameters.iter_mut().zip(&mut each) {
+        parameter.sd = sd;
+        if sd.is_none() {
+            estimate.undetermined.push(parameter.name.clone());
+        }
+    }
+    estimate.undetermined.extend(undetermined_times);
+    let (lasting, own_s) = each.next().expect("the last moment is the duration's");
+    // A time line that is fixed has no deviation.
+    let own_s = if lasting.is_empty() { Some(0.0) } else { own_s };
+    let contradiction_s = covariance.as_ref().map_or(0.0, |covariance| {
+        timing::contradiction_s(frame, &solution.system, covariance)
+    });
+    estimate.duration.sd_s = own_s.map(|own_s| own_s.hypot(contradiction_s));
+    if !estimate.duration.is_determined() {
+        estimate.undetermined.push("duration".into());
+    }
+}
