@@ -54,6 +54,8 @@ pub enum About {
     Gravity,
     /// Standard deviation of an estimated gravity, as a part of the scene's.
     GravitySpread,
+    /// How far beyond the end of a flight a sample is that is compared with it.
+    Outside,
     /// A parameter at the end of its range.
     AtBound,
     /// Root mean square residual of the whole, in units of the scene's weights, beyond which several
@@ -82,6 +84,7 @@ impl About {
             About::BeforeMark => "before_mark",
             About::Gravity => "gravity",
             About::GravitySpread => "gravity_spread",
+            About::Outside => "outside",
             About::AtBound => "at_bound",
             About::Ambiguity => "ambiguity",
         }
@@ -94,7 +97,7 @@ impl About {
             About::Speed => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection => "rad",
-            About::AfterMark | About::BeforeMark => "s",
+            About::AfterMark | About::BeforeMark | About::Outside => "s",
             About::Way
             | About::Slowness
             | About::Haste
@@ -113,7 +116,7 @@ impl About {
     /// hand does such a thing.
     pub fn best(self) -> Verdict {
         match self {
-            About::AtBound | About::Ambiguity => Verdict::Physical,
+            About::Outside | About::AtBound | About::Ambiguity => Verdict::Physical,
             About::Overlap
             | About::WrongFeature
             | About::Residual

@@ -134,6 +134,11 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             percent(value),
             percent(bound)
         ),
+        About::Outside => format!(
+            "{subject} is compared with a sample {:.1} ms beyond the end of its flight: there were too \
+             few others",
+            value * 1e3
+        ),
         About::AtBound => format!("{subject} is at the end of its range, {bound:.4}"),
         About::Ambiguity => format!(
             "the samples are {value:.1} times the scene's weights away on the whole: beyond {bound:.0} \

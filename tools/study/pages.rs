@@ -53,7 +53,9 @@ Cubes of any size, thrown so that they bounce on corners; not every seed has a t
 often, hence *n*. Marks: exact; within a sample; a person's, off by 30 ms (standard deviation), with
 physical stamps, and acted slowly in an unknown tempo. A die of 16 mm has flights of some 45 ms, five
 samples at 120 Hz, which a person's marks may swap. *Best known optimum*: the lowest objective of about twenty starts on the same
-cut, the truth among them. What is refused counts as neither."
+cut, the truth among them. What is refused counts as neither.
+*Gaps closed* is what the solver says, *physical* what the program says with all checks: most that lose it have a
+corner in the table between bounces, for the hand strays by more than the die is large."
             }
             Study::Accuracy => {
                 "# Exact performances

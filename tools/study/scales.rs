@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use enact::motion::Verdict;
 use serde::Serialize;
 
 use crate::case::{Case, Posed};
@@ -125,6 +126,9 @@ fn rows() -> Vec<Row> {
 struct Seed {
     row: String,
     seed: u64,
+    /// Whether the solver closed every gap.
+    is_closed: bool,
+    /// With all checks.
     verdict: &'static str,
     reason: String,
     objective: f64,
@@ -141,6 +145,7 @@ pub fn run(options: &Options) -> Result<()> {
     let header = [
         "row",
         "n",
+        "gaps closed",
         "physical",
         "plausible",
         "best known optimum",
@@ -166,6 +171,7 @@ pub fn run(options: &Options) -> Result<()> {
         table.row([
             row.name(),
             seeds.len().to_string(),
+            count(&|seed| seed.is_closed),
             count(&|seed| seed.verdict == "physical"),
             count(&|seed| seed.verdict == "plausible"),
             count(&|seed| seed.is_best),
@@ -204,6 +210,7 @@ fn judged(row: &Row, seed: u64) -> Option<Seed> {
     let mut result = Seed {
         row: row.name(),
         seed,
+        is_closed: false,
         verdict: "refused",
         reason: String::new(),
         objective: f64::NAN,
@@ -224,7 +231,8 @@ fn judged(row: &Row, seed: u64) -> Option<Seed> {
     };
     result.time_ms = began.elapsed().as_secs_f64() * 1e3;
     let estimate = &outcome.estimate;
-    result.verdict = estimate.verdict.word();
+    result.is_closed = estimate.verdict == Verdict::Physical;
+    result.verdict = case.checked().map_or("refused", Verdict::word);
     result.reason = estimate.reason.clone();
     result.objective = estimate.objective;
     result.iterations = estimate.counters.iterations;
@@ -235,7 +243,7 @@ fn judged(row: &Row, seed: u64) -> Option<Seed> {
     let errors = errors.map(|(event, true_s)| 1e3 * (event.time_s - true_s).abs());
     result.event_error_ms = errors.fold(0.0, f64::max);
     let found = lowest(&posed, &starts(&posed, &true_guess, seed));
-    result.is_best = result.verdict == "physical"
+    result.is_best = result.is_closed
         && found
             .as_ref()
             .is_none_or(|best| is_best(estimate.objective, best.objective));

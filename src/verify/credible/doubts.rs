@@ -1,7 +1,7 @@
 //! All doubts about one estimate.
 
 use super::flights::flights;
-use super::{fit, kinematics, marks, parameters};
+use super::{fit, kinematics, marks, outside, parameters};
 use crate::motion::{Doubt, Estimate, Scene, Sketch};
 
 /// What speaks against an estimated motion, apart from what its shapes run into.
@@ -19,6 +19,7 @@ pub fn doubts(
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts(scene, estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
+    doubts.extend(outside::doubts(scene, &flights));
     doubts.extend(parameters::doubts(scene, estimate));
     doubts
 }

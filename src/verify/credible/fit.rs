@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 use super::alone::Alone;
 use super::flights::Flight;
+use super::kink::kinks;
 use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Timing};
 
 /// Residual of a flight, in weights.
@@ -21,6 +22,10 @@ const MISFIT: [f64; 2] = [1.5, 12.0];
 const MISFIT_LEAST: f64 = 2.0;
 /// Correlations of what flights alone leave from which to which that goes.
 const WANDER: [f64; 2] = [0.15, 0.4];
+/// A hand's wander shows in what a flight alone leaves if it is acted for so long \[s\].
+const SHORT_S: f64 = 0.15;
+/// Where flights are shorter: change of slope of what is left at collisions, over that in flight.
+const KINKS: f64 = 3.0;
 /// Residual of free flights over that with a free acceleration.
 const FALL: f64 = 4.0;
 /// Angle of that acceleration from gravity \[rad\], where it fits better by this.
@@ -70,7 +75,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         let value = rms_m / scene.weights.position_m;
         doubts.extend(Doubt::beyond(About::Alone, Place::Motion, value, ALONE));
     }
-    doubts.extend(misfit(scene, &alone));
+    doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand(flights)));
     doubts.extend(fall(&alone));
     doubts.extend(direction(estimate, &alone));
     doubts
@@ -94,6 +99,18 @@ fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
     let bound = MISFIT[0] + wander * (MISFIT[1] - MISFIT[0]);
     let value = (alone.joint_m2 / alone.alone_m2).sqrt();
     Doubt::beyond(About::Misfit, Place::Motion, value, bound)
+}
+
+/// Whether what is left cannot be a hand that wanders too slowly to show in flights this short.
+fn is_no_hand(flights: &[Flight]) -> bool {
+    let acted_s = flights
+        .iter()
+        .map(|flight| match flight.readings.as_slice() {
+            [first, .., last] => last.acted_s - first.acted_s,
+            _ => 0.0,
+        });
+    let mean_s = acted_s.sum::<f64>() / flights.len() as f64;
+    mean_s >= SHORT_S || kinks(flights).is_some_and(|kinks| kinks > KINKS)
 }
 
 /// Whether flights fall as gravity says.

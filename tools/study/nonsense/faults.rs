@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::{Asked, Make, Row, thrown};
 use crate::case::Case;
-use crate::perform::{Acting, Performance, Style, Truth, bounces, hat_box};
+use crate::perform::{Acting, Performance, Polyhedron, Style, Throw, Truth, bounces, hat_box};
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +87,14 @@ fn asked(truth: &Truth, acting: &Acting, seed: u64) -> Asked {
 /// A pencil, tip first with even seeds, eraser first with odd ones.
 fn pencil(acting: &Acting, seed: u64) -> Asked {
     asked(&Style::ALL[(seed % 2) as usize].truth(), acting, seed)
+}
+
+/// A die of 16 mm that bounces four times, by a hand that strays farther than the die is large: every flight is
+/// too short to show it.
+fn die(seed: u64) -> Result<Asked, String> {
+    let truth = bounces::thrown(Polyhedron::Cube, &Throw::DIE, 4, seed);
+    let truth = truth.map_err(|error| error.to_string())?;
+    Ok(asked(&truth, &at(true, 1.0), seed))
 }
 
 /// How much the tracker is off, and nothing else [m, rad, per axis].
@@ -173,6 +181,8 @@ pub fn rows() -> Vec<Row> {
         add(name, true, Box::new(make));
     }
     add("toss, weights as its noise".into(), true, Box::new(toss));
+    let name = "die of 16 mm, 4 bounces, known, 1×";
+    add(name.into(), true, Box::new(die));
     let faults = [
         ("table 30 mm off", Fault::Table(0.03)),
         ("table 8 mm off", Fault::Table(0.008)),
@@ -184,6 +194,8 @@ pub fn rows() -> Vec<Row> {
     for (name, fault) in faults {
         let make = move |seed| Ok(fault.into(toss(seed)?));
         add(format!("toss: {name}"), false, Box::new(make));
+        let make = move |seed| Ok(fault.into(die(seed)?));
+        add(format!("die of 16 mm: {name}"), false, Box::new(make));
         for is_known in [true, false] {
             let timing = if is_known { "known" } else { "unknown" };
             let acting = at(is_known, 1.0);

@@ -1,0 +1,76 @@
+//! Samples that a flight is compared with although it is over, or has not begun.
+
+use super::flights::Flight;
+use crate::motion::{About, Doubt, Scene, Timing};
+
+/// How far beyond an end of its flight a sample may be \[s\].
+const BEYOND_S: f64 = 1e-3;
+
+pub(super) fn doubts(scene: &Scene, flights: &[Flight]) -> Vec<Doubt> {
+    // The flights of an edited sketch are what its samples say.
+    if scene.timing == Timing::Edited {
+        return Vec::new();
+    }
+    let each = flights.iter().filter_map(|flight| {
+        let beyond_s = beyond_s(flight);
+        Doubt::beyond(About::Outside, flight.place(), beyond_s, BEYOND_S)
+    });
+    each.collect()
+}
+
+/// The farthest \[s\].
+fn beyond_s(flight: &Flight) -> f64 {
+    let beyond_s = flight.readings.iter().map(|reading| {
+        let before_s = flight.arc.start_s - reading.time_s;
+        before_s.max(reading.time_s - flight.arc.end_s)
+    });
+    beyond_s.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    use super::super::flights::Reading;
+    use super::*;
+    use crate::motion::{ArcEstimate, SegmentResidual};
+    use crate::physics::State;
+
+    #[test]
+    fn a_sample_on_either_side_of_its_flight_is_as_far_beyond_it() {
+        let arc = ArcEstimate {
+            body: 0,
+            epoch_s: 0.5,
+            state: State {
+                position_m: Vector3::zeros(),
+                velocity_m_s: Vector3::zeros(),
+                orientation: UnitQuaternion::identity(),
+                angular_velocity_rad_s: Vector3::zeros(),
+            },
+            start_s: 0.2,
+            end_s: 0.8,
+        };
+        let residual = SegmentResidual {
+            body: 0,
+            samples: 2,
+            position_rms_m: 0.0,
+            orientation_rms_rad: 0.0,
+        };
+        let at = |times_s: [f64; 2]| {
+            let readings = times_s.map(|time_s| Reading {
+                acted_s: time_s,
+                time_s,
+                position_m: Vector3::zeros(),
+                estimated_m: Vector3::zeros(),
+            });
+            beyond_s(&Flight {
+                arc: &arc,
+                residual: &residual,
+                readings: readings.to_vec(),
+            })
+        };
+        assert_eq!(at([0.2, 0.8]), 0.0);
+        assert!((at([0.15, 0.8]) - 0.05).abs() < 1e-12);
+        assert!((at([0.3, 0.83]) - 0.03).abs() < 1e-12);
+    }
+}
