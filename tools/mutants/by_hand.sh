@@ -12,9 +12,16 @@ wanted="${1:-}"
 list="$PWD/tools/mutants/by_hand.txt"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/by_hand" CARGO_PROFILE_DEV_DEBUG=none
 copy="$(mktemp -d)"
-trap 'rm -rf "$copy"' EXIT
+said="$(mktemp -d)"
+trap 'rm -rf "$copy" "$said"' EXIT
 git ls-files -z | xargs -0 cp --parents -t "$copy"
 cd "$copy"
+
+# Without a fault all of them pass, or nothing here says anything.
+asked="$(sed -n 's/^test: //p' "$list" | tr ' ' '\n' | grep -v '^--test$' | sort -u | sed 's/^/--test /' | paste -sd' ')"
+# Words of the tests on purpose, here and below.
+# shellcheck disable=SC2086
+cargo test --quiet --locked --lib $asked >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
 
 amiss=0
 try() { # NAME FILE FROM TO TESTS
@@ -27,17 +34,16 @@ try() { # NAME FILE FROM TO TESTS
         return
     fi
     printf '%s\n' "$text" >"$2"
-    # Words of the tests on purpose.
     # shellcheck disable=SC2086
-    if ! cargo test --quiet --locked --no-run --lib $5 >"$copy/build" 2>&1; then
+    if ! cargo test --quiet --locked --no-run --lib $5 >"$said/build" 2>&1; then
         echo "does not compile: $1"
-        tail -n 20 "$copy/build"
+        tail -n 20 "$said/build"
         amiss=1
-    elif timeout 900 cargo test --quiet --locked --no-fail-fast --lib $5 >"$copy/tests" 2>&1; then
+    elif timeout 900 cargo test --quiet --locked --no-fail-fast --lib $5 >"$said/tests" 2>&1; then
         echo "UNNOTICED: $1"
         amiss=1
     else
-        echo "noticed: $1: $(sed -n 's/^test \(.*\) \.\.\. FAILED$/\1/p; s/^    \([a-z_0-9:]*\)$/\1/p' "$copy/tests" | sort -u | paste -sd' ' | cut -c1-300)"
+        echo "noticed: $1: $(sed -n 's/^test \(.*\) \.\.\. FAILED$/\1/p; s/^    \([a-z_0-9:]*\)$/\1/p' "$said/tests" | sort -u | paste -sd' ' | cut -c1-300)"
     fi
     printf '%s\n' "$before" >"$2"
 }
