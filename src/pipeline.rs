@@ -269,7 +269,7 @@ fn cut(
     let made_s = made_s.map(|(event, made_s)| is_made(event).then_some(*made_s));
     let mut marks_made_s: Vec<Option<f64>> = made_s.collect();
     let mut rounds = segment::refine(scene, sketch);
-    counts.marks.moved = segment::reseat(scene, sketch);
+    counts.marks.moved = segment::relocate_marks(scene, sketch);
     if !counts.marks.moved.is_empty() {
         // A mark that was far from any kink is none; that it was is said.
         for event in &counts.marks.moved {

@@ -86,12 +86,12 @@ fn a_tempo_that_varies_is_found_to_a_hundredth() {
             assert!(
                 errors.event_time < 0.01,
                 "{} {seed}: {errors:?}",
-                style.word()
+                style.as_str()
             );
             assert!(
                 errors.sample_time < 0.02,
                 "{} {seed}: {errors:?}",
-                style.word()
+                style.as_str()
             );
         }
     }

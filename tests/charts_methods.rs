@@ -33,7 +33,7 @@ fn posed(case: &Case) -> Posed {
     let outcome = case.estimated(&mut ()).expect("an estimate");
     let mut posed = Posed::without_marks(case.scene(), &outcome.sketch);
     if case.scene().velocity_gaps == enact::motion::VelocityGaps::Always {
-        posed.problem = posed.problem.bent();
+        posed.problem = posed.problem.with_velocity_gaps();
         posed.layout = Layout::new(&posed.problem);
     }
     posed

@@ -85,11 +85,15 @@ fn errors_are_as_large_as_the_covariance_says() {
         // Twelve numbers of each arc and two times, less contact, continuity and goal.
         assert_eq!(rank, 2 * 12 + 2 - 1 - 12 - 6);
         let ratio = mean(&squares) / rank as f64;
-        assert!((ratio - 1.0).abs() < 0.15, "{}: {ratio}", style.word());
+        assert!((ratio - 1.0).abs() < 0.15, "{}: {ratio}", style.as_str());
         let factor = mean(&factors);
-        assert!((factor - 1.0).abs() < 0.1, "{}: {factor}", style.word());
+        assert!((factor - 1.0).abs() < 0.1, "{}: {factor}", style.as_str());
         let share = covered as f64 / intervals as f64;
-        assert!((0.92..0.995).contains(&share), "{}: {share}", style.word());
+        assert!(
+            (0.92..0.995).contains(&share),
+            "{}: {share}",
+            style.as_str()
+        );
     }
 }
 
@@ -107,7 +111,7 @@ fn variances_of_the_weights_are_those_of_dense_algebra() {
             assert!(
                 (ratio - 1.0).abs() < 0.02,
                 "{} event {event}: {ratio}",
-                style.word()
+                style.as_str()
             );
         }
     }

@@ -12,7 +12,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use enact::motion::{DropReason, Mark, Stamp, TakeEvent, Verdict};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
-use enact::segment::{propose, refine, reseat};
+use enact::segment::{propose, refine, relocate_marks};
 use perform::{Acting, Outliers, Performance, Style, bounces, perform};
 use tempfile::TempDir;
 
@@ -180,7 +180,7 @@ fn marks_far_off_come_back_and_good_ones_stay() {
                     *mark_s = (*mark_s + off / acting.rate_hz).clamp(0.0, last_s);
                 }
                 refine(scene, &mut sketch);
-                let moved = reseat(scene, &mut sketch);
+                let moved = relocate_marks(scene, &mut sketch);
                 assert!(off.abs() > 20.0 || moved.is_empty(), "{off}: {moved:?}");
                 assert_near(&performance, &sketch.marks_s, &format!("{off}"));
             }

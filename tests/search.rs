@@ -10,7 +10,7 @@ use std::path::Path;
 
 use case::{Case, Posed, another_leads, estimated};
 use enact::config::scene_from_toml;
-use enact::estimate::merit::Price;
+use enact::estimate::merit::AugmentedLagrangian;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::{Bound, Part};
 use enact::ingest::{Recording, Source};
@@ -210,7 +210,7 @@ fn bounds_are_below_what_they_bound_and_near() {
         let mut whole = Bound::default();
         let mut last = 0.0;
         for share in [0.25, 0.5, 1.0, f64::INFINITY] {
-            whole.raise(&part(&arcs), share * cost);
+            whole.tighten(&part(&arcs), share * cost);
             println!("{name}: {share} {} {cost}", whole.cost);
             assert!(whole.cost >= last, "{name}: {} after {last}", whole.cost);
             assert!(
@@ -229,7 +229,7 @@ fn bounds_are_below_what_they_bound_and_near() {
         let mut alone = 0.0;
         for arc in &arcs {
             let mut bound = Bound::default();
-            bound.raise(&part(std::slice::from_ref(arc)), f64::INFINITY);
+            bound.tighten(&part(std::slice::from_ref(arc)), f64::INFINITY);
             assert!(bound.cost >= 0.0, "{name}: {arc}");
             alone += bound.cost;
         }
@@ -251,11 +251,11 @@ fn the_dual_value_of_a_motion_is_its_cost() {
     assert!(solution.finished.converged);
     assert!(solution.multipliers.iter().any(|of_row| of_row.abs() > 1.0));
     for weight in [1e2, 1e4] {
-        let mut price = Price::new(&solution.system, weight);
-        price.multipliers.clone_from(&solution.multipliers);
-        let (dual, cost) = (price.dual(&solution.system), solution.system.cost);
+        let mut lagrangian = AugmentedLagrangian::new(&solution.system, weight);
+        lagrangian.multipliers.clone_from(&solution.multipliers);
+        let (dual, cost) = (lagrangian.dual(&solution.system), solution.system.cost);
         assert!((dual - cost).abs() < 1e-6 * cost, "{dual} for {cost}");
-        assert!(price.merit(&solution.system) > cost + 1e-6 * cost);
+        assert!(lagrangian.merit(&solution.system) > cost + 1e-6 * cost);
     }
 }
 

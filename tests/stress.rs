@@ -31,7 +31,7 @@ fn assert_honest(judged: &Judged, at: &str) {
 /// A trouble at seed 0.
 #[track_caller]
 fn made(theme: &str, name: &str, timing: Timing) -> Case {
-    let at = format!("{theme}: {name}, {}", timing.word());
+    let at = format!("{theme}: {name}, {}", timing.as_str());
     let mut troubles = all().into_iter();
     let trouble = troubles
         .find(|t| t.theme == theme && t.name == name && t.timing == timing)
@@ -43,7 +43,7 @@ fn made(theme: &str, name: &str, timing: Timing) -> Case {
 #[track_caller]
 fn says(theme: &str, name: &str, timing: Timing) -> Judged {
     let judged = asked(&made(theme, name, timing));
-    assert_honest(&judged, &format!("{theme}: {name}, {}", timing.word()));
+    assert_honest(&judged, &format!("{theme}: {name}, {}", timing.as_str()));
     judged
 }
 
@@ -53,7 +53,7 @@ fn assert_says(theme: &str, name: &str, timing: Timing, expected: &str) {
     assert!(
         said.starts_with(expected),
         "{theme}: {name}, {}: says {said:?} ({reason}), expected {expected:?}",
-        timing.word()
+        timing.as_str()
     );
 }
 
@@ -83,7 +83,7 @@ fn every_trouble_is_answered_honestly() {
         if is_long(trouble.theme, &trouble.name, trouble.timing) {
             continue;
         }
-        let timing = trouble.timing.word();
+        let timing = trouble.timing.as_str();
         let at = format!("{}: {}, {timing}", trouble.theme, trouble.name);
         let case = (trouble.make)(1).unwrap_or_else(|error| panic!("{at}: {error}"));
         assert_honest(&asked(&case), &at);
@@ -119,7 +119,7 @@ fn late_and_early_marks_change_nothing_within_reach() {
     for timing in Timing::ALL {
         let events_s = |case: &Case| -> Vec<f64> {
             let estimate = case.estimated(&mut ()).expect("an estimate").estimate;
-            assert_eq!(estimate.verdict.word(), "physical");
+            assert_eq!(estimate.verdict.as_str(), "physical");
             estimate.events.iter().map(|event| event.time_s).collect()
         };
         let right_s = events_s(&Case::pencil(Style::Tip, &timing.acting(1.0), 0));
@@ -129,7 +129,7 @@ fn late_and_early_marks_change_nothing_within_reach() {
             {
                 let moved_s = (shifted_s - right_s).abs();
                 // Five samples are 42 ms.
-                assert!(moved_s < 0.006, "{name}, {}: {moved_s} s", timing.word());
+                assert!(moved_s < 0.006, "{name}, {}: {moved_s} s", timing.as_str());
             }
         }
     }

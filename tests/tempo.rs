@@ -93,7 +93,7 @@ fn an_end_without_an_unknown_of_its_own_is_as_certain_as_dense_algebra_says() {
         let exact_s = uncertainty.sds[last].expect("it is determined");
         let estimate = &outcome.estimate;
         let sd_s = estimate.events[1].sd_s.expect("it is determined");
-        let name = style.word();
+        let name = style.as_str();
         assert!(
             (sd_s / exact_s - 1.0).abs() < 0.02,
             "{name}: {sd_s} {exact_s}"

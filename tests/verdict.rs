@@ -12,7 +12,7 @@ use enact::estimate::layout::Layout;
 use enact::estimate::outcome;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe::{self, Solution};
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::{Estimate, Sketch, Verdict};
 use enact::segment;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -36,7 +36,11 @@ impl Solved {
         segment::refine(case.scene(), &mut sketch);
         let posed = Posed::new(case.scene(), &sketch);
         let exact = Problem::new(case.scene(), &sketch, &posed.segments);
-        let problem = if is_bent { exact.bent() } else { exact };
+        let problem = if is_bent {
+            exact.with_velocity_gaps()
+        } else {
+            exact
+        };
         let layout = Layout::new(&problem);
         let recipe = Recipe::default();
         let guess = &posed.guesses[0];
@@ -56,9 +60,9 @@ impl Solved {
     fn said(&self, change: impl Fn(&mut Solution)) -> Estimate {
         let mut solution = self.solution.clone();
         change(&mut solution);
-        let frame = self.frame();
-        let mut system = System::new(&frame);
-        system.evaluate(&frame, &Guidance::none(&self.problem), &solution.point);
+        let context = self.context();
+        let mut system = System::new(&context);
+        system.evaluate(&context, &Guidance::none(&self.problem), &solution.point);
         solution.system = system;
         self.called(&solution)
     }
@@ -66,12 +70,12 @@ impl Solved {
     /// What is said of a solution as it stands.
     fn called(&self, solution: &Solution) -> Estimate {
         let (scene, segments) = (self.case.scene(), &self.posed.segments);
-        outcome::estimate(scene, &self.sketch, segments, &self.frame(), solution)
+        outcome::estimate(scene, &self.sketch, segments, &self.context(), solution)
     }
 
-    fn frame(&self) -> Frame<'_> {
+    fn context(&self) -> SolveContext<'_> {
         let epochs_s = recipe::epochs_s(&self.posed.guesses[0]);
-        Frame::new(&self.problem, &self.layout, epochs_s, &self.solution.point)
+        SolveContext::new(&self.problem, &self.layout, epochs_s, &self.solution.point)
     }
 }
 

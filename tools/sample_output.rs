@@ -72,7 +72,7 @@ fn main() -> Result<()> {
     println!(
         "{}: {}, {} messages copied, {} added",
         output.display(),
-        outcome.estimate.verdict.word(),
+        outcome.estimate.verdict.as_str(),
         written.copied,
         written.added
     );

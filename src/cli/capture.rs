@@ -6,7 +6,7 @@ use super::account::{Style, account};
 use super::arguments::{CaptureArguments, Format};
 use super::exit::Exit;
 use super::output;
-use crate::service::capture::{CaptureJob, CountsLine, Said, Status, capture};
+use crate::service::capture::{CaptureEvent, CaptureJob, CountsLine, Status, capture};
 
 pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = CaptureJob {
@@ -48,9 +48,9 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
     Ok(exit)
 }
 
-fn text(said: &Said, style: Style) -> String {
+fn text(said: &CaptureEvent, style: Style) -> String {
     match said {
-        Said::Ready {
+        CaptureEvent::Ready {
             topics,
             shortcomings,
             abandoned,
@@ -72,8 +72,8 @@ fn text(said: &Said, style: Style) -> String {
             }
             text
         }
-        Said::Started { take, recording } => format!("take {take}: records {recording}\n"),
-        Said::Closed {
+        CaptureEvent::Started { take, recording } => format!("take {take}: records {recording}\n"),
+        CaptureEvent::Closed {
             take,
             recording,
             messages,
@@ -82,8 +82,8 @@ fn text(said: &Said, style: Style) -> String {
             "take {take}: {messages} samples and marks in {recording}\n{}",
             counts_text(counts)
         ),
-        Said::Discarded { take } => format!("take {take}: discarded\n"),
-        Said::Broken {
+        CaptureEvent::Discarded { take } => format!("take {take}: discarded\n"),
+        CaptureEvent::Broken {
             take,
             recording,
             error,
@@ -91,7 +91,7 @@ fn text(said: &Said, style: Style) -> String {
         } => format!(
             "take {take}: recording stopped: {error}\n  what came before is in {recording}\n"
         ),
-        Said::SoFar {
+        CaptureEvent::SoFar {
             take,
             marks,
             verdict,
@@ -105,12 +105,18 @@ fn text(said: &Said, style: Style) -> String {
                 doubt.unwrap_or_default()
             )
         }
-        Said::Estimated { take, report } => format!("take {take}: {}", account(report, style)),
-        Said::NotEstimated { take, error, .. } => format!("take {take}: not estimated: {error}\n"),
+        CaptureEvent::Estimated { take, report } => {
+            format!("take {take}: {}", account(report, style))
+        }
+        CaptureEvent::NotEstimated { take, error, .. } => {
+            format!("take {take}: not estimated: {error}\n")
+        }
         // An answer to a machine.
-        Said::Asked { .. } => String::new(),
-        Said::Refused { command, reason } => format!("command {command} refused: {reason}\n"),
-        Said::Warning { text } => format!("warning: {text}\n"),
+        CaptureEvent::Asked { .. } => String::new(),
+        CaptureEvent::Refused { command, reason } => {
+            format!("command {command} refused: {reason}\n")
+        }
+        CaptureEvent::Warning { text } => format!("warning: {text}\n"),
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
 }
 
 /// Says on stderr what went wrong; whether anybody listens there is not our business.
-pub(super) fn complain(error: &str) {
+pub(super) fn print_error(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }
 

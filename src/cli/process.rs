@@ -59,7 +59,7 @@ pub(super) fn print_failure(
         error: String,
     }
     let error = service::words(error);
-    output::complain(&error);
+    output::print_error(&error);
     if format == Format::Ndjson {
         output::print_json(&FailureLine { recording, error })?;
     }

@@ -29,7 +29,7 @@ pub fn run() -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(error) => {
-            output::complain(&service::words(&error));
+            output::print_error(&service::words(&error));
             Exit::Error.into()
         }
     }

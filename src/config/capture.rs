@@ -121,7 +121,7 @@ fn stamp_source(raw: &RawTrackerClock) -> Result<StampSource, Fault> {
     match &raw.rate_hz {
         Some(rate) => fault(
             rate.span(),
-            format!("rate_hz does not apply to stamps by {}", source.word()),
+            format!("rate_hz does not apply to stamps by {}", source.as_str()),
         ),
         None => Ok(source),
     }

@@ -107,7 +107,10 @@ fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
         if let Some(span) = span {
             return fault(
                 span,
-                format!("{key} does not apply to an event of kind {:?}", kind.word()),
+                format!(
+                    "{key} does not apply to an event of kind {:?}",
+                    kind.as_str()
+                ),
             );
         }
     }

@@ -90,7 +90,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         })?;
     }
     for (goal, spanned) in raw.goal.iter().enumerate() {
-        if let Err(error) = scene.seat(goal) {
+        if let Err(error) = scene.snap_to_contact(goal) {
             return fault(spanned.span(), error.to_string());
         }
     }

@@ -18,11 +18,11 @@
 
 use super::descend::{DAMPING, Descent, Patience};
 use super::layout::Layout;
-use super::merit::Price;
+use super::merit::AugmentedLagrangian;
 use super::point::Point;
 use super::problem::{Problem, VELOCITY_GAP_WEIGHT};
 use super::recipe::{self, Recipe};
-use super::system::{Frame, Guidance};
+use super::system::{Guidance, SolveContext};
 use crate::motion::{ArcGuess, Counters, Guess, Scene, Segment, Sketch, VelocityGaps};
 
 /// Rounds of multipliers.
@@ -107,26 +107,26 @@ impl Bound {
     ///
     /// # Panics
     /// Where two of the arcs meet at a collision that is open, or without an arc.
-    pub fn raise(&mut self, part: &Part, ceiling: f64) -> Counters {
+    pub fn tighten(&mut self, part: &Part, ceiling: f64) -> Counters {
         if self.is_done() {
             return Counters::default();
         }
         let (problem, guess) = part.problem();
         let layout = Layout::new(&problem);
         let start = Point::new(&problem, &guess);
-        let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &start);
+        let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &start);
         let recipe = Recipe::default().scaled(&problem);
-        let mut leading = recipe::leading(&frame, &start);
+        let mut leading = recipe::leading(&context, &start);
         leading.orientations_per_arc = recipe.orientations_per_arc;
         if !problem.times_are_unknown() {
             leading.event_sd_s = Some(recipe.event_sd_s * 10f64.sqrt());
         }
         let exact = Guidance::none(&problem);
         let mut run = match self.place.take() {
-            Some(place) => Run::resumed(&frame, self.stage, (&leading, &exact), &recipe, place),
-            None => Run::new(&frame, &leading, &recipe, start),
+            Some(place) => Run::resumed(&context, self.stage, (&leading, &exact), &recipe, place),
+            None => Run::new(&context, &leading, &recipe, start),
         };
-        let is_tied = !run.price.multipliers.is_empty();
+        let is_tied = !run.lagrangian.multipliers.is_empty();
         if !is_tied && self.stage == (Stage::Sweep { steps: 0 }) {
             self.begin_round(&mut run, 0, &exact, &recipe);
         }
@@ -159,9 +159,9 @@ impl Bound {
         let steps = steps + LEG;
         if leading.event_sd_s.is_none() {
             // Beside the speeds of approach that lead it, this is a relaxed problem, too.
-            let mut price = run.price.clone();
-            price.approach_weight = f64::MIN_POSITIVE;
-            let value = price.merit(&run.descent.system) - may_gain;
+            let mut lagrangian = run.lagrangian.clone();
+            lagrangian.approach_weight = f64::MIN_POSITIVE;
+            let value = lagrangian.merit(&run.descent.system) - may_gain;
             self.cost = self.floor.max(value);
         }
         self.stage = Stage::Sweep { steps };
@@ -173,9 +173,10 @@ impl Bound {
     fn begin_round(&mut self, run: &mut Run, number: usize, exact: &Guidance, recipe: &Recipe) {
         if number == 0 {
             run.descent.refresh(exact);
-            run.price = Price::new(&run.descent.system, recipe.multiplier_weight);
+            run.lagrangian =
+                AugmentedLagrangian::new(&run.descent.system, recipe.multiplier_weight);
         } else {
-            run.price.update(&run.descent.system);
+            run.lagrangian.update(&run.descent.system);
         }
         run.descent.damping = run.descent.damping.clamp(DAMPING.0, DAMPING.1);
         self.stage = Stage::Round { number, steps: 0 };
@@ -191,7 +192,7 @@ impl Bound {
         let (taken, gained) = run.leg(exact, GAIN * recipe.gain);
         let may_gain = run.may_gain(gained, steps > 0);
         let steps = steps + LEG;
-        let value = run.price.dual(&run.descent.system) - may_gain;
+        let value = run.lagrangian.dual(&run.descent.system) - may_gain;
         if value.is_finite() {
             self.cost = self.floor.max(value);
         }
@@ -210,20 +211,28 @@ impl Bound {
 /// A descent under way.
 struct Run<'a> {
     descent: Descent<'a>,
-    price: Price,
+    lagrangian: AugmentedLagrangian,
 }
 
 impl<'a> Run<'a> {
-    fn new(frame: &'a Frame<'a>, leading: &Guidance, recipe: &Recipe, start: Point) -> Self {
-        let mut descent = Descent::new(frame, start);
+    fn new(
+        context: &'a SolveContext<'a>,
+        leading: &Guidance,
+        recipe: &Recipe,
+        start: Point,
+    ) -> Self {
+        let mut descent = Descent::new(context, start);
         descent.refresh(leading);
         descent.damping = descent.damping.clamp(DAMPING.0, DAMPING.1);
-        let price = leading_price(&descent, recipe);
-        Self { descent, price }
+        let lagrangian = leading_price(&descent, recipe);
+        Self {
+            descent,
+            lagrangian,
+        }
     }
 
     fn resumed(
-        frame: &'a Frame<'a>,
+        context: &'a SolveContext<'a>,
         stage: Stage,
         (leading, exact): (&Guidance, &Guidance),
         recipe: &Recipe,
@@ -231,16 +240,19 @@ impl<'a> Run<'a> {
     ) -> Self {
         let is_sweep = matches!(stage, Stage::Sweep { .. });
         let guidance = if is_sweep { leading } else { exact };
-        let mut descent = Descent::new(frame, place.point);
+        let mut descent = Descent::new(context, place.point);
         descent.refresh(guidance);
         descent.damping = place.damping;
-        let mut price = if is_sweep {
+        let mut lagrangian = if is_sweep {
             leading_price(&descent, recipe)
         } else {
-            Price::new(&descent.system, recipe.multiplier_weight)
+            AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight)
         };
-        price.multipliers = place.multipliers;
-        Self { descent, price }
+        lagrangian.multipliers = place.multipliers;
+        Self {
+            descent,
+            lagrangian,
+        }
     }
 
     /// Steps taken, and what both halves of them gained.
@@ -248,11 +260,11 @@ impl<'a> Run<'a> {
         let steps = LEG / 2;
         let (mut taken, mut gained) = (0, [0.0; 2]);
         for half in &mut gained {
-            let before = self.price.merit(&self.descent.system);
+            let before = self.lagrangian.merit(&self.descent.system);
             let patience = Patience { steps, gain };
-            let of_half = self.descent.go_on(guidance, &self.price, patience);
+            let of_half = self.descent.go_on(guidance, &self.lagrangian, patience);
             taken += of_half;
-            *half = before - self.price.merit(&self.descent.system);
+            *half = before - self.lagrangian.merit(&self.descent.system);
             if of_half < steps {
                 break;
             }
@@ -262,7 +274,7 @@ impl<'a> Run<'a> {
 
     /// What may be gained beyond, after a leg whose halves gained that.
     fn may_gain(&mut self, [early, late]: [f64; 2], is_late: bool) -> f64 {
-        let promised = PROMISES * self.descent.promise(&self.price).max(late);
+        let promised = PROMISES * self.descent.promise(&self.lagrangian).max(late);
         let gained = early + late;
         // A leg of which no step was accepted says nothing.
         if is_late && gained > 0.0 {
@@ -276,15 +288,15 @@ impl<'a> Run<'a> {
         Place {
             point: self.descent.point,
             damping: self.descent.damping,
-            multipliers: self.price.multipliers,
+            multipliers: self.lagrangian.multipliers,
         }
     }
 }
 
-fn leading_price(descent: &Descent, recipe: &Recipe) -> Price {
-    let mut price = Price::new(&descent.system, recipe.sweep_weights[0]);
-    price.approach_weight = price.weight.max(recipe.multiplier_weight / 10.0);
-    price
+fn leading_price(descent: &Descent, recipe: &Recipe) -> AugmentedLagrangian {
+    let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.sweep_weights[0]);
+    lagrangian.approach_weight = lagrangian.weight.max(recipe.multiplier_weight / 10.0);
+    lagrangian
 }
 
 impl Part<'_> {
@@ -314,7 +326,7 @@ impl Part<'_> {
             }
         }
         if scene.velocity_gaps == VelocityGaps::Always {
-            // The price is that of the whole performance.
+            // Its Lagrangian is that of the whole performance.
             let samples = |of: &[Segment]| {
                 let count: usize = of.iter().map(|segment| segment.samples.len()).sum();
                 count as f64 / of.len() as f64

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::arrival::{Arrival, ByState};
+use super::arc_end::{ArcEnd, ByState};
 use super::block::{Block, BlockPattern};
 use super::layout::{Layout, STATE};
 use super::point::Point;
@@ -188,20 +188,17 @@ fn arrivals<'a>(
     collision: &Collision,
     point: &'a Point,
     epochs_s: &'a [f64],
-) -> impl Fn(usize, usize) -> Arrival + use<'a> {
+) -> impl Fn(usize, usize) -> ArcEnd + use<'a> {
     let gravity = problem.gravity(&point.parameters);
     let time_s = point.event_times_s[collision.event];
     move |body, arc| {
         let flight = (&point.arcs[arc], epochs_s[arc]);
-        Arrival::new(&problem.bodies[body], &gravity, flight, time_s)
+        ArcEnd::new(&problem.bodies[body], &gravity, flight, time_s)
     }
 }
 
 /// How every body arrives.
-fn before(
-    collision: &Collision,
-    arrive: &impl Fn(usize, usize) -> Arrival,
-) -> [Option<Arrival>; 2] {
+fn before(collision: &Collision, arrive: &impl Fn(usize, usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
     [0, 1].map(|side| {
         let side = collision.sides.get(side);
         side.map(|side| arrive(side.body, side.before))
@@ -211,7 +208,7 @@ fn before(
 fn sides<'a>(
     problem: &'a Problem,
     collision: &Collision,
-    before: &'a [Option<Arrival>; 2],
+    before: &'a [Option<ArcEnd>; 2],
 ) -> [Option<impact::Side<'a>>; 2] {
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
@@ -273,7 +270,7 @@ impl Rows<'_> {
     fn fill_contact_derivatives(
         &mut self,
         derivative: &ImpactDerivative,
-        before: &[Option<Arrival>; 2],
+        before: &[Option<ArcEnd>; 2],
     ) {
         let (contacts, approaches) = (self.places.contacts, self.places.approaches);
         let gaps = derivative.gap[..contacts].iter();
@@ -305,7 +302,7 @@ impl Rows<'_> {
         &mut self,
         body: usize,
         gap: &Vector3<f64>,
-        (before, after): (&Arrival, &Arrival),
+        (before, after): (&ArcEnd, &ArcEnd),
     ) {
         let (pattern, block) = &mut self.block;
         let (s, t) = (before.duration_s, after.duration_s);
@@ -327,13 +324,13 @@ impl Rows<'_> {
         &mut self,
         body: usize,
         turn: &Vector3<f64>,
-        (before, after): (&Arrival, &Arrival),
+        (before, after): (&ArcEnd, &ArcEnd),
     ) {
         let (pattern, block) = &mut self.block;
         let scale = 1.0 / unit::ORIENTATION_RAD;
         let by_after = so3::right_jacobian_inverse(turn) * scale;
         let by_before = -by_after.transpose();
-        let rate = |arrival: &Arrival| -> Vector3<f64> {
+        let rate = |arrival: &ArcEnd| -> Vector3<f64> {
             arrival.rate.fixed_rows::<3>(part::ORIENTATION).into()
         };
         let by_time = by_before * rate(before) + by_after * rate(after);
@@ -361,7 +358,7 @@ impl Rows<'_> {
         half: Half,
         gap: &Vector3<f64>,
         derivative: &ImpactDerivative,
-        (before, after): (&[Option<Arrival>; 2], &Arrival),
+        (before, after): (&[Option<ArcEnd>; 2], &ArcEnd),
     ) {
         let scale = match half {
             Half::Velocity => 1.0 / unit::VELOCITY_M_S,

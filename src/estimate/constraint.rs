@@ -2,7 +2,7 @@
 //! bounds and cones of parameters. The rows of collisions are in [`super::collision`]; what a row
 //! is, in [`super::block`].
 
-use super::arrival::Arrival;
+use super::arc_end::ArcEnd;
 use super::block::{Block, BlockPattern};
 use super::layout::Layout;
 use super::point::Point;
@@ -46,7 +46,7 @@ pub fn goal(
     let gravity = problem.gravity(&point.parameters);
     let flight = (&point.arcs[goal.arc], epochs_s[goal.arc]);
     let time_s = point.event_times_s[goal.event];
-    let arrival = Arrival::new(body, &gravity, flight, time_s);
+    let arrival = ArcEnd::new(body, &gravity, flight, time_s);
     block.reset(pattern);
     // What is there besides the state: time, then gravity.
     let time = usize::from(problem.event_is_free[goal.event]);

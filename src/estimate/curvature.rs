@@ -12,7 +12,7 @@ use super::collision;
 use super::constraint;
 use super::layout::STATE;
 use super::point::Point;
-use super::system::{Frame, System};
+use super::system::{SolveContext, System};
 use crate::math::envelope::Envelope;
 use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::StateTangent;
@@ -28,14 +28,14 @@ const PARAMETER_STEP: f64 = 1e-5;
 /// Adds the curvature of collisions and goals under `multipliers`, row by row, and that of velocity
 /// gaps where these are priced. Bounds and cones of parameters have none or their own.
 pub(super) fn add(
-    frame: &Frame,
+    context: &SolveContext,
     system: &System,
     point: &Point,
     multipliers: &[f64],
     matrix: &mut Envelope,
 ) {
-    let (problem, layout) = (frame.problem, frame.layout);
-    let mut at = Nudged::new(frame, point);
+    let (problem, layout) = (context.problem, context.layout);
+    let mut at = Nudged::new(context, point);
     let mut pulls = multipliers;
     let mut take = |block: &Block| {
         let (of_block, rest) = pulls.split_at(block.values.len());
@@ -55,7 +55,7 @@ pub(super) fn add(
         let pull = |point: &Point, sum: &mut [f64]| {
             let [block, gaps] = &mut filled;
             let blocks = [(patterns[0], &mut *block), (patterns[1], &mut *gaps)];
-            let at = (point, frame.epochs_s.as_slice());
+            let at = (point, context.epochs_s.as_slice());
             collision::fill(problem, of, at, 0.0, &mut impact, blocks);
             add_pull(patterns[0], block, pulls, sum);
             add_pull(patterns[1], gaps, &gap_pulls, sum);
@@ -66,7 +66,13 @@ pub(super) fn add(
         let pulls = take(blocks.next().expect("a block for every goal"));
         let mut block = Block::default();
         let pull = |point: &Point, sum: &mut [f64]| {
-            constraint::goal(problem, goal, point, &frame.epochs_s, (pattern, &mut block));
+            constraint::goal(
+                problem,
+                goal,
+                point,
+                &context.epochs_s,
+                (pattern, &mut block),
+            );
             add_pull(pattern, &block, pulls, sum);
         };
         at.add_curvature(&[pattern], pull, matrix);
@@ -98,7 +104,7 @@ enum Owner {
 
 /// A point of which one unknown at a time is a little off.
 struct Nudged<'a> {
-    frame: &'a Frame<'a>,
+    context: &'a SolveContext<'a>,
     origin: &'a Point,
     point: Point,
     owners: Vec<Owner>,
@@ -107,8 +113,8 @@ struct Nudged<'a> {
 }
 
 impl<'a> Nudged<'a> {
-    fn new(frame: &'a Frame<'a>, origin: &'a Point) -> Self {
-        let layout = frame.layout;
+    fn new(context: &'a SolveContext<'a>, origin: &'a Point) -> Self {
+        let layout = context.layout;
         let mut owners = vec![Owner::Node; layout.size()];
         for (arc, at) in layout.arcs.iter().enumerate() {
             for entry in 0..STATE {
@@ -124,7 +130,7 @@ impl<'a> Nudged<'a> {
             owners[*at] = Owner::Parameter(parameter);
         }
         Self {
-            frame,
+            context,
             origin,
             point: origin.clone(),
             pulls: [vec![0.0; layout.size()], vec![0.0; layout.size()]],
@@ -137,7 +143,7 @@ impl<'a> Nudged<'a> {
             Owner::State { entry, .. } => STEPS[entry / 3],
             Owner::Event(_) | Owner::Node => TIME_STEP_S,
             Owner::Parameter(index) => {
-                PARAMETER_STEP * self.frame.problem.parameters[index].length()
+                PARAMETER_STEP * self.context.problem.parameters[index].length()
             }
         }
     }
@@ -192,7 +198,7 @@ impl<'a> Nudged<'a> {
                 let value = if other == unknown { 2.0 * value } else { value };
                 if value != 0.0 && value.is_finite() {
                     let (row, column) = (*unknown.max(other), *unknown.min(other));
-                    matrix.add(&self.frame.layout.pattern, row, column, value);
+                    matrix.add(&self.context.layout.pattern, row, column, value);
                 }
                 self.pulls[0][*other] = 0.0;
                 self.pulls[1][*other] = 0.0;
@@ -211,16 +217,16 @@ mod tests {
 
     /// `νᵀc` and the price of velocity gaps, of which the curvature is asked.
     fn pulled(
-        frame: &Frame,
+        context: &SolveContext,
         point: &Point,
         delta: &DVector<f64>,
         (pulls, gap_pulls): (&[f64], &[f64]),
     ) -> f64 {
         let mut there = point.clone();
-        there.retract_from(point, frame.problem, frame.layout, delta);
-        let mut system = System::new(frame);
-        let guidance = Guidance::none(frame.problem);
-        system.evaluate(frame, &guidance, &there);
+        there.retract_from(point, context.problem, context.layout, delta);
+        let mut system = System::new(context);
+        let guidance = Guidance::none(context.problem);
+        system.evaluate(context, &guidance, &there);
         let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
         let rows = system.values().zip(pulls);
         let rows = rows.chain(gaps.copied().zip(gap_pulls));
@@ -230,12 +236,12 @@ mod tests {
     /// Against second differences of the values themselves.
     #[test]
     fn it_is_the_second_derivative_of_the_pull() {
-        each_case(1.0, |frame, _, point, _| {
-            let problem = frame.problem;
-            let size = frame.layout.size();
-            let mut system = System::new(frame);
+        each_case(1.0, |context, _, point, _| {
+            let problem = context.problem;
+            let size = context.layout.size();
+            let mut system = System::new(context);
             let guidance = Guidance::none(problem);
-            system.evaluate(frame, &guidance, point);
+            system.evaluate(context, &guidance, point);
             // Bounds and cones of parameters have no curvature here.
             let with = problem.collisions.len() + problem.goals.len();
             let rows: usize = system.blocks[..with].iter().map(|b| b.values.len()).sum();
@@ -252,9 +258,9 @@ mod tests {
             let weight = problem.velocity_gap_weight.unwrap_or(0.0);
             let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
             let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
-            let mut matrix = Envelope::zeros(&frame.layout.pattern);
-            add(frame, &system, point, &pulls, &mut matrix);
-            let at = Nudged::new(frame, point);
+            let mut matrix = Envelope::zeros(&context.layout.pattern);
+            add(context, &system, point, &pulls, &mut matrix);
+            let at = Nudged::new(context, point);
             // A few pairs of every kind: all would take long.
             for i in (0..size).step_by(3) {
                 for j in (0..=i).step_by(2) {
@@ -263,12 +269,12 @@ mod tests {
                         let mut delta = DVector::zeros(size);
                         delta[i] += signs[0] * steps[0];
                         delta[j] += signs[1] * steps[1];
-                        pulled(frame, point, &delta, (&pulls, &gap_pulls))
+                        pulled(context, point, &delta, (&pulls, &gap_pulls))
                     };
                     let second = value([1.0, 1.0]) - value([1.0, -1.0]) - value([-1.0, 1.0])
                         + value([-1.0, -1.0]);
                     let expected = second / (4.0 * steps[0] * steps[1]);
-                    let got = matrix.get(&frame.layout.pattern, i, j);
+                    let got = matrix.get(&context.layout.pattern, i, j);
                     assert!(
                         (got - expected).abs() < 1e-3 * (1.0 + expected.abs()),
                         "{i} {j}: {got} {expected}"

@@ -7,10 +7,10 @@
 use nalgebra::DVector;
 
 use super::layout::Layout;
-use super::merit::{self, Acting, Price};
+use super::merit::{self, Acting, AugmentedLagrangian};
 use super::point::Point;
 use super::problem::Problem;
-use super::system::{Frame, Guidance, System};
+use super::system::{Guidance, SolveContext, System};
 use crate::math::envelope::Envelope;
 use crate::motion::Counters;
 
@@ -29,7 +29,7 @@ pub const DAMPING: (f64, f64) = (1e-6, 1e-2);
 /// A point and everything that moves it.
 pub struct Descent<'a> {
     /// What stays fixed.
-    pub frame: &'a Frame<'a>,
+    pub context: &'a SolveContext<'a>,
     /// Where it stands.
     pub point: Point,
     /// Objective and constraints there.
@@ -69,17 +69,17 @@ pub struct Patience {
 
 impl<'a> Descent<'a> {
     /// At `point`, which [`Descent::refresh`] evaluates.
-    pub fn new(frame: &'a Frame<'a>, point: Point) -> Self {
-        let system = System::new(frame);
-        let size = frame.layout.size();
+    pub fn new(context: &'a SolveContext<'a>, point: Point) -> Self {
+        let system = System::new(context);
+        let size = context.layout.size();
         Self {
-            scale: scale(frame.problem, frame.layout),
+            scale: scale(context.problem, context.layout),
             trial: (point.clone(), system.clone()),
             corrected: (point.clone(), system.clone()),
-            matrix: Envelope::zeros(&frame.layout.pattern),
+            matrix: Envelope::zeros(&context.layout.pattern),
             acting: Acting::default(),
             gradient: DVector::zeros(size),
-            frame,
+            context,
             point,
             system,
             damping: 1e-3,
@@ -89,32 +89,42 @@ impl<'a> Descent<'a> {
 
     /// Evaluates the point under a guidance.
     pub fn refresh(&mut self, guidance: &Guidance) {
-        self.system.evaluate(self.frame, guidance, &self.point);
+        self.system.evaluate(self.context, guidance, &self.point);
         self.counters.evaluations += 1;
     }
 
     /// Descends on the augmented Lagrangian; returns the number of steps.
-    pub fn run(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
+    pub fn run(
+        &mut self,
+        guidance: &Guidance,
+        lagrangian: &AugmentedLagrangian,
+        patience: Patience,
+    ) -> usize {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
-        self.go_on(guidance, price, patience)
+        self.go_on(guidance, lagrangian, patience)
     }
 
     /// The same, with the damping as it is.
-    pub fn go_on(&mut self, guidance: &Guidance, price: &Price, patience: Patience) -> usize {
+    pub fn go_on(
+        &mut self,
+        guidance: &Guidance,
+        lagrangian: &AugmentedLagrangian,
+        patience: Patience,
+    ) -> usize {
         let mut growth = 2.0;
         let mut idle = 0;
         for step in 1..=patience.steps {
-            let before = price.merit(&self.system);
+            let before = lagrangian.merit(&self.system);
             let Some(Direction {
                 delta,
                 predicted,
                 damped,
-            }) = self.direction(price)
+            }) = self.direction(lagrangian)
             else {
                 self.damping = (self.damping * 10.0).max(1e-6);
                 continue;
             };
-            let after = self.try_step(guidance, price, &delta, before, predicted);
+            let after = self.try_step(guidance, lagrangian, &delta, before, predicted);
             let gained = before - after;
             let ratio = gained / predicted.max(f64::MIN_POSITIVE);
             if gained.is_finite() && ratio > 1e-4 {
@@ -143,19 +153,19 @@ impl<'a> Descent<'a> {
     }
 
     /// The decrease that a step with the least damping promises; infinite where there is none.
-    pub fn promise(&mut self, price: &Price) -> f64 {
+    pub fn promise(&mut self, lagrangian: &AugmentedLagrangian) -> f64 {
         let damping = std::mem::replace(&mut self.damping, DAMPING.0);
-        let direction = self.direction(price);
+        let direction = self.direction(lagrangian);
         self.damping = damping;
         direction.map_or(f64::INFINITY, |direction| direction.predicted)
     }
 
     /// The damped step; `None` where there is none.
-    fn direction(&mut self, price: &Price) -> Option<Direction> {
-        let layout = self.frame.layout;
+    fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<Direction> {
+        let layout = self.context.layout;
         self.counters.iterations += 1;
         self.counters.factorisations += 1;
-        price.act(&self.system, &mut self.acting);
+        lagrangian.act(&self.system, &mut self.acting);
         let acting = &self.acting;
         self.gradient.copy_from(&self.system.gradient);
         let pull = |row: usize| acting.weights[row] * acting.distances[row];
@@ -187,12 +197,12 @@ impl<'a> Descent<'a> {
     fn try_step(
         &mut self,
         guidance: &Guidance,
-        price: &Price,
+        lagrangian: &AugmentedLagrangian,
         delta: &DVector<f64>,
         before: f64,
         predicted: f64,
     ) -> f64 {
-        let after = self.evaluate_trial(guidance, price, delta);
+        let after = self.evaluate_trial(guidance, lagrangian, delta);
         if before - after >= 0.9 * predicted {
             return after;
         }
@@ -200,7 +210,7 @@ impl<'a> Descent<'a> {
             return after;
         };
         std::mem::swap(&mut self.trial, &mut self.corrected);
-        let corrected_after = self.evaluate_trial(guidance, price, &corrected);
+        let corrected_after = self.evaluate_trial(guidance, lagrangian, &corrected);
         if corrected_after < after {
             return corrected_after;
         }
@@ -208,13 +218,18 @@ impl<'a> Descent<'a> {
         after
     }
 
-    fn evaluate_trial(&mut self, guidance: &Guidance, price: &Price, delta: &DVector<f64>) -> f64 {
-        let frame = self.frame;
+    fn evaluate_trial(
+        &mut self,
+        guidance: &Guidance,
+        lagrangian: &AugmentedLagrangian,
+        delta: &DVector<f64>,
+    ) -> f64 {
+        let context = self.context;
         let (point, system) = &mut self.trial;
-        point.retract_from(&self.point, frame.problem, frame.layout, delta);
-        system.evaluate(frame, guidance, point);
+        point.retract_from(&self.point, context.problem, context.layout, delta);
+        system.evaluate(context, guidance, point);
         self.counters.evaluations += 1;
-        let merit = price.merit(system);
+        let merit = lagrangian.merit(system);
         if merit.is_finite() {
             merit
         } else {
@@ -228,7 +243,7 @@ impl<'a> Descent<'a> {
         let systems = (&self.system, &self.trial.1);
         let weights = &self.acting.weights;
         let correction =
-            merit::correction(self.frame.layout, systems, delta, weights, &self.matrix);
+            merit::correction(self.context.layout, systems, delta, weights, &self.matrix);
         let size = |d: &DVector<f64>| -> f64 {
             d.iter()
                 .zip(&self.scale)

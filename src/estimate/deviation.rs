@@ -3,23 +3,23 @@
 use super::covariance::Covariance;
 use super::outcome;
 use super::recipe::Solution;
-use super::system::Frame;
+use super::system::SolveContext;
 use super::timing::{self, Moment};
 use crate::motion::{Estimate, Scene};
 
 /// Gives events, duration and parameters of an estimate their deviations, `None` where the one is
 /// fixed or undetermined, and names what is undetermined.
-pub fn fill(estimate: &mut Estimate, scene: &Scene, frame: &Frame, solution: &Solution) {
-    let errors = outcome::errors(frame.problem, frame, &solution.point);
+pub fn fill(estimate: &mut Estimate, scene: &Scene, context: &SolveContext, solution: &Solution) {
+    let errors = outcome::errors(context.problem, context, &solution.point);
     let at = (&solution.point, &solution.system);
-    let covariance = Covariance::new(frame, at, &solution.multipliers, &errors);
+    let covariance = Covariance::new(context, at, &solution.multipliers, &errors);
     let sds = |moments: &[Moment]| match &covariance {
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],
     };
-    let events = (0..scene.events.len()).map(|event| timing::event_moment(frame, event));
-    let parameters = frame.layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
-    let lasting = timing::duration(frame, &solution.point).moment;
+    let events = (0..scene.events.len()).map(|event| timing::event_moment(context, event));
+    let parameters = context.layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
+    let lasting = timing::duration(context, &solution.point).moment;
     let moments: Vec<Moment> = events.chain(parameters).chain([lasting]).collect();
     let mut each = moments.iter().zip(sds(&moments));
     let mut undetermined_times = Vec::new();
@@ -41,7 +41,7 @@ pub fn fill(estimate: &mut Estimate, scene: &Scene, frame: &Frame, solution: &So
     // A time line that is fixed has no deviation.
     let own_s = if lasting.is_empty() { Some(0.0) } else { own_s };
     let contradiction_s = covariance.as_ref().map_or(0.0, |covariance| {
-        timing::contradiction_s(frame, &solution.system, covariance)
+        timing::contradiction_s(context, &solution.system, covariance)
     });
     estimate.duration.sd_s = own_s.map(|own_s| own_s.hypot(contradiction_s));
     if !estimate.duration.is_determined() {

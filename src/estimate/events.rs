@@ -20,7 +20,7 @@ use super::constraint;
 use super::layout::STATE;
 use super::point::Point;
 use super::problem::Problem;
-use super::system::Frame;
+use super::system::SolveContext;
 use crate::physics::impact::ImpactDerivative;
 
 /// A body that turns less than this between samples is slow \[rad\].
@@ -34,13 +34,13 @@ const POSE: usize = STATE / 2;
 
 /// Moves the times of events at which bodies turn fast to where the arcs that `point` has, as they
 /// are, come nearest to what holds there: contact, one pose before and after, goals.
-pub(super) fn meet(frame: &Frame, point: &mut Point) {
-    for event in 0..frame.problem.event_is_free.len() {
-        let (interval_s, turned_rad) = between_samples(frame.problem, point, event);
-        if frame.problem.event_is_free[event] && turned_rad >= FAST_RAD {
+pub(super) fn align(context: &SolveContext, point: &mut Point) {
+    for event in 0..context.problem.event_is_free.len() {
+        let (interval_s, turned_rad) = between_samples(context.problem, point, event);
+        if context.problem.event_is_free[event] && turned_rad >= FAST_RAD {
             let reach_s = REACH_SAMPLES * interval_s;
             let steps = (REACH_SAMPLES * turned_rad / STEP_RAD).ceil();
-            point.event_times_s[event] = nearest_s(frame, point, event, (reach_s, steps as i32));
+            point.event_times_s[event] = nearest_s(context, point, event, (reach_s, steps as i32));
         }
     }
 }
@@ -64,13 +64,18 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
 
 /// The best of so many times on either side of an event's, and where a parabola through it and its
 /// neighbours is least \[s\].
-fn nearest_s(frame: &Frame, point: &Point, event: usize, (reach_s, steps): (f64, i32)) -> f64 {
+fn nearest_s(
+    context: &SolveContext,
+    point: &Point,
+    event: usize,
+    (reach_s, steps): (f64, i32),
+) -> f64 {
     let mut point = point.clone();
     let around_s = point.event_times_s[event];
     let step_s = reach_s / f64::from(steps);
     let mut misses = |time_s: f64| {
         point.event_times_s[event] = time_s;
-        miss(frame, &point, event)
+        miss(context, &point, event)
     };
     let times_s = (-steps..=steps).map(|step| around_s + f64::from(step) * step_s);
     let tried = times_s.map(|time_s| (misses(time_s), time_s));
@@ -86,8 +91,9 @@ fn nearest_s(frame: &Frame, point: &Point, event: usize, (reach_s, steps): (f64,
 }
 
 /// Sum of squares of what an event's contacts, poses and goals leave, in units.
-fn miss(frame: &Frame, point: &Point, event: usize) -> f64 {
-    let (problem, layout, epochs_s) = (frame.problem, frame.layout, frame.epochs_s.as_slice());
+fn miss(context: &SolveContext, point: &Point, event: usize) -> f64 {
+    let (problem, layout, epochs_s) =
+        (context.problem, context.layout, context.epochs_s.as_slice());
     let (mut block, mut gaps) = (Block::default(), Block::default());
     let mut derivative = ImpactDerivative::zeros();
     let (collisions, goals) = layout.blocks.split_at(problem.collisions.len());
@@ -156,8 +162,8 @@ mod tests {
         let problem = Problem::new(&scene, &sketch, &segments);
         let layout = Layout::new(&problem);
         let mut point = Point::new(&problem, &guess);
-        let frame = Frame::new(&problem, &layout, epochs_s(&guess), &point);
-        meet(&frame, &mut point);
+        let context = SolveContext::new(&problem, &layout, epochs_s(&guess), &point);
+        align(&context, &mut point);
         point.event_times_s[0]
     }
 

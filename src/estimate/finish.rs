@@ -1,31 +1,19 @@
-//! The finish: Newton steps on the optimality conditions until constraints hold to rounding.
-//!
-//! `[H Jᵀ; J 0][d; ν] = [−g; −c]` is solved by the method of multipliers on the quadratic
-//! model: one factorisation of `H + w JᵀJ`, which keeps the envelope and is positive definite
-//! where the solution is unique, then a few back-substitutions, each of which shrinks the
-//! error by the ratio of `H` to `w JᵀJ`. Steps are judged by the ℓ₁ merit.
+//! The finish: Newton steps on the optimality conditions ([`super::kkt`]) until constraints hold to
+//! rounding. Steps are judged by the ℓ₁ merit.
 
 use nalgebra::DVector;
 
-use super::acting::ActingSet;
+use super::active::ActiveSet;
 use super::curvature;
-use super::merit;
+use super::kkt::{Kkt, KktStep};
 use super::point::Point;
 use super::qp;
-use super::system::{Frame, Guidance, System};
+use super::system::{Guidance, SolveContext, System};
 use crate::math::envelope::Envelope;
 use crate::motion::Counters;
 
-/// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
-pub(super) const DAMPING: f64 = 1e-9;
-/// The linearised constraints hold well enough at this share of their violation (the next step
-/// leaves more by curvature), or at rounding.
-const EXACT: f64 = 1e-5;
-const ROUNDING: f64 = 1e-14;
-/// Rounds in which the set of acting bounds must settle.
-const ACTING_ROUNDS: usize = 12;
-/// Back-substitutions at most.
-const REFINEMENTS: usize = 8;
+/// Rounds in which the set of active bounds must settle.
+const ACTIVE_ROUNDS: usize = 12;
 /// After so many steps one that promises more than this share of what the one before did converges
 /// slowly.
 const SLOW: f64 = 0.5;
@@ -69,192 +57,6 @@ pub struct Finished {
     pub decrease: f64,
 }
 
-/// A solution of the linearised optimality conditions.
-pub struct KktStep {
-    /// The step.
-    pub delta: DVector<f64>,
-    /// The multipliers after it, row by row.
-    pub multipliers: Vec<f64>,
-}
-
-/// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
-pub struct Kkt {
-    matrix: Envelope,
-    /// `H`.
-    hessian: Envelope,
-    /// Weight of every row, zero of those that do not act.
-    weights: Vec<f64>,
-    /// Signed distance of every row from the bound that acts.
-    violations: Vec<f64>,
-    multipliers: Vec<f64>,
-    /// What keeps undetermined unknowns still: added to the diagonal.
-    damping: Vec<f64>,
-}
-
-impl Kkt {
-    /// Factorises with the rows acting that `multipliers` say; `None` where an unknown is
-    /// undetermined beyond the damping.
-    pub fn new(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let acting = ActingSet::of(frame, system, multipliers);
-        Self::with(frame, system, multipliers, (&acting, None))
-    }
-
-    /// The same for covariances: what a parameter's bound keeps in place is not known for that. It
-    /// weighs as half the width between the bounds for a standard deviation, or nothing where
-    /// there is only one.
-    pub fn with_soft_bounds(frame: &Frame, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let acting = ActingSet::of(frame, system, multipliers);
-        let (mut weights, violations) = acting.weights_and_violations(frame, system);
-        let mut multipliers = multipliers.to_vec();
-        let problem = frame.problem;
-        let bounds = problem.bounded.len() + problem.cones.len();
-        let (hard, soft) = system.blocks.split_at(system.blocks.len() - bounds);
-        let first: usize = hard.iter().map(|block| block.values.len()).sum();
-        let rows = soft.iter().flat_map(|block| &block.bounds);
-        for (row, (lower, upper)) in (first..).zip(rows) {
-            if weights[row] > 0.0 {
-                multipliers[row] = 0.0;
-                // A cone's row goes as the square of the distance from its middle.
-                let half_width = if lower.is_infinite() && row >= first + problem.bounded.len() {
-                    2.0 * upper
-                } else {
-                    0.5 * (upper - lower)
-                };
-                weights[row] = half_width.powi(-2);
-            }
-        }
-        // Samples hold every time that the tempo relates to others; a damping in proportion to how
-        // stiffly neighbours are held together would hold all of them.
-        let mut damping = vec![DAMPING; frame.layout.size()];
-        for node in frame.layout.nodes.iter().flatten() {
-            damping[*node] = 0.0;
-        }
-        let hessian = system.hessian.clone();
-        let weighed = (weights, violations);
-        Self::weighed(frame, (system, hessian), &multipliers, weighed, damping)
-    }
-
-    /// `curved` is the system's Hessian with the curvature of its constraints, where steps need it.
-    fn with(
-        frame: &Frame,
-        system: &System,
-        multipliers: &[f64],
-        (acting, curved): (&ActingSet, Option<&Envelope>),
-    ) -> Option<Self> {
-        let weighed = acting.weights_and_violations(frame, system);
-        let damping = vec![DAMPING; frame.layout.size()];
-        let hessian = curved.unwrap_or(&system.hessian).clone();
-        Self::weighed(frame, (system, hessian), multipliers, weighed, damping)
-    }
-
-    fn weighed(
-        frame: &Frame,
-        (system, mut hessian): (&System, Envelope),
-        multipliers: &[f64],
-        (weights, violations): (Vec<f64>, Vec<f64>),
-        mut damping: Vec<f64>,
-    ) -> Option<Self> {
-        let pattern = &frame.layout.pattern;
-        let pull = |row: usize| {
-            if weights[row] > 0.0 {
-                multipliers[row]
-            } else {
-                0.0
-            }
-        };
-        for (at, value) in merit::curvature(frame.layout, system, pull) {
-            hessian.add(pattern, at, at, value);
-        }
-        let mut matrix = hessian.clone();
-        for (row, damping) in damping.iter_mut().enumerate() {
-            *damping *= 1.0 + system.hessian.get(pattern, row, row);
-            matrix.add(pattern, row, row, *damping);
-        }
-        merit::add_square(frame.layout, system, &weights, &mut matrix);
-        matrix.factorise(pattern).ok()?;
-        Some(Self {
-            matrix,
-            hessian,
-            weights,
-            violations,
-            multipliers: multipliers.to_vec(),
-            damping,
-        })
-    }
-
-    /// The step to the optimum of the model at `system`.
-    pub fn step(&self, frame: &Frame, system: &System) -> KktStep {
-        let layout = frame.layout;
-        let (weights, violations) = (&self.weights, &self.violations);
-        let mut multipliers = self.multipliers.clone();
-        let mut delta = DVector::zeros(layout.size());
-        let mut residual = DVector::zeros(layout.size());
-        let mut rows = vec![0.0; multipliers.len()];
-        let largest = violations
-            .iter()
-            .fold(0.0, |most: f64, v| most.max(v.abs()));
-        for _ in 0..REFINEMENTS {
-            // Minus the gradient of the model's augmented Lagrangian at delta.
-            residual.copy_from(&system.gradient);
-            self.hessian
-                .multiply_add(&layout.pattern, &delta, &mut residual);
-            let pull = |row: usize| {
-                if weights[row] > 0.0 {
-                    multipliers[row] + weights[row] * (violations[row] + rows[row])
-                } else {
-                    0.0
-                }
-            };
-            merit::add_pull(layout, system, pull, &mut residual);
-            residual.neg_mut();
-            self.matrix.solve(&layout.pattern, &mut residual);
-            delta += &residual;
-            merit::along(layout, system, &delta, &mut rows);
-            let mut worst: f64 = 0.0;
-            for (row, multiplier) in multipliers.iter_mut().enumerate() {
-                let error = if weights[row] > 0.0 {
-                    violations[row] + rows[row]
-                } else {
-                    0.0
-                };
-                *multiplier += weights[row] * error;
-                worst = worst.max(error.abs());
-            }
-            if worst <= (EXACT * largest).max(ROUNDING) {
-                break;
-            }
-        }
-        for (multiplier, weight) in multipliers.iter_mut().zip(weights) {
-            if *weight == 0.0 {
-                *multiplier = 0.0;
-            }
-        }
-        KktStep { delta, multipliers }
-    }
-
-    /// The step that also removes what the constraints depart from their linearisation.
-    fn correct(
-        &self,
-        frame: &Frame,
-        system: &System,
-        trial: &System,
-        delta: &DVector<f64>,
-    ) -> DVector<f64> {
-        let weights = &self.weights;
-        delta + merit::correction(frame.layout, (system, trial), delta, weights, &self.matrix)
-    }
-
-    /// The damping's share of `xᵀ (H + w JᵀJ) x`.
-    pub fn damped(&self, x: &DVector<f64>) -> f64 {
-        x.iter().zip(&self.damping).map(|(x, d)| d * x * x).sum()
-    }
-
-    /// Solves `(H + w JᵀJ) x = b` in place.
-    pub fn solve(&self, frame: &Frame, b: &mut DVector<f64>) {
-        self.matrix.solve(&frame.layout.pattern, b);
-    }
-}
-
 /// What was taken of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Taken {
@@ -266,7 +68,7 @@ enum Taken {
 /// A point on its way through the finish.
 pub struct Finish<'a> {
     /// What stays fixed.
-    pub frame: &'a Frame<'a>,
+    pub context: &'a SolveContext<'a>,
     /// Where it stands.
     pub point: Point,
     /// Objective and constraints there.
@@ -284,7 +86,7 @@ impl Finish<'_> {
         tolerances: &Tolerances,
         should_stop: &mut dyn FnMut() -> bool,
     ) -> Finished {
-        let guidance = Guidance::none(self.frame.problem);
+        let guidance = Guidance::none(self.context.problem);
         let mut trial = (self.point.clone(), self.system.clone());
         let mut finished = Finished {
             converged: false,
@@ -344,7 +146,7 @@ impl Finish<'_> {
         let mut curved = self.system.hessian.clone();
         let multipliers = &self.multipliers;
         curvature::add(
-            self.frame,
+            self.context,
             &self.system,
             &self.point,
             multipliers,
@@ -354,23 +156,23 @@ impl Finish<'_> {
     }
 
     fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
-        let (frame, system) = (self.frame, &self.system);
-        let mut acting = ActingSet::of(frame, system, &self.multipliers);
+        let (context, system) = (self.context, &self.system);
+        let mut active = ActiveSet::of(context, system, &self.multipliers);
         let mut tried = Vec::new();
-        while tried.len() < ACTING_ROUNDS && !tried.contains(&acting) {
+        while tried.len() < ACTIVE_ROUNDS && !tried.contains(&active) {
             self.counters.factorisations += 1;
-            let kkt = Kkt::with(frame, system, &self.multipliers, (&acting, curved))?;
-            let step = kkt.step(frame, system);
-            tried.push(acting.clone());
-            if !acting.revise(frame, system, &step) {
+            let kkt = Kkt::with(context, system, &self.multipliers, (&active, curved))?;
+            let step = kkt.step(context, system);
+            tried.push(active.clone());
+            if !active.revise(context, system, (&step.delta, &step.multipliers)) {
                 return Some((kkt, step));
             }
         }
-        let multipliers = qp::multipliers(frame, system);
+        let multipliers = qp::multipliers(context, system);
         let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
         self.counters.factorisations += 1;
-        let kkt = Kkt::new(frame, system, multipliers)?;
-        let step = kkt.step(frame, system);
+        let kkt = Kkt::new(context, system, multipliers)?;
+        let step = kkt.step(context, system);
         Some((kkt, step))
     }
 
@@ -380,8 +182,13 @@ impl Finish<'_> {
         delta: &DVector<f64>,
         (point, system): &mut (Point, System),
     ) {
-        point.retract_from(&self.point, self.frame.problem, self.frame.layout, delta);
-        system.evaluate(self.frame, guidance, point);
+        point.retract_from(
+            &self.point,
+            self.context.problem,
+            self.context.layout,
+            delta,
+        );
+        system.evaluate(self.context, guidance, point);
         self.counters.evaluations += 1;
     }
 
@@ -395,8 +202,8 @@ impl Finish<'_> {
     ) -> Taken {
         let largest =
             |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
-        let merit = |system: &System| system.cost + price * system.total_violation();
+        let lagrangian = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
+        let merit = |system: &System| system.cost + lagrangian * system.total_violation();
         let enough = merit(&self.system) * (1.0 + 1e-14);
         let mut delta = step.delta.clone();
         for halving in 0..HALVINGS_MAX {
@@ -409,7 +216,7 @@ impl Finish<'_> {
                 };
             }
             if halving == 0 {
-                let corrected = kkt.correct(self.frame, &self.system, &trial.1, &delta);
+                let corrected = kkt.correct(self.context, &self.system, &trial.1, &delta);
                 self.evaluate(guidance, &corrected, trial);
                 if merit(&trial.1) <= enough {
                     return Taken::Whole;

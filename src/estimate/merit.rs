@@ -1,4 +1,4 @@
-//! The augmented Lagrangian: objective, multipliers and a quadratic price on constraints.
+//! The augmented Lagrangian: objective, multipliers and a quadratic penalty on constraints.
 //!
 //! For rows `lower ≤ v ≤ upper` with weight `w` and multiplier `ν` it adds
 //! `½ w dist²(v + ν/w, [lower, upper])`: equalities, one-sided and two-sided rows follow one
@@ -14,7 +14,7 @@ use crate::math::envelope::Envelope;
 
 /// Weight and multipliers.
 #[derive(Clone, Debug)]
-pub struct Price {
+pub struct AugmentedLagrangian {
     /// Weight `w` of every row, per squared unit.
     pub weight: f64,
     /// Weight of approach rows; another one while they lead the way.
@@ -23,7 +23,7 @@ pub struct Price {
     pub multipliers: Vec<f64>,
 }
 
-/// What the rows of a system contribute at a price.
+/// What the rows of a system contribute.
 #[derive(Clone, Debug, Default)]
 pub struct Acting {
     /// `w` of a row that acts, zero of one that does not.
@@ -34,7 +34,7 @@ pub struct Acting {
     pub violations: Vec<f64>,
 }
 
-impl Price {
+impl AugmentedLagrangian {
     /// A weight and no multipliers yet.
     pub fn new(system: &System, weight: f64) -> Self {
         Self {

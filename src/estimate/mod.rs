@@ -5,13 +5,13 @@
 //! sample times are unknowns and [`point`] holding a value of all. Its terms: [`samples`], [`tempo`],
 //! [`mark`], [`constraint`] and [`collision`], whose
 //! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
-//! [`descend`] and [`finish`] (with [`acting`] and [`qp`] to say which bounds act) move the point,
+//! [`descend`] and [`finish`] (by the steps of [`kkt`], with [`active`] and [`qp`] to say which bounds act) move the point,
 //! [`events`] lets it begin, [`recipe`] is the loop.
 //! What is said of it: [`outcome`], [`covariance`], `timing`, `deviation`. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
-pub mod acting;
-mod arrival;
+pub mod active;
+mod arc_end;
 pub mod block;
 pub mod bound;
 pub mod collision;
@@ -22,6 +22,7 @@ pub mod descend;
 mod deviation;
 pub mod events;
 pub mod finish;
+pub mod kkt;
 pub mod layout;
 pub mod mark;
 pub mod merit;

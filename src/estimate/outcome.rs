@@ -5,7 +5,7 @@ use super::constraint;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::Solution;
-use super::system::{Frame, System};
+use super::system::{SolveContext, System};
 use super::timing;
 use crate::math::so3;
 use crate::motion::{
@@ -27,14 +27,14 @@ pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
     segments: &[Segment],
-    frame: &Frame,
+    context: &SolveContext,
     solution: &Solution,
 ) -> Estimate {
-    let problem = frame.problem;
+    let problem = context.problem;
     let point = &solution.point;
-    let errors = errors(problem, frame, point);
+    let errors = errors(problem, context, point);
     let events = events(scene, sketch, problem, solution);
-    let arcs = arcs(problem, frame, point, &events);
+    let arcs = arcs(problem, context, point, &events);
     let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
     let parameters = problem.parameters.iter().zip(&point.parameters);
     Estimate {
@@ -48,7 +48,7 @@ pub fn estimate(
         sample_times: sample_times(sketch, segments, problem, point),
         events,
         duration: DurationEstimate {
-            duration_s: timing::duration(frame, point).duration_s,
+            duration_s: timing::duration(context, point).duration_s,
             sd_s: None,
         },
         parameters: parameters
@@ -179,7 +179,7 @@ fn judge(
 
 fn arcs(
     problem: &Problem,
-    frame: &Frame,
+    context: &SolveContext,
     point: &Point,
     events: &[EventEstimate],
 ) -> Vec<ArcEstimate> {
@@ -195,7 +195,7 @@ fn arcs(
         .enumerate()
         .map(|(index, arc)| ArcEstimate {
             body: arc.body,
-            epoch_s: frame.epochs_s[index],
+            epoch_s: context.epochs_s[index],
             state: point.arcs[index],
             start_s: match arc.start {
                 Some(event) => events[event].time_s,
@@ -212,7 +212,7 @@ fn arcs(
 }
 
 /// Residuals of every sample, arc by arc, in the problem's units: position, then orientation.
-pub fn errors(problem: &Problem, frame: &Frame, point: &Point) -> Vec<Vec<[f64; 6]>> {
+pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Vec<[f64; 6]>> {
     let gravity = problem.gravity(&point.parameters);
     let arcs = problem.arcs.iter().enumerate();
     arcs.map(|(index, arc)| {
@@ -222,7 +222,7 @@ pub fn errors(problem: &Problem, frame: &Frame, point: &Point) -> Vec<Vec<[f64; 
         let samples = arc.samples.iter();
         samples
             .map(|sample| {
-                let s = sample.time_s(&point.node_times_s) - frame.epochs_s[index];
+                let s = sample.time_s(&point.node_times_s) - context.epochs_s[index];
                 let position_m = flow::position(&gravity, state, s);
                 let orientation = state.orientation * spin.turn(s);
                 let shift = (position_m - sample.position_m) / problem.position_unit_m;

@@ -10,7 +10,7 @@ use crate::motion::{
     Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
 use crate::physics::Body;
-use crate::physics::impact::{Law, Meeting};
+use crate::physics::impact::{ContactSet, Law};
 
 /// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
 pub mod unit {
@@ -24,7 +24,7 @@ pub mod unit {
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
 }
 
-/// Price of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
+/// AugmentedLagrangian of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
 /// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
 /// faces, and leaves the performance by four times as far.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
@@ -87,7 +87,7 @@ pub struct Collision {
     /// The body, and the other one where it does not hit the static world.
     pub sides: Vec<Side>,
     /// Where they touch.
-    pub meeting: Meeting,
+    pub meeting: ContactSet,
     /// Whether a goal holds the body in touch already, so that no row needs to.
     pub touches_by_goal: bool,
     /// Restitution, friction and tilt, where they are not free.
@@ -170,7 +170,7 @@ pub struct Problem {
     pub bounded: Vec<usize>,
     /// Pairs of them within a circle.
     pub cones: Vec<Cone>,
-    /// Price of a squared unit of velocity gap; `None` where velocities are continuous through
+    /// AugmentedLagrangian of a squared unit of velocity gap; `None` where velocities are continuous through
     /// impacts.
     pub velocity_gap_weight: Option<f64>,
     /// Acted times of the time map's nodes, distinct and increasing \[s\]: those of all samples, or
@@ -277,7 +277,7 @@ impl Problem {
     }
 
     /// The same with velocity gaps priced instead of closed.
-    pub fn bent(&self) -> Self {
+    pub fn with_velocity_gaps(&self) -> Self {
         Self {
             velocity_gap_weight: Some(VELOCITY_GAP_WEIGHT * self.information()),
             ..self.clone()

@@ -2,13 +2,13 @@
 //!
 //! `min ½ δᵀHδ + gᵀδ` subject to `lower ≤ v + Jδ ≤ upper`, row by row, and tilts in their
 //! cones. An interior-point method
-//! answers to about eight digits; the finish takes the set of acting rows from its multipliers
+//! answers to about eight digits; the finish takes the set of active rows from its multipliers
 //! and solves for the step exactly.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::system::{Frame, System};
+use super::system::{SolveContext, System};
 
 /// Added to the diagonal, relative: clarabel takes an indefinite matrix without a word.
 const CONVEX: f64 = 1e-9;
@@ -17,8 +17,8 @@ const ZERO: f64 = 1e-6;
 
 /// Multipliers of all rows at the programme's optimum, zero for rows that do not act; `None`
 /// where clarabel does not solve it.
-pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
-    let layout = frame.layout;
+pub fn multipliers(context: &SolveContext, system: &System) -> Option<Vec<f64>> {
+    let layout = context.layout;
     let size = layout.size();
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (row, column, value) in system.hessian.triplets(&layout.pattern) {
@@ -35,7 +35,7 @@ pub fn multipliers(frame: &Frame, system: &System) -> Option<Vec<f64>> {
     let p = CscMatrix::new_from_triplets(size, size, rows, columns, values);
 
     let sides = sides(system);
-    let circles = circles(frame, system);
+    let circles = circles(context, system);
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (index, side) in sides.iter().enumerate() {
         let (block, pattern) = (&system.blocks[side.block], &layout.blocks[side.block]);
@@ -101,15 +101,15 @@ struct Circle {
     values: [f64; 2],
 }
 
-fn circles(frame: &Frame, system: &System) -> Vec<Circle> {
-    let problem = frame.problem;
+fn circles(context: &SolveContext, system: &System) -> Vec<Circle> {
+    let problem = context.problem;
     let first = system.blocks.len() - problem.cones.len();
     let rows_before: usize = system.blocks[..first].iter().map(|b| b.values.len()).sum();
     let cones = problem.cones.iter().enumerate();
     cones
         .map(|(number, cone)| {
             let block = &system.blocks[first + number];
-            let derivatives = block.derivatives(&frame.layout.blocks[first + number], 0);
+            let derivatives = block.derivatives(&context.layout.blocks[first + number], 0);
             Circle {
                 index: rows_before + number,
                 block: first + number,

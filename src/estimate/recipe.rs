@@ -12,10 +12,10 @@ use super::descend::{Descent, Patience};
 use super::events;
 use super::finish::{Finish, Finished, Tolerances};
 use super::layout::Layout;
-use super::merit::Price;
+use super::merit::AugmentedLagrangian;
 use super::point::Point;
 use super::problem::Problem;
-use super::system::{Frame, Guidance, System};
+use super::system::{Guidance, SolveContext, System};
 use crate::motion::{Counters, Guess, Observer, Phase};
 
 /// A violation that the greatest weight leaves only where there is nothing better, in units.
@@ -152,16 +152,16 @@ pub fn solve(
     observer: &mut dyn Observer,
 ) -> Solution {
     let mut start = Point::new(problem, guess);
-    let frame = Frame::new(problem, layout, epochs_s(guess), &start);
+    let context = SolveContext::new(problem, layout, epochs_s(guess), &start);
     let information = problem.information();
     let recipe = &recipe.scaled(problem);
     // Without a sweep the start is near.
     if !recipe.sweep_weights.is_empty() {
-        events::meet(&frame, &mut start);
+        events::align(&context, &mut start);
     }
-    let mut guidance = leading(&frame, &start);
+    let mut guidance = leading(&context, &start);
     guidance.orientations_per_arc = recipe.orientations_per_arc;
-    let mut descent = Descent::new(&frame, start);
+    let mut descent = Descent::new(&context, start);
 
     observer.phase(Phase::Sweep);
     for weight in &recipe.sweep_weights {
@@ -170,13 +170,13 @@ pub fn solve(
             guidance.event_sd_s = Some(recipe.event_sd_s * 10f64.powf(0.5 * loosened));
         }
         descent.refresh(&guidance);
-        let mut price = Price::new(&descent.system, *weight);
-        price.approach_weight = weight.max(100.0 * information);
+        let mut lagrangian = AugmentedLagrangian::new(&descent.system, *weight);
+        lagrangian.approach_weight = weight.max(100.0 * information);
         let patience = Patience {
             steps: recipe.sweep_steps,
             gain: recipe.gain,
         };
-        descent.run(&guidance, &price, patience);
+        descent.run(&guidance, &lagrangian, patience);
         if observer.should_stop() {
             break;
         }
@@ -188,13 +188,13 @@ pub fn solve(
         orientations_per_arc: recipe.orientations_per_arc,
         ..exact.clone()
     };
-    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
+    let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight);
     if recipe.multiplier_rounds.0 > 0 {
         descent.refresh(&coarse);
-        tighten(&mut descent, &coarse, &mut price, recipe, observer);
+        tighten(&mut descent, &coarse, &mut lagrangian, recipe, observer);
     }
     descent.refresh(&exact);
-    let mut solution = conclude(descent, &price, recipe, observer);
+    let mut solution = conclude(descent, &lagrangian, recipe, observer);
     for retry in 0..recipe.retries {
         let is_hopeless = retry > 0 && solution.gave_up();
         if solution.finished.converged || solution.stopped || is_hopeless {
@@ -202,18 +202,18 @@ pub fn solve(
         }
         // Where full steps lead nowhere, damped ones with all samples come closer.
         observer.phase(Phase::Multipliers);
-        let mut descent = Descent::new(&frame, solution.point);
+        let mut descent = Descent::new(&context, solution.point);
         descent.counters = solution.counters;
         descent.refresh(&exact);
-        let mut price = Price::new(&descent.system, recipe.multiplier_weight);
-        price.multipliers = solution.multipliers;
+        let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight);
+        lagrangian.multipliers = solution.multipliers;
         let patient = Recipe {
             gain: 1e-7 * recipe.gain,
             finish_below: 1e-5,
             ..recipe.clone()
         };
-        tighten(&mut descent, &exact, &mut price, &patient, observer);
-        solution = conclude(descent, &price, recipe, observer);
+        tighten(&mut descent, &exact, &mut lagrangian, &patient, observer);
+        solution = conclude(descent, &lagrangian, recipe, observer);
     }
     solution
 }
@@ -239,26 +239,26 @@ impl Descent<'_> {
 /// The finish, from where a descent ended.
 fn conclude(
     descent: Descent,
-    price: &Price,
+    lagrangian: &AugmentedLagrangian,
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let multipliers = price.multipliers.clone();
+    let multipliers = lagrangian.multipliers.clone();
     // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
     // steps that meet them exactly would only lead astray.
-    if descent.system.violation() > HOPELESS && price.weight >= recipe.weight_max() {
+    if descent.system.violation() > HOPELESS && lagrangian.weight >= recipe.weight_max() {
         return descent.given_up(multipliers);
     }
     observer.phase(Phase::Finish);
     let Descent {
-        frame,
+        context,
         point,
         system,
         counters,
         ..
     } = descent;
     let mut finish = Finish {
-        frame,
+        context,
         point,
         system,
         multipliers,
@@ -290,7 +290,7 @@ fn conclude(
 fn tighten(
     descent: &mut Descent,
     guidance: &Guidance,
-    price: &mut Price,
+    lagrangian: &mut AugmentedLagrangian,
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) {
@@ -302,10 +302,10 @@ fn tighten(
     let mut violation = f64::INFINITY;
     let mut stalled = 0;
     for _ in 0..rounds {
-        descent.run(guidance, price, patience);
-        price.update(&descent.system);
+        descent.run(guidance, lagrangian, patience);
+        lagrangian.update(&descent.system);
         let now = descent.system.violation();
-        let is_stalled = now > STALLED * violation && price.weight >= recipe.weight_max();
+        let is_stalled = now > STALLED * violation && lagrangian.weight >= recipe.weight_max();
         stalled = if is_stalled { stalled + 1 } else { 0 };
         let is_hopeless = now > HOPELESS && stalled >= STALLED_ROUNDS;
         if now < recipe.finish_below || is_hopeless || observer.should_stop() {
@@ -313,8 +313,8 @@ fn tighten(
         }
         // Where multipliers alone are slow, the weight helps.
         if now > 0.25 * violation {
-            price.weight = (price.weight * 10.0).min(recipe.weight_max());
-            price.approach_weight = price.weight;
+            lagrangian.weight = (lagrangian.weight * 10.0).min(recipe.weight_max());
+            lagrangian.approach_weight = lagrangian.weight;
         }
         violation = now;
     }
@@ -322,12 +322,12 @@ fn tighten(
 
 /// What leads the sweep: contacts approach at least at three tenths of the speed that the arc
 /// fits say, or an impulse could die while the penalty is loose. Events are pulled to where they begin.
-pub(super) fn leading(frame: &Frame, start: &Point) -> Guidance {
-    let problem = frame.problem;
+pub(super) fn leading(context: &SolveContext, start: &Point) -> Guidance {
+    let problem = context.problem;
     let mut guidance = Guidance::none(problem);
     guidance.event_times_s.clone_from(&start.event_times_s);
     for (index, of) in problem.collisions.iter().enumerate() {
-        let fastest_m_s = collision::fastest_approach_m_s(problem, of, start, &frame.epochs_s);
+        let fastest_m_s = collision::fastest_approach_m_s(problem, of, start, &context.epochs_s);
         guidance.approach_limits_m_s[index] = (0.3 * fastest_m_s).min(-0.1);
     }
     guidance

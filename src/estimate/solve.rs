@@ -7,7 +7,7 @@ use super::outcome;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
-use super::system::{Frame, Guidance, System};
+use super::system::{Guidance, SolveContext, System};
 use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
 };
@@ -32,8 +32,8 @@ impl Solved {
             epochs_s,
             solution,
         } = self;
-        let frame = posed.frame(epochs_s, &solution.point);
-        deviation::fill(&mut estimate, scene, &frame, &solution);
+        let context = posed.context(epochs_s, &solution.point);
+        deviation::fill(&mut estimate, scene, &context, &solution);
         estimate
     }
 }
@@ -73,7 +73,7 @@ pub fn estimate(
         .as_ref()
         .is_some_and(|(_, solution)| is_final(solution))
     {
-        let relaxed = Posed::new(exact.problem.bent());
+        let relaxed = Posed::new(exact.problem.with_velocity_gaps());
         let (best, solution) = relaxed.best(guesses, recipe, observer);
         work.add(&solution.counters);
         let closed = (!is_hopeless && !solution.stopped).then(|| {
@@ -91,10 +91,10 @@ pub fn estimate(
     let (best, mut solution) = found.expect("solved one way or the other");
     solution.counters = work;
     let posed = bent.unwrap_or(exact);
-    let frame = posed.frame(recipe::epochs_s(&guesses[best]), &solution.point);
+    let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
     Solved {
-        estimate: outcome::estimate(scene, sketch, segments, &frame, &solution),
-        epochs_s: frame.epochs_s,
+        estimate: outcome::estimate(scene, sketch, segments, &context, &solution),
+        epochs_s: context.epochs_s,
         posed,
         solution,
     }
@@ -113,8 +113,8 @@ impl Posed {
         Self { problem, layout }
     }
 
-    fn frame(&self, epochs_s: Vec<f64>, point: &Point) -> Frame<'_> {
-        Frame::new(&self.problem, &self.layout, epochs_s, point)
+    fn context(&self, epochs_s: Vec<f64>, point: &Point) -> SolveContext<'_> {
+        SolveContext::new(&self.problem, &self.layout, epochs_s, point)
     }
 
     fn best(
@@ -167,8 +167,8 @@ pub fn cost(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess: &Guess)
     let problem = Problem::new(scene, sketch, segments);
     let layout = Layout::new(&problem);
     let start = Point::new(&problem, guess);
-    let frame = Frame::new(&problem, &layout, recipe::epochs_s(guess), &start);
-    let mut system = System::new(&frame);
-    system.evaluate(&frame, &Guidance::none(&problem), &start);
+    let context = SolveContext::new(&problem, &layout, recipe::epochs_s(guess), &start);
+    let mut system = System::new(&context);
+    system.evaluate(&context, &Guidance::none(&problem), &start);
     system.cost
 }

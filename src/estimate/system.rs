@@ -16,7 +16,7 @@ use crate::physics::state::part;
 
 /// What stays fixed while one problem is solved.
 #[derive(Clone, Debug)]
-pub struct Frame<'a> {
+pub struct SolveContext<'a> {
     /// The problem.
     pub problem: &'a Problem,
     /// Where its unknowns sit.
@@ -27,8 +27,8 @@ pub struct Frame<'a> {
     pub sums: Vec<ArcSums>,
 }
 
-impl<'a> Frame<'a> {
-    /// A frame about `point`.
+impl<'a> SolveContext<'a> {
+    /// A context about `point`.
     pub fn new(
         problem: &'a Problem,
         layout: &'a Layout,
@@ -109,35 +109,35 @@ pub struct System {
 
 impl System {
     /// All zero.
-    pub fn new(frame: &Frame) -> Self {
-        let blocks = frame.layout.blocks.iter().map(Block::zeros);
+    pub fn new(context: &SolveContext) -> Self {
+        let blocks = context.layout.blocks.iter().map(Block::zeros);
         Self {
             cost: 0.0,
-            gradient: DVector::zeros(frame.layout.size()),
-            hessian: Envelope::zeros(&frame.layout.pattern),
+            gradient: DVector::zeros(context.layout.size()),
+            hessian: Envelope::zeros(&context.layout.pattern),
             blocks: blocks.collect(),
-            velocity_gaps: vec![Block::default(); frame.problem.collisions.len()],
+            velocity_gaps: vec![Block::default(); context.problem.collisions.len()],
             impact: ImpactDerivative::zeros(),
         }
     }
 
     /// Evaluates everything at `point`.
-    pub fn evaluate(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
+    pub fn evaluate(&mut self, context: &SolveContext, guidance: &Guidance, point: &Point) {
         self.cost = 0.0;
         self.gradient.fill(0.0);
         self.hessian.clear();
-        self.add_samples(frame, guidance, point);
-        self.add_priors(frame, guidance, point);
-        self.fill_constraints(frame, guidance, point);
-        let problem = frame.problem;
+        self.add_samples(context, guidance, point);
+        self.add_priors(context, guidance, point);
+        self.fill_constraints(context, guidance, point);
+        let problem = context.problem;
         if let Some(weight) = problem.velocity_gap_weight {
-            self.add_velocity_gaps(frame, weight);
+            self.add_velocity_gaps(context, weight);
         }
     }
 
-    fn fill_constraints(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
-        let (problem, layout) = (frame.problem, frame.layout);
-        let epochs_s = &frame.epochs_s;
+    fn fill_constraints(&mut self, context: &SolveContext, guidance: &Guidance, point: &Point) {
+        let (problem, layout) = (context.problem, context.layout);
+        let epochs_s = &context.epochs_s;
         let mut blocks = layout.blocks.iter().zip(&mut self.blocks);
         let gaps = layout.velocity_gaps.iter().zip(&mut self.velocity_gaps);
         let collisions = problem.collisions.iter().zip(&guidance.approach_limits_m_s);
@@ -159,8 +159,8 @@ impl System {
     }
 
     /// Half the weighted squares of what velocities jump beyond their impacts.
-    fn add_velocity_gaps(&mut self, frame: &Frame, weight: f64) {
-        let layout = frame.layout;
+    fn add_velocity_gaps(&mut self, context: &SolveContext, weight: f64) {
+        let layout = context.layout;
         for (block, pattern) in self.velocity_gaps.iter().zip(&layout.velocity_gaps) {
             let values = &block.values;
             self.cost += 0.5 * weight * values.iter().map(|v| v * v).sum::<f64>();
@@ -169,17 +169,17 @@ impl System {
         }
     }
 
-    fn add_samples(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
-        let (problem, layout) = (frame.problem, frame.layout);
+    fn add_samples(&mut self, context: &SolveContext, guidance: &Guidance, point: &Point) {
+        let (problem, layout) = (context.problem, context.layout);
         let gravity = problem.gravity(&point.parameters);
         for (index, arc) in problem.arcs.iter().enumerate() {
-            let flight = (&point.arcs[index], frame.epochs_s[index]);
+            let flight = (&point.arcs[index], context.epochs_s[index]);
             let times_s = &point.node_times_s;
             let terms = if problem.times_are_unknown() {
                 let of = (arc, guidance.stride(arc));
                 samples::unknown_times(problem, of, flight, &gravity, times_s, |node, terms| {
                     if let Some(at) = layout.nodes[node] {
-                        self.add_time(frame, index, at, &terms);
+                        self.add_time(context, index, at, &terms);
                         if terms.with_next != 0.0
                             && let Some(next) = layout.nodes[node + 1]
                         {
@@ -189,16 +189,22 @@ impl System {
                     }
                 })
             } else {
-                let sums = &frame.sums[index];
+                let sums = &context.sums[index];
                 let stride = (arc.samples.len() / guidance.orientations_per_arc).max(1);
                 samples::known_times(problem, arc, (sums, stride), flight, &gravity, times_s)
             };
-            self.add_arc(frame, layout.arcs[index], &terms);
+            self.add_arc(context, layout.arcs[index], &terms);
         }
     }
 
-    fn add_time(&mut self, frame: &Frame, arc: usize, at: usize, terms: &samples::TimeTerms) {
-        let layout = frame.layout;
+    fn add_time(
+        &mut self,
+        context: &SolveContext,
+        arc: usize,
+        at: usize,
+        terms: &samples::TimeTerms,
+    ) {
+        let layout = context.layout;
         self.gradient[at] += terms.gradient;
         self.hessian.add(&layout.pattern, at, at, terms.square);
         let state = layout.arcs[arc];
@@ -209,7 +215,7 @@ impl System {
             }
         }
         for axis in 0..3 {
-            if let Some(parameter) = frame.problem.gravity_parameters[axis] {
+            if let Some(parameter) = context.problem.gravity_parameters[axis] {
                 let row = layout.parameters[parameter];
                 self.hessian
                     .add(&layout.pattern, row, at, terms.cross[4][axis]);
@@ -217,8 +223,8 @@ impl System {
         }
     }
 
-    fn add_arc(&mut self, frame: &Frame, at: usize, terms: &ArcTerms) {
-        let pattern = &frame.layout.pattern;
+    fn add_arc(&mut self, context: &SolveContext, at: usize, terms: &ArcTerms) {
+        let pattern = &context.layout.pattern;
         let [p0, p1, p2, p3, p4] = terms.powers;
         self.cost += terms.cost + terms.turn.cost;
         let [x, v, r, w] = [
@@ -250,8 +256,8 @@ impl System {
                     self.hessian.add(pattern, w + axis, w + other, square);
                 }
             }
-            if let Some(parameter) = frame.problem.gravity_parameters[axis] {
-                let g = frame.layout.parameters[parameter];
+            if let Some(parameter) = context.problem.gravity_parameters[axis] {
+                let g = context.layout.parameters[parameter];
                 self.gradient[g] += terms.position_gradient[2][axis];
                 self.hessian.add(pattern, g, x + axis, 0.5 * p2);
                 self.hessian.add(pattern, g, v + axis, 0.5 * p3);
@@ -260,56 +266,56 @@ impl System {
         }
     }
 
-    fn add_priors(&mut self, frame: &Frame, guidance: &Guidance, point: &Point) {
-        let (problem, layout) = (frame.problem, frame.layout);
+    fn add_priors(&mut self, context: &SolveContext, guidance: &Guidance, point: &Point) {
+        let (problem, layout) = (context.problem, context.layout);
         if let Some(sd) = problem.tempo_sd_per_sqrt_s {
             for first in 0..problem.nodes_acted_s.len().saturating_sub(2) {
-                self.add_tempo(frame, point, first, sd);
+                self.add_tempo(context, point, first, sd);
             }
         }
         for mark in &problem.marks {
             let term = mark.term(problem, point);
-            self.add_residual(frame, layout.of_mark(mark), term.residual, term.jacobian);
+            self.add_residual(context, layout.of_mark(mark), term.residual, term.jacobian);
         }
         for (index, free) in problem.parameters.iter().enumerate() {
             if let Some(sd) = free.prior_sd {
                 let offset = point.parameters[index] - free.initial;
-                self.add_pull(frame, layout.parameters[index], offset, sd);
+                self.add_pull(context, layout.parameters[index], offset, sd);
             }
         }
         if let Some(sd_s) = guidance.event_sd_s {
             for (event, at) in layout.events.iter().enumerate() {
                 if let Some(at) = *at {
                     let offset = point.event_times_s[event] - guidance.event_times_s[event];
-                    self.add_pull(frame, at, offset, sd_s);
+                    self.add_pull(context, at, offset, sd_s);
                 }
             }
         }
     }
 
     /// Half the square of `offset/sd`, for one unknown.
-    fn add_pull(&mut self, frame: &Frame, at: usize, offset: f64, sd: f64) {
+    fn add_pull(&mut self, context: &SolveContext, at: usize, offset: f64, sd: f64) {
         let weight = 1.0 / (sd * sd);
         self.cost += 0.5 * weight * offset * offset;
         self.gradient[at] += weight * offset;
-        self.hessian.add(&frame.layout.pattern, at, at, weight);
+        self.hessian.add(&context.layout.pattern, at, at, weight);
     }
 
-    fn add_tempo(&mut self, frame: &Frame, point: &Point, first: usize, sd: f64) {
+    fn add_tempo(&mut self, context: &SolveContext, point: &Point, first: usize, sd: f64) {
         let three = |values: &[f64]| [values[first], values[first + 1], values[first + 2]];
         let term = tempo::term(
             &three(&point.node_times_s),
-            &three(&frame.problem.nodes_acted_s),
+            &three(&context.problem.nodes_acted_s),
             sd,
         );
-        let unknowns = [0, 1, 2].map(|node| frame.layout.nodes[first + node]);
-        self.add_residual(frame, unknowns, term.residual, term.jacobian);
+        let unknowns = [0, 1, 2].map(|node| context.layout.nodes[first + node]);
+        self.add_residual(context, unknowns, term.residual, term.jacobian);
     }
 
     /// Half the square of a residual of three unknowns, some of which may be fixed.
     fn add_residual(
         &mut self,
-        frame: &Frame,
+        context: &SolveContext,
         unknowns: [Option<usize>; 3],
         residual: f64,
         jacobian: [f64; 3],
@@ -321,7 +327,8 @@ impl System {
             for (j, column) in unknowns.into_iter().enumerate() {
                 if let Some(column) = column.filter(|column| *column <= row) {
                     let value = jacobian[i] * jacobian[j];
-                    self.hessian.add(&frame.layout.pattern, row, column, value);
+                    self.hessian
+                        .add(&context.layout.pattern, row, column, value);
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe};
-use super::system::{Frame, Guidance, System};
+use super::system::{Guidance, SolveContext, System};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
@@ -285,10 +285,10 @@ fn lengths(layout: &Layout) -> Vec<f64> {
     lengths
 }
 
-/// Runs `check` on frame, guidance, point and step lengths: for one body, for two that stick and
+/// Runs `check` on context, guidance, point and step lengths: for one body, for two that stick and
 /// that slide, for several contacts at once; with known and unknown times, and read so fast that
 /// samples share the nodes of those.
-pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &[f64])) {
+pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &Point, &[f64])) {
     let timings = [
         Timing::Known,
         Timing::Unknown {
@@ -329,29 +329,40 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&Frame, &Guidance, &Point, &
         for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {
             problem.velocity_gap_weight = velocity_gap_weight;
             let layout = Layout::new(&problem);
-            let frame = Frame::new(&problem, &layout, recipe::epochs_s(&guess), &point);
-            check(&frame, &Guidance::none(&problem), &point, &lengths(&layout));
+            let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &point);
+            check(
+                &context,
+                &Guidance::none(&problem),
+                &point,
+                &lengths(&layout),
+            );
         }
     }
 }
 
 /// The system at `point` moved by `d`, in units of `lengths`.
-fn moved(frame: &Frame, guidance: &Guidance, point: &Point, lengths: &[f64], d: &[f64]) -> System {
+fn moved(
+    context: &SolveContext,
+    guidance: &Guidance,
+    point: &Point,
+    lengths: &[f64],
+    d: &[f64],
+) -> System {
     let delta = DVector::from_iterator(d.len(), d.iter().zip(lengths).map(|(d, l)| d * l));
     let mut there = point.clone();
-    there.retract_from(point, frame.problem, frame.layout, &delta);
-    let mut system = System::new(frame);
-    system.evaluate(frame, guidance, &there);
+    there.retract_from(point, context.problem, context.layout, &delta);
+    let mut system = System::new(context);
+    system.evaluate(context, guidance, &there);
     system
 }
 
 #[test]
 fn the_gradient_of_the_objective_is_exact() {
-    each_case(1.0, |frame, guidance, point, lengths| {
-        let size = frame.layout.size();
-        let exact = moved(frame, guidance, point, lengths, &vec![0.0; size]).gradient;
+    each_case(1.0, |context, guidance, point, lengths| {
+        let size = context.layout.size();
+        let exact = moved(context, guidance, point, lengths, &vec![0.0; size]).gradient;
         let numeric = differentiate::jacobian(1, size, |d| {
-            vec![moved(frame, guidance, point, lengths, d).cost]
+            vec![moved(context, guidance, point, lengths, d).cost]
         });
         for at in 0..size {
             let expected = exact[at] * lengths[at];
@@ -367,19 +378,19 @@ fn the_gradient_of_the_objective_is_exact() {
 
 #[test]
 fn the_hessian_is_exact_where_nothing_remains() {
-    each_case(0.0, |frame, guidance, point, lengths| {
-        let size = frame.layout.size();
-        let system = moved(frame, guidance, point, lengths, &vec![0.0; size]);
+    each_case(0.0, |context, guidance, point, lengths| {
+        let size = context.layout.size();
+        let system = moved(context, guidance, point, lengths, &vec![0.0; size]);
         assert!(system.cost < 1e-20);
         let numeric = differentiate::jacobian(size, size, |d| {
-            moved(frame, guidance, point, lengths, d)
+            moved(context, guidance, point, lengths, d)
                 .gradient
                 .as_slice()
                 .to_vec()
         });
         for i in 0..size {
             for j in 0..=i {
-                let expected = system.hessian.get(&frame.layout.pattern, i, j) * lengths[j];
+                let expected = system.hessian.get(&context.layout.pattern, i, j) * lengths[j];
                 let error = (numeric[i][j] - expected).abs();
                 assert!(
                     error < 2e-5 * (1.0 + expected.abs()),
@@ -393,14 +404,16 @@ fn the_hessian_is_exact_where_nothing_remains() {
 
 #[test]
 fn the_constraints_derivatives_are_exact_and_within_their_columns() {
-    each_case(1.0, |frame, guidance, point, lengths| {
-        let size = frame.layout.size();
-        let system = moved(frame, guidance, point, lengths, &vec![0.0; size]);
+    each_case(1.0, |context, guidance, point, lengths| {
+        let size = context.layout.size();
+        let system = moved(context, guidance, point, lengths, &vec![0.0; size]);
         let numeric = differentiate::jacobian(system.row_count(), size, |d| {
-            moved(frame, guidance, point, lengths, d).values().collect()
+            moved(context, guidance, point, lengths, d)
+                .values()
+                .collect()
         });
         let mut offset = 0;
-        for (block, pattern) in system.blocks.iter().zip(&frame.layout.blocks) {
+        for (block, pattern) in system.blocks.iter().zip(&context.layout.blocks) {
             let rows = block.values.len();
             assert_eq!(rows, pattern.row_count());
             for row in 0..rows {
@@ -422,11 +435,11 @@ fn the_constraints_derivatives_are_exact_and_within_their_columns() {
 
 #[test]
 fn sample_times_keep_their_order_under_any_step() {
-    each_case(1.0, |frame, _, point, _| {
+    each_case(1.0, |context, _, point, _| {
         for scale in [-1.0, 1.0, 30.0] {
-            let delta = DVector::from_fn(frame.layout.size(), |at, _| scale * (at as f64).sin());
+            let delta = DVector::from_fn(context.layout.size(), |at, _| scale * (at as f64).sin());
             let mut there = point.clone();
-            there.retract_from(point, frame.problem, frame.layout, &delta);
+            there.retract_from(point, context.problem, context.layout, &delta);
             assert!(there.node_times_s.windows(2).all(|pair| pair[0] < pair[1]));
         }
     });

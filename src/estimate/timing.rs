@@ -12,10 +12,10 @@
 use nalgebra::DVector;
 
 use super::covariance::Covariance;
-use super::finish::DAMPING;
+use super::kkt::DAMPING;
 use super::point::Point;
 use super::problem::Problem;
-use super::system::{Frame, System};
+use super::system::{SolveContext, System};
 
 /// Deviations of what samples alone leave open by which constraints may move the time they span
 /// before they are taken to contradict them. No performance of a pencil came near it, up to four
@@ -57,13 +57,13 @@ fn place(problem: &Problem, event: usize) -> (usize, f64) {
 }
 
 /// What the time of an event is made of.
-pub(super) fn event_moment(frame: &Frame, event: usize) -> Moment {
-    if let Some(at) = frame.layout.events[event] {
+pub(super) fn event_moment(context: &SolveContext, event: usize) -> Moment {
+    if let Some(at) = context.layout.events[event] {
         return vec![(at, 1.0)];
     }
-    let (node, share) = place(frame.problem, event);
+    let (node, share) = place(context.problem, event);
     let part = |node: usize, share: f64| {
-        let at = frame.layout.nodes.get(node).copied().flatten()?;
+        let at = context.layout.nodes.get(node).copied().flatten()?;
         (share > 0.0).then_some((at, share))
     };
     let parts = [part(node, 1.0 - share), part(node + 1, share)];
@@ -79,11 +79,11 @@ pub(super) struct Duration {
 }
 
 /// How long the motion lasts.
-pub(super) fn duration(frame: &Frame, point: &Point) -> Duration {
-    let (problem, layout) = (frame.problem, frame.layout);
+pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
+    let (problem, layout) = (context.problem, context.layout);
     let at_event = |event: usize| {
         let time_s = event_time_s(problem, point, event);
-        (time_s, event_moment(frame, event))
+        (time_s, event_moment(context, event))
     };
     let at_node = |node: usize| {
         let moment = layout.nodes[node].map(|at| (at, 1.0));
@@ -113,11 +113,15 @@ pub(super) fn duration(frame: &Frame, point: &Point) -> Duration {
 
 /// By how much the constraints have moved the time that the samples span \[s\]; zero where that is
 /// no more than the samples leave open, or where times are known.
-pub(super) fn contradiction_s(frame: &Frame, system: &System, covariance: &Covariance) -> f64 {
-    let Some(Some(last)) = frame.layout.nodes.last().copied() else {
+pub(super) fn contradiction_s(
+    context: &SolveContext,
+    system: &System,
+    covariance: &Covariance,
+) -> f64 {
+    let Some(Some(last)) = context.layout.nodes.last().copied() else {
         return 0.0;
     };
-    let pattern = &frame.layout.pattern;
+    let pattern = &context.layout.pattern;
     let mut matrix = system.hessian.clone();
     for row in 0..pattern.size() {
         let diagonal = matrix.get(pattern, row, row);

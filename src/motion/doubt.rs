@@ -65,7 +65,7 @@ pub enum About {
 
 impl About {
     /// The word for it in files and reports.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             About::Overlap => "overlap",
             About::WrongFeature => "wrong_feature",

@@ -19,7 +19,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The word for it in files and reports.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Verdict::Physical => "physical",
             Verdict::Plausible => "plausible",

@@ -10,9 +10,9 @@ pub mod observe;
 pub mod open;
 pub mod partial;
 pub mod scene;
-pub mod seat;
 pub mod settled;
 pub mod sketch;
+pub mod snap;
 pub mod take;
 pub mod time_map;
 pub mod verification;
@@ -30,11 +30,11 @@ pub use scene::{
     Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
     Weights,
 };
-pub use seat::SeatError;
 pub use settled::{Settled, SettledBody};
 pub use sketch::{
     BodySketch, DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch,
 };
+pub use snap::SnapError;
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
 pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};

@@ -29,7 +29,7 @@ pub enum Phase {
 
 impl Phase {
     /// The word for it in files and reports.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Phase::Clean => "clean",
             Phase::Marks => "marks",

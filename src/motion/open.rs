@@ -107,7 +107,7 @@ impl Scene {
         for goal in 0..self.goals.len() {
             if self.goals[goal].event == event {
                 // A goal that is apart from these contacts is what the estimate will say.
-                let _ = self.seat(goal);
+                let _ = self.snap_to_contact(goal);
             }
         }
     }

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::verification::Against;
 use crate::math::Pose;
 use crate::physics::contact::{self, Contact, ContactError};
-use crate::physics::impact::{Meeting, MeetingError};
+use crate::physics::impact::{ContactSet, ContactSetError};
 use crate::physics::{Body, Shape};
 
 /// Everything that is known about a performance before it is seen.
@@ -64,7 +64,7 @@ impl Scene {
     /// feature open, or where the event is no collision.
     ///
     /// Fails where features never touch, or where no impact is known for them.
-    pub fn meeting(&self, event: usize) -> Result<Option<Meeting>, CollisionError> {
+    pub fn meeting(&self, event: usize) -> Result<Option<ContactSet>, CollisionError> {
         match self.events[event].kind.collision() {
             Some(collision) => self.meeting_of(event, &collision.contacts),
             None => Ok(None),
@@ -76,7 +76,7 @@ impl Scene {
         &self,
         event: usize,
         touchings: &[Touching],
-    ) -> Result<Option<Meeting>, CollisionError> {
+    ) -> Result<Option<ContactSet>, CollisionError> {
         let Some(collision) = self.events[event].kind.collision() else {
             return Ok(None);
         };
@@ -100,9 +100,9 @@ impl Scene {
             || frees(|event| Quantity::Tilt { event, tangent: 1 });
         let has_friction = collision.friction > 0.0 || frees(|event| Quantity::Friction { event });
         let meeting = if has_friction {
-            Meeting::with_friction(&contacts)?
+            ContactSet::with_friction(&contacts)?
         } else {
-            Meeting::frictionless(&contacts)?
+            ContactSet::frictionless(&contacts)?
         };
         if is_tilted {
             meeting.check_tilt()?;
@@ -142,7 +142,7 @@ pub enum CollisionError {
     Contact(#[from] ContactError),
     /// No impact is known for the contacts.
     #[error(transparent)]
-    Meeting(#[from] MeetingError),
+    ContactSet(#[from] ContactSetError),
 }
 
 /// What the stamps of the samples mean.
@@ -252,7 +252,7 @@ pub enum EventKind {
 
 impl EventKind {
     /// The word for it in files and reports.
-    pub fn word(&self) -> &'static str {
+    pub fn as_str(&self) -> &'static str {
         match self {
             EventKind::Start => "start",
             EventKind::Collision(_) | EventKind::Collisions { .. } => "collision",

@@ -87,7 +87,7 @@ pub enum DropReason {
 
 impl DropReason {
     /// The word for it in reports.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             DropReason::NotFinite => "not_finite",
             DropReason::NotUnit => "not_unit",

@@ -79,7 +79,7 @@ pub enum StampSource {
 
 impl StampSource {
     /// The word for it in scene files and reports.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             StampSource::Sample => "sample",
             StampSource::Device => "device",

@@ -18,7 +18,7 @@ mod ahead;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use self::ahead::Least;
+use self::ahead::LowerBound;
 use super::infer::is_sound;
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
@@ -133,7 +133,7 @@ struct Node {
 #[derive(Clone, Debug)]
 enum Stage {
     /// At least that, by its own bound as far as that is raised.
-    Rising(Least),
+    Rising(LowerBound),
     /// At least that, and no more work makes it better.
     Bounded,
     /// That: all is known, and it is solved. Index into the solutions.
@@ -188,9 +188,9 @@ struct Search<'a> {
     known: Vec<(Vec<usize>, Solved)>,
     best: Option<usize>,
     made: usize,
-    /// Least cost of all arcs that begin at or after an open collision.
+    /// LowerBound cost of all arcs that begin at or after an open collision.
     tails: Vec<f64>,
-    /// Least cost of the arcs on both sides of an open collision, by candidate; together with
+    /// LowerBound cost of the arcs on both sides of an open collision, by candidate; together with
     /// other arcs that neighbouring groups have besides.
     pairs: Vec<Option<Vec<f64>>>,
     work: SearchWork,
@@ -303,7 +303,7 @@ impl<'a> Search<'a> {
             let next = self.queue.peek();
             let next = next.map_or(f64::INFINITY, |Reverse(next)| next.cost);
             let tail = self.tails[depth + 1];
-            self.raise(bound, (next - tail).max(bound.cost()));
+            self.tighten(bound, (next - tail).max(bound.cost()));
             let own = bound.cost().max(node.before[0]);
             node.cost = node.made_at.max(own + tail);
             if bound.is_done() {
@@ -453,7 +453,7 @@ impl<'a> Search<'a> {
                 next.sort_by(|a, b| pairs[*a].total_cmp(&pairs[*b]));
             }
             next.truncate(LOOKED_INTO);
-            let mut bounds: Vec<Least> = next
+            let mut bounds: Vec<LowerBound> = next
                 .iter()
                 .map(|candidate| self.prefix(&[&choice[..], &[*candidate]].concat()))
                 .collect();

@@ -343,7 +343,7 @@ fn no_samples_of(
     let reasons: Vec<String> = dropped
         .dropped
         .iter()
-        .map(|(reason, count)| format!(", {count} {}", reason.word()))
+        .map(|(reason, count)| format!(", {count} {}", reason.as_str()))
         .collect();
     SegmentError::NoSamplesOfBody {
         body: body.name.clone(),

@@ -5,7 +5,7 @@
 //! used and counts it by reason, moves poses from the tracker to the body, and matches the
 //! performer's marks to the scene's events. Its result does not depend on the order in which
 //! readings arrived. Where marks are absent, [`propose()`] says where the stream has kinks.
-//! [`refine()`] looks for the kink that each mark stands for, [`reseat()`] moves marks that are far
+//! [`refine()`] looks for the kink that each mark stands for, [`relocate_marks()`] moves marks that are far
 //! from any, and [`cut()`] makes the segments.
 
 pub mod clean;
@@ -18,11 +18,11 @@ mod outliers;
 mod prefix;
 pub mod propose;
 pub mod refine;
-pub mod reseat;
+pub mod relocate;
 mod units;
 
 pub use cut::cut;
 pub use error::SegmentError;
 pub use propose::{Proposal, propose};
 pub use refine::{loosen, refine};
-pub use reseat::reseat;
+pub use relocate::relocate_marks;

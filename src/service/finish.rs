@@ -114,7 +114,7 @@ pub(super) fn finished(
     let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
         recording = %recording.path().display(),
-        verdict = outcome.estimate.verdict.word(),
+        verdict = outcome.estimate.verdict.as_str(),
         iterations = outcome.estimate.counters.iterations,
         "estimated"
     );

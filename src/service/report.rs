@@ -177,7 +177,7 @@ impl Report {
         Self {
             recording: circumstances.recording,
             scene: scene.name.clone(),
-            verdict: estimate.verdict.word(),
+            verdict: estimate.verdict.as_str(),
             reason: estimate.reason.clone(),
             doubts: estimate
                 .doubts
@@ -192,7 +192,7 @@ impl Report {
                 circumstances
                     .phase_seconds
                     .into_iter()
-                    .map(|(phase, seconds)| (phase.word().to_owned(), seconds))
+                    .map(|(phase, seconds)| (phase.as_str().to_owned(), seconds))
                     .collect(),
             ),
             acted_s: acted_s(&outcome.sketch),
@@ -219,7 +219,7 @@ impl Report {
 
     /// Whether nothing was lost and the motion is physical.
     pub fn is_whole(&self) -> bool {
-        self.lost.is_empty() && self.verdict == crate::motion::Verdict::Physical.word()
+        self.lost.is_empty() && self.verdict == crate::motion::Verdict::Physical.as_str()
     }
 }
 
@@ -256,7 +256,7 @@ fn event_lines(outcome: &Outcome) -> Vec<EventLine> {
             let of_scene = &scene.events[event.event];
             EventLine {
                 name: of_scene.name.clone(),
-                kind: of_scene.kind.word(),
+                kind: of_scene.kind.as_str(),
                 time_s: event.time_s,
                 time_sd_s: event.sd_s,
                 acted_s: event.acted_s,
@@ -328,7 +328,7 @@ fn sample_line(counts: &SampleCounts) -> SampleLine {
             counts
                 .dropped
                 .iter()
-                .map(|(reason, count)| (reason.word().to_owned(), *count))
+                .map(|(reason, count)| (reason.as_str().to_owned(), *count))
                 .collect(),
         ),
         reordered: counts.reordered,

@@ -50,7 +50,7 @@ impl Observer for Stopwatch {
         let now = Instant::now();
         self.close(now);
         if phase != Phase::Done {
-            tracing::debug!(phase = phase.word(), "begins");
+            tracing::debug!(phase = phase.as_str(), "begins");
             self.current = Some((phase, now));
         }
     }

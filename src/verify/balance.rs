@@ -7,7 +7,7 @@
 //! - each body keeps its angular momentum about a single point of contact, whatever the impulse
 //!   there was; about the first of several, but for what the others' normals may turn;
 //! - energy goes as restitution says. With the contacts' relative speeds `u` along the normals
-//!   and the mobility `W` (speeds per impulses) of all bodies, lost are `½ (1 − e²) uᵀ W⁻¹ u`;
+//!   and Delassus' operator `W` (speeds per impulses) of all bodies, lost are `½ (1 − e²) uᵀ W⁻¹ u`;
 //!   friction at one contact takes up to `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, which is all that
 //!   slides there, and gives none back.
 
@@ -182,7 +182,7 @@ impl<'a> Impact<'a> {
             false => (0..count).map(|at| (at, self.normals[at])).collect(),
         };
         let mut speeds = DVector::zeros(directions.len());
-        let mut mobility = DMatrix::zeros(directions.len(), directions.len());
+        let mut delassus = DMatrix::zeros(directions.len(), directions.len());
         for (index, (side, sign)) in self.sides.iter().zip([1.0, -1.0]).enumerate() {
             let state = &side.states[0];
             let spin = state.orientation * state.angular_velocity_rad_s;
@@ -194,19 +194,19 @@ impl<'a> Impact<'a> {
                 speeds[row] += sign * direction.dot(&(state.velocity_m_s + spin.cross(arm_m)));
                 let turned = inverse * arm_m.cross(direction);
                 for (column, (other, along)) in directions.iter().enumerate() {
-                    mobility[(row, column)] += direction.dot(along) / side.body.mass_kg()
+                    delassus[(row, column)] += direction.dot(along) / side.body.mass_kg()
                         + self.arms_m[index][*other].cross(along).dot(&turned);
                 }
             }
         }
-        let whole_j = 0.5 * speeds.dot(&mobility.clone().cholesky()?.solve(&speeds));
+        let whole_j = 0.5 * speeds.dot(&delassus.clone().cholesky()?.solve(&speeds));
         if !law.meeting.has_friction() {
             let lost_j = (1.0 - elastic) * whole_j;
             return Some([lost_j; 2]);
         }
         let normal = DVector::from_column_slice(self.normals[0].as_slice());
         let along = normal.dot(&speeds);
-        let pushed_j = 0.5 * along * along / normal.dot(&(mobility * &normal));
+        let pushed_j = 0.5 * along * along / normal.dot(&(delassus * &normal));
         let least_j = (1.0 - elastic) * pushed_j;
         Some([least_j, least_j + whole_j - pushed_j])
     }

@@ -2,12 +2,12 @@
 
 use crate::motion::{Estimate, Partner, Quantity, Scene};
 use crate::physics::State;
-use crate::physics::impact::{self, Meeting, Side, Velocities};
+use crate::physics::impact::{self, ContactSet, Side, Velocities};
 
 /// Who meets whom at a collision, where, and by which law.
 pub(super) struct Law<'a> {
     scene: &'a Scene,
-    pub(super) meeting: Meeting,
+    pub(super) meeting: ContactSet,
     pub(super) law: impact::Law,
     pub(super) body: usize,
     pub(super) other: Option<usize>,

@@ -18,13 +18,13 @@ pub(super) struct DoubtLine {
 impl DoubtLine {
     pub(super) fn new(scene: &Scene, doubt: &Doubt) -> Self {
         Self {
-            quantity: doubt.about.word(),
+            quantity: doubt.about.as_str(),
             value: doubt.value,
             bound: doubt.bound,
             unit: doubt.about.unit(),
             at: doubt.place.name(scene).map(str::to_owned),
             time_s: doubt.place.time_s(),
-            best: doubt.about.best().word(),
+            best: doubt.about.best().as_str(),
         }
     }
 }

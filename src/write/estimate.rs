@@ -238,7 +238,7 @@ impl<'a> Composer<'a> {
         let channel = self.channel(topics::EVENTS, self.dialect.events());
         let events = self.file.estimate.events.iter().map(|estimate| {
             let event = &self.file.scene.events[estimate.event];
-            (estimate.time_s, event.name.as_str(), event.kind.word())
+            (estimate.time_s, event.name.as_str(), event.kind.as_str())
         });
         let settled = self.file.settled.iter();
         let simulated = settled.map(|s| (s.from_s, "simulated from here", "simulation"));

@@ -217,7 +217,7 @@ impl EstimateReport {
         let counters = estimate.counters;
         Self {
             scene: scene.name.clone(),
-            verdict: estimate.verdict.word(),
+            verdict: estimate.verdict.as_str(),
             reason: estimate.reason.clone(),
             doubts: estimate
                 .doubts
@@ -297,7 +297,7 @@ impl Event {
         let event = &scene.events[estimate.event];
         Self {
             name: event.name.clone(),
-            kind: event.kind.word(),
+            kind: event.kind.as_str(),
             contact: scene.contact_words(estimate.event),
             time_s: estimate.time_s,
             sd_s: estimate.sd_s,
@@ -331,7 +331,7 @@ impl Samples {
             dropped: counts
                 .dropped
                 .iter()
-                .map(|(reason, count)| (reason.word(), *count))
+                .map(|(reason, count)| (reason.as_str(), *count))
                 .collect(),
             reordered: counts.reordered,
             normalised: counts.normalised,

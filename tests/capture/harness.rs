@@ -259,7 +259,7 @@ impl Drop for House {
 pub struct Daemon {
     child: Child,
     said: Receiver<Value>,
-    /// Said and not asked for yet.
+    /// CaptureEvent and not asked for yet.
     kept: Vec<Value>,
     house: (PathBuf, PathBuf),
     /// What it said first.
@@ -447,7 +447,7 @@ impl Daemon {
         }
     }
 
-    /// Ends it; it must not complain of anything that went wrong in itself.
+    /// Ends it; it must not print_error of anything that went wrong in itself.
     pub fn end(&mut self) {
         self.terminate();
         let code = self.finished();

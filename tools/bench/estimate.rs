@@ -240,10 +240,10 @@ mod initialise {
 /// One iteration of the finish at the guess: objective and constraints with all derivatives,
 /// one factorisation, one step.
 mod iteration {
-    use enact::estimate::finish::Kkt;
+    use enact::estimate::kkt::Kkt;
     use enact::estimate::point::Point;
     use enact::estimate::recipe::epochs_s;
-    use enact::estimate::system::{Frame, Guidance, System};
+    use enact::estimate::system::{Guidance, SolveContext, System};
 
     use super::*;
 
@@ -251,15 +251,15 @@ mod iteration {
         let (_, posed) = posed(case);
         let (problem, guess) = (&posed.problem, &posed.guesses[0]);
         let point = Point::new(problem, guess);
-        let frame = Frame::new(problem, &posed.layout, epochs_s(guess), &point);
+        let context = SolveContext::new(problem, &posed.layout, epochs_s(guess), &point);
         let guidance = Guidance::none(problem);
-        let mut system = System::new(&frame);
-        system.evaluate(&frame, &guidance, &point);
+        let mut system = System::new(&context);
+        system.evaluate(&context, &guidance, &point);
         let multipliers = vec![0.0; system.row_count()];
         bencher.bench_local(|| {
-            system.evaluate(&frame, &guidance, &point);
-            let kkt = Kkt::new(&frame, &system, &multipliers);
-            kkt.map(|kkt| kkt.step(&frame, &system))
+            system.evaluate(&context, &guidance, &point);
+            let kkt = Kkt::new(&context, &system, &multipliers);
+            kkt.map(|kkt| kkt.step(&context, &system))
         });
     }
 
@@ -313,7 +313,7 @@ mod solve {
         let (_, mut posed) = posed(&case(name));
         // Whose flights are found to be bent: an exact motion there is not.
         if name == "die" {
-            posed.problem = posed.problem.bent();
+            posed.problem = posed.problem.with_velocity_gaps();
             posed.layout = Layout::new(&posed.problem);
         }
         let recipe = Recipe::default();

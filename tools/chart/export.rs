@@ -11,7 +11,7 @@ use enact::estimate::problem::{
     Arc, ArcGoal, ArcTarget, Collision, Problem as Estimation, Side, unit,
 };
 use enact::estimate::recipe;
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::{Cone, FreeParameter, Guess};
 use enact::physics::State;
 use enact::physics::body::{Body, Symmetry};
@@ -201,7 +201,7 @@ pub fn problem(
 ) -> Problem {
     let epochs_s = recipe::epochs_s(guess);
     let start = Point::new(problem, guess);
-    let frame = Frame::new(problem, layout, epochs_s.clone(), &start);
+    let context = SolveContext::new(problem, layout, epochs_s.clone(), &start);
     let points = [("start", &start)]
         .into_iter()
         .chain(others.iter().copied());
@@ -240,7 +240,7 @@ pub fn problem(
         gravity_parameters: problem.gravity_parameters,
         bounded: problem.bounded.clone(),
         cones: problem.cones.iter().map(circle).collect(),
-        points: points.map(|(name, at)| named(name, &frame, at)).collect(),
+        points: points.map(|(name, at)| named(name, &context, at)).collect(),
     }
 }
 
@@ -386,9 +386,9 @@ fn motion(state: &State) -> Motion {
     }
 }
 
-fn named(name: &str, frame: &Frame, point: &Point) -> Named {
-    let mut system = System::new(frame);
-    system.evaluate(frame, &Guidance::none(frame.problem), point);
+fn named(name: &str, context: &SolveContext, point: &Point) -> Named {
+    let mut system = System::new(context);
+    system.evaluate(context, &Guidance::none(context.problem), point);
     let rows = system.blocks.iter().flat_map(|block| {
         let rows = block.values.iter().zip(&block.bounds);
         rows.map(|(value, (lower, upper))| Row {

@@ -183,7 +183,7 @@ fn status(key: &str) -> Option<u64> {
 }
 
 fn failed(grown: &Grown) -> bool {
-    grown.size.verdict != Verdict::Physical.word()
+    grown.size.verdict != Verdict::Physical.as_str()
 }
 
 /// The exponent over the upper half, where what does not grow no longer hides what does.
@@ -314,7 +314,7 @@ fn profile(options: &Options, book: &mut Book) -> Result<()> {
         ),
     ];
     let runs = if options.quick { 5 } else { 51 };
-    let mut names: Vec<String> = PHASES.map(|phase| phase.word().to_owned()).to_vec();
+    let mut names: Vec<String> = PHASES.map(|phase| phase.as_str().to_owned()).to_vec();
     names.extend(["all".to_owned(), "floor".to_owned()]);
     let mut curves = Vec::new();
     let mut rows = Vec::new();
@@ -323,7 +323,7 @@ fn profile(options: &Options, book: &mut Book) -> Result<()> {
             continue;
         };
         let floor_s = floor_s(case, options.quick) * size.iterations as f64;
-        let spent = PHASES.map(|phase| size.phases_s[phase.word()]);
+        let spent = PHASES.map(|phase| size.phases_s[phase.as_str()]);
         let all = spent.into_iter().chain([size.total_s, floor_s]);
         let marks = all.enumerate().map(|(at, s)| Mark::at(at as f64, 1e3 * s));
         curves.push(Curve::new(

@@ -50,7 +50,7 @@ pub fn posing(case: &Case, seed: u64, starts_max: usize) -> Result<Posing, Strin
 pub fn posed_with_truth(case: &Case, outcome: &Outcome) -> (Posed, Guess) {
     let mut posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
     if is_bent(outcome) {
-        posed.problem = posed.problem.bent();
+        posed.problem = posed.problem.with_velocity_gaps();
         posed.layout = Layout::new(&posed.problem);
         let guess = posed.guesses[0].clone();
         return (posed, guess);

@@ -210,7 +210,7 @@ pub fn scene_toml(truth: &Truth) -> String {
         text += &format!(
             "[[event]]\nname = {:?}\nkind = {:?}\n",
             event.name,
-            event.kind.word()
+            event.kind.as_str()
         );
         if let Some(collision) = event.kind.collision()
             && let Some(feature) = collision.contacts[0].feature

@@ -37,7 +37,7 @@ impl Style {
     pub const ALL: [Style; 2] = [Style::Tip, Style::Eraser];
 
     /// Its word in file names and flags.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Style::Tip => "tip",
             Style::Eraser => "eraser",

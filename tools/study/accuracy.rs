@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Result<()> {
             };
             let truth = style.truth();
             let runs = seeds.map(|seed| (seed, truth.clone()));
-            rows.push(row(style.word().into(), (name, acting, target), runs));
+            rows.push(row(style.as_str().into(), (name, acting, target), runs));
         }
         let runs = (0..BOUNCING).filter_map(|seed| Some((seed, bounces(3, seed).ok()?)));
         rows.push(row("cube, 3 bounces".into(), (name, acting, target), runs));

@@ -127,7 +127,7 @@ fn row(style: Style, acting: Acting, distortion: f64, seeds: Range<u64>) -> Row 
         ..acting
     };
     Row {
-        style: style.word(),
+        style: style.as_str(),
         timing_known: acting.is_timing_known(),
         distortion,
         rest_s: acting.hold_after_s,
@@ -167,7 +167,7 @@ fn one(style: Style, acting: &Acting, seed: u64) -> Seed {
         }
     };
     let estimate = &outcome.estimate;
-    result.verdict = estimate.verdict.word();
+    result.verdict = estimate.verdict.as_str();
     result.reason.clone_from(&estimate.reason);
     result.has_converged = has_converged(estimate);
     result.objective = estimate.objective;

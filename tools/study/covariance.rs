@@ -141,7 +141,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 fn row(style: Style, way: &'static str, truth: &Truth, acting: &Acting, seeds: Range<u64>) -> Row {
     let mut row = Row {
-        style: style.word(),
+        style: style.as_str(),
         way,
         runs: 0,
         physical: 0,

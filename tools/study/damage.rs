@@ -29,7 +29,7 @@ pub fn run(options: &Options) -> Result<()> {
 pub fn motions(seed: u64, cubes: &[usize]) -> Vec<(String, Truth)> {
     let mut motions: Vec<(String, Truth)> = Style::ALL
         .iter()
-        .map(|style| (style.word().to_owned(), style.truth()))
+        .map(|style| (style.as_str().to_owned(), style.truth()))
         .collect();
     for count in cubes {
         if let Ok(truth) = bounces(*count, seed) {
@@ -409,10 +409,10 @@ fn marks_off(options: &Options) -> Result<()> {
         off: f64,
         takes: usize,
         refined: usize,
-        reseated: usize,
+        relocated: usize,
         changed: usize,
         refine_us: Vec<f64>,
-        reseat_us: Vec<f64>,
+        relocate_us: Vec<f64>,
     }
     let mut rows: Vec<Row> = Vec::new();
     for (timing, acting) in ways() {
@@ -468,13 +468,13 @@ fn marks_off(options: &Options) -> Result<()> {
                         row.refine_us.push(begun.elapsed().as_secs_f64() * 1e6);
                         row.refined += usize::from(is_near(&sketch));
                         let begun = std::time::Instant::now();
-                        let moved = enact::segment::reseat(scene, &mut sketch);
-                        row.reseat_us.push(begun.elapsed().as_secs_f64() * 1e6);
+                        let moved = enact::segment::relocate_marks(scene, &mut sketch);
+                        row.relocate_us.push(begun.elapsed().as_secs_f64() * 1e6);
                         if !moved.is_empty() {
                             enact::segment::refine(scene, &mut sketch);
                         }
                         row.changed += usize::from(!moved.is_empty());
-                        row.reseated += usize::from(is_near(&sketch));
+                        row.relocated += usize::from(is_near(&sketch));
                         row.takes += 1;
                     }
                 }
@@ -489,10 +489,10 @@ fn marks_off(options: &Options) -> Result<()> {
             "distortion",
             "off by",
             "refined",
-            "and reseated",
+            "and relocated",
             "changed",
             "refine [µs]",
-            "reseat [µs]",
+            "relocate [µs]",
         ],
     );
     for row in &rows {
@@ -502,10 +502,10 @@ fn marks_off(options: &Options) -> Result<()> {
             format!("{}×", row.distortion),
             format!("± {}", row.off),
             percent(row.refined, row.takes),
-            percent(row.reseated, row.takes),
+            percent(row.relocated, row.takes),
             row.changed.to_string(),
             number(median(&row.refine_us)),
-            number(median(&row.reseat_us)),
+            number(median(&row.relocate_us)),
         ]);
     }
     options.show(&table);

@@ -8,7 +8,7 @@ use enact::estimate::outcome;
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::solve;
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::Sketch;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -40,15 +40,15 @@ impl Uncertainty {
         let (best, solution) = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
         let guess = &posed.guesses[best];
         let (point, system) = (&solution.point, &solution.system);
-        let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
-        let residuals = outcome::errors(problem, &frame, point);
+        let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
+        let residuals = outcome::errors(problem, &context, point);
         let at = (point, system);
-        let covariance = Covariance::new(&frame, at, &solution.multipliers, &residuals)?;
+        let covariance = Covariance::new(&context, at, &solution.multipliers, &residuals)?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all);
-        let Exact { free, scale, exact } = Exact::of(&frame, system)?;
+        let Exact { free, scale, exact } = Exact::of(&context, system)?;
         Some(Self {
-            error: error(case, posed, point, &frame.epochs_s, offset_s),
+            error: error(case, posed, point, &context.epochs_s, offset_s),
             exact,
             free,
             scale,
@@ -81,10 +81,10 @@ pub fn bound(case: &Case, posed: &Posed, sketch: &Sketch) -> Option<DMatrix<f64>
     let (problem, layout) = (&posed.problem, &posed.layout);
     let guess = case.true_guess(posed, sketch);
     let point = Point::new(problem, &guess);
-    let frame = Frame::new(problem, layout, recipe::epochs_s(&guess), &point);
-    let mut system = System::new(&frame);
-    system.evaluate(&frame, &Guidance::none(problem), &point);
-    Some(Exact::of(&frame, &system)?.exact)
+    let context = SolveContext::new(problem, layout, recipe::epochs_s(&guess), &point);
+    let mut system = System::new(&context);
+    system.evaluate(&context, &Guidance::none(problem), &point);
+    Some(Exact::of(&context, &system)?.exact)
 }
 
 /// See [`Uncertainty`].
@@ -95,8 +95,8 @@ struct Exact {
 }
 
 impl Exact {
-    fn of(frame: &Frame, system: &System) -> Option<Self> {
-        let (hessian, jacobian) = (hessian(frame, system), jacobian(frame, system));
+    fn of(context: &SolveContext, system: &System) -> Option<Self> {
+        let (hessian, jacobian) = (hessian(context, system), jacobian(context, system));
         let scale = hessian
             .diagonal()
             .map(|h| if h > 0.0 { h.sqrt().recip() } else { 1e-3 });
@@ -135,26 +135,26 @@ fn error(
     error
 }
 
-fn hessian(frame: &Frame, system: &System) -> DMatrix<f64> {
-    let size = frame.layout.size();
+fn hessian(context: &SolveContext, system: &System) -> DMatrix<f64> {
+    let size = context.layout.size();
     DMatrix::from_fn(size, size, |row, column| {
         let (row, column) = (row.max(column), row.min(column));
-        system.hessian.get(&frame.layout.pattern, row, column)
+        system.hessian.get(&context.layout.pattern, row, column)
     })
 }
 
 /// Of the rows whose bounds act: equalities, and inequalities that hold with equality.
-fn jacobian(frame: &Frame, system: &System) -> DMatrix<f64> {
+fn jacobian(context: &SolveContext, system: &System) -> DMatrix<f64> {
     let mut rows: Vec<DVector<f64>> = Vec::new();
     for (index, block) in system.blocks.iter().enumerate() {
-        let pattern = &frame.layout.blocks[index];
+        let pattern = &context.layout.blocks[index];
         for row in 0..block.values.len() {
             let (lower, upper) = block.bounds[row];
             let value = block.values[row];
             if value > lower + 1e-9 && value < upper - 1e-9 {
                 continue;
             }
-            let mut dense = DVector::zeros(frame.layout.size());
+            let mut dense = DVector::zeros(context.layout.size());
             let derivatives = block.derivatives(pattern, row);
             for (at, derivative) in pattern.unknowns(row).iter().zip(derivatives) {
                 dense[*at] += derivative;
@@ -162,7 +162,7 @@ fn jacobian(frame: &Frame, system: &System) -> DMatrix<f64> {
             rows.push(dense);
         }
     }
-    DMatrix::from_fn(rows.len(), frame.layout.size(), |row, column| {
+    DMatrix::from_fn(rows.len(), context.layout.size(), |row, column| {
         rows[row][column]
     })
 }

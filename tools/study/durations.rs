@@ -95,7 +95,7 @@ pub fn run(options: &Options) -> Result<()> {
     let mut rows = tosses()?;
     for style in Style::ALL {
         for distortion in [1.0, 2.0, 4.0] {
-            let what = format!("pencil, {} first, {distortion}×", style.word());
+            let what = format!("pencil, {} first, {distortion}×", style.as_str());
             let told: Vec<Told> = options
                 .range()
                 .filter_map(|seed| pencil(style, distortion, seed))

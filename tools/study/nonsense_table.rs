@@ -51,7 +51,7 @@ impl Tally {
         self.gaps_closed += usize::from(is_closed);
         let estimate = &outcome.estimate;
         self.verdicts[estimate.verdict as usize] += 1;
-        let mut words: Vec<&str> = estimate.doubts.iter().map(|d| d.about.word()).collect();
+        let mut words: Vec<&str> = estimate.doubts.iter().map(|d| d.about.as_str()).collect();
         words.sort_unstable();
         words.dedup();
         for word in words {

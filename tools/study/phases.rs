@@ -44,7 +44,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 fn row(style: Style, acting: &Acting, seeds: Range<u64>) -> Row {
     let mut row = Row {
-        style: style.word(),
+        style: style.as_str(),
         timing_known: acting.is_timing_known(),
         samples: Vec::new(),
         iterations: Vec::new(),
@@ -81,7 +81,7 @@ fn row(style: Style, acting: &Acting, seeds: Range<u64>) -> Row {
 
 fn table(rows: &[Row]) -> Table {
     let mut header = vec!["style", "timing", "samples", "iterations"];
-    header.extend(PHASES.map(Phase::word));
+    header.extend(PHASES.map(Phase::as_str));
     header.push("total");
     let mut table = Table::new("Medians of each phase at 1× [ms], one thread", &header);
     for row in rows {

@@ -15,7 +15,7 @@ use self::correction::{Correction, Prior};
 use enact::motion::{ArcGuess, Contacts, Guess, Sample, Scene, Segment, Sketch, Timing};
 use enact::physics::contact::Frame;
 use enact::physics::flow;
-use enact::physics::impact::{Law, Meeting, Side};
+use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::state::{StateTangent, part};
 use enact::physics::{Body, State};
 use nalgebra::SMatrix;
@@ -45,7 +45,7 @@ pub struct Stage<'a> {
     body: &'a Body,
     tempo_sd: Option<f64>,
     /// Of each collision in order: its event, and what may hit there.
-    bounces: Vec<(usize, Vec<(Meeting, Law)>)>,
+    bounces: Vec<(usize, Vec<(ContactSet, Law)>)>,
 }
 
 /// A sequence so far.
@@ -157,7 +157,7 @@ impl<'a> Stage<'a> {
         flow::advance(self.body, &self.scene.gravity_m_s2, state, duration_s)
     }
 
-    fn gap_m(&self, meeting: &Meeting, state: &State) -> f64 {
+    fn gap_m(&self, meeting: &ContactSet, state: &State) -> f64 {
         let gaps = meeting.contacts().iter().map(|contact| {
             let touch = contact.touch(&Frame::of(state), &Frame::world());
             touch.map_or(f64::INFINITY, |touch| touch.gap_m)
@@ -194,7 +194,7 @@ impl<'a> Stage<'a> {
     }
 
     /// When that comes down to the surface, near a time \[s\].
-    fn crossing_s(&self, meeting: &Meeting, state: &State, near_s: f64) -> Option<f64> {
+    fn crossing_s(&self, meeting: &ContactSet, state: &State, near_s: f64) -> Option<f64> {
         const STEP_S: f64 = 0.01;
         const LOOKS: i32 = 20;
         const CHORDS: usize = 4;
@@ -233,7 +233,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The least gap near a time \[m\].
-    fn least_m(&self, meeting: &Meeting, state: &State, near_s: f64) -> f64 {
+    fn least_m(&self, meeting: &ContactSet, state: &State, near_s: f64) -> f64 {
         let looks = (-10..=10).map(|look| near_s + 0.01 * f64::from(look));
         let gaps = looks.map(|time_s| self.gap_m(meeting, &self.advance(state, time_s)));
         gaps.fold(f64::INFINITY, f64::min)
@@ -303,7 +303,7 @@ impl<'a> Stage<'a> {
         let candidates = &self.bounces[place].1;
         let gaps = |state: &State| -> Vec<f64> {
             let there = self.advance(state, time_s - particle.epoch_s);
-            let gap_m = |(meeting, _): &(Meeting, Law)| self.gap_m(meeting, &there);
+            let gap_m = |(meeting, _): &(ContactSet, Law)| self.gap_m(meeting, &there);
             candidates.iter().map(gap_m).collect()
         };
         let mut slopes = vec![StateTangent::zeros(); candidates.len()];

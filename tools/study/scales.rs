@@ -232,7 +232,7 @@ fn judged(row: &Row, seed: u64) -> Option<Seed> {
     result.time_ms = began.elapsed().as_secs_f64() * 1e3;
     let estimate = &outcome.estimate;
     result.is_closed = estimate.verdict == Verdict::Physical;
-    result.verdict = case.checked().map_or("refused", Verdict::word);
+    result.verdict = case.checked().map_or("refused", Verdict::as_str);
     result.reason = estimate.reason.clone();
     result.objective = estimate.objective;
     result.iterations = estimate.counters.iterations;

@@ -141,7 +141,7 @@ pub fn size(what: &'static str, case: &Case, runs: usize) -> Option<Size> {
         what,
         samples: outcome.counts.used,
         segments: estimate.arcs.len(),
-        verdict: estimate.verdict.word(),
+        verdict: estimate.verdict.as_str(),
         reason: estimate.reason.clone(),
         iterations,
         per_iteration_s: solver_s / iterations.max(1) as f64,
@@ -153,7 +153,7 @@ pub fn size(what: &'static str, case: &Case, runs: usize) -> Option<Size> {
         total_s: of(&Stopwatch::total_s),
         phases_s: PHASES
             .iter()
-            .map(|phase| (phase.word(), of(&|w| w.spent_s(*phase))))
+            .map(|phase| (phase.as_str(), of(&|w| w.spent_s(*phase))))
             .collect(),
     })
 }
@@ -198,7 +198,10 @@ fn table(title: &str, sizes: &[Size], by: impl Fn(&Size) -> usize) -> Table {
     table.row([
         "exponent (of the upper half)".to_owned(),
         String::new(),
-        if sizes.iter().all(|s| s.verdict == Verdict::Physical.word()) {
+        if sizes
+            .iter()
+            .all(|s| s.verdict == Verdict::Physical.as_str())
+        {
             "all physical"
         } else {
             "not all physical"
@@ -216,7 +219,7 @@ fn table(title: &str, sizes: &[Size], by: impl Fn(&Size) -> usize) -> Table {
 /// What the phases are of the largest size.
 fn shares(studies: &[&[Size]]) -> Table {
     let mut header = vec!["", "samples", "segments"];
-    header.extend(PHASES.map(Phase::word));
+    header.extend(PHASES.map(Phase::as_str));
     let mut table = Table::new("Phases of the largest size [ms]", &header);
     for size in studies.iter().filter_map(|sizes| sizes.last()) {
         let head = [
@@ -226,7 +229,7 @@ fn shares(studies: &[&[Size]]) -> Table {
         ];
         let phases = PHASES
             .iter()
-            .map(|phase| number(1e3 * size.phases_s[phase.word()]));
+            .map(|phase| number(1e3 * size.phases_s[phase.as_str()]));
         table.row(head.into_iter().chain(phases));
     }
     table

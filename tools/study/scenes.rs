@@ -158,7 +158,7 @@ fn judged(scenario: &Scenario, seed: u64) -> Seed {
     };
     result.time_ms = began.elapsed().as_secs_f64() * 1e3;
     let estimate = &outcome.estimate;
-    result.verdict = estimate.verdict.word();
+    result.verdict = estimate.verdict.as_str();
     result.reason = estimate.reason.clone();
     result.objective = estimate.objective;
     result.iterations = estimate.counters.iterations;
@@ -167,7 +167,7 @@ fn judged(scenario: &Scenario, seed: u64) -> Seed {
     let is_bent = case.scene().velocity_gaps == VelocityGaps::Always;
     let guess = if is_bent {
         // There is no true motion to start from.
-        posed.problem = posed.problem.bent();
+        posed.problem = posed.problem.with_velocity_gaps();
         posed.layout = Layout::new(&posed.problem);
         posed.guesses[0].clone()
     } else {

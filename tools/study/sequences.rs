@@ -189,7 +189,7 @@ fn searched(count: usize, acting: &Acting, seed: u64) -> Option<Row> {
         distortion: acting.distortion,
         timing_known: acting.is_timing_known(),
         seed,
-        verdict: found.estimate.verdict.word(),
+        verdict: found.estimate.verdict.as_str(),
         is_true: found.scene.events == named.scene.events,
         is_proven: work.is_proven,
         relative: found.estimate.objective / named.estimate.objective,

@@ -100,7 +100,7 @@ fn in_order(all: &[Trouble], rows: &[Row]) -> Vec<Row> {
 
 fn is_chosen(trouble: &Trouble, options: &Options) -> bool {
     let (theme, name) = (trouble.theme, &trouble.name);
-    let described = format!("{theme}: {name}, {}", trouble.timing.word());
+    let described = format!("{theme}: {name}, {}", trouble.timing.as_str());
     options.wants(&described)
 }
 
@@ -112,7 +112,7 @@ fn row(trouble: &Trouble, seeds: Range<u64>) -> Row {
     let mut row = Row {
         theme: trouble.theme.to_owned(),
         name: trouble.name.clone(),
-        timing: trouble.timing.word().to_owned(),
+        timing: trouble.timing.as_str().to_owned(),
         ..Row::default()
     };
     let mut off_m = Vec::new();
@@ -156,7 +156,7 @@ fn table(rows: &[Row]) -> Table {
     for (theme, name) in cases {
         let of = |timing: Timing| {
             let mut rows = rows.iter();
-            rows.find(|r| r.theme == theme && r.name == name && r.timing == timing.word())
+            rows.find(|r| r.theme == theme && r.name == name && r.timing == timing.as_str())
         };
         let both = [of(Timing::Known), of(Timing::Unknown)];
         let some = || both.iter().flatten();
@@ -188,7 +188,7 @@ fn table(rows: &[Row]) -> Table {
 impl Row {
     fn is_of(&self, trouble: &Trouble) -> bool {
         (self.theme.as_str(), &self.name) == (trouble.theme, &trouble.name)
-            && self.timing == trouble.timing.word()
+            && self.timing == trouble.timing.as_str()
     }
 
     fn add(&mut self, seed: u64, judged: &Judged) {

@@ -196,7 +196,11 @@ fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
     let outcome = estimated(scene, &events, &mut ()).map_err(|error| error.to_string())?;
     let estimate = &outcome.estimate;
     if estimate.verdict != Verdict::Physical {
-        return Err(format!("{}: {}", estimate.verdict.word(), estimate.reason));
+        return Err(format!(
+            "{}: {}",
+            estimate.verdict.as_str(),
+            estimate.reason
+        ));
     }
     let residual = &estimate.residuals[0];
     let samples = residual.samples as f64;

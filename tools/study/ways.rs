@@ -163,7 +163,7 @@ pub fn all() -> Vec<Way> {
             };
             let truth = truth.clone();
             ways.push(Way {
-                name: format!("{}, {timing}{what}", style.word()),
+                name: format!("{}, {timing}{what}", style.as_str()),
                 acting,
                 hand,
                 truth: Box::new(move |_| (*truth).clone()),

@@ -1,8 +1,10 @@
 //! Samples of a body by the handful: what wanders slowly shows in their means.
 
-use super::trace::Six;
 use crate::estimate::point::Point;
 use crate::estimate::problem::{Arc, ArcSample, Problem};
+
+/// A residual, position then orientation in body axes, in the problem's units; or its change.
+pub type Six = [f64; 6];
 
 /// Bins of a body per flight, and at most.
 const PER_FLIGHT: usize = 4;

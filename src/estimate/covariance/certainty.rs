@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bins::Bins;
+use super::bins::{Bins, Six};
 use super::noise::Noise;
-use super::trace::{Design, Six};
-use crate::estimate::finish::Kkt;
+use super::trace::Design;
+use crate::estimate::kkt::Kkt;
 use crate::estimate::point::Point;
-use crate::estimate::system::{Frame, System};
+use crate::estimate::system::{SolveContext, System};
 use crate::estimate::timing::Moment;
 
 /// Share of an unknown's information that may come from the damping before it counts as
@@ -25,7 +25,7 @@ const DEPENDENT: f64 = 1e-6;
 
 /// Covariances at an optimum.
 pub struct Covariance<'a> {
-    frame: &'a Frame<'a>,
+    context: &'a SolveContext<'a>,
     system: &'a System,
     point: &'a Point,
     kkt: Kkt,
@@ -39,24 +39,24 @@ impl<'a> Covariance<'a> {
     ///
     /// `residuals` are those of every sample, arc by arc, in units.
     pub fn new(
-        frame: &'a Frame<'a>,
+        context: &'a SolveContext<'a>,
         (point, system): (&'a Point, &'a System),
         multipliers: &[f64],
         residuals: &[Vec<Six>],
     ) -> Option<Self> {
-        let kkt = Kkt::with_soft_bounds(frame, system, multipliers)?;
-        let bins = Bins::new(frame.problem, point);
+        let kkt = Kkt::with_soft_bounds(context, system, multipliers)?;
+        let bins = Bins::new(context.problem, point);
         let mut covariance = Self {
-            frame,
+            context,
             system,
             point,
             kkt,
-            design: Design::new(frame, point, &bins),
+            design: Design::new(context, point, &bins),
             noise: Noise::stated(),
         };
-        let nodes = frame.layout.nodes.iter().flatten().count();
+        let nodes = context.layout.nodes.iter().flatten().count();
         let held = equalities(system) + nodes;
-        let free = frame.layout.size().saturating_sub(held) + DIRECTIONS_MORE;
+        let free = context.layout.size().saturating_sub(held) + DIRECTIONS_MORE;
         if free <= DIRECTIONS_MAX {
             let absorbed = covariance.absorbed(&bins, free);
             covariance.noise = Noise::of(&bins, residuals, &absorbed);
@@ -67,9 +67,9 @@ impl<'a> Covariance<'a> {
     /// Directions of the bins' means that the fit has absorbed, orthonormal: what they see of as many
     /// random steps as are free; and where times are unknown, each bin along its own flight.
     fn absorbed(&self, bins: &Bins, free: usize) -> Vec<Vec<Six>> {
-        let layout = self.frame.layout;
+        let layout = self.context.layout;
         let mut directions: Vec<Vec<Six>> = Vec::new();
-        if self.frame.problem.times_are_unknown() {
+        if self.context.problem.times_are_unknown() {
             for (bin, rate) in self.design.rates().into_iter().enumerate() {
                 let mut column = vec![[0.0; 6]; bins.count()];
                 column[bin] = rate;
@@ -82,7 +82,7 @@ impl<'a> Covariance<'a> {
             let mut step = DVector::from_fn(layout.size(), |at, _| {
                 random.next() * hessian.get(&layout.pattern, at, at).max(0.0).sqrt()
             });
-            self.kkt.solve(self.frame, &mut step);
+            self.kkt.solve(self.context, &mut step);
             bins.means(&self.design.sums(&step))
         }));
         orthonormal(&directions)
@@ -129,18 +129,18 @@ impl<'a> Covariance<'a> {
 
     /// `P m`: how all unknowns answer to a pull at a sum of some.
     fn answer(&self, sum: &[(usize, f64)]) -> DVector<f64> {
-        let mut x = DVector::zeros(self.frame.layout.size());
+        let mut x = DVector::zeros(self.context.layout.size());
         for (at, factor) in sum {
             x[*at] += factor;
         }
-        self.kkt.solve(self.frame, &mut x);
+        self.kkt.solve(self.context, &mut x);
         x
     }
 
     /// What marks see of an answer, squared, and what that adds to a variance beyond being a prior:
     /// marks count as often as samples do, but are off by what they say.
     fn marks(&self, answer: &DVector<f64>) -> (f64, f64) {
-        let (problem, layout) = (self.frame.problem, self.frame.layout);
+        let (problem, layout) = (self.context.problem, self.context.layout);
         let (mut squares, mut beyond) = (0.0, 0.0);
         for mark in &problem.marks {
             let by = mark.term(problem, self.point).jacobian;

@@ -7,9 +7,9 @@
 //! Nothing picks one of them, for a take says little about it: each counts by its restricted
 //! likelihood, and `K̄`, the mean of their covariances, is what the variance of an estimate is made with.
 
-use super::bins::Bins;
+use super::bins::{Bins, Six};
 use super::likelihood::{Columns, Cosines, Gram, log_likelihood};
-use super::trace::{Six, Trace};
+use super::trace::Trace;
 
 /// Correlation times, in flights.
 const TIMES: [f64; 3] = [0.3, 1.2, 5.0];

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bins::{Bin, Bins};
+use super::bins::{Bin, Bins, Six};
 use super::likelihood::{Columns, Cosines, log_likelihood};
 use super::noise::Noise;
-use super::trace::{Design, Six};
+use super::trace::Design;
 use crate::estimate::outcome;
 use crate::estimate::tests::each_case;
 
@@ -27,15 +27,15 @@ impl Random {
 
 #[test]
 fn traces_are_the_residuals_derivatives() {
-    each_case(0.0, |frame, _, point, lengths| {
-        let problem = frame.problem;
+    each_case(0.0, |context, _, point, lengths| {
+        let problem = context.problem;
         let mut random = Random(7);
         let step = DVector::from_iterator(lengths.len(), lengths.iter().map(|l| l * random.next()));
         let bins = Bins::new(problem, point);
         let residuals = |share: f64| {
             let mut there = point.clone();
-            there.retract_from(point, problem, frame.layout, &(&step * share));
-            outcome::errors(problem, frame, &there).concat()
+            there.retract_from(point, problem, context.layout, &(&step * share));
+            outcome::errors(problem, context, &there).concat()
         };
         const SHARE: f64 = 1e-5;
         let (before, after) = (residuals(-SHARE), residuals(SHARE));
@@ -47,7 +47,7 @@ fn traces_are_the_residuals_derivatives() {
                 squares[axis / 3] += change * change;
             }
         }
-        let exact = Design::new(frame, point, &bins).trace(&step);
+        let exact = Design::new(context, point, &bins).trace(&step);
         let agree = |numeric: f64, exact: f64| {
             let error = (numeric - exact).abs();
             assert!(error < 1e-5 * (1.0 + numeric.abs()), "{numeric} {exact}");

@@ -2,14 +2,11 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::bins::Bins;
+use super::bins::{Bins, Six};
 use crate::estimate::point::Point;
-use crate::estimate::system::Frame;
+use crate::estimate::system::SolveContext;
 use crate::physics::flow::Spin;
 use crate::physics::state::part;
-
-/// A residual, position then orientation in body axes, in the problem's units; or its change.
-pub type Six = [f64; 6];
 
 /// What the samples see of one step.
 #[derive(Clone, Debug)]
@@ -22,7 +19,7 @@ pub struct Trace {
 
 /// The residuals' derivative at a point: the flow is evaluated once, for any number of steps.
 pub struct Design<'a> {
-    frame: &'a Frame<'a>,
+    context: &'a SolveContext<'a>,
     bins: usize,
     arcs: Vec<ArcDesign>,
 }
@@ -62,8 +59,8 @@ type ArcStep = [Vector3<f64>; 5];
 
 impl<'a> Design<'a> {
     /// At `point`.
-    pub fn new(frame: &'a Frame, point: &Point, bins: &Bins) -> Self {
-        let problem = frame.problem;
+    pub fn new(context: &'a SolveContext, point: &Point, bins: &Bins) -> Self {
+        let problem = context.problem;
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let per_m = problem.position_unit_m.recip();
         let per_rad = problem.orientation_unit_rad.recip();
@@ -75,7 +72,7 @@ impl<'a> Design<'a> {
             let own = arc.samples.iter().zip(&mut bin_of_sample);
             let samples: Vec<SampleDesign> = own
                 .map(|(sample, bin)| {
-                    let since_s = sample.time_s(&point.node_times_s) - frame.epochs_s[index];
+                    let since_s = sample.time_s(&point.node_times_s) - context.epochs_s[index];
                     let (turn, k) = spin.turn_and_derivative(since_s);
                     let to_body = turn.inverse().to_rotation_matrix().into_inner() * per_rad;
                     let by_spin = to_body * k;
@@ -93,7 +90,7 @@ impl<'a> Design<'a> {
             ArcDesign::new(samples)
         });
         Self {
-            frame,
+            context,
             bins: bins.count(),
             arcs: arcs.collect(),
         }
@@ -102,7 +99,7 @@ impl<'a> Design<'a> {
     /// Sums over the samples of each bin of what they see of a step.
     pub fn sums(&self, step: &DVector<f64>) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
-        let times_are_unknown = self.frame.problem.times_are_unknown();
+        let times_are_unknown = self.context.problem.times_are_unknown();
         for (index, arc) in self.arcs.iter().enumerate() {
             let [x, v, half_pull, r, w] = self.arc_step(index, step);
             for (bin, piece) in &arc.pieces {
@@ -155,7 +152,7 @@ impl<'a> Design<'a> {
     }
 
     fn arc_step(&self, arc: usize, step: &DVector<f64>) -> ArcStep {
-        let (problem, layout) = (self.frame.problem, self.frame.layout);
+        let (problem, layout) = (self.context.problem, self.context.layout);
         let per_m = problem.position_unit_m.recip();
         let three =
             |part: usize| -> Vector3<f64> { step.fixed_rows::<3>(layout.arcs[arc] + part).into() };
@@ -176,7 +173,7 @@ impl<'a> Design<'a> {
     /// By how much a step makes a sample later \[s\].
     fn later_s(&self, sample: &SampleDesign, step: &DVector<f64>) -> f64 {
         let moved_s = |node: usize| {
-            let at = self.frame.layout.nodes.get(node).copied().flatten();
+            let at = self.context.layout.nodes.get(node).copied().flatten();
             at.map_or(0.0, |at| step[at])
         };
         let (node, share) = sample.time;

@@ -9,17 +9,17 @@ fn approaches(block: &Block) -> Vec<(f64, f64, f64)> {
     block.approach.clone().map(row).collect()
 }
 
-fn evaluated(frame: &Frame, guidance: &Guidance, point: &Point) -> System {
-    let mut system = System::new(frame);
-    system.evaluate(frame, guidance, point);
+fn evaluated(context: &SolveContext, guidance: &Guidance, point: &Point) -> System {
+    let mut system = System::new(context);
+    system.evaluate(context, guidance, point);
     system
 }
 
 #[test]
 fn contacts_that_approach_too_slowly_break_their_condition() {
-    each_case(0.0, |frame, guidance, point, _| {
-        let system = evaluated(frame, guidance, point);
-        for block in &system.blocks[..frame.problem.collisions.len()] {
+    each_case(0.0, |context, guidance, point, _| {
+        let system = evaluated(context, guidance, point);
+        for block in &system.blocks[..context.problem.collisions.len()] {
             let rows = approaches(block);
             assert!(!rows.is_empty());
             for (speed, limit, broken) in rows {
@@ -33,8 +33,8 @@ fn contacts_that_approach_too_slowly_break_their_condition() {
         for limit_m_s in &mut faster.approach_limits_m_s {
             *limit_m_s = -100.0;
         }
-        let asked = evaluated(frame, &faster, point);
-        for block in &asked.blocks[..frame.problem.collisions.len()] {
+        let asked = evaluated(context, &faster, point);
+        for block in &asked.blocks[..context.problem.collisions.len()] {
             for (speed, limit, broken) in approaches(block) {
                 assert!(limit < speed && broken == speed - limit, "{speed} {limit}");
             }
@@ -45,10 +45,10 @@ fn contacts_that_approach_too_slowly_break_their_condition() {
 
 #[test]
 fn what_leads_the_sweep_asks_for_an_approach_that_the_start_has() {
-    each_case(0.0, |frame, _, point, _| {
-        let leading = recipe::leading(frame, point);
-        let system = evaluated(frame, &leading, point);
-        for block in &system.blocks[..frame.problem.collisions.len()] {
+    each_case(0.0, |context, _, point, _| {
+        let leading = recipe::leading(context, point);
+        let system = evaluated(context, &leading, point);
+        for block in &system.blocks[..context.problem.collisions.len()] {
             let fastest = approaches(block).into_iter();
             let fastest = fastest
                 .min_by(|a, b| a.0.total_cmp(&b.0))

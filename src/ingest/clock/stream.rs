@@ -92,7 +92,7 @@ impl StreamClock {
             last: None,
             cadence: Cadence::default(),
             quality: ClockQuality {
-                source: source.map(StampSource::word),
+                source: source.map(StampSource::as_str),
                 ..ClockQuality::default()
             },
             delays: Delays::default(),
@@ -110,7 +110,7 @@ impl StreamClock {
             } => StampSource::Device,
             _ => StampSource::Receipt,
         });
-        self.quality.source = Some(source.word());
+        self.quality.source = Some(source.as_str());
         let Some(reading_ns) = self.reading_ns(source, reading) else {
             self.quality.unstamped += 1;
             return Stamp(reading.receipt_ns);

@@ -1,16 +1,16 @@
 //! The live door: samples from iceoryx2, polled.
 //!
 //! [`Listening`] holds the subscribers of a scene and takes from them whatever has come.
-//! [`Stream`] is the pure rest: one tracker's samples counted ([`Tally`]) and stamped
+//! [`Stream`] is the pure rest: one tracker's samples counted ([`SequenceCounts`]) and stamped
 //! ([`super::clock`]), with no clock of its own.
 
 mod listening;
+mod sequence_counts;
 mod stream;
-mod tally;
 
 pub use listening::{Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics};
+pub use sequence_counts::{Fate, SequenceCounts, TallyCounts};
 pub use stream::{Stream, Streamed, stamp_mark};
-pub use tally::{Fate, Tally, TallyCounts};
 
 /// The contract, for those who drive this door.
 pub use crate::wire::live::{

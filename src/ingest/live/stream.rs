@@ -1,6 +1,6 @@
 //! One tracker's samples, counted and stamped.
 
-use super::tally::{Fate, Tally, TallyCounts};
+use super::sequence_counts::{Fate, SequenceCounts, TallyCounts};
 use crate::ingest::clock::{ClockQuality, Reading, StreamClock};
 use crate::motion::{PoseSample, Stamp, StampSource};
 use crate::wire::live::payload::{self, MarkRecord, PoseRecord};
@@ -12,7 +12,7 @@ const STAMPS: std::ops::Range<i64> = 1..(1 << 32) * 1_000_000_000;
 #[derive(Clone, Debug)]
 pub struct Stream {
     clock: StreamClock,
-    tally: Tally,
+    tally: SequenceCounts,
 }
 
 /// What a sample gives.
@@ -29,7 +29,7 @@ impl Stream {
     pub fn new(source: Option<StampSource>) -> Self {
         Self {
             clock: StreamClock::new(source),
-            tally: Tally::default(),
+            tally: SequenceCounts::default(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::meeting::Law;
+use super::contact_set::Law;
 use super::rows::Change;
 
 /// An impulse by the law, with what its derivatives need.
@@ -10,7 +10,7 @@ pub(super) struct Coulomb {
     law: Law,
     normal: Vector3<f64>,
     velocity: Vector3<f64>,
-    mobility: Matrix3<f64>,
+    delassus: Matrix3<f64>,
     inverse_mobility: Matrix3<f64>,
     /// `n·W n`.
     normal_mobility: f64,
@@ -48,13 +48,13 @@ impl Coulomb {
         law: &Law,
         normal: &Vector3<f64>,
         velocity: &Vector3<f64>,
-        mobility: &Matrix3<f64>,
+        delassus: &Matrix3<f64>,
     ) -> Self {
-        let inverse_mobility = mobility
+        let inverse_mobility = delassus
             .cholesky()
-            .expect("the mobility of a body is positive definite")
+            .expect("the delassus of a body is positive definite")
             .inverse();
-        let normal_mobility = normal.dot(&(mobility * normal));
+        let normal_mobility = normal.dot(&(delassus * normal));
         let plastic = -normal.dot(velocity) / normal_mobility;
         let to_stick = -(inverse_mobility * velocity) - normal * plastic;
         let pressed = normal.dot(&to_stick);
@@ -76,7 +76,7 @@ impl Coulomb {
             law: *law,
             normal: *normal,
             velocity: *velocity,
-            mobility: *mobility,
+            delassus: *delassus,
             inverse_mobility,
             normal_mobility,
             plastic,
@@ -118,8 +118,8 @@ impl Coulomb {
     pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
         let (n, e) = (&self.normal, self.law.restitution);
         let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);
-        let mobility = (self.mobility * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.mobility_normal);
-        let plastic = -(speed + mobility * self.plastic) / self.normal_mobility;
+        let delassus = (self.delassus * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.mobility_normal);
+        let plastic = -(speed + delassus * self.plastic) / self.normal_mobility;
         let plastic_vector = n * plastic + by.normal * self.plastic;
         let stuck = -(self.inverse_mobility * (by.velocity + by.mobility_stuck));
         let to_stick = stuck - plastic_vector;

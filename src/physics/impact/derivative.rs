@@ -2,9 +2,9 @@
 
 use nalgebra::{RowSVector, SMatrix, SVector};
 
-use super::encounter::{Encounter, PoseChange};
+use super::contact_set::MOST_CONTACTS;
+use super::contact_state::{ContactState, PoseChange};
 use super::error::ImpactError;
-use super::meeting::MOST_CONTACTS;
 use super::rows::Change;
 use super::solution::Solution;
 use crate::physics::state::part;
@@ -15,7 +15,7 @@ use crate::physics::state::part;
 ///
 /// Exact on each side of the switches between sticking and sliding and between approaching and
 /// receding; on a switch, that of the reported branch. It is large: make one and fill it again
-/// and again ([`Meeting::derivative`](super::Meeting::derivative)).
+/// and again ([`ContactSet::derivative`](super::ContactSet::derivative)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactDerivative {
     /// Gap `[contact]` by the state `[body]` before.
@@ -29,7 +29,7 @@ pub struct ImpactDerivative {
     /// Velocities after by the coefficient of friction.
     pub after_by_friction: [SVector<f64, 6>; 2],
     /// Velocities after by the two tilts; zero where
-    /// [`Meeting::check_tilt`](super::Meeting::check_tilt) refuses them.
+    /// [`ContactSet::check_tilt`](super::ContactSet::check_tilt) refuses them.
     pub after_by_tilt: [SMatrix<f64, 6, 2>; 2],
 }
 
@@ -57,8 +57,8 @@ impl Solution<'_> {
     /// Fills the entries for the contacts and bodies that there are.
     pub(super) fn derivative(&self, derivative: &mut ImpactDerivative) -> Result<(), ImpactError> {
         let mut rates = [const { None }; MOST_CONTACTS];
-        for (contact, encounter) in self.encounters().enumerate() {
-            let touch = encounter
+        for (contact, state) in self.states().enumerate() {
+            let touch = state
                 .contact
                 .touch_derivative(&self.frames[0], &self.frames[1])
                 .map_err(|reason| ImpactError::Degenerate { contact, reason })?;
@@ -67,7 +67,7 @@ impl Solution<'_> {
         for body in 0..self.rows.bodies {
             let mut poses = [const { None }; MOST_CONTACTS];
             let mut normals = [Change::zeros(); MOST_CONTACTS];
-            for (contact, encounter) in self.encounters().enumerate() {
+            for (contact, state) in self.states().enumerate() {
                 let Some(rates) = &rates[contact] else {
                     continue;
                 };
@@ -76,8 +76,8 @@ impl Solution<'_> {
                 gap.fill(0.0);
                 gap.fixed_columns_mut::<6>(part::POSITION)
                     .copy_from(&rates.gap.fixed_columns::<6>(6 * body));
-                derivative.speed[contact][body] = self.speed_by_state(encounter, body, &by);
-                normals[contact] = encounter.normal_change(&by);
+                derivative.speed[contact][body] = self.speed_by_state(state, body, &by);
+                normals[contact] = state.normal_change(&by);
                 poses[contact] = Some(by);
             }
             self.after_by_pose(body, &normals, &poses, derivative);
@@ -95,20 +95,20 @@ impl Solution<'_> {
     /// The speed along the untilted normal.
     fn speed_by_state(
         &self,
-        encounter: &Encounter,
+        state: &ContactState,
         body: usize,
         by: &PoseChange<6>,
     ) -> RowSVector<f64, 12> {
-        let normal = &encounter.touch.normal;
+        let normal = &state.touch.normal;
         let [a, b] = &self.before;
         let mut by_pose = (a.velocity_m_s - b.velocity_m_s).tr_mul(&by.normal);
         for (side, motion) in self.before.iter().enumerate().take(self.rows.bodies) {
-            let lever = encounter.lever_change(side, normal, Some(&by.normal), by);
+            let lever = state.lever_change(side, normal, Some(&by.normal), by);
             let sign = [1.0, -1.0][side];
             by_pose += (motion.angular_velocity_rad_s * sign).tr_mul(&lever);
         }
         let sign = [1.0, -1.0][body];
-        let lever = encounter.levers(normal)[body] * sign;
+        let lever = state.levers(normal)[body] * sign;
         let mut row = RowSVector::<f64, 12>::zeros();
         row.fixed_columns_mut::<6>(part::POSITION)
             .copy_from(&by_pose);
@@ -152,8 +152,8 @@ impl Solution<'_> {
     fn after_by_tilt(&self, derivative: &mut ImpactDerivative) {
         let mut poses = [const { None }; MOST_CONTACTS];
         let mut normals = [Change::<2>::zeros(); MOST_CONTACTS];
-        for (contact, encounter) in self.encounters().enumerate() {
-            let Some(by_tilt) = &encounter.normal_by_tilt else {
+        for (contact, state) in self.states().enumerate() {
+            let Some(by_tilt) = &state.normal_by_tilt else {
                 for by_tilt in &mut derivative.after_by_tilt[..self.rows.bodies] {
                     by_tilt.fill(0.0);
                 }

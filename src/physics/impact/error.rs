@@ -6,7 +6,7 @@ use crate::physics::contact::Degenerate;
 
 /// Why contacts make no meeting.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum MeetingError {
+pub enum ContactSetError {
     /// None, or too many.
     #[error("{count} contacts at once, expected one, two or three")]
     Count {

@@ -23,15 +23,15 @@ impl Newton {
         restitution: f64,
         count: usize,
         speeds: &Vector3<f64>,
-        mobility: &Matrix3<f64>,
+        delassus: &Matrix3<f64>,
     ) -> Result<Self, ImpactError> {
-        let mut mobility = *mobility;
+        let mut delassus = *delassus;
         for absent in count..ROWS {
-            mobility[(absent, absent)] = 1.0;
+            delassus[(absent, absent)] = 1.0;
         }
-        let scale = mobility.diagonal().map(|m| 1.0 / m.sqrt());
-        let scaled = mobility.component_mul(&(scale * scale.transpose()));
-        let inverse = mobility
+        let scale = delassus.diagonal().map(|m| 1.0 / m.sqrt());
+        let scaled = delassus.component_mul(&(scale * scale.transpose()));
+        let inverse = delassus
             .try_inverse()
             .filter(|_| scaled.determinant() > LEAST_DETERMINANT)
             .ok_or(ImpactError::Dependent { count })?;
@@ -57,7 +57,7 @@ impl Newton {
         self.inverse * speeds * -(1.0 + self.restitution)
     }
 
-    /// Changes of the impulses by those of the speeds and of the mobility times the impulses.
+    /// Changes of the impulses by those of the speeds and of Delassus' operator times the impulses.
     pub(super) fn change<const C: usize>(
         &self,
         speeds: &Change<C>,

@@ -10,9 +10,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+use super::contact_set::{Impact, Law, Side, Velocities};
+use super::contact_state::tilted;
 use super::derivative::ImpactDerivative;
-use super::encounter::tilted;
-use super::meeting::{Impact, Law, Side, Velocities};
 use crate::math::so3;
 use crate::physics::contact::{Contact, Feature};
 use crate::physics::state::part;
@@ -158,8 +158,8 @@ impl<'a> PointOnPlane<'a> {
             Matrix3::identity() + turned * (arm * factor).transpose(),
         );
 
-        let kick = |impulse: f64| stacked(&(pushed * impulse), &(turned * impulse));
-        derivative.after_by_restitution[0] = kick(-speed / inertia);
+        let velocity_change = |impulse: f64| stacked(&(pushed * impulse), &(turned * impulse));
+        derivative.after_by_restitution[0] = velocity_change(-speed / inertia);
         derivative.after_by_friction[0].fill(0.0);
         for (tilt, normal_change) in by_tilt.iter().enumerate() {
             let arm_change =
@@ -170,7 +170,7 @@ impl<'a> PointOnPlane<'a> {
                 &(normal_change * (impulse * inverse_mass)),
                 &(arm_change.component_mul(&inverse_moments) * impulse),
             );
-            derivative.after_by_tilt[0].set_column(tilt, &(kick(change) + redirected));
+            derivative.after_by_tilt[0].set_column(tilt, &(velocity_change(change) + redirected));
         }
     }
 }

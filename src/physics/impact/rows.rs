@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
-use super::meeting::{Side, Velocities};
+use super::contact_set::{Side, Velocities};
 
 /// Changes of a vector, one column for each thing that changes.
 pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;
@@ -86,17 +86,17 @@ impl Rows {
     }
 
     /// `J M⁻¹ Jᵀ` [1/kg].
-    pub(super) fn mobility(&self) -> Matrix3<f64> {
+    pub(super) fn delassus(&self) -> Matrix3<f64> {
         let mut result = Matrix3::zeros();
         for row in 0..ROWS {
             let impulse = Vector3::ith(row, 1.0);
-            result.set_column(row, &self.speeds(&self.kicks(&impulse)));
+            result.set_column(row, &self.speeds(&self.velocity_changes(&impulse)));
         }
         result
     }
 
     /// `M⁻¹ Jᵀ p`: what impulses `p` along the rows [N s] add to the velocities.
-    pub(super) fn kicks(&self, impulses: &Vector3<f64>) -> [Velocities; 2] {
+    pub(super) fn velocity_changes(&self, impulses: &Vector3<f64>) -> [Velocities; 2] {
         let sum = |rows: &[Vector3<f64>; ROWS]| {
             rows[0] * impulses[0] + rows[1] * impulses[1] + rows[2] * impulses[2]
         };
@@ -137,10 +137,10 @@ impl Rows {
         impulses: &Vector3<f64>,
         by: &RowsChange<C>,
     ) -> Change<C> {
-        let mut result = self.speeds_change(&self.kicks(impulses), by);
-        let kicks = self.kicks_change(impulses, None, by);
+        let mut result = self.speeds_change(&self.velocity_changes(impulses), by);
+        let velocity_changes = self.kicks_change(impulses, None, by);
         for body in 0..self.bodies {
-            result += self.of_body(body) * kicks[body];
+            result += self.of_body(body) * velocity_changes[body];
         }
         result
     }

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::contact_set::{ContactSet, Impact, Law, MOST_CONTACTS, Side, Velocities};
+use super::contact_state::{ContactState, PoseChange};
 use super::coulomb::{Coulomb, CoulombChange};
-use super::encounter::{Encounter, PoseChange};
 use super::error::ImpactError;
-use super::meeting::{Impact, Law, MOST_CONTACTS, Meeting, Side, Velocities};
 use super::newton::Newton;
 use super::rows::{Change, Rows, RowsChange};
 use crate::math::so3;
@@ -25,7 +25,7 @@ enum Solved {
 
 /// Bodies, contacts and impulses.
 pub(super) struct Solution<'a> {
-    encounters: [Option<Encounter<'a>>; MOST_CONTACTS],
+    states: [Option<ContactState<'a>>; MOST_CONTACTS],
     /// A's and B's.
     pub(super) frames: [Frame; 2],
     pub(super) rows: Rows,
@@ -37,7 +37,7 @@ pub(super) struct Solution<'a> {
 
 impl<'a> Solution<'a> {
     pub(super) fn new(
-        meeting: &'a Meeting,
+        meeting: &'a ContactSet,
         a: &Side,
         b: Option<&Side>,
         law: &Law,
@@ -51,7 +51,7 @@ impl<'a> Solution<'a> {
             Velocities::of(a.state),
             b.map_or_else(Velocities::default, |b| Velocities::of(b.state)),
         ];
-        let mut encounters = [const { None }; MOST_CONTACTS];
+        let mut states = [const { None }; MOST_CONTACTS];
         let mut rows = Rows::new(a, b);
         for (index, contact) in meeting.contacts().iter().enumerate() {
             let touch = contact.touch(&frames[0], &frames[1]).map_err(|reason| {
@@ -60,26 +60,26 @@ impl<'a> Solution<'a> {
                     reason,
                 }
             })?;
-            let encounter = Encounter::new(contact, touch, rotations, law);
+            let state = ContactState::new(contact, touch, rotations, law);
             if meeting.has_friction() {
                 for axis in 0..3 {
                     let direction = Vector3::ith(axis, 1.0);
-                    rows.set(axis, direction, encounter.levers(&direction));
+                    rows.set(axis, direction, state.levers(&direction));
                 }
             } else {
-                let normal = encounter.normal;
-                rows.set(index, normal, encounter.levers(&normal));
+                let normal = state.normal;
+                rows.set(index, normal, state.levers(&normal));
             }
-            encounters[index] = Some(encounter);
+            states[index] = Some(state);
         }
-        let (speeds, mobility) = (rows.speeds(&before), rows.mobility());
-        let solved = match &encounters[0] {
+        let (speeds, delassus) = (rows.speeds(&before), rows.delassus());
+        let solved = match &states[0] {
             Some(only) if meeting.has_friction() => {
-                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &mobility))
+                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus))
             }
             _ => {
                 let count = meeting.contacts().len();
-                Solved::Newton(Newton::new(law.restitution, count, &speeds, &mobility)?)
+                Solved::Newton(Newton::new(law.restitution, count, &speeds, &delassus)?)
             }
         };
         let impulses = match &solved {
@@ -87,7 +87,7 @@ impl<'a> Solution<'a> {
             Solved::Newton(law) => law.impulses(),
         };
         Ok(Self {
-            encounters,
+            states,
             frames,
             rows,
             before,
@@ -96,8 +96,8 @@ impl<'a> Solution<'a> {
         })
     }
 
-    pub(super) fn encounters(&self) -> impl Iterator<Item = &Encounter<'a>> {
-        self.encounters.iter().flatten()
+    pub(super) fn states(&self) -> impl Iterator<Item = &ContactState<'a>> {
+        self.states.iter().flatten()
     }
 
     pub(super) fn impact(&self) -> Impact {
@@ -106,18 +106,19 @@ impl<'a> Solution<'a> {
             sticks: matches!(&self.solved, Solved::Coulomb(law) if law.sticks()),
             ..Impact::default()
         };
-        for (contact, encounter) in self.encounters().enumerate() {
-            impact.gaps_m[contact] = encounter.touch.gap_m;
-            impact.speeds_m_s[contact] = encounter.speed(&self.before);
+        for (contact, state) in self.states().enumerate() {
+            impact.gaps_m[contact] = state.touch.gap_m;
+            impact.speeds_m_s[contact] = state.speed(&self.before);
             impact.normal_impulses_n_s[contact] = match &self.solved {
-                Solved::Coulomb(_) => encounter.normal.dot(&self.impulses),
+                Solved::Coulomb(_) => state.normal.dot(&self.impulses),
                 Solved::Newton(_) => self.impulses[contact],
             };
         }
-        let kicks = self.rows.kicks(&self.impulses);
+        let velocity_changes = self.rows.velocity_changes(&self.impulses);
         for body in 0..self.rows.bodies {
-            impact.after[body].velocity_m_s += kicks[body].velocity_m_s;
-            impact.after[body].angular_velocity_rad_s += kicks[body].angular_velocity_rad_s;
+            impact.after[body].velocity_m_s += velocity_changes[body].velocity_m_s;
+            impact.after[body].angular_velocity_rad_s +=
+                velocity_changes[body].angular_velocity_rad_s;
         }
         impact
     }
@@ -166,7 +167,7 @@ impl<'a> Solution<'a> {
         }
     }
 
-    /// How the rows change with the encounters, given the changes of their normals.
+    /// How the rows change with the states, given the changes of their normals.
     pub(super) fn rows_change<const C: usize>(
         &self,
         normals: &[Change<C>; MOST_CONTACTS],
@@ -174,20 +175,18 @@ impl<'a> Solution<'a> {
     ) -> RowsChange<C> {
         let mut levers = [[Change::zeros(); 3]; 2];
         let is_axes = matches!(self.solved, Solved::Coulomb(_));
-        for (contact, (encounter, by)) in self.encounters().zip(poses.iter().flatten()).enumerate()
-        {
+        for (contact, (state, by)) in self.states().zip(poses.iter().flatten()).enumerate() {
             for body in 0..self.rows.bodies {
                 let sign = [1.0, -1.0][body];
                 if is_axes {
                     for axis in 0..3 {
                         let direction = Vector3::ith(axis, 1.0);
-                        levers[body][axis] =
-                            encounter.lever_change(body, &direction, None, by) * sign;
+                        levers[body][axis] = state.lever_change(body, &direction, None, by) * sign;
                     }
                 } else {
                     let turned = Some(&normals[contact]);
                     levers[body][contact] =
-                        encounter.lever_change(body, &encounter.normal, turned, by) * sign;
+                        state.lever_change(body, &state.normal, turned, by) * sign;
                 }
             }
         }

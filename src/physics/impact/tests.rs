@@ -172,7 +172,7 @@ impl Case {
     }
 
     fn impact(&self) -> Impact {
-        let meeting = Meeting::with_friction(&[self.contact]).expect("one contact");
+        let meeting = ContactSet::with_friction(&[self.contact]).expect("one contact");
         meeting
             .impact(
                 &side(&self.a),
@@ -318,7 +318,7 @@ fn momentum_of_two_bodies_is_conserved() {
 fn without_friction_it_is_newtons_rule() {
     for (index, mut case) in cases(1000) {
         case.law.friction = 0.0;
-        let meeting = Meeting::frictionless(&[case.contact]).expect("one contact");
+        let meeting = ContactSet::frictionless(&[case.contact]).expect("one contact");
         let b = case.b.as_ref().map(side);
         let newton = meeting
             .impact(&side(&case.a), b.as_ref(), &case.law)
@@ -439,7 +439,7 @@ fn a_point_on_a_plane_without_friction_has_a_closed_form_and_an_inverse() {
             tilt_rad,
             ..Law::frictionless(case.law.restitution.max(0.1))
         };
-        let meeting = Meeting::frictionless(&[case.contact]).expect("one contact");
+        let meeting = ContactSet::frictionless(&[case.contact]).expect("one contact");
         let impact = meeting.impact(&side(&case.a), None, &law).expect("regular");
         let axes = case.contact.tilt_axes().expect("a face");
         let tilt = axes[0] * tilt_rad[0] + axes[1] * tilt_rad[1];
@@ -509,7 +509,7 @@ fn a_face_that_lands_flat_rebounds_flat() {
             state.position_m.z = 0.3;
             let restitution = draw.between(0.0, 1.0);
             let contacts = corners(count);
-            let meeting = Meeting::frictionless(&contacts).expect("a few");
+            let meeting = ContactSet::frictionless(&contacts).expect("a few");
             let a = (body, state);
             let impact = meeting
                 .impact(&side(&a), None, &Law::frictionless(restitution))
@@ -541,7 +541,7 @@ fn a_face_that_lands_flat_rebounds_flat() {
 fn contacts_that_would_pull_are_reported() {
     // The box comes down on one edge's corners while spinning up the other's.
     let contacts = corners(3);
-    let meeting = Meeting::frictionless(&contacts).expect("three");
+    let meeting = ContactSet::frictionless(&contacts).expect("three");
     let body = Body::new(1.0, Vector3::repeat(0.1)).expect("a body");
     let state = |spin: f64| State {
         position_m: Vector3::new(0.0, 0.0, 0.3),
@@ -557,7 +557,7 @@ fn contacts_that_would_pull_are_reported() {
             .pulls()
     };
     assert!(pulls(-4.0));
-    let two = Meeting::frictionless(&contacts[..2]).expect("two");
+    let two = ContactSet::frictionless(&contacts[..2]).expect("two");
     let falling = (body, state(0.0));
     let impact = two
         .impact(&side(&falling), None, &Law::frictionless(0.3))
@@ -568,17 +568,18 @@ fn contacts_that_would_pull_are_reported() {
 #[test]
 fn what_is_not_known_is_refused_by_name() {
     let contacts = corners(3);
-    let refused = |result: Result<Meeting, MeetingError>| result.expect_err("refused").to_string();
+    let refused =
+        |result: Result<ContactSet, ContactSetError>| result.expect_err("refused").to_string();
     assert_eq!(
-        refused(Meeting::frictionless(&[])),
+        refused(ContactSet::frictionless(&[])),
         "0 contacts at once, expected one, two or three"
     );
     assert_eq!(
-        refused(Meeting::with_friction(&contacts)),
+        refused(ContactSet::with_friction(&contacts)),
         "friction at 3 contacts at once is not supported: leave it out, or use one contact"
     );
     let mut draw = Draw::new(5);
-    let ball = Meeting::frictionless(&[draw.contact(5)]).expect("one");
+    let ball = ContactSet::frictionless(&[draw.contact(5)]).expect("one");
     assert_eq!(
         ball.check_tilt().expect_err("no face").to_string(),
         "the normal of contact 0 cannot be tilted: what it touches is a point, only a face has a normal of its own"
@@ -594,7 +595,7 @@ fn what_is_not_known_is_refused_by_name() {
     .expect("point on face");
     let a = (draw.body(), draw.state());
     for dependent in [&on_line[..], &[contacts[1]; 2]] {
-        let meeting = Meeting::frictionless(dependent).expect("a few");
+        let meeting = ContactSet::frictionless(dependent).expect("a few");
         let count = dependent.len();
         let law = Law::frictionless(0.5);
         let expected = Err(ImpactError::Dependent { count });

@@ -37,9 +37,9 @@ impl Search<'_> {
             let candidates = self.field.open[index].1.len();
             let pair = is_near.then(|| {
                 let of = |candidate| self.least(&[(index, candidate)], &arcs, false);
-                let mut bounds: Vec<Least> = (0..candidates).map(of).collect();
+                let mut bounds: Vec<LowerBound> = (0..candidates).map(of).collect();
                 self.race(&mut bounds);
-                let whole = |bound: &Least| bound.cost().max(sum(&arcs)) + sum(&others);
+                let whole = |bound: &LowerBound| bound.cost().max(sum(&arcs)) + sum(&others);
                 bounds.iter().map(whole).collect()
             });
             self.pairs.push(pair);
@@ -61,7 +61,7 @@ impl Search<'_> {
         known: &[(usize, usize)],
         arcs: &[usize],
         own_priors: bool,
-    ) -> Least {
+    ) -> LowerBound {
         let guesses = self.field.guesses;
         let mut starts: Vec<(usize, Bound)> = Vec::new();
         for (index, guess) in guesses.iter().enumerate() {
@@ -74,7 +74,7 @@ impl Search<'_> {
                 starts.push((index, Bound::default()));
             }
         }
-        Least {
+        LowerBound {
             is_begun: false,
             known: known.to_vec(),
             arcs: arcs.to_vec(),
@@ -84,7 +84,7 @@ impl Search<'_> {
     }
 
     /// Raises a bound until it is above `ceiling` or can be no better.
-    pub(super) fn raise(&mut self, least: &mut Least, ceiling: f64) {
+    pub(super) fn tighten(&mut self, least: &mut LowerBound, ceiling: f64) {
         let scene = self.with(&least.known);
         self.work.bounds += usize::from(!least.is_begun);
         least.is_begun = true;
@@ -102,7 +102,7 @@ impl Search<'_> {
                 guess: &self.field.guesses[*guess],
                 own_priors: least.own_priors,
             };
-            let work = bound.raise(&part, ceiling.min(next));
+            let work = bound.tighten(&part, ceiling.min(next));
             self.counters.add(&work);
             let share = least.arcs.len() as f64 / self.field.segments.len() as f64;
             self.iterations += share * work.iterations as f64;
@@ -111,18 +111,18 @@ impl Search<'_> {
 
     /// Finds the least of several bounds, and which it is; the others are raised until they are
     /// above it.
-    pub(super) fn race(&mut self, bounds: &mut [Least]) -> usize {
+    pub(super) fn race(&mut self, bounds: &mut [LowerBound]) -> usize {
         loop {
-            let (first, next) = lowest(bounds, Least::cost);
+            let (first, next) = lowest(bounds, LowerBound::cost);
             if bounds[first].is_done() {
                 return first;
             }
-            self.raise(&mut bounds[first], next);
+            self.tighten(&mut bounds[first], next);
         }
     }
 
     /// Bound of the arcs up to the first collision that is open still.
-    pub(super) fn prefix(&self, choice: &[usize]) -> Least {
+    pub(super) fn prefix(&self, choice: &[usize]) -> LowerBound {
         let arcs: Vec<usize> = (0..=choice.len())
             .flat_map(|from| self.group(from))
             .collect();
@@ -132,7 +132,7 @@ impl Search<'_> {
     /// Bound of arcs that no collision ties.
     fn bound(&mut self, known: &[(usize, usize)], arcs: &[usize], own_priors: bool) -> f64 {
         let mut least = self.least(known, arcs, own_priors);
-        self.raise(&mut least, f64::INFINITY);
+        self.tighten(&mut least, f64::INFINITY);
         least.cost()
     }
 }
@@ -149,7 +149,7 @@ fn lowest<T>(all: &[T], cost: impl Fn(&T) -> f64) -> (usize, f64) {
 
 /// A bound of some arcs with some open collisions known: the least of those from every guess.
 #[derive(Clone, Debug)]
-pub(super) struct Least {
+pub(super) struct LowerBound {
     is_begun: bool,
     known: Vec<(usize, usize)>,
     arcs: Vec<usize>,
@@ -158,7 +158,7 @@ pub(super) struct Least {
     starts: Vec<(usize, Bound)>,
 }
 
-impl Least {
+impl LowerBound {
     pub(super) fn cost(&self) -> f64 {
         let costs = self.starts.iter().map(|(_, bound)| bound.cost);
         costs.fold(f64::INFINITY, f64::min)

@@ -5,7 +5,7 @@ use super::*;
 use crate::math::Pose;
 use crate::motion::{Event, EventKind, SceneBody, Stamp, Surface, Timing, VelocityGaps, Weights};
 use crate::physics::Shape;
-use crate::segment::{refine, reseat};
+use crate::segment::{refine, relocate_marks};
 
 /// A ball that bounces so many times on a table.
 fn scene(bounces: usize, timing: Timing) -> Scene {
@@ -113,16 +113,16 @@ fn more_cuts_than_bounces_do_not_stand_out() {
 }
 
 #[test]
-fn marks_far_off_are_reseated() {
+fn marks_far_off_are_relocated() {
     let scene = scene(3, Timing::Known);
     let mut sketch = sketch(bouncing(180), 3);
     sketch.marks_s = vec![0.55, 0.7, 1.1];
     refine(&scene, &mut sketch);
-    assert_eq!(reseat(&scene, &mut sketch), [0, 1, 2]);
+    assert_eq!(relocate_marks(&scene, &mut sketch), [0, 1, 2]);
     for (mark_s, true_s) in sketch.marks_s.iter().zip([0.3, 0.9, 1.5]) {
         assert!((mark_s - true_s).abs() <= 0.01, "{:?}", sketch.marks_s);
     }
-    assert!(reseat(&scene, &mut sketch).is_empty());
+    assert!(relocate_marks(&scene, &mut sketch).is_empty());
 }
 
 #[test]
@@ -168,7 +168,7 @@ proptest! {
             prop_assert!((0.0..=SCORE_MAX).contains(&proposal.score), "{proposal:?}");
         }
         sketch.marks_s.copy_from_slice(&marks[..bounces]);
-        reseat(&scene, &mut sketch);
+        relocate_marks(&scene, &mut sketch);
         prop_assert!(sketch.marks_s.iter().all(|mark_s| mark_s.is_finite()));
     }
 }

@@ -13,15 +13,15 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
 use super::estimator::finals;
-use super::herald::Herald;
+use super::event::{CaptureEvent, Status};
 use super::http::{self, Pages};
 use super::listen::Listen;
 use super::metrics::Metrics;
 use super::notice::{self, Notice, Speaker};
 use super::notify::tell;
-use super::previewer::{Followed, Previewer, Shown};
+use super::previewer::{PreviewInput, Previewer, Shown};
+use super::publisher::Publisher;
 use super::recorder::Recorder;
-use super::said::{Said, Status};
 use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
@@ -29,7 +29,7 @@ use crate::ingest::live::{StreamTopic, stream_topics};
 use crate::motion::Scene;
 use crate::write::abandoned;
 
-/// Bounds of the queues, but for the herald's; the policy of each is in the documentation of this
+/// Bounds of the queues, but for the publisher's; the policy of each is in the documentation of this
 /// room.
 const BATCHES: usize = 1024;
 const SO_FAR: usize = 1;
@@ -64,7 +64,7 @@ pub struct CaptureJob {
 /// cannot be opened.
 pub fn capture(
     job: &CaptureJob,
-    mut each: impl FnMut(&Said) -> anyhow::Result<()>,
+    mut each: impl FnMut(&CaptureEvent) -> anyhow::Result<()>,
     mut show: impl FnMut(&Status),
 ) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -116,7 +116,7 @@ pub fn capture(
 
 /// The threads, and the ends of their queues that are ours.
 struct Running {
-    said: tokio::sync::mpsc::Receiver<Said>,
+    said: tokio::sync::mpsc::Receiver<CaptureEvent>,
     status: watch::Receiver<Status>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -153,15 +153,15 @@ impl Running {
         threads.push(spawn("listen", move || listen.run())?);
         let shortcomings = is_open.recv().context("the listener is gone")??;
         let (opened, is_open) = mpsc::channel();
-        let herald = Herald {
+        let publisher = Publisher {
             scene: scene.clone(),
             iceoryx2: job.iceoryx2.clone(),
             said: tellers,
             metrics: Arc::clone(&metrics),
             opened,
         };
-        threads.push(spawn("herald", move || herald.run(&notices))?);
-        let opened = is_open.recv().context("the herald is gone")?;
+        threads.push(spawn("publisher", move || publisher.run(&notices))?);
+        let opened = is_open.recv().context("the publisher is gone")?;
         if opened.is_err() {
             stop.store(true, Ordering::Relaxed);
         }
@@ -184,7 +184,7 @@ impl Running {
                 return Err(error);
             }
         };
-        speaker.say(Notice::of(Said::Ready {
+        speaker.say(Notice::of(CaptureEvent::Ready {
             viewer: served.viewer,
             metrics: served.metrics,
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
@@ -193,7 +193,7 @@ impl Running {
         }));
         let previewer = Previewer {
             scene: scene.clone(),
-            herald: speaker.clone(),
+            publisher: speaker.clone(),
             shown: shown_sender.clone(),
             metrics: Arc::clone(&metrics),
         };
@@ -205,7 +205,7 @@ impl Running {
             scene_toml,
             settings,
             topics,
-            herald: speaker,
+            publisher: speaker,
             status: status_sender,
             metrics,
             feed: served.feed,
@@ -301,7 +301,7 @@ fn spawn(name: &str, run: impl FnOnce() + Send + 'static) -> anyhow::Result<Join
 fn spawn_previewer(
     previewer: Previewer,
     threads: &mut Vec<JoinHandle<()>>,
-) -> anyhow::Result<SyncSender<Followed>> {
+) -> anyhow::Result<SyncSender<PreviewInput>> {
     let (sender, queue) = mpsc::sync_channel(SO_FAR);
     threads.push(spawn("preview", move || previewer.run(&queue))?);
     Ok(sender)

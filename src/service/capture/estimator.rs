@@ -9,10 +9,10 @@ use std::time::Instant;
 use anyhow::anyhow;
 use tokio::sync::watch;
 
+use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Speaker};
 use super::previewer::Shown;
-use super::said::Said;
 use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::service::Report;
@@ -32,7 +32,7 @@ pub(super) struct Finished {
 /// so that the bytes are the same.
 pub(super) fn finals(
     queue: &Receiver<Finished>,
-    herald: &Speaker,
+    publisher: &Speaker,
     shown: &watch::Sender<Shown>,
     metrics: &Metrics,
 ) {
@@ -44,20 +44,20 @@ pub(super) fn finals(
                 metrics.estimated(begun.elapsed());
                 shown.send_replace(Some(Arc::new(outcome.clone())));
                 let report = Box::new(report);
-                let said = Said::Estimated { take, report };
-                herald.say(Notice::estimated(
+                let said = CaptureEvent::Estimated { take, report };
+                publisher.say(Notice::estimated(
                     said,
                     occasion(take, marks, true),
                     outcome,
                 ));
             }
             Err(error) => {
-                let said = Said::NotEstimated {
+                let said = CaptureEvent::NotEstimated {
                     take,
                     recording: path.display().to_string(),
                     error: words(&error),
                 };
-                herald.say(Notice::of(said));
+                publisher.say(Notice::of(said));
             }
         }
     }

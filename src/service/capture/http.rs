@@ -18,8 +18,8 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
 
+use super::event::Status;
 use super::metrics::Metrics;
-use super::said::Status;
 
 const HEAD_BYTES: usize = 8 << 10;
 const HEADERS: usize = 64;

@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use std::time::Duration;
 
+use super::event::{CaptureEvent, Status, TrackerLine};
 use super::latency::Latencies;
-use super::said::{Said, Status, TrackerLine};
 
 /// Upper ends of the bins of histograms \[s\].
 pub(super) const BOUNDS_S: [f64; 13] = [
@@ -121,15 +121,15 @@ impl Metrics {
     }
 
     /// Counts what is said.
-    pub(super) fn said(&self, said: &Said) {
+    pub(super) fn said(&self, said: &CaptureEvent) {
         let kind = match said {
-            Said::Started { .. } => 0,
-            Said::Closed { .. } => 1,
-            Said::Discarded { .. } => 2,
-            Said::Broken { .. } => 3,
-            Said::Estimated { .. } => 4,
-            Said::NotEstimated { .. } => 5,
-            Said::SoFar { .. } => return self.so_far.add(),
+            CaptureEvent::Started { .. } => 0,
+            CaptureEvent::Closed { .. } => 1,
+            CaptureEvent::Discarded { .. } => 2,
+            CaptureEvent::Broken { .. } => 3,
+            CaptureEvent::Estimated { .. } => 4,
+            CaptureEvent::NotEstimated { .. } => 5,
+            CaptureEvent::SoFar { .. } => return self.so_far.add(),
             _ => return,
         };
         self.takes[kind].add();
@@ -183,7 +183,7 @@ impl Metrics {
             ("record", &self.batches_waiting),
             ("previews", &self.previews_waiting),
             ("finals", &self.finals_waiting),
-            ("herald", &self.notices_waiting),
+            ("publisher", &self.notices_waiting),
         ] {
             let _ = writeln!(page, "{name}{{queue=\"{queue}\"}} {}", depth.get());
         }

@@ -4,7 +4,7 @@
 //! iceoryx2 ──> listen ──> record ──> journal (a recording, when the take is over)
 //!                            ├──> sync        the journal, on a timer
 //!                            ├──> preview     the estimate so far       ──┬────────> viewers
-//!                            ├──> finals      estimates of whole takes  ──┼──> herald ──> iceoryx2
+//!                            ├──> finals      estimates of whole takes  ──┼──> publisher ──> iceoryx2
 //!                            └────────────────────────────────────────────┘       └──> the account
 //! ```
 //!
@@ -23,8 +23,8 @@
 //! | record → viewers | 256 poses, 60 a second and stream | not shown, and counted |
 //! | preview, finals → viewers | 1 estimate | the newest replaces it |
 //! | server → one viewer | 1024 messages | the oldest go |
-//! | → herald | 256 | recorder: dropped and logged; estimators wait |
-//! | herald → account | 1024 | dropped and logged |
+//! | → publisher | 256 | recorder: dropped and logged; estimators wait |
+//! | publisher → account | 1024 | dropped and logged |
 //!
 //! What comes while no take runs is counted ([`Status::outside`]) and not kept: a take begins with
 //! what came by the same poll as its start, at most 1 ms before it while samples come, and ends
@@ -78,7 +78,7 @@
 
 mod daemon;
 mod estimator;
-mod herald;
+mod event;
 mod http;
 mod latency;
 mod listen;
@@ -87,13 +87,13 @@ mod naming;
 mod notice;
 mod notify;
 mod previewer;
+mod publisher;
 mod recorder;
-mod said;
 mod syncer;
 mod take;
 mod viewer;
 
 pub use daemon::{CaptureJob, capture};
+pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
 pub use latency::LatencyLine;
-pub use said::{CountsLine, MarkCounts, Said, Status, TrackerLine};
 pub(super) use take::now_ns;

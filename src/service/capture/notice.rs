@@ -1,10 +1,10 @@
-//! What the other threads give the herald, and the queue to it.
+//! What the other threads give the publisher, and the queue to it.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 
+use super::event::CaptureEvent;
 use super::metrics::Metrics;
-use super::said::Said;
 use crate::ingest::live::ControlRecord;
 use crate::pipeline::Outcome;
 use crate::write::live::EstimateOccasion;
@@ -14,7 +14,7 @@ const NOTICES: usize = 256;
 
 /// Something to say, and to publish.
 pub(super) struct Notice {
-    pub(super) said: Said,
+    pub(super) said: CaptureEvent,
     /// Publisher and number of the command that brought it about, to answer it by.
     pub(super) asked: Option<(u32, u64)>,
     /// An estimate to publish with it.
@@ -24,7 +24,7 @@ pub(super) struct Notice {
 }
 
 impl Notice {
-    pub(super) fn of(said: Said) -> Self {
+    pub(super) fn of(said: CaptureEvent) -> Self {
         Self {
             said,
             asked: None,
@@ -33,14 +33,18 @@ impl Notice {
         }
     }
 
-    pub(super) fn asked(said: Said, asked: Option<&ControlRecord>) -> Self {
+    pub(super) fn asked(said: CaptureEvent, asked: Option<&ControlRecord>) -> Self {
         Self {
             asked: asked.map(|command| (command.session, command.sequence)),
             ..Self::of(said)
         }
     }
 
-    pub(super) fn estimated(said: Said, occasion: EstimateOccasion, outcome: Outcome) -> Self {
+    pub(super) fn estimated(
+        said: CaptureEvent,
+        occasion: EstimateOccasion,
+        outcome: Outcome,
+    ) -> Self {
         Self {
             outcome: Some((occasion, Box::new(outcome))),
             ..Self::of(said)
@@ -55,7 +59,7 @@ pub(super) struct Speaker {
     metrics: Arc<Metrics>,
 }
 
-/// A queue to the herald.
+/// A queue to the publisher.
 pub(super) fn queue(metrics: &Arc<Metrics>) -> (Speaker, Receiver<Notice>) {
     let (queue, notices) = sync_channel(NOTICES);
     let metrics = Arc::clone(metrics);
@@ -63,7 +67,7 @@ pub(super) fn queue(metrics: &Arc<Metrics>) -> (Speaker, Receiver<Notice>) {
 }
 
 impl Speaker {
-    /// Says it; waits where the queue is full. A herald that is gone has nobody left to tell.
+    /// Says it; waits where the queue is full. A publisher that is gone has nobody left to tell.
     pub(super) fn say(&self, notice: Notice) {
         if self.queue.send(notice).is_ok() {
             self.metrics.notices_waiting.put();

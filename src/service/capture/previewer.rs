@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 use super::estimator::{guarded, occasion};
+use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Speaker};
-use super::said::Said;
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::{Outcome, Preview};
 use crate::service::doubts::gravest;
@@ -24,7 +24,7 @@ use crate::service::words;
 const BURDEN: Duration = Duration::from_millis(50);
 
 /// How the performance goes on.
-pub(super) enum Followed {
+pub(super) enum PreviewInput {
     /// What came since the last message.
     Events {
         /// In which take; one with another number begins.
@@ -44,7 +44,7 @@ pub(super) type Shown = Option<Arc<Outcome>>;
 /// What the thread is given.
 pub(super) struct Previewer {
     pub(super) scene: Scene,
-    pub(super) herald: Speaker,
+    pub(super) publisher: Speaker,
     pub(super) shown: watch::Sender<Shown>,
     pub(super) metrics: Arc<Metrics>,
 }
@@ -62,7 +62,7 @@ struct Following {
 
 impl Previewer {
     /// Follows takes until nobody sends any more.
-    pub(super) fn run(self, queue: &Receiver<Followed>) {
+    pub(super) fn run(self, queue: &Receiver<PreviewInput>) {
         let mut following: Option<Following> = None;
         let mut rested = Instant::now();
         loop {
@@ -88,9 +88,9 @@ impl Previewer {
         }
     }
 
-    fn take_in(&self, following: &mut Option<Following>, message: Followed) {
+    fn take_in(&self, following: &mut Option<Following>, message: PreviewInput) {
         self.metrics.previews_waiting.take();
-        let Followed::Events {
+        let PreviewInput::Events {
             take,
             marks,
             events,
@@ -133,15 +133,16 @@ impl Previewer {
                 self.shown.send_replace(Some(Arc::new(outcome.clone())));
                 if marks > following.told {
                     following.told = marks;
-                    let said = Said::SoFar {
+                    let said = CaptureEvent::SoFar {
                         take,
                         marks,
-                        verdict: outcome.estimate.verdict.word(),
+                        verdict: outcome.estimate.verdict.as_str(),
                         doubt: gravest(&outcome.scene, &outcome.estimate.doubts),
                         seconds: took.as_secs_f64(),
                     };
                     let occasion = occasion(take, marks, false);
-                    self.herald.say(Notice::estimated(said, occasion, outcome));
+                    self.publisher
+                        .say(Notice::estimated(said, occasion, outcome));
                 }
             }
             Ok(None) => {}

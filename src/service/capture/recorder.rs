@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 use super::estimator::Finished;
+use super::event::{CaptureEvent, CountsLine, Status};
 use super::latency::Latencies;
 use super::metrics::Metrics;
 use super::naming::take_path;
 use super::notice::{Notice, Speaker};
-use super::previewer::Followed;
-use super::said::{CountsLine, Said, Status};
+use super::previewer::PreviewInput;
 use super::take::{Take, now_ns};
 use super::viewer::Feed;
 use crate::config::CaptureSettings;
@@ -42,8 +42,8 @@ pub(super) struct Recorder {
     pub(super) scene_toml: Vec<u8>,
     pub(super) settings: CaptureSettings,
     pub(super) topics: Vec<StreamTopic>,
-    pub(super) herald: Speaker,
-    pub(super) so_far: SyncSender<Followed>,
+    pub(super) publisher: Speaker,
+    pub(super) so_far: SyncSender<PreviewInput>,
     pub(super) finals: SyncSender<Finished>,
     pub(super) syncer: SyncSender<File>,
     pub(super) status: watch::Sender<Status>,
@@ -62,7 +62,7 @@ struct State {
     /// The previewer is to be told that a take need not be followed any more.
     is_over: bool,
     /// The last commands that were obeyed, and what was said to each.
-    answered: VecDeque<(ControlRecord, Said)>,
+    answered: VecDeque<(ControlRecord, CaptureEvent)>,
     /// Of takes that are over.
     totals: (CountsLine, Latencies),
     said: Instant,
@@ -142,7 +142,7 @@ impl Recorder {
         let asked = Some(record);
         let mut answered = state.answered.iter();
         if let Some((_, said)) = answered.find(|(answered, _)| answered == record) {
-            return self.herald.say_at_once(Notice {
+            return self.publisher.say_at_once(Notice {
                 is_repeated: true,
                 ..Notice::asked(said.clone(), asked)
             });
@@ -159,22 +159,22 @@ impl Recorder {
             Some(Command::Discard) if runs => self.discard(state, asked),
             Some(Command::Ask) => {
                 let take = state.take.as_ref();
-                let said = Said::Asked {
+                let said = CaptureEvent::Asked {
                     take: take.map(|take| take.number),
                     messages: take.map_or(0, |take| take.journal.messages()),
                 };
-                self.herald.say_at_once(Notice::asked(said, asked));
+                self.publisher.say_at_once(Notice::asked(said, asked));
             }
             command => {
                 let reason = match command {
                     Some(_) => "no take runs",
                     None => "no such command",
                 };
-                let said = Said::Refused {
+                let said = CaptureEvent::Refused {
                     command: record.command,
                     reason: reason.to_owned(),
                 };
-                self.herald.say_at_once(Notice::asked(said, asked));
+                self.publisher.say_at_once(Notice::asked(said, asked));
             }
         }
     }
@@ -193,7 +193,7 @@ impl Recorder {
         ) {
             Ok(take) => {
                 (state.followed, state.is_over) = (Some(0), false);
-                let said = Said::Started {
+                let said = CaptureEvent::Started {
                     take: state.takes,
                     recording: path.display().to_string(),
                 };
@@ -201,7 +201,7 @@ impl Recorder {
                 state.take = Some(take);
             }
             Err(error) => {
-                let said = Said::Broken {
+                let said = CaptureEvent::Broken {
                     take: state.takes,
                     recording: path.display().to_string(),
                     messages: 0,
@@ -227,7 +227,7 @@ impl Recorder {
         let recording = path.display().to_string();
         if let Err(error) = take.journal.finish() {
             let error = error.to_string();
-            let said = Said::Broken {
+            let said = CaptureEvent::Broken {
                 take: number,
                 recording,
                 messages,
@@ -235,7 +235,7 @@ impl Recorder {
             };
             return self.answer(state, said, asked);
         }
-        let said = Said::Closed {
+        let said = CaptureEvent::Closed {
             take: number,
             recording: recording.clone(),
             messages,
@@ -250,11 +250,12 @@ impl Recorder {
                 Err(_) => "too many takes wait for their estimates".to_owned(),
             }
         };
-        self.herald.say_at_once(Notice::of(Said::NotEstimated {
-            take: number,
-            error: format!("{reason}: enact process {recording}"),
-            recording,
-        }));
+        self.publisher
+            .say_at_once(Notice::of(CaptureEvent::NotEstimated {
+                take: number,
+                error: format!("{reason}: enact process {recording}"),
+                recording,
+            }));
     }
 
     fn discard(&self, state: &mut State, asked: Option<&ControlRecord>) {
@@ -264,20 +265,21 @@ impl Recorder {
         state.end_of(&take);
         let number = take.number;
         if let Err(error) = take.journal.discard() {
-            self.herald.say_at_once(Notice::of(Said::Warning {
-                text: error.to_string(),
-            }));
+            self.publisher
+                .say_at_once(Notice::of(CaptureEvent::Warning {
+                    text: error.to_string(),
+                }));
         }
-        self.answer(state, Said::Discarded { take: number }, asked);
+        self.answer(state, CaptureEvent::Discarded { take: number }, asked);
     }
 
     /// Says what became of a command that was obeyed, and keeps it.
-    fn answer(&self, state: &mut State, said: Said, asked: Option<&ControlRecord>) {
+    fn answer(&self, state: &mut State, said: CaptureEvent, asked: Option<&ControlRecord>) {
         if let Some(command) = asked {
             state.answered.truncate(ANSWERS - 1);
             state.answered.push_front((*command, said.clone()));
         }
-        self.herald.say_at_once(Notice::asked(said, asked));
+        self.publisher.say_at_once(Notice::asked(said, asked));
     }
 
     /// Recording stops: what was journalled so far becomes a file, if that is possible.
@@ -293,7 +295,7 @@ impl Recorder {
             Ok(()) => (path, error.to_string()),
             Err(worse) => (part, format!("{error}; then {worse}")),
         };
-        self.herald.say_at_once(Notice::of(Said::Broken {
+        self.publisher.say_at_once(Notice::of(CaptureEvent::Broken {
             take: number,
             recording: recording.display().to_string(),
             messages,
@@ -314,7 +316,7 @@ impl Recorder {
                 self.give_up(state, &error);
             }
         }
-        if state.is_over && self.so_far.try_send(Followed::Over).is_ok() {
+        if state.is_over && self.so_far.try_send(PreviewInput::Over).is_ok() {
             self.metrics.previews_waiting.put();
             state.is_over = false;
         }
@@ -355,14 +357,14 @@ impl Recorder {
         if take.pending.is_empty() {
             return;
         }
-        let message = Followed::Events {
+        let message = PreviewInput::Events {
             take: take.number,
             marks: take.marks(),
             events: std::mem::take(&mut take.pending),
         };
         match self.so_far.try_send(message) {
             Ok(()) => self.metrics.previews_waiting.put(),
-            Err(TrySendError::Full(Followed::Events { events, .. })) => {
+            Err(TrySendError::Full(PreviewInput::Events { events, .. })) => {
                 state.followed = state.followed.map(|count| count - events.len());
                 take.pending = events;
             }

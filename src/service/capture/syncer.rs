@@ -3,15 +3,15 @@
 use std::fs::File;
 use std::sync::mpsc::Receiver;
 
+use super::event::CaptureEvent;
 use super::notice::{Notice, Speaker};
-use super::said::Said;
 
 /// Syncs every file that comes, until nobody sends any more; says what fails.
 pub(super) fn sync_all(queue: &Receiver<File>, speaker: &Speaker) {
     for file in queue {
         if let Err(error) = file.sync_data() {
             let text = format!("the journal was not synced: {error}");
-            speaker.say_at_once(Notice::of(Said::Warning { text }));
+            speaker.say_at_once(Notice::of(CaptureEvent::Warning { text }));
         }
     }
 }
@@ -38,11 +38,11 @@ mod tests {
             .expect("room");
         drop(sender);
         sync_all(&queue, &speaker);
-        let said: Vec<Said> = notices.try_iter().map(|notice| notice.said).collect();
+        let said: Vec<CaptureEvent> = notices.try_iter().map(|notice| notice.said).collect();
         assert_eq!(said.len(), 2, "{said:?}");
         for said in said {
             assert!(
-                matches!(&said, Said::Warning { text } if text.contains("was not synced")),
+                matches!(&said, CaptureEvent::Warning { text } if text.contains("was not synced")),
                 "{said:?}"
             );
         }

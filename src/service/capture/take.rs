@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use super::event::{CountsLine, MarkCounts, TrackerLine};
 use super::latency::Latencies;
-use super::said::{CountsLine, MarkCounts, TrackerLine};
 use crate::config::CaptureSettings;
 use crate::ingest::live::{MarkRecord, PoseRecord};
 use crate::ingest::live::{Stream, StreamTopic, Streamed, stamp_mark};

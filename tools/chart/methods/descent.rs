@@ -1,6 +1,6 @@
 //! Levenberg–Marquardt on the augmented Lagrangian, as the program's, over any grid's unknowns.
 
-use enact::estimate::merit::{self, Acting, Price};
+use enact::estimate::merit::{self, Acting, AugmentedLagrangian};
 use enact::estimate::problem::Problem;
 use enact::estimate::system::{Guidance, System};
 use enact::math::envelope::Envelope;
@@ -62,17 +62,22 @@ impl<'m, 'a> Descent<'m, 'a> {
     }
 
     /// So many steps at most, until no more than `gain` is left or two on end change less.
-    pub fn run(&mut self, guidance: &Guidance, price: &Price, (steps, gain): (usize, f64)) {
+    pub fn run(
+        &mut self,
+        guidance: &Guidance,
+        lagrangian: &AugmentedLagrangian,
+        (steps, gain): (usize, f64),
+    ) {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
         let mut growth = 2.0;
         let mut idle = 0;
         for _ in 0..steps {
-            let before = price.merit(&self.system);
-            let Some((delta, predicted, damped)) = self.direction(price) else {
+            let before = lagrangian.merit(&self.system);
+            let Some((delta, predicted, damped)) = self.direction(lagrangian) else {
                 self.damping = (self.damping * 10.0).max(1e-6);
                 continue;
             };
-            let after = self.try_step(guidance, price, &delta, before, predicted);
+            let after = self.try_step(guidance, lagrangian, &delta, before, predicted);
             let gained = before - after;
             let ratio = gained / predicted.max(f64::MIN_POSITIVE);
             if gained.is_finite() && ratio > 1e-4 {
@@ -93,11 +98,11 @@ impl<'m, 'a> Descent<'m, 'a> {
     }
 
     /// The damped step, the decrease it promises, and what damping takes of that.
-    fn direction(&mut self, price: &Price) -> Option<(DVector<f64>, f64, f64)> {
+    fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<(DVector<f64>, f64, f64)> {
         let layout = self.model.outer.layout;
         let pattern = &layout.pattern;
         self.iterations += 1;
-        price.act(&self.system, &mut self.acting);
+        lagrangian.act(&self.system, &mut self.acting);
         let acting = &self.acting;
         self.gradient.copy_from(&self.system.gradient);
         let pull = |row: usize| acting.weights[row] * acting.distances[row];
@@ -124,12 +129,12 @@ impl<'m, 'a> Descent<'m, 'a> {
     fn try_step(
         &mut self,
         guidance: &Guidance,
-        price: &Price,
+        lagrangian: &AugmentedLagrangian,
         delta: &DVector<f64>,
         before: f64,
         predicted: f64,
     ) -> f64 {
-        let after = self.evaluate_trial(guidance, price, delta);
+        let after = self.evaluate_trial(guidance, lagrangian, delta);
         if before - after >= 0.9 * predicted || !after.is_finite() {
             return after;
         }
@@ -147,7 +152,7 @@ impl<'m, 'a> Descent<'m, 'a> {
             return after;
         }
         std::mem::swap(&mut self.trial, &mut self.corrected);
-        let corrected_after = self.evaluate_trial(guidance, price, &(delta + correction));
+        let corrected_after = self.evaluate_trial(guidance, lagrangian, &(delta + correction));
         if corrected_after < after {
             return corrected_after;
         }
@@ -155,11 +160,16 @@ impl<'m, 'a> Descent<'m, 'a> {
         after
     }
 
-    fn evaluate_trial(&mut self, guidance: &Guidance, price: &Price, delta: &DVector<f64>) -> f64 {
+    fn evaluate_trial(
+        &mut self,
+        guidance: &Guidance,
+        lagrangian: &AugmentedLagrangian,
+        delta: &DVector<f64>,
+    ) -> f64 {
         self.trial.0 = self.model.moved(&self.place, delta);
         self.model
             .evaluate(guidance, &self.trial.0, &mut self.trial.1);
-        let merit = price.merit(&self.trial.1);
+        let merit = lagrangian.merit(&self.trial.1);
         if merit.is_finite() {
             merit
         } else {

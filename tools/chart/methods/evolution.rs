@@ -7,7 +7,7 @@
 use std::cell::RefCell;
 
 use cmaes::CMAESOptions;
-use enact::estimate::merit::Price;
+use enact::estimate::merit::AugmentedLagrangian;
 use enact::estimate::system::Guidance;
 use nalgebra::DVector;
 
@@ -42,7 +42,10 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
     let scale = model.by_unknown(of, GAP);
     let mut system = model.system();
     model.evaluate(&guidance, start, &mut system);
-    let price = RefCell::new(Price::new(&system, WEIGHTS.0 * problem.information()));
+    let lagrangian = RefCell::new(AugmentedLagrangian::new(
+        &system,
+        WEIGHTS.0 * problem.information(),
+    ));
     let shared = RefCell::new((model, system));
     let place = |model: &Model, x: &[f64]| {
         model.moved(start, &DVector::from_column_slice(x).component_mul(&scale))
@@ -51,7 +54,7 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
         let (model, system) = &mut *shared.borrow_mut();
         let place = place(model, x.as_slice());
         model.values(&guidance, &place, system);
-        match price.borrow().merit(system) {
+        match lagrangian.borrow().merit(system) {
             merit if merit.is_finite() => merit,
             // The strategy ranks; what is no motion is worst.
             _ => f64::MAX,
@@ -76,13 +79,13 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
             let mean = place(model, strategy.mean().as_slice());
             if mean.exists {
                 model.values(&guidance, &mean, system);
-                let mut price = price.borrow_mut();
-                price.update(system);
+                let mut lagrangian = lagrangian.borrow_mut();
+                lagrangian.update(system);
                 let now = system.violation();
                 if now > 0.5 * violation {
                     let most = WEIGHTS.1 * problem.information();
-                    price.weight = (price.weight * GROWTH).min(most);
-                    price.approach_weight = price.weight;
+                    lagrangian.weight = (lagrangian.weight * GROWTH).min(most);
+                    lagrangian.approach_weight = lagrangian.weight;
                 }
                 violation = now;
             }

@@ -1,9 +1,10 @@
 //! Newton steps on the optimality conditions, as the program's finish, over any grid's unknowns.
 
-use enact::estimate::acting::ActingSet;
-use enact::estimate::finish::{Finished, KktStep, Tolerances};
+use enact::estimate::active::ActiveSet;
+use enact::estimate::finish::{Finished, Tolerances};
+use enact::estimate::kkt::KktStep;
 use enact::estimate::merit;
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::math::envelope::Envelope;
 use nalgebra::DVector;
 
@@ -14,7 +15,7 @@ use super::setting::Place;
 const DAMPING: f64 = 1e-9;
 const EXACT: f64 = 1e-5;
 const ROUNDING: f64 = 1e-14;
-const ACTING_ROUNDS: usize = 12;
+const ACTIVE_ROUNDS: usize = 12;
 const REFINEMENTS: usize = 8;
 const HALVINGS_MAX: usize = 12;
 const NO_COST: f64 = 1e-6;
@@ -79,13 +80,13 @@ impl Finish<'_, '_> {
     }
 
     fn step(&mut self) -> Option<(Factor, KktStep)> {
-        let frame = &self.model.outer;
-        let mut acting = ActingSet::of(frame, &self.system, &self.multipliers);
+        let context = &self.model.outer;
+        let mut active = ActiveSet::of(context, &self.system, &self.multipliers);
         let mut last = None;
-        for _ in 0..ACTING_ROUNDS {
+        for _ in 0..ACTIVE_ROUNDS {
             self.iterations += 1;
-            let (factor, step) = solved(frame, &self.system, &self.multipliers, &acting)?;
-            let changed = acting.revise(frame, &self.system, &step);
+            let (factor, step) = solved(context, &self.system, &self.multipliers, &active)?;
+            let changed = active.revise(context, &self.system, (&step.delta, &step.multipliers));
             last = Some((factor, step));
             if !changed {
                 break;
@@ -109,9 +110,9 @@ impl Finish<'_, '_> {
     ) -> Option<f64> {
         let largest =
             |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let price = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
+        let lagrangian = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
         let merit = |system: &System| match system.cost {
-            cost if cost.is_finite() => cost + price * system.total_violation(),
+            cost if cost.is_finite() => cost + lagrangian * system.total_violation(),
             _ => f64::INFINITY,
         };
         let enough = merit(&self.system) * (1.0 + 1e-14);
@@ -140,17 +141,17 @@ impl Finish<'_, '_> {
     }
 }
 
-/// The step to the optimum of the quadratic model with those rows acting, by the method of
+/// The step to the optimum of the quadratic model with those rows active, by the method of
 /// multipliers on one factorisation; `None` where an unknown is undetermined.
 fn solved(
-    frame: &Frame,
+    context: &SolveContext,
     system: &System,
     multipliers: &[f64],
-    acting: &ActingSet,
+    active: &ActiveSet,
 ) -> Option<(Factor, KktStep)> {
-    let layout = frame.layout;
+    let layout = context.layout;
     let pattern = &layout.pattern;
-    let (weights, violations) = acting.weights_and_violations(frame, system);
+    let (weights, violations) = active.weights_and_violations(context, system);
     let acts = |row: usize| weights[row] > 0.0;
     let mut matrix = system.hessian.clone();
     let pull = |row: usize| if acts(row) { multipliers[row] } else { 0.0 };

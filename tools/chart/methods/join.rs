@@ -3,7 +3,7 @@
 use enact::estimate::block::{Block, BlockPattern};
 use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
-use enact::estimate::system::Frame;
+use enact::estimate::system::SolveContext;
 use enact::math::so3;
 use enact::physics::flow;
 use enact::physics::state::part;
@@ -22,11 +22,11 @@ pub struct Join {
 }
 
 /// The gap between a piece flown to its end and the state of the next one.
-pub fn between(frame: &Frame, point: &Point, left: usize, right: usize) -> Join {
-    let problem = frame.problem;
+pub fn between(context: &SolveContext, point: &Point, left: usize, right: usize) -> Join {
+    let problem = context.problem;
     let acceleration = problem.gravity(&point.parameters);
     let body = &problem.bodies[problem.arcs[left].body];
-    let s = frame.epochs_s[right] - frame.epochs_s[left];
+    let s = context.epochs_s[right] - context.epochs_s[left];
     let from = &point.arcs[left];
     let end = flow::advance(body, &acceleration, from, s);
     let turn = flow::turn(body, &from.orientation, &from.angular_velocity_rad_s, s);

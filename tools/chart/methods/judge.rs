@@ -4,7 +4,7 @@ use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe;
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::Guess;
 
 /// What an answer is worth, by the program's own objective and constraints.
@@ -18,9 +18,9 @@ pub struct Judged {
 
 /// Judges a point of a problem; not finite where the point is not.
 pub fn judged(problem: &Problem, layout: &Layout, guess: &Guess, point: &Point) -> Judged {
-    let frame = Frame::new(problem, layout, recipe::epochs_s(guess), point);
-    let mut system = System::new(&frame);
-    system.evaluate(&frame, &Guidance::none(problem), point);
+    let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
+    let mut system = System::new(&context);
+    system.evaluate(&context, &Guidance::none(problem), point);
     Judged {
         objective: 2.0 * system.cost,
         violation: system.violation(),

@@ -9,7 +9,7 @@
 
 use enact::estimate::block::Block;
 use enact::estimate::point::Point;
-use enact::estimate::system::{Frame, Guidance, System};
+use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::physics::state::StateTangent;
 use nalgebra::DVector;
 
@@ -25,9 +25,9 @@ use super::simulate::{gaps, simulate};
 pub struct Model<'a> {
     setting: &'a Setting,
     /// Of the lifted problem.
-    inner: Frame<'a>,
+    inner: SolveContext<'a>,
     /// Of the grid's unknowns: what the solver's parts need of it.
-    pub outer: Frame<'a>,
+    pub outer: SolveContext<'a>,
     /// Lifted system at the last place.
     system: System,
 }
@@ -37,10 +37,10 @@ impl<'a> Model<'a> {
     pub fn new(setting: &'a Setting) -> Self {
         let split = &setting.split;
         let epochs_s = split.epochs_s.clone();
-        let inner = Frame::new(&split.problem, &setting.lifted, epochs_s, &split.start);
+        let inner = SolveContext::new(&split.problem, &setting.lifted, epochs_s, &split.start);
         Self {
             system: System::new(&inner),
-            outer: Frame {
+            outer: SolveContext {
                 problem: &setting.problem,
                 layout: &setting.columns.layout,
                 epochs_s: Vec::new(),
@@ -62,8 +62,8 @@ impl<'a> Model<'a> {
         self.followed(split.start.clone(), gaps)
     }
 
-    /// Frame and point of the fits themselves, for what leads the way.
-    pub fn fits(&self) -> (&Frame<'a>, &Point) {
+    /// SolveContext and point of the fits themselves, for what leads the way.
+    pub fn fits(&self) -> (&SolveContext<'a>, &Point) {
         (&self.inner, &self.setting.split.start)
     }
 

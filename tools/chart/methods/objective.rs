@@ -1,7 +1,7 @@
 //! Gradient and Hessian of samples, priors and pulls by the grid's unknowns.
 
 use enact::estimate::layout::STATE;
-use enact::estimate::system::{Frame, System};
+use enact::estimate::system::{SolveContext, System};
 use enact::math::envelope::{Envelope, Pattern};
 use nalgebra::{DMatrix, DVector};
 
@@ -10,16 +10,16 @@ use super::parts::{Part, gravity};
 
 impl Chains<'_> {
     /// Adds gradient and Hessian of samples, priors and pulls.
-    pub fn add_objective(&self, frame: &Frame, lifted: &System, out: &mut System) {
-        let problem = frame.problem;
-        let from = frame.layout;
+    pub fn add_objective(&self, context: &SolveContext, lifted: &System, out: &mut System) {
+        let problem = context.problem;
+        let from = context.layout;
         let pattern = &self.columns.layout.pattern;
         for (piece, arc) in problem.arcs.iter().enumerate() {
             let (at, own) = (from.arcs[piece], &self.columns.pieces[piece]);
             let chain = self.pieces[piece].as_ref();
             let gradient = lifted.gradient.rows(at, STATE).into_owned();
             let square =
-                DMatrix::from_fn(STATE, STATE, |i, j| entry(frame, lifted, at + i, at + j));
+                DMatrix::from_fn(STATE, STATE, |i, j| entry(context, lifted, at + i, at + j));
             add_gradient(own, &pulled(chain, gradient), out);
             let square = match chain {
                 Some(chain) => chain.tr_mul(&(square * chain)),
@@ -27,7 +27,7 @@ impl Chains<'_> {
             };
             add_square(pattern, own, &square, &mut out.hessian);
             let mut cross = |with: usize, column: usize| {
-                let by = DVector::from_fn(STATE, |i, _| entry(frame, lifted, at + i, with));
+                let by = DVector::from_fn(STATE, |i, _| entry(context, lifted, at + i, with));
                 let by = pulled(chain, by);
                 for (entry, row) in by.iter().zip(own) {
                     add_symmetric(pattern, *row, column, *entry, &mut out.hessian);
@@ -46,12 +46,12 @@ impl Chains<'_> {
                 }
             }
         }
-        self.add_others(frame, lifted, out);
+        self.add_others(context, lifted, out);
     }
 
     /// Times and parameters among themselves.
-    fn add_others(&self, frame: &Frame, lifted: &System, out: &mut System) {
-        let (from, to) = (frame.layout, self.columns);
+    fn add_others(&self, context: &SolveContext, lifted: &System, out: &mut System) {
+        let (from, to) = (context.layout, self.columns);
         let pattern = &to.layout.pattern;
         let nodes = from.nodes.iter().zip(&to.nodes);
         let nodes = nodes.filter_map(|(from, to)| Some(((*from)?, (*to)?)));
@@ -65,19 +65,19 @@ impl Chains<'_> {
         for (index, (with, column)) in nodes.iter().enumerate() {
             out.gradient[*column] += lifted.gradient[*with];
             for (other, other_column) in &nodes[index.saturating_sub(2)..=index] {
-                let value = entry(frame, lifted, *with, *other);
+                let value = entry(context, lifted, *with, *other);
                 add_once(pattern, *column, *other_column, value, &mut out.hessian);
             }
         }
         for (index, (with, column)) in parameters.iter().enumerate() {
             out.gradient[*column] += lifted.gradient[*with];
             for (other, other_column) in &parameters[..=index] {
-                let value = entry(frame, lifted, *with, *other);
+                let value = entry(context, lifted, *with, *other);
                 add_once(pattern, *column, *other_column, value, &mut out.hessian);
             }
-            if gravity(frame.problem).any(|g| from.parameters[part_index(g)] == *with) {
+            if gravity(context.problem).any(|g| from.parameters[part_index(g)] == *with) {
                 for (other, other_column) in &nodes {
-                    let value = entry(frame, lifted, *with, *other);
+                    let value = entry(context, lifted, *with, *other);
                     add_once(pattern, *column, *other_column, value, &mut out.hessian);
                 }
             }
@@ -87,7 +87,7 @@ impl Chains<'_> {
             let own = &to.events[event];
             let chain = self.events[event].as_ref();
             let gradient = DVector::repeat(1, lifted.gradient[*at]);
-            let weight = entry(frame, lifted, *at, *at);
+            let weight = entry(context, lifted, *at, *at);
             add_gradient(own, &pulled(chain, gradient), out);
             if weight != 0.0 {
                 let by = pulled(chain, DVector::repeat(1, 1.0));
@@ -108,10 +108,10 @@ fn part_index(part: Part) -> usize {
     }
 }
 
-fn entry(frame: &Frame, lifted: &System, i: usize, j: usize) -> f64 {
+fn entry(context: &SolveContext, lifted: &System, i: usize, j: usize) -> f64 {
     lifted
         .hessian
-        .get(&frame.layout.pattern, i.max(j), i.min(j))
+        .get(&context.layout.pattern, i.max(j), i.min(j))
 }
 
 fn pulled(chain: Option<&DMatrix<f64>>, gradient: DVector<f64>) -> DVector<f64> {

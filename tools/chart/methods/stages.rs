@@ -3,7 +3,7 @@
 
 use enact::estimate::collision;
 use enact::estimate::finish::{Finished, Tolerances};
-use enact::estimate::merit::Price;
+use enact::estimate::merit::AugmentedLagrangian;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe::Recipe;
 use enact::estimate::system::{Guidance, System};
@@ -50,25 +50,25 @@ pub fn solve(model: &mut Model, start: Place, usual: &Recipe, tolerances: &Toler
             guidance.event_sd_s = Some(recipe.event_sd_s * 10f64.powf(0.5 * loosened));
         }
         descent.refresh(&guidance);
-        let mut price = Price::new(&descent.system, *weight);
-        price.approach_weight = weight.max(100.0 * information);
-        descent.run(&guidance, &price, (recipe.sweep_steps, recipe.gain));
+        let mut lagrangian = AugmentedLagrangian::new(&descent.system, *weight);
+        lagrangian.approach_weight = weight.max(100.0 * information);
+        descent.run(&guidance, &lagrangian, (recipe.sweep_steps, recipe.gain));
     }
     let coarse = Guidance {
         orientations_per_arc: recipe.orientations_per_arc,
         ..Guidance::none(problem)
     };
     descent.refresh(&coarse);
-    let mut price = Price::new(&descent.system, recipe.multiplier_weight);
-    tighten(&mut descent, &coarse, &mut price, recipe);
+    let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight);
+    tighten(&mut descent, &coarse, &mut lagrangian, recipe);
     let exact = Guidance::none(problem);
     descent.refresh(&exact);
     let (place, system, mut iterations) = (descent.place, descent.system, descent.iterations);
-    let mut at = (place, system, price.multipliers.clone());
+    let mut at = (place, system, lagrangian.multipliers.clone());
     let mut finished = conclude(
         model,
         &mut at,
-        price.weight,
+        lagrangian.weight,
         recipe,
         tolerances,
         &mut iterations,
@@ -85,20 +85,24 @@ pub fn solve(model: &mut Model, start: Place, usual: &Recipe, tolerances: &Toler
         }
         let mut descent = Descent::new(model, at.0);
         descent.refresh(&exact);
-        let mut price = Price::new(&descent.system, recipe.multiplier_weight);
-        price.multipliers = at.2;
+        let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight);
+        lagrangian.multipliers = at.2;
         let patient = Recipe {
             gain: 1e-7 * recipe.gain,
             finish_below: 1e-5,
             ..recipe.clone()
         };
-        tighten(&mut descent, &exact, &mut price, &patient);
+        tighten(&mut descent, &exact, &mut lagrangian, &patient);
         iterations += descent.iterations;
-        at = (descent.place, descent.system, price.multipliers.clone());
+        at = (
+            descent.place,
+            descent.system,
+            lagrangian.multipliers.clone(),
+        );
         finished = conclude(
             model,
             &mut at,
-            price.weight,
+            lagrangian.weight,
             recipe,
             tolerances,
             &mut iterations,
@@ -139,23 +143,28 @@ fn conclude(
     finished
 }
 
-fn tighten(descent: &mut Descent, guidance: &Guidance, price: &mut Price, recipe: &Recipe) {
+fn tighten(
+    descent: &mut Descent,
+    guidance: &Guidance,
+    lagrangian: &mut AugmentedLagrangian,
+    recipe: &Recipe,
+) {
     let (rounds, steps) = recipe.multiplier_rounds;
     let weight_max = 100.0 * recipe.multiplier_weight;
     let mut violation = f64::INFINITY;
     let mut stalled = 0;
     for _ in 0..rounds {
-        descent.run(guidance, price, (steps, recipe.gain));
-        price.update(&descent.system);
+        descent.run(guidance, lagrangian, (steps, recipe.gain));
+        lagrangian.update(&descent.system);
         let now = descent.system.violation();
-        let is_stalled = now > STALLED * violation && price.weight >= weight_max;
+        let is_stalled = now > STALLED * violation && lagrangian.weight >= weight_max;
         stalled = if is_stalled { stalled + 1 } else { 0 };
         if now < recipe.finish_below || now > HOPELESS && stalled >= STALLED_ROUNDS {
             break;
         }
         if now > 0.25 * violation {
-            price.weight = (price.weight * 10.0).min(weight_max);
-            price.approach_weight = price.weight;
+            lagrangian.weight = (lagrangian.weight * 10.0).min(weight_max);
+            lagrangian.approach_weight = lagrangian.weight;
         }
         violation = now;
     }

@@ -47,7 +47,7 @@ pub fn all(distortions: &[f64]) -> Vec<Scenario> {
                 ("", Acting::timing_known()),
                 (" timing unknown,", Acting::default()),
             ] {
-                let name = format!("pencil, {} first,{timing}", style.word());
+                let name = format!("pencil, {} first,{timing}", style.as_str());
                 add(name, acting, Box::new(move |_| style.truth()));
             }
         }

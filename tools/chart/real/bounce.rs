@@ -5,7 +5,7 @@ use anyhow::Result;
 use enact::config::scene_from_toml;
 use enact::motion::{Scene, Verdict};
 use enact::physics::contact::{Contact, Feature};
-use enact::physics::impact::{Law, Meeting, Side};
+use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::{Body, State, flow};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -159,7 +159,11 @@ impl Setting {
         let outcome = estimated(&self.with_impact, &events, &mut ()).map_err(|e| e.to_string())?;
         let estimate = &outcome.estimate;
         if estimate.verdict != Verdict::Physical {
-            return Err(format!("{}: {}", estimate.verdict.word(), estimate.reason));
+            return Err(format!(
+                "{}: {}",
+                estimate.verdict.as_str(),
+                estimate.reason
+            ));
         }
         let parameter = |name: &str| {
             let mut all = estimate.parameters.iter();
@@ -262,7 +266,7 @@ impl Setting {
             radius_m: self.radius_m,
         };
         let contact = Contact::new(corner, table).map_err(|e| e.to_string())?;
-        let meeting = Meeting::with_friction(&[contact]).map_err(|e| e.to_string())?;
+        let meeting = ContactSet::with_friction(&[contact]).map_err(|e| e.to_string())?;
         let law = Law {
             restitution,
             friction,

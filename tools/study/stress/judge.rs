@@ -124,11 +124,11 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
                 judged.is_caught =
                     finding != Finding::Agrees && case.checked() != Some(Verdict::Physical);
                 judged.finding = Some(finding);
-                estimate.verdict.word().to_owned()
+                estimate.verdict.as_str().to_owned()
             } else {
                 let reason = estimate.reason.split(": largest violation").next();
                 let reason = reason.unwrap_or_default();
-                format!("{}: {}", estimate.verdict.word(), without_numbers(reason))
+                format!("{}: {}", estimate.verdict.as_str(), without_numbers(reason))
             };
         }
     }

@@ -50,7 +50,7 @@ impl Timing {
     pub const ALL: [Timing; 2] = [Timing::Known, Timing::Unknown];
 
     /// Its word.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Timing::Known => "known",
             Timing::Unknown => "unknown",

@@ -55,7 +55,7 @@ pub fn add(all: &mut Vec<Trouble>) {
     for style in Style::ALL {
         all.push(Trouble {
             theme: "tempo",
-            name: format!("{} first, 10 × slower", style.word()),
+            name: format!("{} first, 10 × slower", style.as_str()),
             timing: Timing::Unknown,
             make: Box::new(move |seed| {
                 let acting = Acting {

@@ -26,7 +26,7 @@ pub fn add(all: &mut Vec<Trouble>) {
     for share in [0.01, 0.05, 0.2] {
         let name = format!("{} % of samples", 100.0 * share);
         for style in Style::ALL {
-            let name = format!("{name}, {} first", style.word());
+            let name = format!("{name}, {} first", style.as_str());
             add_both(all, "outliers", &name, move |acting, seed| {
                 let mut case = Case::pencil(style, acting, seed);
                 outliers(&mut case, share, &mut rng(seed));

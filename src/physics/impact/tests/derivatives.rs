@@ -43,7 +43,7 @@ fn expected(derivative: &ImpactDerivative, row: usize, column: usize) -> f64 {
 
 /// Compares all derivatives with differences, unless a switch is within their reach; returns
 /// whether it did.
-fn check(meeting: &Meeting, movers: &[Mover], law: &Law, name: &str) -> bool {
+fn check(meeting: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool {
     const STEP: f64 = 0.1;
     let at = |d: &[f64]| {
         let d: Vec<f64> = d.iter().map(|x| STEP * x).collect();
@@ -121,7 +121,7 @@ fn sticking_and_sliding() {
         if case.contact.tilt_axes().is_some() && (index / KINDS).is_multiple_of(3) {
             case.law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
-        let meeting = Meeting::with_friction(&[case.contact]).expect("one");
+        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("case {index}, kind {kind}");
         if check(&meeting, &movers(&case), &case.law, &name) {
             let count = if case.impact().sticks {
@@ -150,7 +150,7 @@ fn receding_contacts_with_friction() {
         case.b = case.b.map(|(body, state)| (body, reversed(&state)));
         let impact = case.impact();
         assert!(impact.speeds_m_s[0] > 0.0 && !impact.sticks);
-        let meeting = Meeting::with_friction(&[case.contact]).expect("one");
+        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("receding case {index}, kind {kind}");
         checked += usize::from(check(&meeting, &movers(&case), &case.law, &name));
     }
@@ -165,7 +165,7 @@ fn friction_that_may_grow_from_none() {
     for kind in 0..KINDS {
         let mut case = Case::draw(&mut draw, kind, true);
         case.law.friction = 0.0;
-        let meeting = Meeting::with_friction(&[case.contact]).expect("one");
+        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("kind {kind}");
         assert!(check(&meeting, &movers(&case), &case.law, &name));
     }
@@ -181,7 +181,7 @@ fn without_friction() {
         if case.contact.tilt_axes().is_some() && round > 2 {
             case.law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
-        let meeting = Meeting::frictionless(&[case.contact]).expect("one");
+        let meeting = ContactSet::frictionless(&[case.contact]).expect("one");
         let name = format!("case {index}, kind {kind}");
         assert!(check(&meeting, &movers(&case), &case.law, &name));
     }
@@ -197,7 +197,7 @@ fn several_contacts_at_once() {
         if two_bodies {
             movers.push((draw.body(), draw.state()));
         }
-        let meeting = Meeting::frictionless(&corners(count)).expect("a few");
+        let meeting = ContactSet::frictionless(&corners(count)).expect("a few");
         let mut law = Law::frictionless(draw.between(0.0, 1.0));
         if index > 5 {
             law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
@@ -219,7 +219,7 @@ fn several_contacts_of_different_kinds() {
         let rates = second.contact.touch_derivative(&frames.0, &frames.1);
         if rates.is_ok_and(|(_, rates)| rates.on_a.norm() + rates.on_b.norm() < 8.0) {
             let contacts = [first.contact, second.contact];
-            let meeting = Meeting::frictionless(&contacts).expect("two");
+            let meeting = ContactSet::frictionless(&contacts).expect("two");
             let law = Law::frictionless(first.law.restitution);
             assert!(check(&meeting, &movers, &law, "a rim and an edge"));
             checked += 1;

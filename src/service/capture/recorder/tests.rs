@@ -15,14 +15,14 @@ fn the_journal_is_synced_as_often_as_said() {
     let (scene, mut settings) = capture_from_toml(&text).expect("a scene");
     settings.folder = folder.path().to_owned();
     let metrics = Arc::default();
-    let (herald, _notices) = notice::queue(&metrics);
+    let (publisher, _notices) = notice::queue(&metrics);
     let (syncer, files) = sync_channel(1);
     let recorder = Recorder {
         topics: stream_topics(&scene),
         scene,
         scene_toml: text.into_bytes(),
         settings,
-        herald,
+        publisher,
         so_far: sync_channel(1).0,
         finals: sync_channel(1).0,
         syncer,

@@ -12,7 +12,7 @@ use crate::service::Report;
 /// Something that happened.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
-pub enum Said {
+pub enum CaptureEvent {
     /// Services are open: samples are heard.
     Ready {
         /// Topics of the streams.
@@ -186,13 +186,13 @@ pub struct Status {
     pub(super) latency: Latencies,
 }
 
-impl Said {
+impl CaptureEvent {
     /// Whether it tells of data lost or of a motion that is not physical.
     pub fn is_whole(&self) -> bool {
         match self {
-            Said::Broken { .. } | Said::NotEstimated { .. } => false,
-            Said::Closed { counts, .. } => !counts.is_lossy(),
-            Said::Estimated { report, .. } => report.verdict == Verdict::Physical.word(),
+            CaptureEvent::Broken { .. } | CaptureEvent::NotEstimated { .. } => false,
+            CaptureEvent::Closed { counts, .. } => !counts.is_lossy(),
+            CaptureEvent::Estimated { report, .. } => report.verdict == Verdict::Physical.as_str(),
             _ => true,
         }
     }
@@ -205,20 +205,20 @@ impl Said {
         now_ns: i64,
     ) -> Option<TakeRecord> {
         let (take, messages, state) = match self {
-            Said::Ready { .. } => (0, 0, TakeState::Ready),
-            Said::Started { take, .. } => (*take, 0, TakeState::Recording),
-            Said::Closed { take, messages, .. } => (*take, *messages, TakeState::Closed),
-            Said::Discarded { take } => (*take, 0, TakeState::Discarded),
-            Said::Broken { take, messages, .. } => (*take, *messages, TakeState::Broken),
-            Said::Estimated { take, .. } => (*take, 0, TakeState::Estimated),
-            Said::NotEstimated { take, .. } => (*take, 0, TakeState::NotEstimated),
-            Said::Asked {
+            CaptureEvent::Ready { .. } => (0, 0, TakeState::Ready),
+            CaptureEvent::Started { take, .. } => (*take, 0, TakeState::Recording),
+            CaptureEvent::Closed { take, messages, .. } => (*take, *messages, TakeState::Closed),
+            CaptureEvent::Discarded { take } => (*take, 0, TakeState::Discarded),
+            CaptureEvent::Broken { take, messages, .. } => (*take, *messages, TakeState::Broken),
+            CaptureEvent::Estimated { take, .. } => (*take, 0, TakeState::Estimated),
+            CaptureEvent::NotEstimated { take, .. } => (*take, 0, TakeState::NotEstimated),
+            CaptureEvent::Asked {
                 take: Some(take),
                 messages,
             } => (*take, *messages, TakeState::Recording),
-            Said::Asked { take: None, .. } => (0, 0, TakeState::Ready),
-            Said::Refused { .. } => (0, 0, TakeState::Refused),
-            Said::SoFar { .. } | Said::Warning { .. } => return None,
+            CaptureEvent::Asked { take: None, .. } => (0, 0, TakeState::Ready),
+            CaptureEvent::Refused { .. } => (0, 0, TakeState::Refused),
+            CaptureEvent::SoFar { .. } | CaptureEvent::Warning { .. } => return None,
         };
         let (control_session, control_sequence) = asked.unwrap_or((0, 0));
         Some(TakeRecord {

@@ -12,7 +12,7 @@ const FURTHER_M: f64 = 1e-9;
 
 /// Why a goal cannot hold at its collision.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum SeatError {
+pub enum SnapError {
     /// In its pose the features make no contact.
     #[error(transparent)]
     Degenerate(#[from] Degenerate),
@@ -37,7 +37,7 @@ impl Scene {
     /// Puts the pose that a goal asks for at a collision in touch with what it touches there: typed
     /// digits leave a gap that no motion could close. Other goals stay, and those at collisions
     /// that are open.
-    pub fn seat(&mut self, goal: usize) -> Result<(), SeatError> {
+    pub fn snap_to_contact(&mut self, goal: usize) -> Result<(), SnapError> {
         let Goal {
             event,
             body,
@@ -67,7 +67,7 @@ impl Scene {
             let touch = contact.touch(&frame, &Frame::world())?;
             let limit_m = if index == 0 { SEAT_M } else { FURTHER_M };
             if !(touch.gap_m.abs() <= limit_m) {
-                return Err(SeatError::Apart {
+                return Err(SnapError::Apart {
                     body: self.bodies[body].name.clone(),
                     event: self.events[event].name.clone(),
                     gap_m: touch.gap_m,

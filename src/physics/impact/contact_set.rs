@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::derivative::ImpactDerivative;
-use super::error::{ImpactError, MeetingError};
+use super::error::{ContactSetError, ImpactError};
 use super::plane;
 use super::solution::Solution;
 use crate::physics::body::Body;
@@ -18,7 +18,7 @@ pub(super) const MOST_CONTACTS: usize = 3;
 /// At one contact: the algebraic law of Chatterjee and Ruina ("A new algebraic rigid-body
 /// collision law based on impulse space considerations", Journal of Applied Mechanics 65, 1998)
 /// without tangential restitution. With the contact points' relative velocity `v`, the normal
-/// `n`, `u = n·v` and the mobility `W` (relative velocity per impulse), the impulse on A is
+/// `n`, `u = n·v` and Delassus' operator `W` (relative velocity per impulse), the impulse on A is
 ///
 /// ```text
 /// P = (1 + e) P_I + κ (P_II − P_I),   P_I = −u/(n·W n) n,   P_II = −W⁻¹ v
@@ -89,7 +89,7 @@ impl Velocities {
 
 /// One to three contacts at which a body A meets a body B or the static world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub struct ContactSet {
     contacts: [Contact; MOST_CONTACTS],
     count: usize,
     has_friction: bool,
@@ -122,12 +122,12 @@ impl Impact {
     }
 }
 
-impl Meeting {
+impl ContactSet {
     /// One to three contacts without friction.
-    pub fn frictionless(contacts: &[Contact]) -> Result<Self, MeetingError> {
+    pub fn frictionless(contacts: &[Contact]) -> Result<Self, ContactSetError> {
         let count = contacts.len();
         let Some(first) = contacts.first().filter(|_| count <= MOST_CONTACTS) else {
-            return Err(MeetingError::Count { count });
+            return Err(ContactSetError::Count { count });
         };
         let mut all = [*first; MOST_CONTACTS];
         all[..count].copy_from_slice(contacts);
@@ -139,10 +139,10 @@ impl Meeting {
     }
 
     /// One contact with friction, whose coefficient may be zero. More are refused.
-    pub fn with_friction(contacts: &[Contact]) -> Result<Self, MeetingError> {
+    pub fn with_friction(contacts: &[Contact]) -> Result<Self, ContactSetError> {
         let meeting = Self::frictionless(contacts)?;
         if meeting.count > 1 {
-            return Err(MeetingError::FrictionAtSeveral {
+            return Err(ContactSetError::FrictionAtSeveral {
                 count: meeting.count,
             });
         }
@@ -163,11 +163,11 @@ impl Meeting {
     }
 
     /// Whether its normals may be tilted: only where each touches a face of B.
-    pub fn check_tilt(&self) -> Result<(), MeetingError> {
+    pub fn check_tilt(&self) -> Result<(), ContactSetError> {
         for (contact, pair) in self.contacts().iter().enumerate() {
             if pair.tilt_axes().is_none() {
                 let kind = pair.b().kind();
-                return Err(MeetingError::Tilt { contact, kind });
+                return Err(ContactSetError::Tilt { contact, kind });
             }
         }
         Ok(())
@@ -183,7 +183,7 @@ impl Meeting {
         Ok(Solution::new(self, a, b, law)?.impact())
     }
 
-    /// [`Meeting::impact`] and its derivatives, into `derivative`: its entries for the contacts
+    /// [`ContactSet::impact`] and its derivatives, into `derivative`: its entries for the contacts
     /// and bodies that there are, all others stay as they were.
     pub fn derivative(
         &self,

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc::error::TrySendError;
 
+use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::Notice;
-use super::said::Said;
 use super::take::now_ns;
 use crate::ingest::live::{LiveError, Node};
 use crate::motion::Scene;
@@ -20,16 +20,16 @@ use crate::write::{EstimatePublisher, TakePublisher};
 const BURY: Duration = Duration::from_secs(1);
 
 /// What the thread is given.
-pub(super) struct Herald {
+pub(super) struct Publisher {
     pub(super) scene: Scene,
     pub(super) iceoryx2: Option<PathBuf>,
-    pub(super) said: tokio::sync::mpsc::Sender<Said>,
+    pub(super) said: tokio::sync::mpsc::Sender<CaptureEvent>,
     pub(super) metrics: Arc<Metrics>,
     /// Told once whether the services are open.
     pub(super) opened: Sender<Result<(), LiveError>>,
 }
 
-impl Herald {
+impl Publisher {
     /// Opens the services and tells what it is told, until nobody tells it anything.
     pub(super) fn run(self, queue: &Receiver<Notice>) {
         let open = || {

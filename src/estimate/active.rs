@@ -1,10 +1,11 @@
 //! Which rows act on a step: equalities always, inequalities where they would be broken.
 
-use super::finish::KktStep;
-use super::merit;
-use super::system::{Frame, System};
+use nalgebra::DVector;
 
-/// Weight of acting rows in the factorised matrix, per squared unit and information.
+use super::merit;
+use super::system::{SolveContext, System};
+
+/// Weight of active rows in the factorised matrix, per squared unit and information.
 const WEIGHT: f64 = 1e9;
 /// Weight by which multipliers say at first which bounds act, per squared unit and information.
 const FIRST_WEIGHT: f64 = 1e3;
@@ -22,14 +23,14 @@ enum Acts {
 
 /// The bound that acts on every row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ActingSet {
+pub struct ActiveSet {
     rows: Vec<Acts>,
 }
 
-impl ActingSet {
+impl ActiveSet {
     /// What `multipliers` say: bounds that are broken and pull, or are near and pull.
-    pub fn of(frame: &Frame, system: &System, multipliers: &[f64]) -> Self {
-        let weight = FIRST_WEIGHT * frame.problem.information();
+    pub fn of(context: &SolveContext, system: &System, multipliers: &[f64]) -> Self {
+        let weight = FIRST_WEIGHT * context.problem.information();
         let rows = rows(system).zip(multipliers);
         let rows = rows.map(|((value, (lower, upper)), multiplier)| {
             let shifted = value + multiplier / weight;
@@ -46,8 +47,12 @@ impl ActingSet {
     }
 
     /// Weight of every row and its signed distance from the bound that acts, zero where none does.
-    pub fn weights_and_violations(&self, frame: &Frame, system: &System) -> (Vec<f64>, Vec<f64>) {
-        let weight = WEIGHT * frame.problem.information();
+    pub fn weights_and_violations(
+        &self,
+        context: &SolveContext,
+        system: &System,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let weight = WEIGHT * context.problem.information();
         let rows = rows(system).zip(&self.rows);
         rows.map(|((value, (lower, upper)), acts)| match acts {
             Acts::Always | Acts::Lower => (weight, value - lower),
@@ -57,19 +62,24 @@ impl ActingSet {
         .unzip()
     }
 
-    /// Adds the bounds that a step would break and drops those whose multipliers after it pull
+    /// Adds the bounds that the step `delta` would break and drops those whose `multipliers` after it pull
     /// inwards; whether anything changed.
-    pub fn revise(&mut self, frame: &Frame, system: &System, step: &KktStep) -> bool {
+    pub fn revise(
+        &mut self,
+        context: &SolveContext,
+        system: &System,
+        (delta, multipliers): (&DVector<f64>, &[f64]),
+    ) -> bool {
         if self.rows.iter().all(|acts| *acts == Acts::Always) {
             return false;
         }
         let mut change = Vec::new();
-        merit::along(frame.layout, system, &step.delta, &mut change);
-        merit::add_curved(frame.layout, system, &step.delta, &mut change);
+        merit::along(context.layout, system, delta, &mut change);
+        merit::add_curved(context.layout, system, delta, &mut change);
         let mut changed = false;
         for (row, (value, (lower, upper))) in rows(system).enumerate() {
             let after = value + change[row];
-            let pull = step.multipliers[row];
+            let pull = multipliers[row];
             let next = match self.rows[row] {
                 Acts::Not if after < lower - BROKEN => Acts::Lower,
                 Acts::Not if after > upper + BROKEN => Acts::Upper,

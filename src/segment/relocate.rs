@@ -19,7 +19,7 @@ const SHARE_MAX: f64 = 0.7;
 /// Moves refined marks of collisions that are far from any kink; returns the events that moved.
 ///
 /// All marks of a body or none: proposals are for all. Where bodies hit each other, none.
-pub fn reseat(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
+pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     let collisions = || {
         let events = scene.events.iter().enumerate();
         events.filter_map(|(index, event)| Some((index, event.kind.collision()?)))

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::meeting::{Law, Velocities};
+use super::contact_set::{Law, Velocities};
 use super::rows::Change;
 use crate::math::so3;
 use crate::physics::contact::{Contact, Touch, TouchDerivative};
 
 /// A contact, its points and the normal that the impact sees.
-pub(super) struct Encounter<'a> {
+pub(super) struct ContactState<'a> {
     pub(super) contact: &'a Contact,
     pub(super) touch: Touch,
     /// World from body.
@@ -56,7 +56,7 @@ impl<const C: usize> PoseChange<C> {
     }
 }
 
-impl<'a> Encounter<'a> {
+impl<'a> ContactState<'a> {
     pub(super) fn new(
         contact: &'a Contact,
         touch: Touch,

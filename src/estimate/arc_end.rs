@@ -16,7 +16,7 @@ use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
 /// An arc's state at an event, with what its derivatives need.
-pub(super) struct Arrival {
+pub(super) struct ArcEnd {
     pub(super) state: State,
     pub(super) duration_s: f64,
     /// `R`.
@@ -65,7 +65,7 @@ impl<const R: usize> ByState<R> {
     }
 }
 
-impl Arrival {
+impl ArcEnd {
     pub(super) fn new(
         body: &Body,
         gravity_m_s2: &Vector3<f64>,

@@ -83,7 +83,7 @@ pub enum Fate {
 
 /// Counts the samples of one tracker.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct SequenceCounts {
     counts: TallyCounts,
     sessions: Vec<Session>,
     last_pose: Option<[u64; 7]>,
@@ -98,7 +98,7 @@ struct Session {
     seen: [u64; WORDS],
 }
 
-impl Tally {
+impl SequenceCounts {
     /// Counts a sample.
     pub fn count(&mut self, record: &PoseRecord, is_overflow: bool) -> Fate {
         self.counts.received += 1;
@@ -234,7 +234,7 @@ mod tests {
     }
 
     fn counted(sequences: &[u64]) -> TallyCounts {
-        let mut tally = Tally::default();
+        let mut tally = SequenceCounts::default();
         for sequence in sequences {
             tally.count(&record(1, *sequence), false);
         }
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn restarts_invalid_frozen_and_malformed_ones_are_counted() {
-        let mut tally = Tally::default();
+        let mut tally = SequenceCounts::default();
         assert_eq!(tally.count(&record(1, 100), false), Fate::Used);
         assert_eq!(tally.count(&record(2, 0), false), Fate::Used);
         let frozen = PoseRecord {
