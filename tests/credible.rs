@@ -134,6 +134,20 @@ fn right_models_are_not_doubted() {
 
 /// Eight times the usual wander is still somebody's performance: nearly all pencils are `physical`, and
 /// all are said to be ambiguous.
+/// Short flights do not show a hand's wander, but what is left of these is far more than weights say a hand
+/// leaves: seeds at which kinks alone let a wrong table pass.
+#[test]
+fn a_wrong_table_shows_in_short_flights_too() {
+    for seed in 5000..5010 {
+        for name in ["toss: table 8 mm off", "toss: table 30 mm off"] {
+            let outcome = answer(name, seed);
+            let is_alarmed = !alarms(&outcome.estimate).is_empty();
+            let is_physical = outcome.estimate.verdict == Verdict::Physical;
+            assert!(is_alarmed && !is_physical, "{name}, seed {seed}");
+        }
+    }
+}
+
 #[test]
 fn great_distortion_is_said_and_not_refused() {
     let mut doubted = 0;

@@ -24,7 +24,10 @@ const MISFIT_LEAST: f64 = 2.0;
 const WANDER: [f64; 2] = [0.15, 0.4];
 /// A hand's wander shows in what a flight alone leaves if it is acted for so long \[s\].
 const SHORT_S: f64 = 0.15;
-/// Where flights are shorter: change of slope of what is left at collisions, over that in flight.
+/// No usual hand leaves more, in weights.
+const HAND: f64 = 4.0;
+/// Where flights are shorter and less is left: change of slope of what is left at collisions, over that in
+/// flight.
 const KINKS: f64 = 3.0;
 /// Residual of free flights over that with a free acceleration.
 const FALL: f64 = 4.0;
@@ -75,7 +78,8 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         let value = rms_m / scene.weights.position_m;
         doubts.extend(Doubt::beyond(About::Alone, Place::Motion, value, ALONE));
     }
-    doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand(flights)));
+    let is_no_hand = whole > HAND || is_no_hand(flights);
+    doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand));
     doubts.extend(fall(&alone));
     doubts.extend(direction(estimate, &alone));
     doubts

@@ -11,7 +11,7 @@
 //! | orientations of a flight from those acted | 90° rms | up to 63° at 4×, 118° at 8× |
 //! | what free flights alone leave, in weights | 8 | up to 3.0 at 4×, 6.8 at 8× |
 //! | joint residual over that of flights alone | 1.5 where those leave white noise, to 12 where they leave a hand's wander, or the motion less than 2 weights | up to 1.05 and 8.6 |
-//! | the same where flights are acted for less than 0.15 s | also 3 times the change of slope at collisions that there is in flight | 16 of 30 small dice without it |
+//! | the same where flights are acted for less than 0.15 s and leave less than 4 weights | also 3 times the change of slope at collisions that there is in flight | 16 of 30 small dice without it |
 //! | residual of free flights over that with a free acceleration | 4 | up to 3.5 |
 //! | angle of that acceleration from gravity | 30°, if it fits better by a tenth | up to 16° in hat and pencils at 4×, 3 of 96 cubes beyond |
 //! | event after its mark, before its mark | 75 ms each; in unknown timing 120 and 150 ms acted | up to 30 ms at 4×; 102 ms |
