@@ -135,7 +135,7 @@ fn right_models_are_not_doubted() {
 /// Eight times the usual wander is still somebody's performance: nearly all pencils are `physical`, and
 /// all are said to be ambiguous.
 /// Short flights do not show a hand's wander, but what is left of these is far more than weights say a hand
-/// leaves: seeds at which kinks alone let a wrong table pass.
+/// leaves. Kinks alone let a wrong table pass at some of these seeds; the bound was chosen on them.
 #[test]
 fn a_wrong_table_shows_in_short_flights_too() {
     for seed in 5000..5010 {

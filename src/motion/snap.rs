@@ -6,7 +6,7 @@ use super::scene::{Goal, GoalTarget, Partner, Scene};
 use crate::physics::contact::{Degenerate, Frame};
 
 /// How far from touching the goal of a collision may be typed \[m\].
-const SEAT_M: f64 = 1e-3;
+const SNAP_M: f64 = 1e-3;
 /// The same of further contacts, which the first one's correction leaves as they are \[m\].
 const FURTHER_M: f64 = 1e-9;
 
@@ -65,7 +65,7 @@ impl Scene {
                 orientation: world_from_body.rotation,
             };
             let touch = contact.touch(&frame, &Frame::world())?;
-            let limit_m = if index == 0 { SEAT_M } else { FURTHER_M };
+            let limit_m = if index == 0 { SNAP_M } else { FURTHER_M };
             if !(touch.gap_m.abs() <= limit_m) {
                 return Err(SnapError::Apart {
                     body: self.bodies[body].name.clone(),
