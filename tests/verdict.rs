@@ -70,7 +70,9 @@ impl Solved {
     /// What is said of a solution as it stands.
     fn called(&self, solution: &Solution) -> Estimate {
         let (scene, segments) = (self.case.scene(), &self.posed.segments);
-        outcome::estimate(scene, &self.sketch, segments, &self.context(), solution)
+        let context = self.context();
+        let errors = outcome::errors(&self.problem, &context, &solution.point);
+        outcome::estimate(scene, &self.sketch, segments, &context, (solution, &errors))
     }
 
     fn context(&self) -> SolveContext<'_> {

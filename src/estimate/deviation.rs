@@ -1,7 +1,6 @@
 //! Standard deviations of an estimate, and what the performance does not determine.
 
 use super::covariance::Covariance;
-use super::outcome;
 use super::recipe::Solution;
 use super::system::SolveContext;
 use super::timing::{self, Moment};
@@ -9,10 +8,15 @@ use crate::motion::{Estimate, Scene};
 
 /// Gives events, duration and parameters of an estimate their deviations, `None` where the one is
 /// fixed or undetermined, and names what is undetermined.
-pub fn fill(estimate: &mut Estimate, scene: &Scene, context: &SolveContext, solution: &Solution) {
-    let errors = outcome::errors(context.problem, context, &solution.point);
+/// `errors` are those of the solution's samples.
+pub fn fill(
+    estimate: &mut Estimate,
+    scene: &Scene,
+    context: &SolveContext,
+    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
+) {
     let at = (&solution.point, &solution.system);
-    let covariance = Covariance::new(context, at, &solution.multipliers, &errors);
+    let covariance = Covariance::new(context, at, &solution.multipliers, errors);
     let sds = |moments: &[Moment]| match &covariance {
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],

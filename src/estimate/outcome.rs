@@ -22,17 +22,17 @@ pub const PHYSICAL: Gap = Gap {
     angular_velocity_rad_s: 1e-7,
 };
 
-/// The estimate of a scene from where the solver ended, without standard deviations.
+/// The estimate of a scene from where the solver ended, without standard deviations; `errors` are those
+/// of its samples ([`errors`]).
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
     segments: &[Segment],
     context: &SolveContext,
-    solution: &Solution,
+    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
 ) -> Estimate {
     let problem = context.problem;
     let point = &solution.point;
-    let errors = errors(problem, context, point);
     let events = events(scene, sketch, problem, solution);
     let arcs = arcs(problem, context, point, &events);
     let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
@@ -44,7 +44,7 @@ pub fn estimate(
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity(&point.parameters),
         arcs,
-        residuals: residuals(problem, &errors),
+        residuals: residuals(problem, errors),
         sample_times: sample_times(sketch, segments, problem, point),
         events,
         duration: DurationEstimate {

@@ -20,6 +20,8 @@ pub struct Solved {
     posed: Posed,
     epochs_s: Vec<f64>,
     solution: Solution,
+    /// Of every sample, arc by arc, in units.
+    errors: Vec<Vec<[f64; 6]>>,
 }
 
 impl Solved {
@@ -31,9 +33,10 @@ impl Solved {
             posed,
             epochs_s,
             solution,
+            errors,
         } = self;
         let context = posed.context(epochs_s, &solution.point);
-        deviation::fill(&mut estimate, scene, &context, &solution);
+        deviation::fill(&mut estimate, scene, &context, (&solution, &errors));
         estimate
     }
 }
@@ -92,11 +95,14 @@ pub fn estimate(
     solution.counters = work;
     let posed = bent.unwrap_or(exact);
     let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
+    let errors = outcome::errors(&posed.problem, &context, &solution.point);
+    let ended = (&solution, errors.as_slice());
     Solved {
-        estimate: outcome::estimate(scene, sketch, segments, &context, &solution),
+        estimate: outcome::estimate(scene, sketch, segments, &context, ended),
         epochs_s: context.epochs_s,
         posed,
         solution,
+        errors,
     }
 }
 
