@@ -110,6 +110,26 @@ fn many_bounces_of_a_small_die_are_physical_and_the_best_known() {
     assert!(dice >= 20, "{dice}");
 }
 
+/// Twenty flights of five samples each bend the constraints so much that steps of a Gauss–Newton model
+/// go round these two dice without end: the finish needs the constraints' curvature there.
+#[test]
+fn where_gauss_newton_steps_go_in_circles_the_motion_is_found_too() {
+    let exact = Acting {
+        mark_error_s: 0.0,
+        ..Acting::timing_known()
+    };
+    for seed in [1002, 1014] {
+        let case = die(20, seed, &exact).expect("a throw with so many bounces");
+        let outcome = case.estimated(&mut ()).expect("an estimate");
+        let Estimate {
+            verdict, counters, ..
+        } = outcome.estimate;
+        assert_eq!(verdict, Verdict::Physical, "seed {seed}");
+        let work = counters.factorisations;
+        assert!(work < 60, "seed {seed}: {work} factorisations");
+    }
+}
+
 #[test]
 fn no_sample_is_compared_with_a_flight_that_is_over() {
     let mut fetched = 0;

@@ -157,12 +157,13 @@ impl Finish<'_> {
 
     fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
         let (context, system) = (self.context, &self.system);
+        let hessian = curved.unwrap_or(&system.hessian);
         let mut active = ActiveSet::of(context, system, &self.multipliers);
         let mut tried = Vec::new();
         while tried.len() < ACTIVE_ROUNDS && !tried.contains(&active) {
             self.counters.factorisations += 1;
-            let kkt = Kkt::with(context, system, &self.multipliers, (&active, curved))?;
-            let step = kkt.step(context, system);
+            let kkt = Kkt::with(context, (system, hessian), &self.multipliers, &active)?;
+            let step = kkt.step(context, (system, hessian));
             tried.push(active.clone());
             if !active.revise(context, system, (&step.delta, &step.multipliers)) {
                 return Some((kkt, step));
@@ -172,7 +173,7 @@ impl Finish<'_> {
         let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
         self.counters.factorisations += 1;
         let kkt = Kkt::new(context, system, multipliers)?;
-        let step = kkt.step(context, system);
+        let step = kkt.step(context, (system, &system.hessian));
         Some((kkt, step))
     }
 

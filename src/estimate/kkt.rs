@@ -32,8 +32,8 @@ pub struct KktStep {
 /// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
-    /// `H`.
-    hessian: Envelope,
+    /// What the curvature of active rows adds to the diagonal of `H`.
+    curvature: Vec<(usize, f64)>,
     /// Weight of every row, zero of those that do not act.
     weights: Vec<f64>,
     /// Signed distance of every row from the bound that acts.
@@ -48,7 +48,7 @@ impl Kkt {
     /// undetermined beyond the damping.
     pub fn new(context: &SolveContext, system: &System, multipliers: &[f64]) -> Option<Self> {
         let active = ActiveSet::of(context, system, multipliers);
-        Self::with(context, system, multipliers, (&active, None))
+        Self::with(context, (system, &system.hessian), multipliers, &active)
     }
 
     /// The same for covariances: what a parameter's bound keeps in place is not known for that. It
@@ -85,28 +85,33 @@ impl Kkt {
         for node in context.layout.nodes.iter().flatten() {
             damping[*node] = 0.0;
         }
-        let hessian = system.hessian.clone();
         let weighed = (weights, violations);
-        Self::weighed(context, (system, hessian), &multipliers, weighed, damping)
+        Self::weighed(
+            context,
+            (system, &system.hessian),
+            multipliers,
+            weighed,
+            damping,
+        )
     }
 
-    /// `curved` is the system's Hessian with the curvature of its constraints, where steps need it.
+    /// `hessian` is the system's, or that with the curvature of its constraints where steps need it.
     pub(super) fn with(
         context: &SolveContext,
-        system: &System,
+        (system, hessian): (&System, &Envelope),
         multipliers: &[f64],
-        (active, curved): (&ActiveSet, Option<&Envelope>),
+        active: &ActiveSet,
     ) -> Option<Self> {
         let weighed = active.weights_and_violations(context, system);
         let damping = vec![DAMPING; context.layout.size()];
-        let hessian = curved.unwrap_or(&system.hessian).clone();
+        let multipliers = multipliers.to_vec();
         Self::weighed(context, (system, hessian), multipliers, weighed, damping)
     }
 
     fn weighed(
         context: &SolveContext,
-        (system, mut hessian): (&System, Envelope),
-        multipliers: &[f64],
+        (system, hessian): (&System, &Envelope),
+        multipliers: Vec<f64>,
         (weights, violations): (Vec<f64>, Vec<f64>),
         mut damping: Vec<f64>,
     ) -> Option<Self> {
@@ -118,10 +123,11 @@ impl Kkt {
                 0.0
             }
         };
-        for (at, value) in merit::curvature(context.layout, system, pull) {
-            hessian.add(pattern, at, at, value);
-        }
+        let curvature = merit::curvature(context.layout, system, pull);
         let mut matrix = hessian.clone();
+        for (at, value) in &curvature {
+            matrix.add(pattern, *at, *at, *value);
+        }
         for (row, damping) in damping.iter_mut().enumerate() {
             *damping *= 1.0 + system.hessian.get(pattern, row, row);
             matrix.add(pattern, row, row, *damping);
@@ -130,16 +136,16 @@ impl Kkt {
         matrix.factorise(pattern).ok()?;
         Some(Self {
             matrix,
-            hessian,
+            curvature,
             weights,
             violations,
-            multipliers: multipliers.to_vec(),
+            multipliers,
             damping,
         })
     }
 
-    /// The step to the optimum of the model at `system`.
-    pub fn step(&self, context: &SolveContext, system: &System) -> KktStep {
+    /// The step to the optimum of the model at `system`, whose Hessian is `hessian`.
+    pub fn step(&self, context: &SolveContext, (system, hessian): (&System, &Envelope)) -> KktStep {
         let layout = context.layout;
         let (weights, violations) = (&self.weights, &self.violations);
         let mut multipliers = self.multipliers.clone();
@@ -149,11 +155,15 @@ impl Kkt {
         let largest = violations
             .iter()
             .fold(0.0, |most: f64, v| most.max(v.abs()));
-        for _ in 0..REFINEMENTS {
+        for refinement in 0..REFINEMENTS {
             // Minus the gradient of the model's augmented Lagrangian at delta.
             residual.copy_from(&system.gradient);
-            self.hessian
-                .multiply_add(&layout.pattern, &delta, &mut residual);
+            if refinement > 0 {
+                hessian.multiply_add(&layout.pattern, &delta, &mut residual);
+                for (at, value) in &self.curvature {
+                    residual[*at] += value * delta[*at];
+                }
+            }
             let pull = |row: usize| {
                 if weights[row] > 0.0 {
                     multipliers[row] + weights[row] * (violations[row] + rows[row])

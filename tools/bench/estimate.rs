@@ -259,7 +259,7 @@ mod iteration {
         bencher.bench_local(|| {
             system.evaluate(&context, &guidance, &point);
             let kkt = Kkt::new(&context, &system, &multipliers);
-            kkt.map(|kkt| kkt.step(&context, &system))
+            kkt.map(|kkt| kkt.step(&context, (&system, &system.hessian)))
         });
     }
 

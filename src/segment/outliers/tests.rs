@@ -174,6 +174,26 @@ fn what_is_a_jump_depends_on_the_noise() {
 }
 
 #[test]
+fn a_stream_of_which_nearly_half_would_be_left_out_is_kept() {
+    // Quiet at first; then six readings of eight are elsewhere, each by itself.
+    let stream = |bursts: usize| -> Vec<PoseSample> {
+        (0..48 + 8 * bursts)
+            .map(|i| {
+                let mut position_m = Vector3::new(0.002 * i as f64, 0.1, 0.3);
+                if i >= 48 && i % 8 < 6 {
+                    position_m.y += 0.3 + 0.2 * ((7 * i) % 11) as f64;
+                }
+                let pose = Pose::from_parts(position_m.into(), UnitQuaternion::identity());
+                PoseSample::from_pose(Stamp(i as i64 * STEP), &pose)
+            })
+            .collect()
+    };
+    // 36 of 96 readings, and 54 of 120.
+    assert_eq!(found(&stream(6)).len(), 36);
+    assert_eq!(found(&stream(9)), [0; 0]);
+}
+
+#[test]
 fn a_sixth_of_jumps_is_found_and_one_of_two_readings_is_a_strange_stream() {
     let jumping = |period: usize| {
         let mut stream = bouncing();
