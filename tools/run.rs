@@ -31,11 +31,23 @@ impl Run {
             processor: processor(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             rustc: said("rustc", &["-V"]),
-            revision: said("git", &["describe", "--always", "--dirty"]),
+            revision: revision(),
             date: said("date", &["-u", "+%F"]),
             quick,
             seconds: 0.0,
         }
+    }
+}
+
+/// What is measured: the last commit, and whether anything but results was changed since.
+fn revision() -> String {
+    let commit = said("git", &["describe", "--always"]);
+    let sources = [".", ":!tools/charts", ":!tools/study/results"];
+    let status = ["status", "--porcelain", "--untracked-files=no", "--"];
+    let changed = output("git", &[&status[..], &sources].concat());
+    match changed.as_deref() {
+        Some("") => commit,
+        _ => commit + "-dirty",
     }
 }
 
@@ -49,13 +61,16 @@ fn processor() -> String {
 
 /// What a command says, in the project's folder.
 fn said(command: &str, arguments: &[&str]) -> String {
+    match output(command, arguments) {
+        Some(text) if !text.is_empty() => text,
+        _ => "unknown".to_owned(),
+    }
+}
+
+fn output(command: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(command)
         .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output();
-    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    match text {
-        Ok(text) if !text.is_empty() => text,
-        _ => "unknown".to_owned(),
-    }
+    Some(String::from_utf8_lossy(&output.ok()?.stdout).trim().to_owned())
 }
