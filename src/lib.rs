@@ -26,13 +26,14 @@
 //!
 //! | room | what is in it | may import |
 //! |---|---|---|
-//! | [`math`] | SO(3), envelope matrices | |
+//! | [`math`] | SO(3), poses | |
+//! | [`optimise`] | constrained least squares over any unknowns | |
 //! | [`physics`] | bodies, shapes (all of parry), flight, impact; each beside its derivatives | `math` |
 //! | [`motion`] | the nouns that stages exchange: scene, take, sketch, estimate | `physics`, `math` |
 //! | [`ingest`] | 1 recordings, memory and live trackers become takes | `wire`, `motion` |
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
-//! | [`estimate`] | 4 the constrained estimation | `motion` and below |
+//! | [`estimate`] | 4 the constrained estimation | `optimise`, `motion` and below |
 //! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy; could it be what was acted | `motion` and below |
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
@@ -42,7 +43,7 @@
 //! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `service` |
 //!
-//! `math`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
+//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
 //! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
 //! container of random order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
@@ -89,6 +90,7 @@ pub mod ingest;
 pub mod initialise;
 pub mod math;
 pub mod motion;
+pub mod optimise;
 pub mod physics;
 pub mod pipeline;
 pub mod segment;

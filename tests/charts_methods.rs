@@ -11,10 +11,11 @@ mod perform;
 mod starts;
 
 use case::{Case, Posed};
-use enact::estimate::finish::Tolerances;
+use enact::estimate::context::Guidance;
 use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
-use enact::estimate::system::Guidance;
+use enact::optimise::Program;
+use enact::optimise::finish::Tolerances;
 use methods::model::Model;
 use methods::setting::Setting;
 use methods::{Answer, Grid, Method, Task, stages};
@@ -82,16 +83,16 @@ fn derivatives_are_those_of_the_values() {
         let posed = posed(&case);
         for grid in GRIDS {
             let setting = Setting::new(&posed.problem, &posed.guesses[0], grid);
-            let mut model = Model::new(&setting);
+            let model = Model::new(&setting);
             let start = model.start();
             assert!(start.exists, "{name}, {grid:?}");
             let guidance = Guidance {
                 event_times_s: setting.split.start.event_times_s.clone(),
                 event_sd_s: (!posed.problem.times_are_unknown()).then_some(0.01),
-                ..Guidance::none(&posed.problem)
+                ..Guidance::none()
             };
-            let (mut at, mut system) = (model.system(), model.system());
-            model.evaluate(&guidance, &start, &mut at);
+            let at = model.evaluated(&guidance, &start);
+            let mut system = at.clone();
             for seed in 0..3 {
                 // A tenth of a millisecond, of a millimetre, …
                 let scale = model.by_unknown(
@@ -128,7 +129,7 @@ fn derivatives_are_those_of_the_values() {
                     "{name}, {grid:?}: {cost} for {exact}"
                 );
                 let mut change = Vec::new();
-                enact::estimate::merit::along(&setting.columns.layout, &at, &along, &mut change);
+                at.along(model.structure(), &along, &mut change);
                 for (row, (numeric, exact)) in rows.iter().zip(&change).enumerate() {
                     assert!(
                         (numeric - exact).abs() < 1e-6 * (1.0 + exact.abs()),
@@ -155,14 +156,9 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
         assert!(own.finished.converged, "{name}");
         for grid in GRIDS {
             let setting = Setting::new(&posed.problem, guess, grid);
-            let mut model = Model::new(&setting);
+            let model = Model::new(&setting);
             let start = model.start();
-            let end = stages::solve(
-                &mut model,
-                start,
-                &Recipe::default(),
-                &Tolerances::default(),
-            );
+            let end = stages::solve(&model, start, &Recipe::default());
             let judged = methods::judged(
                 &posed.problem,
                 &posed.layout,
@@ -172,7 +168,7 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
             let off = judged.objective / (2.0 * own.system.cost) - 1.0;
             println!(
                 "{name}, {grid:?}: {} {:e} {:e}, {} iterations for {}",
-                end.converged, off, judged.violation, end.iterations, own.counters.factorisations
+                end.converged, off, judged.violation, end.iterations, own.work.factorisations
             );
             // No motion meets what is asked of the die: its one shot goes astray.
             if name == "die" && grid == (Grid::Shooting { intervals: 1 }) {

@@ -10,11 +10,11 @@ use std::path::Path;
 
 use case::{Case, Posed, another_leads, estimated};
 use enact::config::scene_from_toml;
-use enact::estimate::merit::AugmentedLagrangian;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::{Bound, Part};
 use enact::ingest::{Recording, Source};
 use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
+use enact::optimise::lagrangian::AugmentedLagrangian;
 use enact::pipeline::{Outcome, Pipeline, SearchWork};
 use perform::{Acting, Polyhedron, Throw, bounces, thrown};
 
@@ -210,7 +210,7 @@ fn bounds_are_below_what_they_bound_and_near() {
         let mut whole = Bound::default();
         let mut last = 0.0;
         for share in [0.25, 0.5, 1.0, f64::INFINITY] {
-            whole.tighten(&part(&arcs), share * cost);
+            whole.tighten(&part(&arcs), share * cost, &Recipe::default());
             println!("{name}: {share} {} {cost}", whole.cost);
             assert!(whole.cost >= last, "{name}: {} after {last}", whole.cost);
             assert!(
@@ -229,7 +229,8 @@ fn bounds_are_below_what_they_bound_and_near() {
         let mut alone = 0.0;
         for arc in &arcs {
             let mut bound = Bound::default();
-            bound.tighten(&part(std::slice::from_ref(arc)), f64::INFINITY);
+            let part = &part(std::slice::from_ref(arc));
+            bound.tighten(part, f64::INFINITY, &Recipe::default());
             assert!(bound.cost >= 0.0, "{name}: {arc}");
             alone += bound.cost;
         }

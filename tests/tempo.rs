@@ -40,7 +40,7 @@ fn a_faster_tracker_takes_no_more_iterations_and_no_more_memory() {
         iterations.push(estimate.counters.iterations);
         durations_s.push(estimate.duration.duration_s);
         let posed = Posed::new(case.scene(), &outcome.sketch);
-        let (used, stored) = (outcome.counts.used, posed.layout.pattern.stored());
+        let (used, stored) = (outcome.counts.used, posed.layout.structure.pattern.stored());
         // Twelve rows of a state over the nodes of its flight, three entries of a node's own.
         assert!(stored < 16 * used.min(450) + 1000, "{used}: {stored}");
     }
@@ -66,7 +66,7 @@ fn a_longer_performance_takes_memory_as_it_has_samples() {
         let posed = Posed::new(case.scene(), &sketch);
         let samples = posed.problem.sample_count();
         assert_eq!(posed.problem.nodes_acted_s.len(), samples);
-        per_sample.push(posed.layout.pattern.stored() as f64 / samples as f64);
+        per_sample.push(posed.layout.structure.pattern.stored() as f64 / samples as f64);
     }
     assert!(per_sample[1] < 1.2 * per_sample[0], "{per_sample:?}");
 }

@@ -22,11 +22,12 @@ const LINES: usize = 800;
 /// Each room with the rooms it may import.
 const IMPORTS: &[(&str, &[&str])] = &[
     ("math", &[]),
+    ("optimise", &[]),
     ("physics", &["math"]),
     ("motion", &["physics", "math"]),
     ("segment", &["motion", "physics", "math"]),
     ("initialise", &["motion", "physics", "math"]),
-    ("estimate", &["motion", "physics", "math"]),
+    ("estimate", &["optimise", "motion", "physics", "math"]),
     ("verify", &["motion", "physics", "math"]),
     ("settle", &["motion", "physics", "math"]),
     (
@@ -58,6 +59,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
 /// The rooms that compute and nothing else.
 const CORE: &[&str] = &[
     "math",
+    "optimise",
     "motion",
     "physics",
     "segment",
@@ -97,7 +99,7 @@ const NOT_IN_CORE: &[&[&str]] = &[
 const DOORS: &[(&str, &[&str])] = &[
     ("parry3d", &["src/physics/shape.rs", "src/physics/shape/"]),
     ("rapier3d", &["src/settle.rs"]),
-    ("clarabel", &["src/estimate/"]),
+    ("clarabel", &["src/optimise/"]),
     ("cdr", &["src/wire/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
     (

@@ -8,12 +8,13 @@ mod perform;
 
 use case::{Case, Posed};
 use enact::estimate::Recipe;
+use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
 use enact::estimate::outcome;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe::{self, Solution};
-use enact::estimate::system::{Guidance, SolveContext, System};
-use enact::motion::{Estimate, Sketch, Verdict};
+use enact::motion::{Counters, Estimate, Sketch, Verdict};
+use enact::optimise::Program;
 use enact::segment;
 use nalgebra::{UnitQuaternion, Vector3};
 use perform::{Acting, Style};
@@ -61,8 +62,7 @@ impl Solved {
         let mut solution = self.solution.clone();
         change(&mut solution);
         let context = self.context();
-        let mut system = System::new(&context);
-        system.evaluate(&context, &Guidance::none(&self.problem), &solution.point);
+        let system = context.evaluated(&Guidance::none(), &solution.point);
         solution.system = system;
         self.called(&solution)
     }
@@ -72,7 +72,14 @@ impl Solved {
         let (scene, segments) = (self.case.scene(), &self.posed.segments);
         let context = self.context();
         let errors = outcome::errors(&self.problem, &context, &solution.point);
-        outcome::estimate(scene, &self.sketch, segments, &context, (solution, &errors))
+        outcome::estimate(
+            scene,
+            &self.sketch,
+            segments,
+            &context,
+            (solution, &errors),
+            Counters::default(),
+        )
     }
 
     fn context(&self) -> SolveContext<'_> {

@@ -72,5 +72,9 @@ fn output(command: &str, arguments: &[&str]) -> Option<String> {
         .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output();
-    Some(String::from_utf8_lossy(&output.ok()?.stdout).trim().to_owned())
+    Some(
+        String::from_utf8_lossy(&output.ok()?.stdout)
+            .trim()
+            .to_owned(),
+    )
 }

@@ -16,14 +16,17 @@
 //! As the descent finds a local minimum it is a bound for what the estimation would find from
 //! the same guess, and no proof beyond.
 
-use super::descend::{DAMPING, Descent, Patience};
+use super::context::{Guidance, SolveContext};
 use super::layout::Layout;
-use super::merit::AugmentedLagrangian;
 use super::point::Point;
 use super::problem::{Problem, VELOCITY_GAP_WEIGHT};
-use super::recipe::{self, Recipe};
-use super::system::{Guidance, SolveContext};
+use super::recipe::{self, Lead, Recipe};
+use super::solve;
 use crate::motion::{ArcGuess, Counters, Guess, Scene, Segment, Sketch, VelocityGaps};
+use crate::optimise::Program;
+use crate::optimise::descend::{DAMPING, Descent, Patience};
+use crate::optimise::lagrangian::AugmentedLagrangian;
+use crate::optimise::schedule::{self, Schedule};
 
 /// Rounds of multipliers.
 const ROUNDS: usize = 2;
@@ -36,7 +39,7 @@ const LEG: usize = 4;
 const PROMISES: f64 = 2.0;
 const LEGS: f64 = 4.0;
 /// A round ends when what may still be gained is less than this share of its value, or after a
-/// step less than this share of the recipe's gain is left; a sweep earlier.
+/// step less than this share of the schedule's gain is left; a sweep earlier.
 const SHARE: f64 = 1e-3;
 const GAIN: f64 = 1e-3;
 const SWEEP_GAIN: f64 = 0.1;
@@ -102,12 +105,12 @@ impl Bound {
         self.stage == Stage::Done
     }
 
-    /// Works on it, always with the same part, until it is above `ceiling` or can be no better;
+    /// Works on it, always with the same part and recipe, until it is above `ceiling` or can be no better;
     /// the work done.
     ///
     /// # Panics
-    /// Where two of the arcs meet at a collision that is open, or without an arc.
-    pub fn tighten(&mut self, part: &Part, ceiling: f64) -> Counters {
+    /// Where two of the arcs meet at a collision that is open, or without an arc; with a recipe that has no sweep.
+    pub fn tighten(&mut self, part: &Part, ceiling: f64, recipe: &Recipe) -> Counters {
         if self.is_done() {
             return Counters::default();
         }
@@ -115,32 +118,33 @@ impl Bound {
         let layout = Layout::new(&problem);
         let start = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &start);
-        let recipe = Recipe::default().scaled(&problem);
-        let mut leading = recipe::leading(&context, &start);
-        leading.orientations_per_arc = recipe.orientations_per_arc;
-        if !problem.times_are_unknown() {
-            leading.event_sd_s = Some(recipe.event_sd_s * 10f64.sqrt());
-        }
-        let exact = Guidance::none(&problem);
+        let schedule = recipe.schedule.scaled(context.information());
+        let lead = Lead::new(&context, &start, recipe);
+        let weight = *schedule.sweep_weights.last().expect("a sweep");
+        let leading = lead.guidance(schedule::Stage::Sweep { weight });
+        let exact = Guidance::none();
         let mut run = match self.place.take() {
-            Some(place) => Run::resumed(&context, self.stage, (&leading, &exact), &recipe, place),
-            None => Run::new(&context, &leading, &recipe, start),
+            Some(place) => Run::resumed(&context, self.stage, (&leading, &exact), &schedule, place),
+            None => Run::new(&context, &leading, &schedule, start),
         };
         let is_tied = !run.lagrangian.multipliers.is_empty();
         if !is_tied && self.stage == (Stage::Sweep { steps: 0 }) {
-            self.begin_round(&mut run, 0, &exact, &recipe);
+            self.begin_round(&mut run, 0, &exact, &schedule);
         }
         while self.stage != Stage::Done && self.cost <= ceiling {
             match self.stage {
-                Stage::Sweep { steps } => self.sweep(&mut run, steps, (&leading, &exact), &recipe),
+                Stage::Sweep { steps } => {
+                    self.sweep(&mut run, steps, (&leading, &exact), &schedule)
+                }
                 Stage::Round { number, steps } => {
                     let is_last = number + 1 == ROUNDS || !is_tied;
-                    self.round(&mut run, (number, steps, is_last), &exact, &recipe);
+                    self.round(&mut run, (number, steps, is_last), &exact, &schedule);
                 }
                 Stage::Done => {}
             }
         }
-        let counters = run.descent.counters;
+        let mut counters = Counters::default();
+        solve::add(&mut counters, &run.descent.work, 0);
         if self.stage != Stage::Done {
             self.place = Some(run.place());
         }
@@ -152,29 +156,29 @@ impl Bound {
         run: &mut Run,
         steps: usize,
         (leading, exact): (&Guidance, &Guidance),
-        recipe: &Recipe,
+        schedule: &Schedule,
     ) {
-        let (taken, gained) = run.leg(leading, SWEEP_GAIN * recipe.gain);
+        let (taken, gained) = run.leg(leading, SWEEP_GAIN * schedule.gain);
         let may_gain = run.may_gain(gained, false);
         let steps = steps + LEG;
         if leading.event_sd_s.is_none() {
             // Beside the speeds of approach that lead it, this is a relaxed problem, too.
             let mut lagrangian = run.lagrangian.clone();
-            lagrangian.approach_weight = f64::MIN_POSITIVE;
+            lagrangian.leading_weight = f64::MIN_POSITIVE;
             let value = lagrangian.merit(&run.descent.system) - may_gain;
             self.cost = self.floor.max(value);
         }
         self.stage = Stage::Sweep { steps };
-        if taken < LEG || steps >= recipe.sweep_steps {
-            self.begin_round(run, 0, exact, recipe);
+        if taken < LEG || steps >= schedule.sweep_steps {
+            self.begin_round(run, 0, exact, schedule);
         }
     }
 
-    fn begin_round(&mut self, run: &mut Run, number: usize, exact: &Guidance, recipe: &Recipe) {
+    fn begin_round(&mut self, run: &mut Run, number: usize, exact: &Guidance, schedule: &Schedule) {
         if number == 0 {
             run.descent.refresh(exact);
             run.lagrangian =
-                AugmentedLagrangian::new(&run.descent.system, recipe.multiplier_weight);
+                AugmentedLagrangian::new(&run.descent.system, schedule.multiplier_weight);
         } else {
             run.lagrangian.update(&run.descent.system);
         }
@@ -187,9 +191,9 @@ impl Bound {
         run: &mut Run,
         (number, steps, is_last): (usize, usize, bool),
         exact: &Guidance,
-        recipe: &Recipe,
+        schedule: &Schedule,
     ) {
-        let (taken, gained) = run.leg(exact, GAIN * recipe.gain);
+        let (taken, gained) = run.leg(exact, GAIN * schedule.gain);
         let may_gain = run.may_gain(gained, steps > 0);
         let steps = steps + LEG;
         let value = run.lagrangian.dual(&run.descent.system) - may_gain;
@@ -202,7 +206,7 @@ impl Bound {
             if is_last {
                 self.stage = Stage::Done;
             } else {
-                self.begin_round(run, number + 1, exact, recipe);
+                self.begin_round(run, number + 1, exact, schedule);
             }
         }
     }
@@ -210,7 +214,7 @@ impl Bound {
 
 /// A descent under way.
 struct Run<'a> {
-    descent: Descent<'a>,
+    descent: Descent<'a, SolveContext<'a>>,
     lagrangian: AugmentedLagrangian,
 }
 
@@ -218,13 +222,13 @@ impl<'a> Run<'a> {
     fn new(
         context: &'a SolveContext<'a>,
         leading: &Guidance,
-        recipe: &Recipe,
+        schedule: &Schedule,
         start: Point,
     ) -> Self {
         let mut descent = Descent::new(context, start);
         descent.refresh(leading);
         descent.damping = descent.damping.clamp(DAMPING.0, DAMPING.1);
-        let lagrangian = leading_price(&descent, recipe);
+        let lagrangian = leading_price(&descent, schedule);
         Self {
             descent,
             lagrangian,
@@ -235,7 +239,7 @@ impl<'a> Run<'a> {
         context: &'a SolveContext<'a>,
         stage: Stage,
         (leading, exact): (&Guidance, &Guidance),
-        recipe: &Recipe,
+        schedule: &Schedule,
         place: Place,
     ) -> Self {
         let is_sweep = matches!(stage, Stage::Sweep { .. });
@@ -244,9 +248,9 @@ impl<'a> Run<'a> {
         descent.refresh(guidance);
         descent.damping = place.damping;
         let mut lagrangian = if is_sweep {
-            leading_price(&descent, recipe)
+            leading_price(&descent, schedule)
         } else {
-            AugmentedLagrangian::new(&descent.system, recipe.multiplier_weight)
+            AugmentedLagrangian::new(&descent.system, schedule.multiplier_weight)
         };
         lagrangian.multipliers = place.multipliers;
         Self {
@@ -293,9 +297,9 @@ impl<'a> Run<'a> {
     }
 }
 
-fn leading_price(descent: &Descent, recipe: &Recipe) -> AugmentedLagrangian {
-    let mut lagrangian = AugmentedLagrangian::new(&descent.system, recipe.sweep_weights[0]);
-    lagrangian.approach_weight = lagrangian.weight.max(recipe.multiplier_weight / 10.0);
+fn leading_price(descent: &Descent<SolveContext>, schedule: &Schedule) -> AugmentedLagrangian {
+    let mut lagrangian = AugmentedLagrangian::new(&descent.system, schedule.sweep_weights[0]);
+    lagrangian.leading_weight = lagrangian.weight.max(schedule.multiplier_weight / 10.0);
     lagrangian
 }
 

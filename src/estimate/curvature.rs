@@ -7,14 +7,13 @@
 //! the result. With the pull taken along right perturbations its symmetric part is the
 //! second derivative along the retraction.
 
-use super::block::{Block, BlockPattern};
-use super::collision;
-use super::constraint;
+use super::constraint::At;
+use super::context::SolveContext;
 use super::layout::STATE;
 use super::point::Point;
-use super::system::{SolveContext, System};
-use crate::math::envelope::Envelope;
-use crate::physics::impact::ImpactDerivative;
+use crate::optimise::System;
+use crate::optimise::block::{Block, BlockPattern};
+use crate::optimise::envelope::Envelope;
 use crate::physics::state::StateTangent;
 
 /// Steps of the differences: position [m], orientation [rad], velocity [m/s], angular velocity
@@ -25,8 +24,8 @@ const TIME_STEP_S: f64 = 1e-6;
 /// The same of a parameter, in its length.
 const PARAMETER_STEP: f64 = 1e-5;
 
-/// Adds the curvature of collisions and goals under `multipliers`, row by row, and that of velocity
-/// gaps where these are priced. Bounds and cones of parameters have none or their own.
+/// Adds the curvature of constraints under `multipliers`, row by row, and that of velocity gaps where these
+/// are priced.
 pub(super) fn add(
     context: &SolveContext,
     system: &System,
@@ -34,48 +33,31 @@ pub(super) fn add(
     multipliers: &[f64],
     matrix: &mut Envelope,
 ) {
-    let (problem, layout) = (context.problem, context.layout);
-    let mut at = Nudged::new(context, point);
-    let mut pulls = multipliers;
-    let mut take = |block: &Block| {
-        let (of_block, rest) = pulls.split_at(block.values.len());
-        pulls = rest;
-        of_block
-    };
-    let (collisions, goals) = layout.blocks.split_at(problem.collisions.len());
-    let mut blocks = system.blocks.iter();
-    let mut impact = ImpactDerivative::zeros();
-    for (index, of) in problem.collisions.iter().enumerate() {
-        let pulls = take(blocks.next().expect("a block for every collision"));
+    let (problem, structure) = (context.problem, &context.layout.structure);
+    let mut nudged = Nudged::new(context, point);
+    let mut multipliers = multipliers;
+    let patterns = structure.blocks.iter().zip(&structure.priced);
+    let blocks = system.blocks.iter().zip(&system.priced);
+    for ((constraint, patterns), blocks) in problem.constraints().zip(patterns).zip(blocks) {
+        let (pulls, rest) = multipliers.split_at(blocks.0.values.len());
+        multipliers = rest;
+        if !constraint.is_curved() {
+            continue;
+        }
         let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-        let gaps = &system.velocity_gaps[index].values;
-        let gap_pulls: Vec<f64> = gaps.iter().map(|gap| weight * gap).collect();
-        let patterns = [&collisions[index], &layout.velocity_gaps[index]];
+        let gap_pulls: Vec<f64> = blocks.1.values.iter().map(|gap| weight * gap).collect();
         let mut filled = [Block::default(), Block::default()];
         let pull = |point: &Point, sum: &mut [f64]| {
-            let [block, gaps] = &mut filled;
-            let blocks = [(patterns[0], &mut *block), (patterns[1], &mut *gaps)];
-            let at = (point, context.epochs_s.as_slice());
-            collision::fill(problem, of, at, 0.0, &mut impact, blocks);
-            add_pull(patterns[0], block, pulls, sum);
-            add_pull(patterns[1], gaps, &gap_pulls, sum);
-        };
-        at.add_curvature(&patterns, pull, matrix);
-    }
-    for (goal, pattern) in problem.goals.iter().zip(goals) {
-        let pulls = take(blocks.next().expect("a block for every goal"));
-        let mut block = Block::default();
-        let pull = |point: &Point, sum: &mut [f64]| {
-            constraint::goal(
-                problem,
-                goal,
-                point,
-                &context.epochs_s,
-                (pattern, &mut block),
+            let [rows, priced] = &mut filled;
+            let mut at = At::new(problem, point, &context.epochs_s);
+            constraint.fill(
+                &mut at,
+                [(patterns.0, &mut *rows), (patterns.1, &mut *priced)],
             );
-            add_pull(pattern, &block, pulls, sum);
+            add_pull(patterns.0, rows, pulls, sum);
+            add_pull(patterns.1, priced, &gap_pulls, sum);
         };
-        at.add_curvature(&[pattern], pull, matrix);
+        nudged.add_curvature(&[patterns.0, patterns.1], pull, matrix);
     }
 }
 
@@ -198,7 +180,7 @@ impl<'a> Nudged<'a> {
                 let value = if other == unknown { 2.0 * value } else { value };
                 if value != 0.0 && value.is_finite() {
                     let (row, column) = (*unknown.max(other), *unknown.min(other));
-                    matrix.add(&self.context.layout.pattern, row, column, value);
+                    matrix.add(&self.context.layout.structure.pattern, row, column, value);
                 }
                 self.pulls[0][*other] = 0.0;
                 self.pulls[1][*other] = 0.0;
@@ -211,9 +193,10 @@ impl<'a> Nudged<'a> {
 mod tests {
     use nalgebra::DVector;
 
-    use super::super::system::Guidance;
+    use super::super::context::Guidance;
     use super::super::tests::each_case;
     use super::*;
+    use crate::optimise::Program;
 
     /// `νᵀc` and the price of velocity gaps, of which the curvature is asked.
     fn pulled(
@@ -223,11 +206,11 @@ mod tests {
         (pulls, gap_pulls): (&[f64], &[f64]),
     ) -> f64 {
         let mut there = point.clone();
-        there.retract_from(point, context.problem, context.layout, delta);
-        let mut system = System::new(context);
-        let guidance = Guidance::none(context.problem);
-        system.evaluate(context, &guidance, &there);
-        let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
+        context.retract(point, delta, &mut there);
+        let mut system = System::new(context.structure());
+        let guidance = Guidance::none();
+        context.evaluate(&guidance, &there, &mut system);
+        let gaps = system.priced.iter().flat_map(|gaps| &gaps.values);
         let rows = system.values().zip(pulls);
         let rows = rows.chain(gaps.copied().zip(gap_pulls));
         rows.map(|(value, pull)| value * pull).sum()
@@ -239,26 +222,23 @@ mod tests {
         each_case(1.0, |context, _, point, _| {
             let problem = context.problem;
             let size = context.layout.size();
-            let mut system = System::new(context);
-            let guidance = Guidance::none(problem);
-            system.evaluate(context, &guidance, point);
+            let mut system = System::new(context.structure());
+            let guidance = Guidance::none();
+            context.evaluate(&guidance, point, &mut system);
             // Bounds and cones of parameters have no curvature here.
-            let with = problem.collisions.len() + problem.goals.len();
-            let rows: usize = system.blocks[..with].iter().map(|b| b.values.len()).sum();
-            let pulls: Vec<f64> = (0..system.row_count())
-                .map(|row| {
-                    if row < rows {
-                        (1.0 + row as f64).sin()
-                    } else {
-                        0.0
-                    }
-                })
-                .collect();
+            let blocks = problem.constraints().zip(&system.blocks);
+            let is_curved = blocks.flat_map(|(constraint, block)| {
+                block.values.iter().map(move |_| constraint.is_curved())
+            });
+            let pulls = is_curved
+                .enumerate()
+                .map(|(row, is_curved)| f64::from(is_curved) * (1.0 + row as f64).sin());
+            let pulls: Vec<f64> = pulls.collect();
             // Velocity gaps pull by what they cost, where they are priced.
             let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-            let gaps = system.velocity_gaps.iter().flat_map(|gaps| &gaps.values);
+            let gaps = system.priced.iter().flat_map(|gaps| &gaps.values);
             let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
-            let mut matrix = Envelope::zeros(&context.layout.pattern);
+            let mut matrix = Envelope::zeros(&context.layout.structure.pattern);
             add(context, &system, point, &pulls, &mut matrix);
             let at = Nudged::new(context, point);
             // A few pairs of every kind: all would take long.
@@ -274,7 +254,7 @@ mod tests {
                     let second = value([1.0, 1.0]) - value([1.0, -1.0]) - value([-1.0, 1.0])
                         + value([-1.0, -1.0]);
                     let expected = second / (4.0 * steps[0] * steps[1]);
-                    let got = matrix.get(&context.layout.pattern, i, j);
+                    let got = matrix.get(&context.layout.structure.pattern, i, j);
                     assert!(
                         (got - expected).abs() < 1e-3 * (1.0 + expected.abs()),
                         "{i} {j}: {got} {expected}"

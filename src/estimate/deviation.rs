@@ -1,8 +1,8 @@
 //! Standard deviations of an estimate, and what the performance does not determine.
 
+use super::context::SolveContext;
 use super::covariance::Covariance;
 use super::recipe::Solution;
-use super::system::SolveContext;
 use super::timing::{self, Moment};
 use crate::motion::{Estimate, Scene};
 

@@ -14,14 +14,11 @@
 
 use std::f64::consts::PI;
 
-use super::block::Block;
-use super::collision;
-use super::constraint;
-use super::layout::STATE;
+use super::constraint::At;
+use super::context::SolveContext;
 use super::point::Point;
 use super::problem::Problem;
-use super::system::SolveContext;
-use crate::physics::impact::ImpactDerivative;
+use crate::optimise::block::Block;
 
 /// A body that turns less than this between samples is slow \[rad\].
 const FAST_RAD: f64 = 0.5;
@@ -29,8 +26,6 @@ const FAST_RAD: f64 = 0.5;
 const REACH_SAMPLES: f64 = 2.0;
 /// Between two times that are tried bodies turn by no more than this \[rad\].
 const STEP_RAD: f64 = 0.25;
-/// Rows of a pose, which come first among those of a body.
-const POSE: usize = STATE / 2;
 
 /// Moves the times of events at which bodies turn fast to where the arcs that `point` has, as they
 /// are, come nearest to what holds there: contact, one pose before and after, goals.
@@ -92,29 +87,19 @@ fn nearest_s(
 
 /// Sum of squares of what an event's contacts, poses and goals leave, in units.
 fn miss(context: &SolveContext, point: &Point, event: usize) -> f64 {
-    let (problem, layout, epochs_s) =
-        (context.problem, context.layout, context.epochs_s.as_slice());
-    let (mut block, mut gaps) = (Block::default(), Block::default());
-    let mut derivative = ImpactDerivative::zeros();
-    let (collisions, goals) = layout.blocks.split_at(problem.collisions.len());
+    let (problem, structure) = (context.problem, &context.layout.structure);
+    let mut at = At::new(problem, point, &context.epochs_s);
+    let (mut rows, mut priced) = (Block::default(), Block::default());
     let mut sum = 0.0;
-    let patterns = collisions.iter().zip(&layout.velocity_gaps);
-    for (of, (pattern, gap_pattern)) in problem.collisions.iter().zip(patterns) {
-        if of.event != event {
-            continue;
-        }
-        let blocks = [(pattern, &mut block), (gap_pattern, &mut gaps)];
-        collision::fill(problem, of, (point, epochs_s), 0.0, &mut derivative, blocks);
-        let (contacts, approach) = (0..block.approach.start, block.approach.end);
-        let per_body = (block.values.len() - approach) / of.sides.len();
-        let poses = (0..of.sides.len()).map(|body| approach + body * per_body);
-        let poses = poses.flat_map(|first| first..first + POSE);
-        sum += square_of(&block, contacts.chain(poses));
-    }
-    for (goal, pattern) in problem.goals.iter().zip(goals) {
-        if goal.event == event {
-            constraint::goal(problem, goal, point, epochs_s, (pattern, &mut block));
-            sum += square_of(&block, 0..block.values.len());
+    let patterns = structure.blocks.iter().zip(&structure.priced);
+    for (constraint, patterns) in problem.constraints().zip(patterns) {
+        if constraint.event() == Some(event) {
+            constraint.fill(
+                &mut at,
+                [(patterns.0, &mut rows), (patterns.1, &mut priced)],
+            );
+            let places = constraint.places(&rows).into_iter().flatten();
+            sum += square_of(&rows, places);
         }
     }
     if sum.is_nan() { f64::INFINITY } else { sum }

@@ -4,11 +4,10 @@
 //! arcs that end at the next event, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet come one after the other: nothing couples them.
 
-use super::block::BlockPattern;
 use super::mark::EventMark;
 use super::problem::{Arc, Problem};
-use super::{collision, constraint};
-use crate::math::envelope::Pattern;
+use crate::optimise::Structure;
+use crate::optimise::envelope::Pattern;
 
 /// Number of unknowns of a state.
 pub const STATE: usize = 12;
@@ -24,13 +23,9 @@ pub struct Layout {
     pub nodes: Vec<Option<usize>>,
     /// Of each parameter.
     pub parameters: Vec<usize>,
-    /// Which unknowns meet in a residual.
-    pub pattern: Pattern,
-    /// What each block of constraints touches: collisions, then goals, then bounded parameters, then
-    /// cones.
-    pub blocks: Vec<BlockPattern>,
-    /// What the velocity gaps of every collision touch; nothing, where they are closed.
-    pub velocity_gaps: Vec<BlockPattern>,
+    /// Which unknowns meet in a residual, in the rows of every constraint ([`Problem::constraints`]) and
+    /// in those that it prices.
+    pub structure: Structure,
 }
 
 impl Layout {
@@ -87,33 +82,24 @@ impl Layout {
             events,
             nodes,
             parameters,
-            pattern: Pattern::new(0, []),
-            blocks: Vec::new(),
-            velocity_gaps: Vec::new(),
+            structure: Structure {
+                pattern: Pattern::new(0, []),
+                blocks: Vec::new(),
+                priced: Vec::new(),
+            },
         };
-        for of in &problem.collisions {
-            let (block, gaps) = collision::patterns(problem, &layout, of);
-            layout.blocks.push(block);
-            layout.velocity_gaps.push(gaps);
+        for constraint in problem.constraints() {
+            let [rows, priced] = constraint.patterns(problem, &layout);
+            layout.structure.blocks.push(rows);
+            layout.structure.priced.push(priced);
         }
-        for goal in &problem.goals {
-            let pattern = constraint::goal_pattern(problem, &layout, goal);
-            layout.blocks.push(pattern);
-        }
-        let bounded = problem.bounded.iter().map(std::slice::from_ref);
-        let cones = problem.cones.iter().map(|cone| cone.parameters.as_slice());
-        for parameters in bounded.chain(cones) {
-            let columns = parameters.iter().map(|p| layout.parameters[*p]);
-            let pattern = BlockPattern::dense(1, columns.collect());
-            layout.blocks.push(pattern);
-        }
-        layout.pattern = Pattern::new(next, layout.couplings(problem));
+        layout.structure.pattern = Pattern::new(next, layout.couplings(problem));
         layout
     }
 
     /// Number of unknowns.
     pub fn size(&self) -> usize {
-        self.pattern.size()
+        self.structure.size()
     }
 
     fn state(&self, arc: usize) -> impl Iterator<Item = usize> + use<> {
@@ -165,7 +151,8 @@ impl Layout {
                 members.truncate(own);
             }
         }
-        for pattern in self.blocks.iter().chain(&self.velocity_gaps) {
+        let structure = &self.structure;
+        for pattern in structure.blocks.iter().chain(&structure.priced) {
             for members in pattern.cliques() {
                 clique(&members.collect::<Vec<_>>());
             }

@@ -3,38 +3,31 @@
 //!
 //! What is solved: [`problem`], with [`layout`] saying where each unknown sits, `nodes` at which
 //! sample times are unknowns and [`point`] holding a value of all. Its terms: [`samples`], [`tempo`],
-//! [`mark`], [`constraint`] and [`collision`], whose
-//! rows are in [`block`]s, summed into a [`system`]. How it is solved: [`merit`] prices the constraints,
-//! [`descend`] and [`finish`] (by the steps of [`kkt`], with [`active`] and [`qp`] to say which bounds act) move the point,
-//! [`events`] lets it begin, [`recipe`] is the loop.
+//! [`mark`], summed into an `objective`; what must hold is a [`constraint`]. `evaluate` puts them
+//! together for the [optimiser](crate::optimise), with a [`context`] that stays fixed and the constraints'
+//! `curvature`; [`events`] lets it begin, [`recipe`] says how it goes.
 //! What is said of it: [`outcome`], [`covariance`], `timing`, `deviation`. [`solve`] is the stage as the pipeline sees it,
 //! [`bound`] what its search over collision sequences rests on.
 
-pub mod active;
 mod arc_end;
-pub mod block;
 pub mod bound;
-pub mod collision;
 pub mod constraint;
+pub mod context;
 pub mod covariance;
 mod curvature;
-pub mod descend;
 mod deviation;
+mod evaluate;
 pub mod events;
-pub mod finish;
-pub mod kkt;
 pub mod layout;
 pub mod mark;
-pub mod merit;
 mod nodes;
+mod objective;
 pub mod outcome;
 pub mod point;
 pub mod problem;
-pub mod qp;
 pub mod recipe;
 pub mod samples;
 pub mod solve;
-pub mod system;
 pub mod tempo;
 #[cfg(test)]
 mod tests;

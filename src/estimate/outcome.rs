@@ -1,17 +1,16 @@
 //! What the solver found, in the scene's words.
 
-use super::collision;
-use super::constraint;
+use super::context::SolveContext;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::Solution;
-use super::system::{SolveContext, System};
 use super::timing;
 use crate::math::so3;
 use crate::motion::{
-    ArcEstimate, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate, SampleTime,
-    Scene, Segment, SegmentResidual, Sketch, Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
+    SampleTime, Scene, Segment, SegmentResidual, Sketch, Verdict,
 };
+use crate::optimise::System;
 use crate::physics::flow;
 
 /// Gaps up to these are rounding: the motion is physical.
@@ -23,13 +22,14 @@ pub const PHYSICAL: Gap = Gap {
 };
 
 /// The estimate of a scene from where the solver ended, without standard deviations; `errors` are those
-/// of its samples ([`errors`]).
+/// of its samples ([`errors`]), `counters` the work.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
     segments: &[Segment],
     context: &SolveContext,
     (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
+    counters: Counters,
 ) -> Estimate {
     let problem = context.problem;
     let point = &solution.point;
@@ -61,7 +61,7 @@ pub fn estimate(
             })
             .collect(),
         undetermined: Vec::new(),
-        counters: solution.counters,
+        counters,
     }
 }
 
@@ -85,22 +85,11 @@ fn events(
 
 /// Largest of each kind that is left at an event.
 fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
-    let (collisions, others) = system.blocks.split_at(problem.collisions.len());
-    let of_collisions = problem
-        .collisions
-        .iter()
-        .zip(collisions)
-        .zip(&system.velocity_gaps)
-        .filter(|((of, _), _)| of.event == event)
-        .map(|((of, block), gaps)| collision::gap(problem, of, (block, gaps)));
-    let of_goals = problem
-        .goals
-        .iter()
-        .zip(others)
-        .filter(|(goal, _)| goal.event == event)
-        .map(|(_, block)| constraint::goal_gap(block));
-    of_collisions
-        .chain(of_goals)
+    let rows = system.blocks.iter().zip(&system.priced);
+    let constraints = problem.constraints().zip(rows);
+    let at_event = constraints.filter(|(constraint, _)| constraint.event() == Some(event));
+    at_event
+        .map(|(constraint, rows)| constraint.gap(problem, rows.into()))
         .fold(Gap::default(), |a, b| a.max(&b))
 }
 

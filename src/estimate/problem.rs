@@ -24,7 +24,7 @@ pub mod unit {
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
 }
 
-/// AugmentedLagrangian of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
+/// Price of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
 /// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
 /// faces, and leaves the performance by four times as far.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
@@ -143,6 +143,13 @@ pub enum ArcTarget {
     },
 }
 
+/// A parameter that has bounds of its own; its unit is its prior, or the width of its bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounded {
+    /// Which of the problem's.
+    pub parameter: usize,
+}
+
 /// Everything the solver needs, and nothing else.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -167,10 +174,10 @@ pub struct Problem {
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
     /// Those of them that have a bound of their own.
-    pub bounded: Vec<usize>,
+    pub bounded: Vec<Bounded>,
     /// Pairs of them within a circle.
     pub cones: Vec<Cone>,
-    /// AugmentedLagrangian of a squared unit of velocity gap; `None` where velocities are continuous through
+    /// Price of a squared unit of velocity gap; `None` where velocities are continuous through
     /// impacts.
     pub velocity_gap_weight: Option<f64>,
     /// Acted times of the time map's nodes, distinct and increasing \[s\]: those of all samples, or
@@ -224,13 +231,7 @@ impl Problem {
             events_acted_s: sketch.marks_s.clone(),
             marks,
             parameters: scene.parameters.clone(),
-            bounded: (0..scene.parameters.len())
-                .filter(|index| {
-                    let free = &scene.parameters[*index];
-                    let in_cone = scene.cones.iter().any(|c| c.parameters.contains(index));
-                    !in_cone && (free.lower.is_finite() || free.upper.is_finite())
-                })
-                .collect(),
+            bounded: bounded(scene),
             cones: scene.cones.clone(),
             velocity_gap_weight: None,
             tempo_sd_per_sqrt_s: match scene.timing {
@@ -327,6 +328,17 @@ impl Problem {
     pub fn sample_count(&self) -> usize {
         self.arcs.iter().map(|arc| arc.samples.len()).sum()
     }
+}
+
+fn bounded(scene: &Scene) -> Vec<Bounded> {
+    let parameters = scene.parameters.iter().enumerate();
+    let bounded = parameters.filter(|(parameter, free)| {
+        let in_cone = scene.cones.iter().any(|c| c.parameters.contains(parameter));
+        !in_cone && (free.lower.is_finite() || free.upper.is_finite())
+    });
+    bounded
+        .map(|(parameter, _)| Bounded { parameter })
+        .collect()
 }
 
 fn marks(

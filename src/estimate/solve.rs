@@ -1,16 +1,17 @@
 //! The stage as the pipeline sees it: guesses in, a motion out, and how certain that is where it is
 //! asked.
 
+use super::context::{Guidance, SolveContext};
 use super::deviation;
 use super::layout::Layout;
 use super::outcome;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
-use super::system::{Guidance, SolveContext, System};
 use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
 };
+use crate::optimise::{Program, Work};
 
 /// A motion that was found, and where: what its deviations are made from.
 #[derive(Clone, Debug)]
@@ -67,9 +68,9 @@ pub fn estimate(
     let mut work = Counters::default();
     let is_bent = may_bend && is_hopeless;
     let mut found = (!is_bent).then(|| {
-        let found = exact.best(guesses, recipe, observer);
-        work.add(&found.1.counters);
-        found
+        let (best, solution, starts) = exact.best(guesses, recipe, observer);
+        add(&mut work, &solution.work, starts);
+        (best, solution)
     });
     let is_final = |s: &Solution| s.finished.converged || s.stopped || !may_bend;
     if !found
@@ -77,28 +78,27 @@ pub fn estimate(
         .is_some_and(|(_, solution)| is_final(solution))
     {
         let relaxed = Posed::new(exact.problem.with_velocity_gaps());
-        let (best, solution) = relaxed.best(guesses, recipe, observer);
-        work.add(&solution.counters);
+        let (best, solution, starts) = relaxed.best(guesses, recipe, observer);
+        add(&mut work, &solution.work, starts);
         let closed = (!is_hopeless && !solution.stopped).then(|| {
             let guess = solution.point.guess(&exact.problem, &guesses[best]);
             exact.solve(&guess, &recipe.without_sweep(), observer)
         });
         (bent, found) = (Some(relaxed), Some((best, solution)));
         if let Some(closed) = closed {
-            work.add(&closed.counters);
+            add(&mut work, &closed.work, 0);
             if closed.finished.converged {
                 (bent, found) = (None, Some((best, closed)));
             }
         }
     }
-    let (best, mut solution) = found.expect("solved one way or the other");
-    solution.counters = work;
+    let (best, solution) = found.expect("solved one way or the other");
     let posed = bent.unwrap_or(exact);
     let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let ended = (&solution, errors.as_slice());
     Solved {
-        estimate: outcome::estimate(scene, sketch, segments, &context, ended),
+        estimate: outcome::estimate(scene, sketch, segments, &context, ended, work),
         epochs_s: context.epochs_s,
         posed,
         solution,
@@ -128,7 +128,7 @@ impl Posed {
         guesses: &[Guess],
         recipe: &Recipe,
         observer: &mut dyn Observer,
-    ) -> (usize, Solution) {
+    ) -> (usize, Solution, usize) {
         best(&self.problem, &self.layout, guesses, recipe, observer)
     }
 
@@ -137,20 +137,29 @@ impl Posed {
     }
 }
 
-/// The best solution, the index of the guess it came from, and the work of all.
+/// Adds the work of some starts.
+pub(super) fn add(counters: &mut Counters, work: &Work, starts: usize) {
+    counters.iterations += work.iterations;
+    counters.evaluations += work.evaluations;
+    counters.factorisations += work.factorisations;
+    counters.starts += starts;
+}
+
+/// The index of the guess that led to the best solution; that solution, with the work of all; and how many
+/// guesses were tried.
 pub fn best(
     problem: &Problem,
     layout: &Layout,
     guesses: &[Guess],
     recipe: &Recipe,
     observer: &mut dyn Observer,
-) -> (usize, Solution) {
+) -> (usize, Solution, usize) {
     let mut best: Option<(usize, Solution)> = None;
-    let mut work = Counters::default();
+    let (mut work, mut starts) = (Work::default(), 0);
     for (index, guess) in guesses.iter().enumerate() {
         let solution = recipe::solve(problem, layout, guess, recipe, observer);
-        work.add(&solution.counters);
-        work.starts += 1;
+        work.add(&solution.work);
+        starts += 1;
         let is_better = best.as_ref().is_none_or(|(_, known)| {
             let rank = |s: &Solution| (!s.finished.converged, s.system.cost);
             rank(&solution) < rank(known)
@@ -164,8 +173,8 @@ pub fn best(
         }
     }
     let (index, mut solution) = best.expect("at least one guess");
-    solution.counters = work;
-    (index, solution)
+    solution.work = work;
+    (index, solution, starts)
 }
 
 /// Half the sum of squared residuals of a guess, priors included, whatever its constraints say.
@@ -174,7 +183,6 @@ pub fn cost(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess: &Guess)
     let layout = Layout::new(&problem);
     let start = Point::new(&problem, guess);
     let context = SolveContext::new(&problem, &layout, recipe::epochs_s(guess), &start);
-    let mut system = System::new(&context);
-    system.evaluate(&context, &Guidance::none(&problem), &start);
+    let system = context.evaluated(&Guidance::none(), &start);
     system.cost
 }

@@ -3,18 +3,19 @@
 
 use nalgebra::{DVector, UnitQuaternion, Vector3};
 
-use super::finish::Tolerances;
+use super::context::{Guidance, SolveContext};
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe};
-use super::system::{Guidance, SolveContext, System};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
     GoalTarget, Guess, MarkTime, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch,
     Stamp, Surface, Timing, Touching, VelocityGaps, Weights,
 };
+use crate::optimise::finish::Tolerances;
+use crate::optimise::{Program, Schedule, System};
 use crate::physics::{Body, Shape, State, contact, flow, impact};
 
 mod approach;
@@ -330,12 +331,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             problem.velocity_gap_weight = velocity_gap_weight;
             let layout = Layout::new(&problem);
             let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &point);
-            check(
-                &context,
-                &Guidance::none(&problem),
-                &point,
-                &lengths(&layout),
-            );
+            check(&context, &Guidance::none(), &point, &lengths(&layout));
         }
     }
 }
@@ -350,10 +346,8 @@ fn moved(
 ) -> System {
     let delta = DVector::from_iterator(d.len(), d.iter().zip(lengths).map(|(d, l)| d * l));
     let mut there = point.clone();
-    there.retract_from(point, context.problem, context.layout, &delta);
-    let mut system = System::new(context);
-    system.evaluate(context, guidance, &there);
-    system
+    context.retract(point, &delta, &mut there);
+    context.evaluated(guidance, &there)
 }
 
 #[test]
@@ -390,7 +384,8 @@ fn the_hessian_is_exact_where_nothing_remains() {
         });
         for i in 0..size {
             for j in 0..=i {
-                let expected = system.hessian.get(&context.layout.pattern, i, j) * lengths[j];
+                let expected =
+                    system.hessian.get(&context.layout.structure.pattern, i, j) * lengths[j];
                 let error = (numeric[i][j] - expected).abs();
                 assert!(
                     error < 2e-5 * (1.0 + expected.abs()),
@@ -413,7 +408,7 @@ fn the_constraints_derivatives_are_exact_and_within_their_columns() {
                 .collect()
         });
         let mut offset = 0;
-        for (block, pattern) in system.blocks.iter().zip(&context.layout.blocks) {
+        for (block, pattern) in system.blocks.iter().zip(&context.layout.structure.blocks) {
             let rows = block.values.len();
             assert_eq!(rows, pattern.row_count());
             for row in 0..rows {
@@ -439,7 +434,7 @@ fn sample_times_keep_their_order_under_any_step() {
         for scale in [-1.0, 1.0, 30.0] {
             let delta = DVector::from_fn(context.layout.size(), |at, _| scale * (at as f64).sin());
             let mut there = point.clone();
-            there.retract_from(point, context.problem, context.layout, &delta);
+            context.retract(point, &delta, &mut there);
             assert!(there.node_times_s.windows(2).all(|pair| pair[0] < pair[1]));
         }
     });
@@ -468,13 +463,14 @@ fn a_bound_acts_and_the_step_finds_it() {
     let problem = Problem::new(&scene, &sketch, &segments);
     let layout = Layout::new(&problem);
     let solve = |problem: &Problem| {
-        let recipe = Recipe {
+        let schedule = Schedule {
             tolerances: Tolerances {
                 decrease: 1e-12,
                 ..Tolerances::default()
             },
-            ..Recipe::default()
+            ..Schedule::default()
         };
+        let recipe = Recipe::of(schedule);
         recipe::solve(problem, &layout, &guess, &recipe, &mut ())
     };
     let bounded = solve(&problem);

@@ -11,11 +11,12 @@
 
 use nalgebra::DVector;
 
+use super::context::SolveContext;
 use super::covariance::Covariance;
-use super::kkt::DAMPING;
 use super::point::Point;
 use super::problem::Problem;
-use super::system::{SolveContext, System};
+use crate::optimise::System;
+use crate::optimise::kkt::DAMPING;
 
 /// Deviations of what samples alone leave open by which constraints may move the time they span
 /// before they are taken to contradict them. No performance of a pencil came near it, up to four
@@ -121,7 +122,7 @@ pub(super) fn contradiction_s(
     let Some(Some(last)) = context.layout.nodes.last().copied() else {
         return 0.0;
     };
-    let pattern = &context.layout.pattern;
+    let pattern = &context.layout.structure.pattern;
     let mut matrix = system.hessian.clone();
     for row in 0..pattern.size() {
         let diagonal = matrix.get(pattern, row, row);

@@ -1,9 +1,8 @@
-//! Rotations, linear algebra for chains of blocks, and numeric differentiation for tests.
+//! Rotations and poses, and numeric differentiation for tests.
 //!
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
 
-pub mod envelope;
 mod pose;
 pub mod so3;
 

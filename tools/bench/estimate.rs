@@ -240,10 +240,11 @@ mod initialise {
 /// One iteration of the finish at the guess: objective and constraints with all derivatives,
 /// one factorisation, one step.
 mod iteration {
-    use enact::estimate::kkt::Kkt;
+    use enact::estimate::context::{Guidance, SolveContext};
     use enact::estimate::point::Point;
     use enact::estimate::recipe::epochs_s;
-    use enact::estimate::system::{Guidance, SolveContext, System};
+    use enact::optimise::Program;
+    use enact::optimise::kkt::Kkt;
 
     use super::*;
 
@@ -252,14 +253,13 @@ mod iteration {
         let (problem, guess) = (&posed.problem, &posed.guesses[0]);
         let point = Point::new(problem, guess);
         let context = SolveContext::new(problem, &posed.layout, epochs_s(guess), &point);
-        let guidance = Guidance::none(problem);
-        let mut system = System::new(&context);
-        system.evaluate(&context, &guidance, &point);
+        let guidance = Guidance::none();
+        let mut system = context.evaluated(&guidance, &point);
         let multipliers = vec![0.0; system.row_count()];
         bencher.bench_local(|| {
-            system.evaluate(&context, &guidance, &point);
+            context.evaluate(&guidance, &point, &mut system);
             let kkt = Kkt::new(&context, &system, &multipliers);
-            kkt.map(|kkt| kkt.step(&context, (&system, &system.hessian)))
+            kkt.map(|kkt| kkt.step(context.structure(), (&system, &system.hessian)))
         });
     }
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use enact::estimate::finish::Tolerances;
+use enact::optimise::finish::Tolerances;
 
 use crate::case::Case;
 use crate::figure::{Axis, Curve, Figure, Mark};

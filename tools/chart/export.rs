@@ -5,14 +5,15 @@
 //! Tests include this file too.
 #![allow(dead_code)]
 
+use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::{
     Arc, ArcGoal, ArcTarget, Collision, Problem as Estimation, Side, unit,
 };
 use enact::estimate::recipe;
-use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::{Cone, FreeParameter, Guess};
+use enact::optimise::Program;
 use enact::physics::State;
 use enact::physics::body::{Body, Symmetry};
 use enact::physics::contact::{Contact, Feature};
@@ -238,7 +239,7 @@ pub fn problem(
         goals: problem.goals.iter().map(goal).collect(),
         parameters: problem.parameters.iter().map(parameter).collect(),
         gravity_parameters: problem.gravity_parameters,
-        bounded: problem.bounded.clone(),
+        bounded: problem.bounded.iter().map(|of| of.parameter).collect(),
         cones: problem.cones.iter().map(circle).collect(),
         points: points.map(|(name, at)| named(name, &context, at)).collect(),
     }
@@ -387,8 +388,7 @@ fn motion(state: &State) -> Motion {
 }
 
 fn named(name: &str, context: &SolveContext, point: &Point) -> Named {
-    let mut system = System::new(context);
-    system.evaluate(context, &Guidance::none(context.problem), point);
+    let system = context.evaluated(&Guidance::none(), point);
     let rows = system.blocks.iter().flat_map(|block| {
         let rows = block.values.iter().zip(&block.bounds);
         rows.map(|(value, (lower, upper))| Row {
@@ -397,7 +397,7 @@ fn named(name: &str, context: &SolveContext, point: &Point) -> Named {
             upper: finite(*upper),
         })
     });
-    let gaps = system.velocity_gaps.iter();
+    let gaps = system.priced.iter();
     Named {
         name: name.to_owned(),
         states: point.arcs.iter().map(motion).collect(),

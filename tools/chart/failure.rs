@@ -8,9 +8,9 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Sketch;
+use enact::optimise::finish::Tolerances;
 use enact::physics::Body;
 use enact::physics::body::Symmetry;
 use rayon::prelude::*;

@@ -1,10 +1,11 @@
 //! Performances as tasks for methods: what the program's segmentation makes of them, and the best
 //! optimum known.
 
-use enact::estimate::finish::Tolerances;
 use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::{Guess, Sketch, Stamp, TakeEvent, VelocityGaps};
+use enact::optimise::Schedule;
+use enact::optimise::finish::Tolerances;
 use enact::pipeline::Outcome;
 
 use crate::case::{Case, Posed};
@@ -72,12 +73,16 @@ pub fn is_bent(outcome: &Outcome) -> bool {
 
 /// The objective at tolerances near rounding.
 fn tight(posed: &Posed, start: &Start) -> Option<f64> {
-    let recipe = Recipe {
+    let schedule = Schedule {
         tolerances: Tolerances {
             violation: 1e-12,
             decrease: 1e-14,
             ..Tolerances::default()
         },
+        ..start.recipe.schedule.clone()
+    };
+    let recipe = Recipe {
+        schedule,
         ..start.recipe.clone()
     };
     let solution = recipe::solve(

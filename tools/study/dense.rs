@@ -3,13 +3,14 @@
 //! Tests include this file too, beside `mod case;`.
 #![allow(dead_code)]
 
+use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::covariance::Covariance;
 use enact::estimate::outcome;
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::solve;
-use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::Sketch;
+use enact::optimise::{Program, System};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::case::{Case, Posed};
@@ -37,7 +38,7 @@ impl Uncertainty {
     pub fn of(case: &Case, posed: &Posed, offset_s: f64) -> Option<Self> {
         let (problem, layout) = (&posed.problem, &posed.layout);
         let recipe = Recipe::default();
-        let (best, solution) = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
+        let (best, solution, _) = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
         let guess = &posed.guesses[best];
         let (point, system) = (&solution.point, &solution.system);
         let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
@@ -82,8 +83,7 @@ pub fn bound(case: &Case, posed: &Posed, sketch: &Sketch) -> Option<DMatrix<f64>
     let guess = case.true_guess(posed, sketch);
     let point = Point::new(problem, &guess);
     let context = SolveContext::new(problem, layout, recipe::epochs_s(&guess), &point);
-    let mut system = System::new(&context);
-    system.evaluate(&context, &Guidance::none(problem), &point);
+    let system = context.evaluated(&Guidance::none(), &point);
     Some(Exact::of(&context, &system)?.exact)
 }
 
@@ -139,7 +139,9 @@ fn hessian(context: &SolveContext, system: &System) -> DMatrix<f64> {
     let size = context.layout.size();
     DMatrix::from_fn(size, size, |row, column| {
         let (row, column) = (row.max(column), row.min(column));
-        system.hessian.get(&context.layout.pattern, row, column)
+        system
+            .hessian
+            .get(&context.layout.structure.pattern, row, column)
     })
 }
 
@@ -147,7 +149,7 @@ fn hessian(context: &SolveContext, system: &System) -> DMatrix<f64> {
 fn jacobian(context: &SolveContext, system: &System) -> DMatrix<f64> {
     let mut rows: Vec<DVector<f64>> = Vec::new();
     for (index, block) in system.blocks.iter().enumerate() {
-        let pattern = &context.layout.blocks[index];
+        let pattern = &context.layout.structure.blocks[index];
         for row in 0..block.values.len() {
             let (lower, upper) = block.bounds[row];
             let value = block.values[row];

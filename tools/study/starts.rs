@@ -6,6 +6,7 @@
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Guess;
+use enact::optimise::Schedule;
 use enact::physics::state::{StateTangent, part};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -51,10 +52,10 @@ pub fn from_truth(true_guess: &Guess) -> Start {
     Start {
         name: "truth".into(),
         guess: true_guess.clone(),
-        recipe: Recipe {
+        recipe: Recipe::of(Schedule {
             sweep_weights: Vec::new(),
-            ..Recipe::default()
-        },
+            ..Schedule::default()
+        }),
     }
 }
 
@@ -109,13 +110,15 @@ pub fn starts(posed: &Posed, true_guess: &Guess, seed: u64) -> Vec<Start> {
 /// A recipe that spares no steps.
 fn patient(sweep_weights: Vec<f64>) -> Recipe {
     Recipe {
-        sweep_weights,
-        sweep_steps: 30,
-        gain: 1e-4,
-        multiplier_weight: 100.0,
-        finish_below: 0.02,
         orientations_per_arc: usize::MAX,
-        ..Recipe::default()
+        ..Recipe::of(Schedule {
+            sweep_weights,
+            sweep_steps: 30,
+            gain: 1e-4,
+            multiplier_weight: 100.0,
+            finish_below: 0.02,
+            ..Schedule::default()
+        })
     }
 }
 

@@ -5,10 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::bins::{Bins, Six};
 use super::noise::Noise;
 use super::trace::Design;
-use crate::estimate::kkt::Kkt;
+use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
-use crate::estimate::system::{SolveContext, System};
 use crate::estimate::timing::Moment;
+use crate::optimise::active::ActiveSet;
+use crate::optimise::kkt::{DAMPING, Kkt};
+use crate::optimise::{Program, System};
 
 /// Share of an unknown's information that may come from the damping before it counts as
 /// undetermined.
@@ -44,7 +46,7 @@ impl<'a> Covariance<'a> {
         multipliers: &[f64],
         residuals: &[Vec<Six>],
     ) -> Option<Self> {
-        let kkt = Kkt::with_soft_bounds(context, system, multipliers)?;
+        let kkt = with_soft_bounds(context, system, multipliers)?;
         let bins = Bins::new(context.problem, point);
         let mut covariance = Self {
             context,
@@ -80,9 +82,13 @@ impl<'a> Covariance<'a> {
         directions.extend((0..free).map(|_| {
             let hessian = &self.system.hessian;
             let mut step = DVector::from_fn(layout.size(), |at, _| {
-                random.next() * hessian.get(&layout.pattern, at, at).max(0.0).sqrt()
+                random.next()
+                    * hessian
+                        .get(&layout.structure.pattern, at, at)
+                        .max(0.0)
+                        .sqrt()
             });
-            self.kkt.solve(self.context, &mut step);
+            self.kkt.solve(self.context.structure(), &mut step);
             bins.means(&self.design.sums(&step))
         }));
         orthonormal(&directions)
@@ -133,7 +139,7 @@ impl<'a> Covariance<'a> {
         for (at, factor) in sum {
             x[*at] += factor;
         }
-        self.kkt.solve(self.context, &mut x);
+        self.kkt.solve(self.context.structure(), &mut x);
         x
     }
 
@@ -151,6 +157,35 @@ impl<'a> Covariance<'a> {
         }
         (squares, beyond)
     }
+}
+
+/// The factorised `H + w CᵀC`, in which what a parameter's bound keeps in place is not known for that: it
+/// weighs as half the width between the bounds for a standard deviation, or nothing where there is only
+/// one.
+fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]) -> Option<Kkt> {
+    let (_, information) = context.information();
+    let active = ActiveSet::of(system, multipliers, information);
+    let (mut weights, violations) = active.weights_and_violations(system, information);
+    let mut multipliers = multipliers.to_vec();
+    let mut row = 0;
+    for (constraint, block) in context.problem.constraints().zip(&system.blocks) {
+        if let Some(half_width) = constraint.half_width(block)
+            && weights[row] > 0.0
+        {
+            multipliers[row] = 0.0;
+            weights[row] = half_width.powi(-2);
+        }
+        row += block.values.len();
+    }
+    // Samples hold every time that the tempo relates to others; a damping in proportion to how
+    // stiffly neighbours are held together would hold all of them.
+    let mut damping = vec![DAMPING; context.layout.size()];
+    for node in context.layout.nodes.iter().flatten() {
+        damping[*node] = 0.0;
+    }
+    let weighed = (weights, violations);
+    let at = (system, &system.hessian);
+    Kkt::weighed(context.structure(), at, multipliers, weighed, damping)
 }
 
 /// Rows that always hold.

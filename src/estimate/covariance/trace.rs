@@ -3,8 +3,8 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::bins::{Bins, Six};
+use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
-use crate::estimate::system::SolveContext;
 use crate::physics::flow::Spin;
 use crate::physics::state::part;
 

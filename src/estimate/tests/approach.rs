@@ -1,24 +1,20 @@
 //! Contacts approach: a condition of every collision, and a stricter one while the sweep leads.
 
 use super::*;
-use crate::estimate::block::Block;
+use crate::estimate::recipe::Lead;
+use crate::optimise::Stage;
+use crate::optimise::block::Block;
 
 /// The rows of approach speeds, each with its value, its limit and by how much it is broken.
 fn approaches(block: &Block) -> Vec<(f64, f64, f64)> {
     let row = |row: usize| (block.values[row], block.bounds[row].1, block.violation(row));
-    block.approach.clone().map(row).collect()
-}
-
-fn evaluated(context: &SolveContext, guidance: &Guidance, point: &Point) -> System {
-    let mut system = System::new(context);
-    system.evaluate(context, guidance, point);
-    system
+    block.leads.clone().map(row).collect()
 }
 
 #[test]
 fn contacts_that_approach_too_slowly_break_their_condition() {
     each_case(0.0, |context, guidance, point, _| {
-        let system = evaluated(context, guidance, point);
+        let system = context.evaluated(guidance, point);
         for block in &system.blocks[..context.problem.collisions.len()] {
             let rows = approaches(block);
             assert!(!rows.is_empty());
@@ -29,11 +25,11 @@ fn contacts_that_approach_too_slowly_break_their_condition() {
                 );
             }
         }
-        let mut faster = guidance.clone();
-        for limit_m_s in &mut faster.approach_limits_m_s {
-            *limit_m_s = -100.0;
-        }
-        let asked = evaluated(context, &faster, point);
+        let faster = Guidance {
+            approach_limits_m_s: vec![-100.0; context.problem.event_is_free.len()],
+            ..guidance.clone()
+        };
+        let asked = context.evaluated(&faster, point);
         for block in &asked.blocks[..context.problem.collisions.len()] {
             for (speed, limit, broken) in approaches(block) {
                 assert!(limit < speed && broken == speed - limit, "{speed} {limit}");
@@ -46,8 +42,9 @@ fn contacts_that_approach_too_slowly_break_their_condition() {
 #[test]
 fn what_leads_the_sweep_asks_for_an_approach_that_the_start_has() {
     each_case(0.0, |context, _, point, _| {
-        let leading = recipe::leading(context, point);
-        let system = evaluated(context, &leading, point);
+        let lead = Lead::new(context, point, &Recipe::default());
+        let leading = lead.guidance(Stage::Sweep { weight: 1.0 });
+        let system = context.evaluated(&leading, point);
         for block in &system.blocks[..context.problem.collisions.len()] {
             let fastest = approaches(block).into_iter();
             let fastest = fastest

@@ -102,7 +102,7 @@ impl Search<'_> {
                 guess: &self.field.guesses[*guess],
                 own_priors: least.own_priors,
             };
-            let work = bound.tighten(&part, ceiling.min(next));
+            let work = bound.tighten(&part, ceiling.min(next), self.recipe);
             self.counters.add(&work);
             let share = least.arcs.len() as f64 / self.field.segments.len() as f64;
             self.iterations += share * work.iterations as f64;

@@ -2,7 +2,7 @@
 
 use enact::estimate::layout::{Layout, STATE};
 use enact::estimate::problem::Collision;
-use enact::estimate::system::System;
+use enact::optimise::System;
 use nalgebra::DMatrix;
 
 use super::columns::{Columns, GAP};
@@ -109,7 +109,7 @@ impl<'a> Chains<'a> {
     ) {
         let problem = &self.split.problem;
         let parts = of_collision(problem, index);
-        let block = (&system.blocks[index], &layout.blocks[index]);
+        let block = (&system.blocks[index], &layout.structure.blocks[index]);
         let rows = rows_of(block, &[0], &unknowns(layout, &parts));
         let (mut at, mut kept, mut by_time) = (0, Vec::new(), 0.0);
         for part in parts {
@@ -137,8 +137,8 @@ impl<'a> Chains<'a> {
         (layout, system): (&Layout, &System),
     ) {
         let problem = &self.split.problem;
-        let block = (&system.blocks[index], &layout.blocks[index]);
-        let gaps = (&system.velocity_gaps[index], &layout.velocity_gaps[index]);
+        let block = (&system.blocks[index], &layout.structure.blocks[index]);
+        let gaps = (&system.priced[index], &layout.structure.priced[index]);
         let parts = of_collision(problem, index);
         let mut at = 0;
         let mut placed: Vec<(usize, Part)> = Vec::new();

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeSet;
 
-use enact::estimate::block::BlockPattern;
 use enact::estimate::layout::{Layout, STATE};
+use enact::optimise::block::BlockPattern;
 
 use super::parts::{Part, gravity, of_collision, of_goal};
 use super::split::{Grid, Split};
@@ -211,7 +211,7 @@ impl Columns {
     /// Blocks and pattern.
     fn couple(&mut self, split: &Split, grid: Grid, size: usize) {
         let problem = &split.problem;
-        let lifted = &self.layout.blocks;
+        let lifted = &self.layout.structure.blocks;
         let mut blocks = Vec::new();
         for (index, collision) in problem.collisions.iter().enumerate() {
             let contacts = collision.meeting.contacts().len();
@@ -234,7 +234,10 @@ impl Columns {
             let columns = self.union(of_goal(problem, goal));
             blocks.push(BlockPattern::dense(rows, columns));
         }
-        let bounded = problem.bounded.iter().map(std::slice::from_ref);
+        let bounded = problem
+            .bounded
+            .iter()
+            .map(|of| std::slice::from_ref(&of.parameter));
         let cones = problem.cones.iter().map(|cone| cone.parameters.as_slice());
         blocks.extend(bounded.chain(cones).map(|parameters| {
             let columns = parameters.iter().map(|p| self.parameters[*p]);
@@ -271,7 +274,8 @@ impl Columns {
         for time in &self.events {
             clique(time);
         }
-        self.layout.pattern = enact::math::envelope::Pattern::new(size, couplings);
-        self.layout.blocks = blocks;
+        self.layout.structure.pattern = enact::optimise::envelope::Pattern::new(size, couplings);
+        self.layout.structure.blocks = blocks;
+        self.layout.structure.priced = Vec::new();
     }
 }

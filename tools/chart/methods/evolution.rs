@@ -7,8 +7,9 @@
 use std::cell::RefCell;
 
 use cmaes::CMAESOptions;
-use enact::estimate::merit::AugmentedLagrangian;
-use enact::estimate::system::Guidance;
+use enact::estimate::context::Guidance;
+use enact::optimise::Program;
+use enact::optimise::lagrangian::AugmentedLagrangian;
 use nalgebra::DVector;
 
 use super::model::Model;
@@ -28,20 +29,19 @@ const GROWTH: f64 = 3.0;
 const GENERATIONS: usize = 30;
 
 /// The best mean within so many evaluations; a seed gives the same one always.
-pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -> Place {
+pub fn search(model: &Model, start: &Place, evaluations: usize, seed: u64) -> Place {
     if !start.exists {
         return start.clone();
     }
     let problem = model.outer.problem;
-    let guidance = Guidance::none(problem);
+    let guidance = Guidance::none();
     let of = |part: Part| match part {
         Part::Piece(_) => STATE.iter().flat_map(|sd| [*sd; 3]).collect(),
         Part::Event(_) => vec![TIME_S],
         Part::Parameter(p) => vec![0.3 * problem.parameters[p].length()],
     };
     let scale = model.by_unknown(of, GAP);
-    let mut system = model.system();
-    model.evaluate(&guidance, start, &mut system);
+    let system = model.evaluated(&guidance, start);
     let lagrangian = RefCell::new(AugmentedLagrangian::new(
         &system,
         WEIGHTS.0 * problem.information(),
@@ -85,7 +85,7 @@ pub fn search(model: &mut Model, start: &Place, evaluations: usize, seed: u64) -
                 if now > 0.5 * violation {
                     let most = WEIGHTS.1 * problem.information();
                     lagrangian.weight = (lagrangian.weight * GROWTH).min(most);
-                    lagrangian.approach_weight = lagrangian.weight;
+                    lagrangian.leading_weight = lagrangian.weight;
                 }
                 violation = now;
             }

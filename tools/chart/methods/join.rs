@@ -1,10 +1,10 @@
 //! What the piece before a node lacks to the state that is held there.
 
-use enact::estimate::block::{Block, BlockPattern};
+use enact::estimate::context::SolveContext;
 use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
-use enact::estimate::system::SolveContext;
 use enact::math::so3;
+use enact::optimise::block::{Block, BlockPattern};
 use enact::physics::flow;
 use enact::physics::state::part;
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};

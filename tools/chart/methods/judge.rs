@@ -1,11 +1,12 @@
 //! One judgement for all methods.
 
+use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe;
-use enact::estimate::system::{Guidance, SolveContext, System};
 use enact::motion::Guess;
+use enact::optimise::Program;
 
 /// What an answer is worth, by the program's own objective and constraints.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +20,7 @@ pub struct Judged {
 /// Judges a point of a problem; not finite where the point is not.
 pub fn judged(problem: &Problem, layout: &Layout, guess: &Guess, point: &Point) -> Judged {
     let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
-    let mut system = System::new(&context);
-    system.evaluate(&context, &Guidance::none(problem), point);
+    let system = context.evaluated(&Guidance::none(), point);
     Judged {
         objective: 2.0 * system.cost,
         violation: system.violation(),

@@ -4,16 +4,13 @@
 //! [`split`] says where a method holds states, [`touch`] lets it begin, [`simulate`] says what follows
 //! from them, [`columns`] where the unknowns sit, [`chain`], [`objective`] and [`join`] how derivatives
 //! reach them; [`model`] puts it together ([`setting`]), and reads the program's rows by [`parts`] and
-//! [`rows`]. [`descent`], [`finish`] and [`stages`] are the program's recipe over any of these grids,
-//! [`evolution`] samples. A [`task`] is what one is asked and what it answers, [`judge`] what that is
+//! [`rows`]. [`stages`] hands it to the program's own optimiser, [`evolution`] samples. A [`task`] is what one is asked and what it answers, [`judge`] what that is
 //! worth.
 #![allow(dead_code, reason = "no part and no test uses all of it")]
 
 pub mod chain;
 pub mod columns;
-pub mod descent;
 pub mod evolution;
-pub mod finish;
 pub mod join;
 pub mod judge;
 pub mod model;

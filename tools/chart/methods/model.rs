@@ -7,9 +7,14 @@
 //! the impact the change of the state after it, saltation included. So samples, impacts and goals are
 //! the same code for every method, and exact wherever the program's derivatives are.
 
-use enact::estimate::block::Block;
+use std::cell::RefCell;
+
+use enact::estimate::context::{Guidance, SolveContext};
+use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
-use enact::estimate::system::{Guidance, SolveContext, System};
+use enact::optimise::block::Block;
+use enact::optimise::envelope::Envelope;
+use enact::optimise::{Program, Structure, System};
 use enact::physics::state::StateTangent;
 use nalgebra::DVector;
 
@@ -29,7 +34,7 @@ pub struct Model<'a> {
     /// Of the grid's unknowns: what the solver's parts need of it.
     pub outer: SolveContext<'a>,
     /// Lifted system at the last place.
-    system: System,
+    system: RefCell<System>,
 }
 
 impl<'a> Model<'a> {
@@ -39,7 +44,7 @@ impl<'a> Model<'a> {
         let epochs_s = split.epochs_s.clone();
         let inner = SolveContext::new(&split.problem, &setting.lifted, epochs_s, &split.start);
         Self {
-            system: System::new(&inner),
+            system: RefCell::new(System::new(inner.structure())),
             outer: SolveContext {
                 problem: &setting.problem,
                 layout: &setting.columns.layout,
@@ -171,13 +176,8 @@ impl<'a> Model<'a> {
         lengths
     }
 
-    /// An empty system of the grid's unknowns.
-    pub fn system(&self) -> System {
-        System::new(&self.outer)
-    }
-
     /// Objective and constraints at a place; an infinite objective where there is no such motion.
-    pub fn evaluate(&mut self, guidance: &Guidance, place: &Place, out: &mut System) {
+    fn evaluate_at(&self, guidance: &Guidance, place: &Place, out: &mut System) {
         if !place.exists {
             out.cost = f64::INFINITY;
             return;
@@ -188,18 +188,20 @@ impl<'a> Model<'a> {
             grid,
             ..
         } = self.setting;
-        self.system.evaluate(&self.inner, guidance, &place.lifted);
-        let chains = Chains::new(split, columns, *grid, (self.inner.layout, &self.system));
-        out.cost = self.system.cost;
+        let lifted = &mut *self.system.borrow_mut();
+        self.inner.evaluate(guidance, &place.lifted, lifted);
+        let lifted = &*lifted;
+        let chains = Chains::new(split, columns, *grid, (self.inner.layout, lifted));
+        out.cost = lifted.cost;
         out.gradient.fill(0.0);
         out.hessian.clear();
-        chains.add_objective(&self.inner, &self.system, out);
-        self.add_gaps(place, &chains, out);
-        self.fill_rows(place, &chains, out);
+        chains.add_objective(&self.inner, lifted, out);
+        self.add_gaps(place, (lifted, &chains), out);
+        self.fill_rows(place, (lifted, &chains), out);
     }
 
     /// The values of the same, with derivatives that mean nothing: for methods that use none.
-    pub fn values(&mut self, guidance: &Guidance, place: &Place, out: &mut System) {
+    pub fn values(&self, guidance: &Guidance, place: &Place, out: &mut System) {
         if !place.exists {
             out.cost = f64::INFINITY;
             return;
@@ -210,21 +212,18 @@ impl<'a> Model<'a> {
             grid,
             ..
         } = self.setting;
-        self.system.evaluate(&self.inner, guidance, &place.lifted);
-        out.cost = self.system.cost;
+        let lifted = &mut *self.system.borrow_mut();
+        self.inner.evaluate(guidance, &place.lifted, lifted);
+        out.cost = lifted.cost;
         if let Some(weight) = self.gap_weight() {
-            let gaps = self
-                .system
-                .velocity_gaps
-                .iter()
-                .flat_map(|gaps| &gaps.values);
+            let gaps = lifted.priced.iter().flat_map(|gaps| &gaps.values);
             out.cost += 0.5 * weight * gaps.map(|v| v * v).sum::<f64>();
         }
-        for (index, (lifted, block)) in self.system.blocks.iter().zip(&mut out.blocks).enumerate() {
+        for (index, (lifted, block)) in lifted.blocks.iter().zip(&mut out.blocks).enumerate() {
             let is_collision = index < split.problem.collisions.len();
             let skipped = usize::from(is_collision && columns.times_follow[index]);
             let end = match is_collision && grid.shoots() {
-                true => lifted.approach.end,
+                true => lifted.leads.end,
                 false => lifted.values.len(),
             };
             block.values.clear();
@@ -233,7 +232,7 @@ impl<'a> Model<'a> {
     }
 
     /// The price of velocity gaps.
-    fn add_gaps(&self, place: &Place, chains: &Chains, out: &mut System) {
+    fn add_gaps(&self, place: &Place, (system, chains): (&System, &Chains), out: &mut System) {
         let Some(weight) = self.gap_weight() else {
             return;
         };
@@ -243,8 +242,9 @@ impl<'a> Model<'a> {
             grid,
             ..
         } = self.setting;
-        let pattern = &columns.layout.pattern;
-        for (index, gaps) in self.system.velocity_gaps.iter().enumerate() {
+        let pattern = &columns.layout.structure.pattern;
+        let collisions = system.priced.iter().take(split.problem.collisions.len());
+        for (index, gaps) in collisions.enumerate() {
             out.cost += 0.5 * weight * gaps.values.iter().map(|v| v * v).sum::<f64>();
             if let Some(first) = columns.gaps[index] {
                 for row in 0..gaps.values.len() {
@@ -256,9 +256,9 @@ impl<'a> Model<'a> {
             }
             debug_assert!(!grid.shoots());
             let parts = of_collision(&split.problem, index);
-            let own = columns.layout.blocks[index].unknowns(0);
+            let own = columns.layout.structure.blocks[index].unknowns(0);
             let rows: Vec<usize> = (0..gaps.values.len()).collect();
-            let gaps_pattern = &self.inner.layout.velocity_gaps[index];
+            let gaps_pattern = &self.inner.layout.structure.priced[index];
             let lifted = unknowns(self.inner.layout, &parts);
             let by = rows_of((gaps, gaps_pattern), &rows, &lifted);
             let by = chains.chained(&by, &parts, own);
@@ -273,7 +273,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn fill_rows(&self, place: &Place, chains: &Chains, out: &mut System) {
+    fn fill_rows(&self, place: &Place, (system, chains): (&System, &Chains), out: &mut System) {
         let Setting {
             split,
             columns,
@@ -281,20 +281,20 @@ impl<'a> Model<'a> {
             ..
         } = self.setting;
         let problem = &split.problem;
-        let blocks = &columns.layout.blocks;
+        let blocks = &columns.layout.structure.blocks;
         let mut next = 0;
         for (index, collision) in problem.collisions.iter().enumerate() {
-            let lifted = &self.system.blocks[index];
+            let lifted = &system.blocks[index];
             let skipped = usize::from(columns.times_follow[index]);
             let end = if grid.shoots() {
-                lifted.approach.end
+                lifted.leads.end
             } else {
                 lifted.values.len()
             };
             let rows: Vec<usize> = (skipped..end).collect();
             let parts = of_collision(problem, index);
             let from = rows_of(
-                (lifted, &self.inner.layout.blocks[index]),
+                (lifted, &self.inner.layout.structure.blocks[index]),
                 &rows,
                 &unknowns(self.inner.layout, &parts),
             );
@@ -310,15 +310,15 @@ impl<'a> Model<'a> {
             let by = chains.chained_from(&from, &kept, blocks[index].unknowns(0));
             let out = &mut out.blocks[index];
             fill_block(lifted, &rows, &by, (out, &blocks[index]));
-            out.approach = lifted.approach.start - skipped..lifted.approach.end - skipped;
+            out.leads = lifted.leads.start - skipped..lifted.leads.end - skipped;
         }
         next += problem.collisions.len();
         for goal in 0..problem.goals.len() {
-            let lifted = &self.system.blocks[next];
+            let lifted = &system.blocks[next];
             let rows: Vec<usize> = (0..lifted.values.len()).collect();
             let parts = of_goal(problem, goal);
             let from = rows_of(
-                (lifted, &self.inner.layout.blocks[next]),
+                (lifted, &self.inner.layout.structure.blocks[next]),
                 &rows,
                 &unknowns(self.inner.layout, &parts),
             );
@@ -327,7 +327,7 @@ impl<'a> Model<'a> {
             next += 1;
         }
         for _ in 0..problem.bounded.len() + problem.cones.len() {
-            out.blocks[next].clone_from(&self.system.blocks[next]);
+            out.blocks[next].clone_from(&system.blocks[next]);
             next += 1;
         }
         for (left, right) in &split.joins {
@@ -338,4 +338,46 @@ impl<'a> Model<'a> {
             next += 1;
         }
     }
+}
+
+impl Program for Model<'_> {
+    type Point = Place;
+    type Guidance = Guidance;
+
+    fn structure(&self) -> &Structure {
+        &self.setting.columns.layout.structure
+    }
+
+    fn evaluate(&self, guidance: &Guidance, place: &Place, out: &mut System) {
+        self.evaluate_at(guidance, place, out);
+    }
+
+    fn retract(&self, from: &Place, step: &DVector<f64>, to: &mut Place) {
+        *to = self.moved(from, step);
+    }
+
+    /// The program's lengths; of velocity gaps [units].
+    fn damping(&self) -> DVector<f64> {
+        const GAP: f64 = 5.0;
+        let layout = self.inner.layout;
+        // Pieces of a flight know less than the whole.
+        let (least, _) = self.information();
+        let own = self.inner.damping() * (least / self.inner.information().0);
+        let times = layout.events.iter().chain(&layout.nodes).flatten();
+        let of_time: Vec<f64> = times.take(1).map(|at| own[*at]).collect();
+        let of = |part: Part| match part {
+            Part::Piece(piece) => own.as_slice()[layout.arcs[piece]..][..STATE].to_vec(),
+            Part::Event(_) => of_time.clone(),
+            Part::Parameter(p) => vec![own[layout.parameters[p]]],
+        };
+        self.by_unknown(of, 10.0 * least / (GAP * GAP))
+    }
+
+    fn information(&self) -> (f64, f64) {
+        let problem = self.outer.problem;
+        (problem.least_information(), problem.information())
+    }
+
+    /// Chained rows say nothing of theirs.
+    fn add_curvature(&self, _: (&Place, &System), _: &[f64], _: &mut Envelope) {}
 }

@@ -1,8 +1,9 @@
 //! Gradient and Hessian of samples, priors and pulls by the grid's unknowns.
 
+use enact::estimate::context::SolveContext;
 use enact::estimate::layout::STATE;
-use enact::estimate::system::{SolveContext, System};
-use enact::math::envelope::{Envelope, Pattern};
+use enact::optimise::System;
+use enact::optimise::envelope::{Envelope, Pattern};
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::Chains;
@@ -13,7 +14,7 @@ impl Chains<'_> {
     pub fn add_objective(&self, context: &SolveContext, lifted: &System, out: &mut System) {
         let problem = context.problem;
         let from = context.layout;
-        let pattern = &self.columns.layout.pattern;
+        let pattern = &self.columns.layout.structure.pattern;
         for (piece, arc) in problem.arcs.iter().enumerate() {
             let (at, own) = (from.arcs[piece], &self.columns.pieces[piece]);
             let chain = self.pieces[piece].as_ref();
@@ -52,7 +53,7 @@ impl Chains<'_> {
     /// Times and parameters among themselves.
     fn add_others(&self, context: &SolveContext, lifted: &System, out: &mut System) {
         let (from, to) = (context.layout, self.columns);
-        let pattern = &to.layout.pattern;
+        let pattern = &to.layout.structure.pattern;
         let nodes = from.nodes.iter().zip(&to.nodes);
         let nodes = nodes.filter_map(|(from, to)| Some(((*from)?, (*to)?)));
         let nodes: Vec<(usize, usize)> = nodes.collect();
@@ -111,7 +112,7 @@ fn part_index(part: Part) -> usize {
 fn entry(context: &SolveContext, lifted: &System, i: usize, j: usize) -> f64 {
     lifted
         .hessian
-        .get(&context.layout.pattern, i.max(j), i.min(j))
+        .get(&context.layout.structure.pattern, i.max(j), i.min(j))
 }
 
 fn pulled(chain: Option<&DMatrix<f64>>, gradient: DVector<f64>) -> DVector<f64> {

@@ -1,7 +1,7 @@
 //! Rows of the lifted problem, picked out of its blocks.
 
-use enact::estimate::block::{Block, BlockPattern};
 use enact::estimate::layout::{Layout, STATE};
+use enact::optimise::block::{Block, BlockPattern};
 use nalgebra::DMatrix;
 
 use super::columns::GAP;
@@ -69,7 +69,7 @@ pub fn continuity(
     body: usize,
     columns: &[usize],
 ) -> DMatrix<f64> {
-    let first = block.approach.end;
+    let first = block.leads.end;
     if gaps.values.is_empty() {
         let rows: Vec<usize> = (0..STATE).map(|row| first + STATE * body + row).collect();
         return rows_of((block, pattern), &rows, columns);

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use enact::estimate::finish::Tolerances;
 use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Guess;
+use enact::optimise::Schedule;
+use enact::optimise::finish::Tolerances;
 use enact::physics::Body;
 use enact::physics::body::Symmetry;
 use nalgebra::Vector3;
@@ -152,9 +153,9 @@ impl Task {
             }
             Method::Over(grid) => {
                 let setting = Setting::new(&self.problem, guess, grid);
-                let mut model = Model::new(&setting);
+                let model = Model::new(&setting);
                 let start = model.start();
-                let end = stages::solve(&mut model, start, &Recipe::default(), tolerances);
+                let end = stages::solve(&model, start, &ending_at(tolerances));
                 (setting.whole(&end.place), end.converged)
             }
             Method::Multiple(per_flight) => {
@@ -169,9 +170,9 @@ impl Task {
             Method::Sampling(evaluations) => {
                 let single = Grid::Shooting { intervals: 1 };
                 let setting = Setting::new(&self.problem, guess, single);
-                let mut model = Model::new(&setting);
+                let model = Model::new(&setting);
                 let start = model.start();
-                let place = evolution::search(&mut model, &start, evaluations, self.seed);
+                let place = evolution::search(&model, &start, evaluations, self.seed);
                 (setting.whole(&place), place.exists)
             }
         }
@@ -184,8 +185,15 @@ fn own(
     guess: &Guess,
     tolerances: &Tolerances,
 ) -> (Point, bool) {
-    let usual = Recipe::default();
-    let recipe = Recipe {
+    let recipe = ending_at(tolerances);
+    let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());
+    (solution.point, solution.finished.converged)
+}
+
+/// The program's recipe with those tolerances.
+fn ending_at(tolerances: &Tolerances) -> Recipe {
+    let usual = Schedule::default();
+    Recipe::of(Schedule {
         tolerances: *tolerances,
         // Who asks for no finish gets none.
         retries: if tolerances.steps > 0 {
@@ -194,9 +202,7 @@ fn own(
             0
         },
         ..usual
-    };
-    let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());
-    (solution.point, solution.finished.converged)
+    })
 }
 
 /// The body with moments that differ by rounding, so that its turn is computed as the general one.

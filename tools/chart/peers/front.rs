@@ -1,8 +1,9 @@
 //! Time against distance from the optimum, as tolerances vary.
 
 use anyhow::Result;
-use enact::estimate::finish::Tolerances;
 use enact::estimate::recipe::{self, Recipe, Solution};
+use enact::optimise::Schedule;
+use enact::optimise::finish::Tolerances;
 
 use super::scenes::timed;
 use super::{Answer, Settings, solve};
@@ -100,10 +101,10 @@ fn subject(truth: &Truth, seed: u64) -> Option<Subject> {
 }
 
 fn solved(posed: &Posed, tolerances: Tolerances) -> Solution {
-    let recipe = Recipe {
+    let recipe = Recipe::of(Schedule {
         tolerances,
-        ..Recipe::default()
-    };
+        ..Schedule::default()
+    });
     let (problem, layout) = (&posed.problem, &posed.layout);
     recipe::solve(problem, layout, &posed.guesses[0], &recipe, &mut ())
 }

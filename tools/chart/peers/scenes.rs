@@ -135,7 +135,7 @@ pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given
             whole_seconds,
             objective: 2.0 * solution.system.cost,
             violation: solution.system.violation(),
-            iterations: solution.counters.iterations,
+            iterations: solution.work.iterations,
             is_in_order: solution.point.event_times_s.is_sorted(),
             whole_objective: outcome.estimate.objective,
             whole_is_motion: outcome.estimate.verdict == expected,

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
-use crate::math::envelope::{Envelope, Pattern};
+use super::envelope::{Envelope, Pattern};
 
 /// Most rows of a panel. Panels have so many or one, so that the loops over them are fixed.
 const PANEL: usize = 3;
@@ -131,8 +131,8 @@ pub struct Block {
     pub bounds: Vec<(f64, f64)>,
     /// Derivatives, row by row, as the pattern says.
     jacobian: Vec<f64>,
-    /// Rows that hold approach speeds.
-    pub approach: Range<usize>,
+    /// Rows that a schedule may weigh by themselves while they lead the way.
+    pub leads: Range<usize>,
     /// Second derivative of the first row by each of the unknowns, where the row is curved
     /// alike in all of them.
     pub curvature: f64,
@@ -153,7 +153,7 @@ impl Block {
     }
 
     /// Largest violation among `rows`.
-    pub(super) fn largest(&self, rows: Range<usize>) -> f64 {
+    pub(crate) fn largest(&self, rows: Range<usize>) -> f64 {
         rows.map(|row| self.violation(row).abs())
             .fold(0.0, f64::max)
     }
@@ -165,12 +165,12 @@ impl Block {
         self.bounds.clear();
         self.bounds.resize(pattern.row_count(), (0.0, 0.0));
         self.jacobian.resize(pattern.stored, 0.0);
-        self.approach = 0..0;
+        self.leads = 0..0;
         self.curvature = 0.0;
     }
 
     /// Makes every value not a number.
-    pub(super) fn spoil(&mut self) {
+    pub(crate) fn spoil(&mut self) {
         self.values.fill(f64::NAN);
         self.jacobian.fill(0.0);
     }
@@ -186,7 +186,7 @@ impl Block {
     }
 
     /// Adds `Jᵀ diag(w) J` to a matrix. Rows of no weight cost nothing.
-    pub(super) fn add_square(
+    pub(crate) fn add_square(
         &self,
         pattern: &BlockPattern,
         weight: impl Fn(usize) -> f64,
@@ -214,7 +214,7 @@ impl Block {
     }
 
     /// Adds `Jᵀ p` for a pull `p` on every row.
-    pub(super) fn add_pull(
+    pub(crate) fn add_pull(
         &self,
         pattern: &BlockPattern,
         pull: impl Fn(usize) -> f64,
@@ -245,7 +245,7 @@ impl Block {
     }
 
     /// `J δ`, row by row, into `change`.
-    pub(super) fn along(&self, pattern: &BlockPattern, delta: &DVector<f64>, change: &mut [f64]) {
+    pub(crate) fn along(&self, pattern: &BlockPattern, delta: &DVector<f64>, change: &mut [f64]) {
         let delta = delta.as_slice();
         let mut row = 0;
         for panel in &pattern.panels {

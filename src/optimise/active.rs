@@ -2,8 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::merit;
-use super::system::{SolveContext, System};
+use super::system::{Structure, System};
 
 /// Weight of active rows in the factorised matrix, per squared unit and information.
 const WEIGHT: f64 = 1e9;
@@ -28,10 +27,10 @@ pub struct ActiveSet {
 }
 
 impl ActiveSet {
-    /// What `multipliers` say: bounds that are broken and pull, or are near and pull.
-    pub fn of(context: &SolveContext, system: &System, multipliers: &[f64]) -> Self {
-        let weight = FIRST_WEIGHT * context.problem.information();
-        let rows = rows(system).zip(multipliers);
+    /// What `multipliers` of a program with as much information say: bounds that are broken and pull, or are near and pull.
+    pub fn of(system: &System, multipliers: &[f64], information: f64) -> Self {
+        let weight = FIRST_WEIGHT * information;
+        let rows = system.bounded().zip(multipliers);
         let rows = rows.map(|((value, (lower, upper)), multiplier)| {
             let shifted = value + multiplier / weight;
             match () {
@@ -49,11 +48,11 @@ impl ActiveSet {
     /// Weight of every row and its signed distance from the bound that acts, zero where none does.
     pub fn weights_and_violations(
         &self,
-        context: &SolveContext,
         system: &System,
+        information: f64,
     ) -> (Vec<f64>, Vec<f64>) {
-        let weight = WEIGHT * context.problem.information();
-        let rows = rows(system).zip(&self.rows);
+        let weight = WEIGHT * information;
+        let rows = system.bounded().zip(&self.rows);
         rows.map(|((value, (lower, upper)), acts)| match acts {
             Acts::Always | Acts::Lower => (weight, value - lower),
             Acts::Upper => (weight, value - upper),
@@ -66,7 +65,7 @@ impl ActiveSet {
     /// inwards; whether anything changed.
     pub fn revise(
         &mut self,
-        context: &SolveContext,
+        structure: &Structure,
         system: &System,
         (delta, multipliers): (&DVector<f64>, &[f64]),
     ) -> bool {
@@ -74,10 +73,10 @@ impl ActiveSet {
             return false;
         }
         let mut change = Vec::new();
-        merit::along(context.layout, system, delta, &mut change);
-        merit::add_curved(context.layout, system, delta, &mut change);
+        system.along(structure, delta, &mut change);
+        system.add_curved(structure, delta, &mut change);
         let mut changed = false;
-        for (row, (value, (lower, upper))) in rows(system).enumerate() {
+        for (row, (value, (lower, upper))) in system.bounded().enumerate() {
             let after = value + change[row];
             let pull = multipliers[row];
             let next = match self.rows[row] {
@@ -92,16 +91,4 @@ impl ActiveSet {
         }
         changed
     }
-}
-
-/// Value and bounds of every row.
-fn rows(system: &System) -> impl Iterator<Item = (f64, (f64, f64))> + '_ {
-    let blocks = system.blocks.iter();
-    blocks.flat_map(|block| {
-        block
-            .values
-            .iter()
-            .copied()
-            .zip(block.bounds.iter().copied())
-    })
 }

@@ -4,13 +4,12 @@
 use nalgebra::DVector;
 
 use super::active::ActiveSet;
-use super::curvature;
+use super::envelope::Envelope;
 use super::kkt::{Kkt, KktStep};
-use super::point::Point;
+use super::program::Program;
 use super::qp;
-use super::system::{Guidance, SolveContext, System};
-use crate::math::envelope::Envelope;
-use crate::motion::Counters;
+use super::system::System;
+use super::work::Work;
 
 /// Rounds in which the set of active bounds must settle.
 const ACTIVE_ROUNDS: usize = 12;
@@ -66,27 +65,27 @@ enum Taken {
 }
 
 /// A point on its way through the finish.
-pub struct Finish<'a> {
-    /// What stays fixed.
-    pub context: &'a SolveContext<'a>,
+pub struct Finish<'a, P: Program> {
+    /// What is minimised.
+    pub program: &'a P,
     /// Where it stands.
-    pub point: Point,
-    /// Objective and constraints there.
+    pub point: P::Point,
+    /// Cost and constraints there.
     pub system: System,
     /// Multipliers, row by row.
     pub multipliers: Vec<f64>,
     /// Work done so far.
-    pub counters: Counters,
+    pub work: Work,
 }
 
-impl Finish<'_> {
-    /// Steps until within tolerances, no step helps, or `should_stop`.
+impl<P: Program> Finish<'_, P> {
+    /// Steps until within tolerances, no step helps, or `should_stop`. `guidance` is that of the end.
     pub fn run(
         &mut self,
+        guidance: &P::Guidance,
         tolerances: &Tolerances,
         should_stop: &mut dyn FnMut() -> bool,
     ) -> Finished {
-        let guidance = Guidance::none(self.context.problem);
         let mut trial = (self.point.clone(), self.system.clone());
         let mut finished = Finished {
             converged: false,
@@ -99,13 +98,13 @@ impl Finish<'_> {
             if should_stop() {
                 break;
             }
-            self.counters.iterations += 1;
+            self.work.iterations += 1;
             let Some((kkt, step)) = self.step(is_slow) else {
                 break;
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
             let promised = decrease / self.system.cost.max(NO_COST);
-            let taken = self.search(&guidance, &kkt, &step, &mut trial);
+            let taken = self.search(guidance, &kkt, &step, &mut trial);
             finished.decrease = match (taken, promised_before) {
                 // Steps converge linearly at least: the next promises less by what this one did.
                 (Taken::Whole, Some(before)) => promised * (promised / before).min(1.0),
@@ -144,62 +143,54 @@ impl Finish<'_> {
     /// The same with the curvature of the constraints; `None` where the model then has no optimum.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut curved = self.system.hessian.clone();
-        let multipliers = &self.multipliers;
-        curvature::add(
-            self.context,
-            &self.system,
-            &self.point,
-            multipliers,
-            &mut curved,
-        );
+        let at = (&self.point, &self.system);
+        self.program
+            .add_curvature(at, &self.multipliers, &mut curved);
         self.step_with(Some(&curved))
     }
 
     fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
-        let (context, system) = (self.context, &self.system);
+        let (program, system) = (self.program, &self.system);
+        let structure = program.structure();
         let hessian = curved.unwrap_or(&system.hessian);
-        let mut active = ActiveSet::of(context, system, &self.multipliers);
+        let information = program.information().1;
+        let mut active = ActiveSet::of(system, &self.multipliers, information);
         let mut tried = Vec::new();
         while tried.len() < ACTIVE_ROUNDS && !tried.contains(&active) {
-            self.counters.factorisations += 1;
-            let kkt = Kkt::with(context, (system, hessian), &self.multipliers, &active)?;
-            let step = kkt.step(context, (system, hessian));
+            self.work.factorisations += 1;
+            let kkt = Kkt::with(program, (system, hessian), &self.multipliers, &active)?;
+            let step = kkt.step(structure, (system, hessian));
             tried.push(active.clone());
-            if !active.revise(context, system, (&step.delta, &step.multipliers)) {
+            if !active.revise(structure, system, (&step.delta, &step.multipliers)) {
                 return Some((kkt, step));
             }
         }
-        let multipliers = qp::multipliers(context, system);
+        let multipliers = qp::multipliers(structure, system);
         let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
-        self.counters.factorisations += 1;
-        let kkt = Kkt::new(context, system, multipliers)?;
-        let step = kkt.step(context, (system, &system.hessian));
+        self.work.factorisations += 1;
+        let kkt = Kkt::new(program, system, multipliers)?;
+        let step = kkt.step(structure, (system, &system.hessian));
         Some((kkt, step))
     }
 
     fn evaluate(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         delta: &DVector<f64>,
-        (point, system): &mut (Point, System),
+        (point, system): &mut (P::Point, System),
     ) {
-        point.retract_from(
-            &self.point,
-            self.context.problem,
-            self.context.layout,
-            delta,
-        );
-        system.evaluate(self.context, guidance, point);
-        self.counters.evaluations += 1;
+        self.program.retract(&self.point, delta, point);
+        self.program.evaluate(guidance, point, system);
+        self.work.evaluations += 1;
     }
 
     /// Finds along `step` what lowers the ℓ₁ merit: the whole, the whole corrected, a half, …
     fn search(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         kkt: &Kkt,
         step: &KktStep,
-        trial: &mut (Point, System),
+        trial: &mut (P::Point, System),
     ) -> Taken {
         let largest =
             |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -217,7 +208,8 @@ impl Finish<'_> {
                 };
             }
             if halving == 0 {
-                let corrected = kkt.correct(self.context, &self.system, &trial.1, &delta);
+                let corrected =
+                    kkt.correct(self.program.structure(), (&self.system, &trial.1), &delta);
                 self.evaluate(guidance, &corrected, trial);
                 if merit(&trial.1) <= enough {
                     return Taken::Whole;

@@ -1,46 +1,35 @@
 //! Levenberg–Marquardt on the augmented Lagrangian, with a second-order correction.
 //!
-//! The damping matrix is fixed, `10/s²` with a length `s` for every kind of unknown: the
+//! The damping matrix is fixed ([`Program::damping`]): the
 //! diagonal of the normal matrix would let the constraints' weight damp the motion along
 //! their valley.
 
 use nalgebra::DVector;
 
-use super::layout::Layout;
-use super::merit::{self, Acting, AugmentedLagrangian};
-use super::point::Point;
-use super::problem::Problem;
-use super::system::{Guidance, SolveContext, System};
-use crate::math::envelope::Envelope;
-use crate::motion::Counters;
-
-/// Lengths `s` of the damping.
-mod length {
-    pub const POSITION_M: f64 = 0.05;
-    pub const ORIENTATION_RAD: f64 = 1.0;
-    pub const VELOCITY_M_S: f64 = 0.5;
-    pub const ANGULAR_VELOCITY_RAD_S: f64 = 5.0;
-    pub const TIME_S: f64 = 0.02;
-}
+use super::envelope::Envelope;
+use super::lagrangian::{Acting, AugmentedLagrangian};
+use super::program::Program;
+use super::system::System;
+use super::work::Work;
 
 /// Least and greatest damping at the start of a descent.
 pub const DAMPING: (f64, f64) = (1e-6, 1e-2);
 
 /// A point and everything that moves it.
-pub struct Descent<'a> {
-    /// What stays fixed.
-    pub context: &'a SolveContext<'a>,
+pub struct Descent<'a, P: Program> {
+    /// What is minimised.
+    pub program: &'a P,
     /// Where it stands.
-    pub point: Point,
-    /// Objective and constraints there.
+    pub point: P::Point,
+    /// Cost and constraints there.
     pub system: System,
     /// Levenberg–Marquardt's λ.
     pub damping: f64,
     /// Work done so far.
-    pub counters: Counters,
+    pub work: Work,
     scale: DVector<f64>,
-    trial: (Point, System),
-    corrected: (Point, System),
+    trial: (P::Point, System),
+    corrected: (P::Point, System),
     matrix: Envelope,
     acting: Acting,
     gradient: DVector<f64>,
@@ -67,36 +56,37 @@ pub struct Patience {
     pub gain: f64,
 }
 
-impl<'a> Descent<'a> {
+impl<'a, P: Program> Descent<'a, P> {
     /// At `point`, which [`Descent::refresh`] evaluates.
-    pub fn new(context: &'a SolveContext<'a>, point: Point) -> Self {
-        let system = System::new(context);
-        let size = context.layout.size();
+    pub fn new(program: &'a P, point: P::Point) -> Self {
+        let structure = program.structure();
+        let system = System::new(structure);
         Self {
-            scale: scale(context.problem, context.layout),
+            scale: program.damping(),
             trial: (point.clone(), system.clone()),
             corrected: (point.clone(), system.clone()),
-            matrix: Envelope::zeros(&context.layout.pattern),
+            matrix: Envelope::zeros(&structure.pattern),
             acting: Acting::default(),
-            gradient: DVector::zeros(size),
-            context,
+            gradient: DVector::zeros(structure.size()),
+            program,
             point,
             system,
             damping: 1e-3,
-            counters: Counters::default(),
+            work: Work::default(),
         }
     }
 
     /// Evaluates the point under a guidance.
-    pub fn refresh(&mut self, guidance: &Guidance) {
-        self.system.evaluate(self.context, guidance, &self.point);
-        self.counters.evaluations += 1;
+    pub fn refresh(&mut self, guidance: &P::Guidance) {
+        self.program
+            .evaluate(guidance, &self.point, &mut self.system);
+        self.work.evaluations += 1;
     }
 
     /// Descends on the augmented Lagrangian; returns the number of steps.
     pub fn run(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
     ) -> usize {
@@ -107,7 +97,7 @@ impl<'a> Descent<'a> {
     /// The same, with the damping as it is.
     pub fn go_on(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
     ) -> usize {
@@ -162,26 +152,27 @@ impl<'a> Descent<'a> {
 
     /// The damped step; `None` where there is none.
     fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<Direction> {
-        let layout = self.context.layout;
-        self.counters.iterations += 1;
-        self.counters.factorisations += 1;
+        let structure = self.program.structure();
+        self.work.iterations += 1;
+        self.work.factorisations += 1;
         lagrangian.act(&self.system, &mut self.acting);
         let acting = &self.acting;
         self.gradient.copy_from(&self.system.gradient);
         let pull = |row: usize| acting.weights[row] * acting.distances[row];
-        merit::add_pull(layout, &self.system, pull, &mut self.gradient);
+        self.system.add_pull(structure, pull, &mut self.gradient);
         self.matrix.copy_from(&self.system.hessian);
-        merit::add_square(layout, &self.system, &acting.weights, &mut self.matrix);
-        for (at, value) in merit::curvature(layout, &self.system, pull) {
-            self.matrix.add(&layout.pattern, at, at, value);
+        self.system
+            .add_square(structure, &acting.weights, &mut self.matrix);
+        for (at, value) in self.system.curvature(structure, pull) {
+            self.matrix.add(&structure.pattern, at, at, value);
         }
-        for row in 0..layout.size() {
+        for row in 0..structure.size() {
             self.matrix
-                .add(&layout.pattern, row, row, self.damping * self.scale[row]);
+                .add(&structure.pattern, row, row, self.damping * self.scale[row]);
         }
-        self.matrix.factorise(&layout.pattern).ok()?;
+        self.matrix.factorise(&structure.pattern).ok()?;
         let mut delta = -&self.gradient;
-        self.matrix.solve(&layout.pattern, &mut delta);
+        self.matrix.solve(&structure.pattern, &mut delta);
         let size: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
         let damped = self.damping * size;
         let predicted = 0.5 * (-self.gradient.dot(&delta) + damped);
@@ -196,7 +187,7 @@ impl<'a> Descent<'a> {
     /// and leaves the better in `trial`; returns its merit.
     fn try_step(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         delta: &DVector<f64>,
         before: f64,
@@ -220,15 +211,14 @@ impl<'a> Descent<'a> {
 
     fn evaluate_trial(
         &mut self,
-        guidance: &Guidance,
+        guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         delta: &DVector<f64>,
     ) -> f64 {
-        let context = self.context;
         let (point, system) = &mut self.trial;
-        point.retract_from(&self.point, context.problem, context.layout, delta);
-        system.evaluate(context, guidance, point);
-        self.counters.evaluations += 1;
+        self.program.retract(&self.point, delta, point);
+        self.program.evaluate(guidance, point, system);
+        self.work.evaluations += 1;
         let merit = lagrangian.merit(system);
         if merit.is_finite() {
             merit
@@ -240,10 +230,11 @@ impl<'a> Descent<'a> {
     /// The step plus what removes the constraints' departure from their linearisation; `None`
     /// where that is no small correction.
     fn correct(&self, delta: &DVector<f64>) -> Option<DVector<f64>> {
-        let systems = (&self.system, &self.trial.1);
+        let structure = self.program.structure();
         let weights = &self.acting.weights;
         let correction =
-            merit::correction(self.context.layout, systems, delta, weights, &self.matrix);
+            self.system
+                .correction(structure, &self.trial.1, delta, weights, &self.matrix);
         let size = |d: &DVector<f64>| -> f64 {
             d.iter()
                 .zip(&self.scale)
@@ -253,28 +244,4 @@ impl<'a> Descent<'a> {
         };
         (size(&correction) < 0.75 * size(delta)).then(|| delta + correction)
     }
-}
-
-/// `10/s²` for every unknown; parameters by the width of their bounds or their prior.
-fn scale(problem: &Problem, layout: &Layout) -> DVector<f64> {
-    let information = problem.least_information();
-    let weight = |length: f64| 10.0 * information / (length * length);
-    let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
-    for at in &layout.arcs {
-        for (block, length) in [
-            length::POSITION_M,
-            length::ORIENTATION_RAD,
-            length::VELOCITY_M_S,
-            length::ANGULAR_VELOCITY_RAD_S,
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            scale.rows_mut(at + 3 * block, 3).fill(weight(length));
-        }
-    }
-    for (at, free) in layout.parameters.iter().zip(&problem.parameters) {
-        scale[*at] = weight(free.length());
-    }
-    scale
 }

@@ -8,12 +8,12 @@
 use nalgebra::DVector;
 
 use super::active::ActiveSet;
-use super::merit;
-use super::system::{SolveContext, System};
-use crate::math::envelope::Envelope;
+use super::envelope::Envelope;
+use super::program::Program;
+use super::system::{Structure, System};
 
 /// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
-pub(super) const DAMPING: f64 = 1e-9;
+pub const DAMPING: f64 = 1e-9;
 /// The linearised constraints hold well enough at this share of their violation (the next step
 /// leaves more by curvature), or at rounding.
 const EXACT: f64 = 1e-5;
@@ -46,76 +46,35 @@ pub struct Kkt {
 impl Kkt {
     /// Factorises with the rows active that `multipliers` say; `None` where an unknown is
     /// undetermined beyond the damping.
-    pub fn new(context: &SolveContext, system: &System, multipliers: &[f64]) -> Option<Self> {
-        let active = ActiveSet::of(context, system, multipliers);
-        Self::with(context, (system, &system.hessian), multipliers, &active)
-    }
-
-    /// The same for covariances: what a parameter's bound keeps in place is not known for that. It
-    /// weighs as half the width between the bounds for a standard deviation, or nothing where
-    /// there is only one.
-    pub fn with_soft_bounds(
-        context: &SolveContext,
-        system: &System,
-        multipliers: &[f64],
-    ) -> Option<Self> {
-        let active = ActiveSet::of(context, system, multipliers);
-        let (mut weights, violations) = active.weights_and_violations(context, system);
-        let mut multipliers = multipliers.to_vec();
-        let problem = context.problem;
-        let bounds = problem.bounded.len() + problem.cones.len();
-        let (hard, soft) = system.blocks.split_at(system.blocks.len() - bounds);
-        let first: usize = hard.iter().map(|block| block.values.len()).sum();
-        let rows = soft.iter().flat_map(|block| &block.bounds);
-        for (row, (lower, upper)) in (first..).zip(rows) {
-            if weights[row] > 0.0 {
-                multipliers[row] = 0.0;
-                // A cone's row goes as the square of the distance from its middle.
-                let half_width = if lower.is_infinite() && row >= first + problem.bounded.len() {
-                    2.0 * upper
-                } else {
-                    0.5 * (upper - lower)
-                };
-                weights[row] = half_width.powi(-2);
-            }
-        }
-        // Samples hold every time that the tempo relates to others; a damping in proportion to how
-        // stiffly neighbours are held together would hold all of them.
-        let mut damping = vec![DAMPING; context.layout.size()];
-        for node in context.layout.nodes.iter().flatten() {
-            damping[*node] = 0.0;
-        }
-        let weighed = (weights, violations);
-        Self::weighed(
-            context,
-            (system, &system.hessian),
-            multipliers,
-            weighed,
-            damping,
-        )
+    pub fn new<P: Program>(program: &P, system: &System, multipliers: &[f64]) -> Option<Self> {
+        let active = ActiveSet::of(system, multipliers, program.information().1);
+        Self::with(program, (system, &system.hessian), multipliers, &active)
     }
 
     /// `hessian` is the system's, or that with the curvature of its constraints where steps need it.
-    pub(super) fn with(
-        context: &SolveContext,
+    pub fn with<P: Program>(
+        program: &P,
         (system, hessian): (&System, &Envelope),
         multipliers: &[f64],
         active: &ActiveSet,
     ) -> Option<Self> {
-        let weighed = active.weights_and_violations(context, system);
-        let damping = vec![DAMPING; context.layout.size()];
+        let structure = program.structure();
+        let weighed = active.weights_and_violations(system, program.information().1);
+        let damping = vec![DAMPING; structure.size()];
         let multipliers = multipliers.to_vec();
-        Self::weighed(context, (system, hessian), multipliers, weighed, damping)
+        Self::weighed(structure, (system, hessian), multipliers, weighed, damping)
     }
 
-    fn weighed(
-        context: &SolveContext,
+    /// Factorises with rows of those weights and violations, and with `damping` as a share of
+    /// `1 + Hᵢᵢ` on the diagonal.
+    pub fn weighed(
+        structure: &Structure,
         (system, hessian): (&System, &Envelope),
         multipliers: Vec<f64>,
         (weights, violations): (Vec<f64>, Vec<f64>),
         mut damping: Vec<f64>,
     ) -> Option<Self> {
-        let pattern = &context.layout.pattern;
+        let pattern = &structure.pattern;
         let pull = |row: usize| {
             if weights[row] > 0.0 {
                 multipliers[row]
@@ -123,7 +82,7 @@ impl Kkt {
                 0.0
             }
         };
-        let curvature = merit::curvature(context.layout, system, pull);
+        let curvature = system.curvature(structure, pull);
         let mut matrix = hessian.clone();
         for (at, value) in &curvature {
             matrix.add(pattern, *at, *at, *value);
@@ -132,7 +91,7 @@ impl Kkt {
             *damping *= 1.0 + system.hessian.get(pattern, row, row);
             matrix.add(pattern, row, row, *damping);
         }
-        merit::add_square(context.layout, system, &weights, &mut matrix);
+        system.add_square(structure, &weights, &mut matrix);
         matrix.factorise(pattern).ok()?;
         Some(Self {
             matrix,
@@ -145,12 +104,11 @@ impl Kkt {
     }
 
     /// The step to the optimum of the model at `system`, whose Hessian is `hessian`.
-    pub fn step(&self, context: &SolveContext, (system, hessian): (&System, &Envelope)) -> KktStep {
-        let layout = context.layout;
+    pub fn step(&self, structure: &Structure, (system, hessian): (&System, &Envelope)) -> KktStep {
         let (weights, violations) = (&self.weights, &self.violations);
         let mut multipliers = self.multipliers.clone();
-        let mut delta = DVector::zeros(layout.size());
-        let mut residual = DVector::zeros(layout.size());
+        let mut delta = DVector::zeros(structure.size());
+        let mut residual = DVector::zeros(structure.size());
         let mut rows = vec![0.0; multipliers.len()];
         let largest = violations
             .iter()
@@ -159,7 +117,7 @@ impl Kkt {
             // Minus the gradient of the model's augmented Lagrangian at delta.
             residual.copy_from(&system.gradient);
             if refinement > 0 {
-                hessian.multiply_add(&layout.pattern, &delta, &mut residual);
+                hessian.multiply_add(&structure.pattern, &delta, &mut residual);
                 for (at, value) in &self.curvature {
                     residual[*at] += value * delta[*at];
                 }
@@ -171,11 +129,11 @@ impl Kkt {
                     0.0
                 }
             };
-            merit::add_pull(layout, system, pull, &mut residual);
+            system.add_pull(structure, pull, &mut residual);
             residual.neg_mut();
-            self.matrix.solve(&layout.pattern, &mut residual);
+            self.matrix.solve(&structure.pattern, &mut residual);
             delta += &residual;
-            merit::along(layout, system, &delta, &mut rows);
+            system.along(structure, &delta, &mut rows);
             let mut worst: f64 = 0.0;
             for (row, multiplier) in multipliers.iter_mut().enumerate() {
                 let error = if weights[row] > 0.0 {
@@ -199,22 +157,13 @@ impl Kkt {
     }
 
     /// The step that also removes what the constraints depart from their linearisation.
-    pub(super) fn correct(
+    pub fn correct(
         &self,
-        context: &SolveContext,
-        system: &System,
-        trial: &System,
+        structure: &Structure,
+        (system, trial): (&System, &System),
         delta: &DVector<f64>,
     ) -> DVector<f64> {
-        let weights = &self.weights;
-        delta
-            + merit::correction(
-                context.layout,
-                (system, trial),
-                delta,
-                weights,
-                &self.matrix,
-            )
+        delta + system.correction(structure, trial, delta, &self.weights, &self.matrix)
     }
 
     /// The damping's share of `xᵀ (H + w JᵀJ) x`.
@@ -223,7 +172,7 @@ impl Kkt {
     }
 
     /// Solves `(H + w JᵀJ) x = b` in place.
-    pub fn solve(&self, context: &SolveContext, b: &mut DVector<f64>) {
-        self.matrix.solve(&context.layout.pattern, b);
+    pub fn solve(&self, structure: &Structure, b: &mut DVector<f64>) {
+        self.matrix.solve(&structure.pattern, b);
     }
 }

@@ -8,7 +8,7 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::system::{SolveContext, System};
+use super::system::{Structure, System};
 
 /// Added to the diagonal, relative: clarabel takes an indefinite matrix without a word.
 const CONVEX: f64 = 1e-9;
@@ -17,11 +17,10 @@ const ZERO: f64 = 1e-6;
 
 /// Multipliers of all rows at the programme's optimum, zero for rows that do not act; `None`
 /// where clarabel does not solve it.
-pub fn multipliers(context: &SolveContext, system: &System) -> Option<Vec<f64>> {
-    let layout = context.layout;
-    let size = layout.size();
+pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
+    let size = structure.size();
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for (row, column, value) in system.hessian.triplets(&layout.pattern) {
+    for (row, column, value) in system.hessian.triplets(&structure.pattern) {
         // Clarabel reads the upper triangle only.
         let diagonal = if row == column {
             CONVEX * (1.0 + value.abs())
@@ -35,10 +34,10 @@ pub fn multipliers(context: &SolveContext, system: &System) -> Option<Vec<f64>> 
     let p = CscMatrix::new_from_triplets(size, size, rows, columns, values);
 
     let sides = sides(system);
-    let circles = circles(context, system);
+    let circles = circles(structure, system);
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (index, side) in sides.iter().enumerate() {
-        let (block, pattern) = (&system.blocks[side.block], &layout.blocks[side.block]);
+        let (block, pattern) = (&system.blocks[side.block], &structure.blocks[side.block]);
         let derivatives = block.derivatives(pattern, side.row);
         for (at, derivative) in pattern.unknowns(side.row).iter().zip(derivatives) {
             rows.push(index);
@@ -53,7 +52,11 @@ pub fn multipliers(context: &SolveContext, system: &System) -> Option<Vec<f64>> 
         SupportedConeT::NonnegativeConeT(sides.len() - equalities),
     ];
     for circle in &circles {
-        for (axis, at) in layout.blocks[circle.block].unknowns(0).iter().enumerate() {
+        for (axis, at) in structure.blocks[circle.block]
+            .unknowns(0)
+            .iter()
+            .enumerate()
+        {
             rows.push(b.len() + 1 + axis);
             columns.push(*at);
             values.push(-1.0);
@@ -101,23 +104,24 @@ struct Circle {
     values: [f64; 2],
 }
 
-fn circles(context: &SolveContext, system: &System) -> Vec<Circle> {
-    let problem = context.problem;
-    let first = system.blocks.len() - problem.cones.len();
-    let rows_before: usize = system.blocks[..first].iter().map(|b| b.values.len()).sum();
-    let cones = problem.cones.iter().enumerate();
-    cones
-        .map(|(number, cone)| {
-            let block = &system.blocks[first + number];
-            let derivatives = block.derivatives(&context.layout.blocks[first + number], 0);
-            Circle {
-                index: rows_before + number,
-                block: first + number,
-                limit: cone.limit,
+/// Curved rows are `(p₀² + p₁²)/limit² ≤ 1`, with derivatives `2p/limit²` and the curvature `2/limit²`.
+fn circles(structure: &Structure, system: &System) -> Vec<Circle> {
+    let mut circles = Vec::new();
+    let mut index = 0;
+    let blocks = system.blocks.iter().zip(&structure.blocks);
+    for (number, (block, pattern)) in blocks.enumerate() {
+        if block.curvature > 0.0 {
+            let derivatives = block.derivatives(pattern, 0);
+            circles.push(Circle {
+                index,
+                block: number,
+                limit: (2.0 / block.curvature).sqrt(),
                 values: [0, 1].map(|axis: usize| derivatives[axis] / block.curvature),
-            }
-        })
-        .collect()
+            });
+        }
+        index += block.values.len();
+    }
+    circles
 }
 
 /// One side of a row: `sign · Jδ ≤ room`, or equal to it.

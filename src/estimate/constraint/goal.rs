@@ -1,0 +1,102 @@
+//! What must hold of a body at an event: its pose, or a coordinate of its centre of mass within bounds.
+
+use super::kind::{At, Constraint, Filled};
+use crate::estimate::arc_end::ArcEnd;
+use crate::estimate::layout::Layout;
+use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
+use crate::math::so3;
+use crate::motion::Gap;
+use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::state::part;
+
+impl Constraint for ArcGoal {
+    /// Position and velocity along an axis, row by row, and for a pose orientation and angular velocity;
+    /// the event's time, where that is free; gravity.
+    fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
+        let state = layout.arcs[self.arc];
+        let time = layout.events[self.event];
+        let mut pattern = BlockPattern::default();
+        let mut push_position = |axis: usize| {
+            let state = [state + part::POSITION + axis, state + part::VELOCITY + axis];
+            let gravity = problem.gravity_parameters[axis].map(|p| layout.parameters[p]);
+            pattern.push(1, state.into_iter().chain(time).chain(gravity));
+        };
+        match &self.target {
+            ArcTarget::Pose(_) => {
+                (0..3).for_each(&mut push_position);
+                let turn = [part::ORIENTATION, part::ANGULAR_VELOCITY];
+                let turn = turn.map(|part| state + part..state + part + 3);
+                pattern.push(3, turn.into_iter().flatten().chain(time));
+            }
+            ArcTarget::Coordinate { axis, .. } => push_position(*axis),
+        }
+        [pattern, BlockPattern::default()]
+    }
+
+    fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
+        let problem = at.problem;
+        let body = &problem.bodies[problem.arcs[self.arc].body];
+        let gravity = problem.gravity(&at.point.parameters);
+        let flight = (&at.point.arcs[self.arc], at.epochs_s[self.arc]);
+        let time_s = at.point.event_times_s[self.event];
+        let arrival = ArcEnd::new(body, &gravity, flight, time_s);
+        block.reset(pattern);
+        // What is there besides the state: time, then gravity.
+        let time = usize::from(problem.event_is_free[self.event]);
+        let mut fill_position = |row: usize, axis: usize, offset_m: f64| {
+            block.values[row] = offset_m / unit::POSITION_M;
+            let s = arrival.duration_s;
+            let by = block.derivatives_mut(pattern, row);
+            let rest = [arrival.rate[part::POSITION + axis], 0.5 * s * s];
+            by[..2].copy_from_slice(&[1.0, s]);
+            let count = by.len() - 2;
+            by[2..].copy_from_slice(&rest[1 - time..][..count]);
+            by.iter_mut().for_each(|by| *by /= unit::POSITION_M);
+        };
+        match &self.target {
+            ArcTarget::Pose(pose) => {
+                let offset = arrival.state.position_m - pose.translation.vector;
+                (0..3).for_each(|axis| fill_position(axis, axis, offset[axis]));
+                let logarithm = so3::log(&(pose.rotation.inverse() * arrival.state.orientation));
+                let by_turn = so3::right_jacobian_inverse(&logarithm) / unit::ORIENTATION_RAD;
+                let by_orientation = by_turn * arrival.by_orientation;
+                let by_spin = by_turn * arrival.turn_by_spin;
+                let by_time = by_turn * arrival.rate.fixed_rows::<3>(part::ORIENTATION);
+                for axis in 0..3 {
+                    block.values[3 + axis] = logarithm[axis] / unit::ORIENTATION_RAD;
+                    let by = block.derivatives_mut(pattern, 3 + axis);
+                    for other in 0..3 {
+                        by[other] = by_orientation[(axis, other)];
+                        by[3 + other] = by_spin[(axis, other)];
+                    }
+                    by[6..].fill(by_time[axis]);
+                }
+            }
+            ArcTarget::Coordinate {
+                axis,
+                lower_m,
+                upper_m,
+            } => {
+                fill_position(0, *axis, arrival.state.position_m[*axis]);
+                block.bounds[0] = (lower_m / unit::POSITION_M, upper_m / unit::POSITION_M);
+            }
+        }
+    }
+
+    fn event(&self) -> Option<usize> {
+        Some(self.event)
+    }
+
+    fn gap(&self, _: &Problem, [block, _]: [&Block; 2]) -> Gap {
+        let rows = block.values.len();
+        Gap {
+            position_m: block.largest(0..rows.min(3)) * unit::POSITION_M,
+            orientation_rad: block.largest(rows.min(3)..rows) * unit::ORIENTATION_RAD,
+            ..Gap::default()
+        }
+    }
+
+    fn is_curved(&self) -> bool {
+        true
+    }
+}

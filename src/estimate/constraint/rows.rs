@@ -1,0 +1,71 @@
+//! Where rows and columns of a collision are.
+
+use super::kind::Filled;
+use crate::estimate::layout::STATE;
+use crate::estimate::problem::{Collision, Problem};
+use crate::physics::contact::Feature;
+use crate::physics::state::part;
+
+/// Rows of a body's pose, and of its velocities.
+pub(super) const HALF: usize = STATE / 2;
+
+/// Where rows and columns of a collision are.
+pub(super) struct Places {
+    pub(super) contacts: usize,
+    pub(super) approaches: usize,
+    /// Rows of every body in the constraints.
+    pub(super) rows_per_body: usize,
+    pub(super) bodies: usize,
+    /// The first part of the states before that the velocities after hang on: one body bounces off
+    /// a face alike wherever it touches.
+    pub(super) first_part: usize,
+}
+
+impl Places {
+    pub(super) fn new(problem: &Problem, collision: &Collision) -> Self {
+        let bodies = collision.sides.len();
+        let contacts = collision.meeting.contacts();
+        let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
+        let is_alike = bodies == 1 && contacts.iter().all(|contact| is_face(contact.b()));
+        Self {
+            contacts: if collision.touches_by_goal {
+                0
+            } else {
+                contacts.len()
+            },
+            approaches: contacts.len(),
+            rows_per_body: if problem.velocity_gap_weight.is_some() {
+                HALF
+            } else {
+                STATE
+            },
+            bodies,
+            first_part: if is_alike {
+                part::ORIENTATION
+            } else {
+                part::POSITION
+            },
+        }
+    }
+
+    /// First row of a body.
+    pub(super) fn of_body(&self, body: usize) -> usize {
+        self.contacts + self.approaches + body * self.rows_per_body
+    }
+}
+
+/// The two blocks of a collision on their way.
+pub(super) struct Rows<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) collision: &'a Collision,
+    pub(super) places: Places,
+    pub(super) block: Filled<'a>,
+    pub(super) gaps: Filled<'a>,
+}
+
+/// A body's velocities, by their first row among both.
+#[derive(Clone, Copy)]
+pub(super) enum Half {
+    Velocity = 0,
+    Spin = 3,
+}

@@ -1,0 +1,83 @@
+//! What stays fixed while one problem is solved, and what leads the way.
+
+use super::layout::Layout;
+use super::point::Point;
+use super::problem::{Arc, Problem};
+use super::samples::ArcSums;
+
+/// What stays fixed while one problem is solved.
+#[derive(Clone, Debug)]
+pub struct SolveContext<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Where its unknowns sit.
+    pub layout: &'a Layout,
+    /// Physical times at which the arcs' states are held \[s\].
+    pub epochs_s: Vec<f64>,
+    /// Sums of each arc's samples; empty where times are unknown.
+    pub sums: Vec<ArcSums>,
+}
+
+impl<'a> SolveContext<'a> {
+    /// A context about `point`.
+    pub fn new(
+        problem: &'a Problem,
+        layout: &'a Layout,
+        epochs_s: Vec<f64>,
+        point: &Point,
+    ) -> Self {
+        let gravity = problem.gravity(&point.parameters);
+        let sums = if problem.times_are_unknown() {
+            Vec::new()
+        } else {
+            let arcs = problem.arcs.iter().zip(&point.arcs).zip(&epochs_s);
+            arcs.map(|((arc, state), epoch_s)| {
+                ArcSums::new(arc, &point.node_times_s, *epoch_s, state, &gravity)
+            })
+            .collect()
+        };
+        Self {
+            problem,
+            layout,
+            epochs_s,
+            sums,
+        }
+    }
+}
+
+/// Terms that lead the way and are gone at the end.
+#[derive(Clone, Debug)]
+pub struct Guidance {
+    /// Greatest normal speed on arrival at each of the scene's events [m/s]; empty: contacts do not
+    /// recede.
+    pub approach_limits_m_s: Vec<f64>,
+    /// Times towards which the events are pulled \[s\].
+    pub event_times_s: Vec<f64>,
+    /// Standard deviation of that pull \[s\]; `None`: no pull.
+    pub event_sd_s: Option<f64>,
+    /// About so many orientations of an arc are read, evenly spread, and stand for all of them.
+    pub orientations_per_arc: usize,
+}
+
+impl Guidance {
+    /// None, but that contacts do not recede.
+    pub fn none() -> Self {
+        Self {
+            approach_limits_m_s: Vec::new(),
+            event_times_s: Vec::new(),
+            event_sd_s: None,
+            orientations_per_arc: usize::MAX,
+        }
+    }
+
+    /// Of the samples of an arc whose times are unknown one in so many is read: no fewer than there
+    /// are orientations to read, nor than nodes.
+    pub(super) fn stride(&self, arc: &Arc) -> usize {
+        let samples = &arc.samples;
+        let nodes = match (samples.first(), samples.last()) {
+            (Some(first), Some(last)) => last.node - first.node + 1,
+            _ => 1,
+        };
+        (samples.len() / self.orientations_per_arc.max(nodes)).max(1)
+    }
+}

@@ -1,0 +1,199 @@
+//! The terms of the objective: samples, and priors of tempo, marks and parameters; guidance while it leads.
+
+use nalgebra::DVector;
+
+use super::context::{Guidance, SolveContext};
+use super::point::Point;
+use super::samples::{self, ArcTerms, TimeTerms};
+use super::tempo;
+use crate::optimise::System;
+use crate::optimise::envelope::{Envelope, Pattern};
+use crate::physics::state::part;
+
+/// The sum of all terms on its way: half their squares, its gradient and its Hessian (Gauss–Newton).
+pub(super) struct Objective<'a> {
+    context: &'a SolveContext<'a>,
+    guidance: &'a Guidance,
+    point: &'a Point,
+    pattern: &'a Pattern,
+    cost: &'a mut f64,
+    gradient: &'a mut DVector<f64>,
+    hessian: &'a mut Envelope,
+}
+
+impl<'a> Objective<'a> {
+    /// Begins with nothing.
+    pub(super) fn new(
+        context: &'a SolveContext,
+        (guidance, point): (&'a Guidance, &'a Point),
+        system: &'a mut System,
+    ) -> Self {
+        system.cost = 0.0;
+        system.gradient.fill(0.0);
+        system.hessian.clear();
+        Self {
+            context,
+            guidance,
+            point,
+            pattern: &context.layout.structure.pattern,
+            cost: &mut system.cost,
+            gradient: &mut system.gradient,
+            hessian: &mut system.hessian,
+        }
+    }
+
+    /// What the samples leave (paper eq. 1).
+    pub(super) fn add_samples(&mut self) {
+        let (problem, layout) = (self.context.problem, self.context.layout);
+        let gravity = problem.gravity(&self.point.parameters);
+        for (index, arc) in problem.arcs.iter().enumerate() {
+            let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
+            let times_s = &self.point.node_times_s;
+            let terms = if problem.times_are_unknown() {
+                let of = (arc, self.guidance.stride(arc));
+                samples::unknown_times(problem, of, flight, &gravity, times_s, |node, terms| {
+                    if let Some(at) = layout.nodes[node] {
+                        self.add_time(index, at, &terms);
+                        if terms.with_next != 0.0
+                            && let Some(next) = layout.nodes[node + 1]
+                        {
+                            let value = terms.with_next;
+                            self.hessian.add(self.pattern, next, at, value);
+                        }
+                    }
+                })
+            } else {
+                let sums = &self.context.sums[index];
+                let stride = (arc.samples.len() / self.guidance.orientations_per_arc).max(1);
+                samples::known_times(problem, arc, (sums, stride), flight, &gravity, times_s)
+            };
+            self.add_arc(layout.arcs[index], &terms);
+        }
+    }
+
+    fn add_time(&mut self, arc: usize, at: usize, terms: &TimeTerms) {
+        let layout = self.context.layout;
+        self.gradient[at] += terms.gradient;
+        self.hessian.add(self.pattern, at, at, terms.square);
+        let state = layout.arcs[arc];
+        for (block, cross) in terms.cross[..4].iter().enumerate() {
+            for axis in 0..3 {
+                self.hessian
+                    .add(self.pattern, state + 3 * block + axis, at, cross[axis]);
+            }
+        }
+        for axis in 0..3 {
+            if let Some(parameter) = self.context.problem.gravity_parameters[axis] {
+                let row = layout.parameters[parameter];
+                self.hessian
+                    .add(self.pattern, row, at, terms.cross[4][axis]);
+            }
+        }
+    }
+
+    fn add_arc(&mut self, at: usize, terms: &ArcTerms) {
+        let pattern = self.pattern;
+        let [p0, p1, p2, p3, p4] = terms.powers;
+        *self.cost += terms.cost + terms.turn.cost;
+        let [x, v, r, w] = [
+            part::POSITION,
+            part::VELOCITY,
+            part::ORIENTATION,
+            part::ANGULAR_VELOCITY,
+        ]
+        .map(|part| at + part);
+        for axis in 0..3 {
+            self.gradient[x + axis] += terms.position_gradient[0][axis];
+            self.gradient[v + axis] += terms.position_gradient[1][axis];
+            self.gradient[r + axis] += terms.turn.gradient_orientation[axis];
+            self.gradient[w + axis] += terms.turn.gradient_spin[axis];
+            self.hessian.add(pattern, x + axis, x + axis, p0);
+            self.hessian.add(pattern, v + axis, x + axis, p1);
+            self.hessian.add(pattern, v + axis, v + axis, p2);
+            self.hessian
+                .add(pattern, r + axis, r + axis, terms.turn.count);
+            for other in 0..3 {
+                self.hessian.add(
+                    pattern,
+                    w + axis,
+                    r + other,
+                    terms.turn.cross[(other, axis)],
+                );
+                if other <= axis {
+                    let square = terms.turn.square[(axis, other)];
+                    self.hessian.add(pattern, w + axis, w + other, square);
+                }
+            }
+            if let Some(parameter) = self.context.problem.gravity_parameters[axis] {
+                let g = self.context.layout.parameters[parameter];
+                self.gradient[g] += terms.position_gradient[2][axis];
+                self.hessian.add(pattern, g, x + axis, 0.5 * p2);
+                self.hessian.add(pattern, g, v + axis, 0.5 * p3);
+                self.hessian.add(pattern, g, g, 0.25 * p4);
+            }
+        }
+    }
+
+    /// Priors, and what leads the way.
+    pub(super) fn add_priors(&mut self) {
+        let (problem, layout) = (self.context.problem, self.context.layout);
+        if let Some(sd) = problem.tempo_sd_per_sqrt_s {
+            for first in 0..problem.nodes_acted_s.len().saturating_sub(2) {
+                self.add_tempo(first, sd);
+            }
+        }
+        for mark in &problem.marks {
+            let term = mark.term(problem, self.point);
+            self.add_residual(layout.of_mark(mark), term.residual, term.jacobian);
+        }
+        for (index, free) in problem.parameters.iter().enumerate() {
+            if let Some(sd) = free.prior_sd {
+                let offset = self.point.parameters[index] - free.initial;
+                self.add_pull(layout.parameters[index], offset, sd);
+            }
+        }
+        if let Some(sd_s) = self.guidance.event_sd_s {
+            for (event, at) in layout.events.iter().enumerate() {
+                if let Some(at) = *at {
+                    let offset =
+                        self.point.event_times_s[event] - self.guidance.event_times_s[event];
+                    self.add_pull(at, offset, sd_s);
+                }
+            }
+        }
+    }
+
+    /// Half the square of `offset/sd`, for one unknown.
+    fn add_pull(&mut self, at: usize, offset: f64, sd: f64) {
+        let weight = 1.0 / (sd * sd);
+        *self.cost += 0.5 * weight * offset * offset;
+        self.gradient[at] += weight * offset;
+        self.hessian.add(self.pattern, at, at, weight);
+    }
+
+    fn add_tempo(&mut self, first: usize, sd: f64) {
+        let three = |values: &[f64]| [values[first], values[first + 1], values[first + 2]];
+        let term = tempo::term(
+            &three(&self.point.node_times_s),
+            &three(&self.context.problem.nodes_acted_s),
+            sd,
+        );
+        let unknowns = [0, 1, 2].map(|node| self.context.layout.nodes[first + node]);
+        self.add_residual(unknowns, term.residual, term.jacobian);
+    }
+
+    /// Half the square of a residual of three unknowns, some of which may be fixed.
+    fn add_residual(&mut self, unknowns: [Option<usize>; 3], residual: f64, jacobian: [f64; 3]) {
+        *self.cost += 0.5 * residual * residual;
+        for (i, row) in unknowns.into_iter().enumerate() {
+            let Some(row) = row else { continue };
+            self.gradient[row] += residual * jacobian[i];
+            for (j, column) in unknowns.into_iter().enumerate() {
+                if let Some(column) = column.filter(|column| *column <= row) {
+                    let value = jacobian[i] * jacobian[j];
+                    self.hessian.add(self.pattern, row, column, value);
+                }
+            }
+        }
+    }
+}
