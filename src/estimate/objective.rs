@@ -71,6 +71,7 @@ impl<'a> Objective<'a> {
         }
     }
 
+    #[inline]
     fn add_time(&mut self, arc: usize, at: usize, terms: &TimeTerms) {
         let layout = self.context.layout;
         self.gradient[at] += terms.gradient;
@@ -183,6 +184,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Half the square of a residual of three unknowns, some of which may be fixed.
+    #[inline]
     fn add_residual(&mut self, unknowns: [Option<usize>; 3], residual: f64, jacobian: [f64; 3]) {
         *self.cost += 0.5 * residual * residual;
         for (i, row) in unknowns.into_iter().enumerate() {
