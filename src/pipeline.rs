@@ -6,94 +6,28 @@
 
 mod follow;
 mod infer;
+mod outcome;
 mod preview;
 mod search;
+mod sound;
+mod stages;
 mod warm;
 
-use thiserror::Error;
-
 use self::follow::follow;
-use self::infer::{Inferred, NoContact, infer};
+pub use self::outcome::{Outcome, PipelineError};
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
-use crate::estimate::Recipe;
-use crate::initialise;
-use crate::motion::{
-    Doubt, DropReason, Estimate, EventKind, Observer, Phase, SampleCounts, Scene, Segment, Settled,
-    Sketch, Stamp, TakeEvent, Verdict, Verification,
-};
-use crate::segment::{self, SegmentError};
+use self::stages::{account, cut, doubts, solve};
+use crate::motion::{EventKind, Observer, Phase, Scene, Stamp, TakeEvent, Verdict};
+use crate::segment;
 use crate::settle::settle;
-use crate::verify::{credible, verify};
+use crate::verify::verify;
 
 /// One take of one scene on its way to an estimate.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     scene: Scene,
     events: Vec<TakeEvent>,
-}
-
-/// What a take became.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
-    /// The scene as it was understood: repeated collisions written out, contacts filled in.
-    pub scene: Scene,
-    /// Collisions whose contacts were inferred (indices into `scene.events`).
-    pub inferred: Vec<usize>,
-    /// The search for them, if there was one.
-    pub search: Option<SearchWork>,
-    /// The performance as it was estimated from.
-    pub sketch: Sketch,
-    /// Acted time of each event's mark before it was refined [s since the sketch's origin]; `None`
-    /// where nobody made one.
-    pub marks_made_s: Vec<Option<f64>>,
-    /// What became of its samples.
-    pub counts: SampleCounts,
-    /// The physical motion, whatever its verdict.
-    pub estimate: Estimate,
-    /// What independent checks say of it; `None` where there were none: the estimation failed,
-    /// or nobody asked.
-    pub verification: Option<Verification>,
-    /// How it goes on until it rests, if the scene asks for that and the estimation did not fail.
-    pub settled: Option<Settled>,
-}
-
-/// Why a take has no estimate at all.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum PipelineError {
-    /// It makes no sketch of the scene.
-    #[error(transparent)]
-    Segment(#[from] SegmentError),
-    /// A collision that leaves open what touches, where nothing may.
-    #[error(
-        "nothing can touch at `{event}`: expected a feature and a surface, or shapes that meet there"
-    )]
-    NoContact {
-        /// Its name.
-        event: String,
-    },
-}
-
-impl Outcome {
-    fn unchecked(
-        inferred: Inferred,
-        cut: Cut,
-        (sketch, counts): (Sketch, SampleCounts),
-        observer: &mut dyn Observer,
-    ) -> Self {
-        let scene = inferred.scene;
-        Self {
-            estimate: inferred.solved.with_deviations(&scene, observer),
-            marks_made_s: cut.marks_made_s,
-            scene,
-            inferred: inferred.events,
-            search: inferred.search,
-            sketch,
-            counts,
-            verification: None,
-            settled: None,
-        }
-    }
 }
 
 impl Pipeline {
@@ -205,7 +139,13 @@ impl Pipeline {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         let performed = (sketch, counts);
-        Ok(Outcome::unchecked(inferred, cut, performed, observer))
+        let marks_made_s = cut.marks_made_s;
+        Ok(Outcome::unchecked(
+            inferred,
+            marks_made_s,
+            performed,
+            observer,
+        ))
     }
 
     /// Marks that were pushed: by these repeated collisions are counted.
@@ -228,97 +168,4 @@ pub struct MarkProposal {
     pub time_s: f64,
     /// See [`segment::Proposal::score`]; none for start and end.
     pub score: Option<f64>,
-}
-
-/// What speaks against a motion whose gaps are closed: what checks found that were made, and whether it
-/// could be what was acted. Nothing of one that failed.
-fn doubts(outcome: &Outcome) -> Vec<Doubt> {
-    if outcome.estimate.verdict == Verdict::Failed {
-        return Vec::new();
-    }
-    let checks = outcome.verification.iter();
-    let mut doubts: Vec<Doubt> = checks.flat_map(Verification::doubts).collect();
-    doubts.extend(credible::doubts(
-        &outcome.scene,
-        &outcome.sketch,
-        &outcome.marks_made_s,
-        &outcome.estimate,
-    ));
-    doubts
-}
-
-/// A sketch cut at its marks.
-#[derive(Clone, Debug)]
-struct Cut {
-    segments: Vec<Segment>,
-    /// Rounds of refinement.
-    rounds: usize,
-    marks_made_s: Vec<Option<f64>>,
-}
-
-/// Stage 2 after cleaning: marks refined, the sketch cut.
-fn cut(
-    scene: &Scene,
-    sketch: &mut Sketch,
-    counts: &mut SampleCounts,
-    observer: &mut dyn Observer,
-) -> Result<Cut, SegmentError> {
-    observer.phase(Phase::Marks);
-    let made_s = sketch.marks_s.iter().enumerate();
-    let is_made = |event: usize| !counts.marks.proposed.contains(&event);
-    let made_s = made_s.map(|(event, made_s)| is_made(event).then_some(*made_s));
-    let mut marks_made_s: Vec<Option<f64>> = made_s.collect();
-    let mut rounds = segment::refine(scene, sketch);
-    counts.marks.moved = segment::relocate_marks(scene, sketch);
-    if !counts.marks.moved.is_empty() {
-        // A mark that was far from any kink is none; that it was is said.
-        for event in &counts.marks.moved {
-            marks_made_s[*event] = Some(sketch.marks_s[*event]);
-        }
-        rounds += segment::refine(scene, sketch);
-    }
-    segment::loosen(sketch);
-    let segments = segment::cut(scene, sketch)?;
-    Ok(Cut {
-        segments,
-        rounds,
-        marks_made_s,
-    })
-}
-
-/// Stages 3 and 4.
-fn solve(
-    scene: &Scene,
-    sketch: &mut Sketch,
-    cut: &Cut,
-    observer: &mut dyn Observer,
-) -> Result<Inferred, PipelineError> {
-    let segments = &cut.segments;
-    observer.phase(Phase::ArcFits);
-    let guessed = initialise::guess(scene, sketch, segments);
-    initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);
-    let recipe = Recipe::default();
-    let mut inferred = infer(scene, sketch, segments, &guessed.guesses, &recipe, observer)
-        .map_err(|NoContact { event }| PipelineError::NoContact {
-            event: scene.events[event].name.clone(),
-        })?;
-    let counters = &mut inferred.solved.estimate.counters;
-    counters.fit_iterations = guessed.fit_iterations;
-    counters.assignment_rounds = cut.rounds;
-    Ok(inferred)
-}
-
-/// Counts the samples that segments use; what lies between a body's segments is near a collision.
-fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
-    counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
-    for (index, body) in sketch.bodies.iter().enumerate() {
-        let of_body = || segments.iter().filter(move |segment| segment.body == index);
-        let first = of_body().map(|segment| segment.samples.start).min();
-        let last = of_body().map(|segment| segment.samples.end).max();
-        let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
-        let used: usize = of_body().map(|segment| segment.samples.len()).sum();
-        counts.drop(DropReason::BeforeStart, first);
-        counts.drop(DropReason::NearCollision, last - first - used);
-        counts.drop(DropReason::AfterEnd, body.samples.len() - last);
-    }
 }

@@ -1,5 +1,6 @@
 //! The house rules that a machine can check: which room may import which, one door per third
-//! party, what the core must not touch, lengths of files, `mod.rs` without code.
+//! party, what the core must not touch, lengths of files, `mod.rs` without code, no files that import
+//! each other.
 //!
 //! Code is looked at as tokens, so that comments, texts and doctests do not count; test code
 //! may import what it likes.
@@ -8,11 +9,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+#[path = "tidy/circles.rs"]
+mod circles;
 #[path = "tidy/tokens.rs"]
 mod tokens;
 #[path = "tidy/uses.rs"]
 mod uses;
 
+use circles::{Importer, circles};
 use tokens::{Token, is_word, out_of_line_tests, tokens, without_tests};
 use uses::uses;
 
@@ -97,7 +101,7 @@ const NOT_IN_CORE: &[&[&str]] = &[
 
 /// Third parties, each with the only places that may name it.
 const DOORS: &[(&str, &[&str])] = &[
-    ("parry3d", &["src/physics/shape.rs", "src/physics/shape/"]),
+    ("parry3d", &["src/physics/shape/"]),
     ("rapier3d", &["src/settle.rs"]),
     ("clarabel", &["src/optimise/"]),
     ("cdr", &["src/wire/"]),
@@ -178,6 +182,7 @@ fn violations(files: &[File]) -> Vec<String> {
             .any(|module| path == format!("{module}.rs") || path.starts_with(&format!("{module}/")))
     };
     let mut found = Vec::new();
+    let mut importers = Vec::new();
     for file in files {
         let lines = file.text.lines().count();
         if lines > LINES {
@@ -193,9 +198,16 @@ fn violations(files: &[File]) -> Vec<String> {
         check_core(file, &code, &mut found);
         check_mod(file, &code, &mut found);
         check_names(file, &code, &mut found);
+        importers.push(Importer {
+            path: file.path.clone(),
+            uses: uses(&code),
+        });
         if NO_UNWRAP.contains(&room(&file.path)) {
             check_unwraps(file, &code, &mut found);
         }
+    }
+    for circle in circles(&importers) {
+        found.push(format!("{}: import each other", circle.join(", ")));
     }
     found
 }
@@ -689,4 +701,51 @@ fn what_is_allowed_is_not_caught() {
     ];
     assert_eq!(violations(&split), Vec::<String>::new());
     assert_eq!(violations(&split[1..]).len(), 1);
+}
+
+#[test]
+fn planted_circles_are_caught() {
+    let house = |files: &[(&str, &str)]| -> Vec<String> {
+        let files = files.iter().map(|(path, text)| File {
+            path: (*path).into(),
+            text: (*text).into(),
+        });
+        violations(&files.collect::<Vec<_>>())
+    };
+    let circle = "src/motion/a.rs, src/motion/b.rs: import each other";
+    // By name, through what the room hands on, and through a third; from a module to its own parts.
+    let two = [
+        ("src/motion/a.rs", "use super::b::B;"),
+        ("src/motion/b.rs", "use crate::motion::a::A;"),
+    ];
+    assert_eq!(house(&two), [circle]);
+    let handed_on = [
+        (
+            "src/motion/mod.rs",
+            "mod a;\nmod b;\npub use self::a::A;\npub use b::{B as C, D};",
+        ),
+        ("src/motion/a.rs", "use super::C;"),
+        ("src/motion/b.rs", "use super::A;"),
+    ];
+    assert_eq!(house(&handed_on), [circle]);
+    let three = [
+        ("src/motion/a.rs", "use super::b::B;"),
+        ("src/motion/b.rs", "use super::c;"),
+        ("src/motion/c.rs", "pub(super) use super::a::A;"),
+    ];
+    assert_eq!(house(&three).len(), 1);
+    let parent = [
+        ("src/motion.rs", "mod part;\nuse part::Part;\nstruct Whole;"),
+        ("src/motion/part.rs", "use super::Whole;"),
+    ];
+    assert_eq!(house(&parent).len(), 1);
+    // One way, and the tests' way back, are no circle.
+    let one_way = [
+        ("src/motion/a.rs", "use super::b::B;\nuse std::b;"),
+        (
+            "src/motion/b.rs",
+            "struct B;\n#[cfg(test)]\nmod tests { use crate::motion::a::A; }",
+        ),
+    ];
+    assert_eq!(house(&one_way), Vec::<String>::new());
 }

@@ -4,10 +4,9 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::error::{Fault, SceneError, fault};
+use super::error::{Fault, fault};
 use super::number::{finite, index_of, positive, unique};
 use super::raw::{Number, RawCapture, RawScene, RawTrackerClock};
-use super::scene::{parse, scene};
 use crate::motion::{Scene, StampSource};
 
 const FOLDER: &str = "takes";
@@ -37,17 +36,6 @@ pub struct CaptureSettings {
     pub metrics_port: Option<u16>,
     /// What stamps are made from, body by body; `None`: what the first sample has decides.
     pub stamps: Vec<Option<StampSource>>,
-}
-
-/// A checked scene and how it is captured, from the text of a scene file.
-pub fn capture_from_toml(text: &str) -> Result<(Scene, CaptureSettings), SceneError> {
-    let raw = parse(text)?;
-    let both = || {
-        let scene = scene(&raw)?;
-        let settings = capture(&raw, &scene)?;
-        Ok((scene, settings))
-    };
-    both().map_err(|fault| SceneError::from_fault(text, fault))
 }
 
 /// The checked table, or its defaults.
@@ -158,6 +146,7 @@ fn port(what: &str, given: Option<&Number>) -> Result<Option<u16>, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::capture_from_toml;
 
     const SCENE: &str = r#"name = "x"
 [timing]

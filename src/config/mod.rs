@@ -64,10 +64,11 @@ mod parameter;
 mod raw;
 mod scene;
 mod solid;
+mod text;
 
-pub use capture::{CaptureSettings, capture_from_toml};
+pub use capture::CaptureSettings;
 pub use error::SceneError;
-pub use scene::scene_from_toml;
+pub use text::{capture_from_toml, scene_from_toml};
 
 #[cfg(test)]
 mod tests;

@@ -3,8 +3,7 @@
 use nalgebra::Vector3;
 
 use super::body::body;
-use super::capture::capture;
-use super::error::{Fault, SceneError, fault};
+use super::error::{Fault, fault};
 use super::event::{events, goals};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -32,27 +31,7 @@ const OBSTACLE_SIZE: SizeLimits = SizeLimits {
     greatest_m: 1e4,
 };
 
-/// A checked scene from the text of a scene file.
-///
-/// ```
-/// let error = enact::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
-/// assert_eq!((error.line, error.column), (2, 1));
-/// ```
-pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
-    let raw = parse(text)?;
-    let checked = || {
-        let scene = scene(&raw)?;
-        capture(&raw, &scene)?;
-        Ok(scene)
-    };
-    checked().map_err(|fault| SceneError::from_fault(text, fault))
-}
-
-/// The text with its types checked and nothing else.
-pub(super) fn parse(text: &str) -> Result<RawScene, SceneError> {
-    toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))
-}
-
+/// The checked scene.
 pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let name = name("scene", &raw.name)?;
     let gravity_m_s2 = gravity_m_s2(raw)?;

@@ -9,8 +9,8 @@
 
 use super::constraint::At;
 use super::context::SolveContext;
-use super::layout::STATE;
 use super::point::Point;
+use super::problem::STATE;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::optimise::envelope::Envelope;

@@ -1,9 +1,9 @@
 //! Standard deviations of an estimate, and what the performance does not determine.
 
 use super::context::SolveContext;
-use super::covariance::Covariance;
+use super::covariance::{Covariance, Moment};
 use super::recipe::Solution;
-use super::timing::{self, Moment};
+use super::timing;
 use crate::motion::{Estimate, Scene};
 
 /// Gives events, duration and parameters of an estimate their deviations, `None` where the one is

@@ -4,13 +4,9 @@
 //! arcs that end at the next event, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet come one after the other: nothing couples them.
 
-use super::mark::EventMark;
-use super::problem::{Arc, Problem};
+use super::problem::{Arc, EventMark, Problem, STATE};
 use crate::optimise::Structure;
 use crate::optimise::envelope::Pattern;
-
-/// Number of unknowns of a state.
-pub const STATE: usize = 12;
 
 /// Index of the first unknown of every part.
 #[derive(Clone, Debug)]

@@ -10,22 +10,7 @@
 //! ```
 
 use super::point::Point;
-use super::problem::Problem;
-
-/// The mark of an event whose time is an unknown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EventMark {
-    /// Index into [`Problem::event_is_free`].
-    pub event: usize,
-    /// As it was made \[s, acted\].
-    pub acted_s: f64,
-    /// The standard deviation that weighs it beside samples \[s, acted\].
-    pub sd_s: f64,
-    /// Variance of the residual: how often it counts, as they do.
-    pub counted: f64,
-    /// The nodes about the event, where sample times are unknown.
-    pub nodes: Option<[usize; 2]>,
-}
+use super::problem::{EventMark, Problem};
 
 /// The residual of a mark and its derivatives by the event's time and those of both nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::layout::{Layout, STATE};
-use super::problem::Problem;
+use super::layout::Layout;
+use super::problem::{Problem, STATE};
 use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
 use crate::physics::state::StateTangent;

@@ -2,8 +2,6 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::layout::STATE;
-use super::mark::EventMark;
 use super::nodes::Nodes;
 use crate::math::Pose;
 use crate::motion::{
@@ -28,6 +26,9 @@ pub mod unit {
 /// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
 /// faces, and leaves the performance by four times as far.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
+
+/// Number of unknowns of a free body's state.
+pub const STATE: usize = 12;
 
 /// One sample of an arc.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +115,21 @@ impl Collision {
             tilt_rad,
         }
     }
+}
+
+/// The mark of an event whose time is an unknown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventMark {
+    /// Index into [`Problem::event_is_free`].
+    pub event: usize,
+    /// As it was made \[s, acted\].
+    pub acted_s: f64,
+    /// The standard deviation that weighs it beside samples \[s, acted\].
+    pub sd_s: f64,
+    /// Variance of the residual: how often it counts, as they do.
+    pub counted: f64,
+    /// The nodes about the event, where sample times are unknown.
+    pub nodes: Option<[usize; 2]>,
 }
 
 /// A hard condition on an arc at an event.

@@ -12,7 +12,7 @@
 use nalgebra::DVector;
 
 use super::context::SolveContext;
-use super::covariance::Covariance;
+use super::covariance::{Covariance, Moment};
 use super::point::Point;
 use super::problem::Problem;
 use crate::optimise::System;
@@ -22,9 +22,6 @@ use crate::optimise::kkt::DAMPING;
 /// before they are taken to contradict them. No performance of a pencil came near it, up to four
 /// times the distortion; every other one of 98 real tosses, told slowly, chose it.
 const CONTRADICTION: f64 = 1.0;
-
-/// A time as a sum of unknowns, each with its factor; none where it is fixed.
-pub(super) type Moment = Vec<(usize, f64)>;
 
 /// Physical time of an event; of one that is not an unknown, where its mark lies on the time
 /// line of the samples.

@@ -1,8 +1,7 @@
 //! What speaks against a motion whose gaps are closed: a measured value beyond its bound.
 
-use super::estimate::Verdict;
-use super::scene::Scene;
-use super::verification::Against;
+use super::scene::{Against, Scene};
+use super::verdict::Verdict;
 
 /// One thing that speaks against a motion.
 #[derive(Clone, Debug, PartialEq)]

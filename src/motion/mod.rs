@@ -15,20 +15,21 @@ pub mod sketch;
 pub mod snap;
 pub mod take;
 pub mod time_map;
+pub mod verdict;
 pub mod verification;
 
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    SampleTime, SegmentResidual, Verdict,
+    SampleTime, SegmentResidual,
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use scene::{
-    Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget,
-    Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching, VelocityGaps,
-    Weights,
+    Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal,
+    GoalTarget, Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching,
+    VelocityGaps, Weights,
 };
 pub use settled::{Settled, SettledBody};
 pub use sketch::{
@@ -37,4 +38,5 @@ pub use sketch::{
 pub use snap::SnapError;
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
-pub use verification::{Against, Balance, Deviation, Penetration, SingleShot, Touch, Verification};
+pub use verdict::Verdict;
+pub use verification::{Balance, Deviation, Penetration, SingleShot, Touch, Verification};

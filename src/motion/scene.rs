@@ -5,7 +5,6 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use super::verification::Against;
 use crate::math::Pose;
 use crate::physics::contact::{self, Contact, ContactError};
 use crate::physics::impact::{ContactSet, ContactSetError};
@@ -46,6 +45,17 @@ pub struct Scene {
     /// How long the motion may go on by simulation after its end until it rests \[s\]; `None`:
     /// it ends where the performance does.
     pub settle_s: Option<f64>,
+}
+
+/// What a body may run into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// A plane that stands for itself (index into `Scene::surfaces`).
+    Surface(usize),
+    /// A solid part of the static world (index into `Scene::obstacles`).
+    Obstacle(usize),
+    /// Another body (index into `Scene::bodies`).
+    Body(usize),
 }
 
 impl Scene {

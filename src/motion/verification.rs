@@ -3,17 +3,7 @@
 use nalgebra::Vector3;
 
 use super::doubt::{About, Doubt, Place};
-
-/// What a body may run into.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Against {
-    /// A plane that stands for itself (index into `Scene::surfaces`).
-    Surface(usize),
-    /// A solid part of the static world (index into `Scene::obstacles`).
-    Obstacle(usize),
-    /// Another body (index into `Scene::bodies`).
-    Body(usize),
-}
+use super::scene::Against;
 
 /// The deepest overlap of two solids that no expected contact explains.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use super::Cut;
 use super::infer::Inferred;
+use super::stages::Cut;
 use super::warm::{self, Known};
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{

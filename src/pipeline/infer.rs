@@ -2,13 +2,11 @@
 //! where the fits do not tell or the check fails.
 
 use super::search::{Field, Found, SearchWork, search};
+use super::sound::is_sound;
 use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe, Solved};
 use crate::initialise::contact;
-use crate::motion::{
-    Contacts, Estimate, Guess, Observer, Scene, Segment, Sketch, VelocityGaps, Verdict,
-};
-use crate::verify::touches;
+use crate::motion::{Contacts, Guess, Observer, Scene, Segment, Sketch, VelocityGaps};
 
 /// A motion that costs more than so many times what the fits of its arcs do makes one look for
 /// others.
@@ -120,14 +118,4 @@ pub(super) fn infer(
 /// No pair of features may touch at an open collision.
 pub(super) struct NoContact {
     pub(super) event: usize,
-}
-
-/// Whether a motion is one, and what its open collisions say is what touches first there.
-pub(super) fn is_sound(scene: &Scene, estimate: &Estimate, open: &[usize]) -> bool {
-    let is_wrong = || {
-        let touches = touches(scene, estimate);
-        let mut wrong = touches.iter().filter(|touch| touch.is_wrong);
-        wrong.any(|touch| open.contains(&touch.event))
-    };
-    estimate.verdict != Verdict::Failed && (open.is_empty() || !is_wrong())
 }

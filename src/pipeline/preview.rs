@@ -15,9 +15,11 @@
 //! them was the end is known when the take is over.
 
 use super::follow::follow;
-use super::infer::{Inferred, is_sound};
+use super::infer::Inferred;
+use super::outcome::{Outcome, PipelineError};
+use super::sound::is_sound;
+use super::stages::{account, cut, doubts, solve};
 use super::warm::{self, Known};
-use super::{Outcome, PipelineError, account, cut, doubts, solve};
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
     Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
@@ -148,7 +150,8 @@ impl Preview {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
-        let mut outcome = Outcome::unchecked(inferred, cut, (sketch, counts), observer);
+        let mut outcome =
+            Outcome::unchecked(inferred, cut.marks_made_s, (sketch, counts), observer);
         let doubts = doubts(&outcome);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {

@@ -14,12 +14,13 @@
 //! A motion in which another feature would have touched first is none, and is passed over.
 
 mod ahead;
+mod lower_bound;
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use self::ahead::LowerBound;
-use super::infer::is_sound;
+use self::lower_bound::LowerBound;
+use super::sound::is_sound;
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
     Contacts, Counters, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
@@ -188,9 +189,9 @@ struct Search<'a> {
     known: Vec<(Vec<usize>, Solved)>,
     best: Option<usize>,
     made: usize,
-    /// LowerBound cost of all arcs that begin at or after an open collision.
+    /// Least cost of all arcs that begin at or after an open collision.
     tails: Vec<f64>,
-    /// LowerBound cost of the arcs on both sides of an open collision, by candidate; together with
+    /// Least cost of the arcs on both sides of an open collision, by candidate; together with
     /// other arcs that neighbouring groups have besides.
     pairs: Vec<Option<Vec<f64>>>,
     work: SearchWork,

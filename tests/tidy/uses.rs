@@ -9,6 +9,16 @@ pub struct Use {
     pub path: Vec<String>,
     /// The name it gets, where that is another one.
     pub alias: Option<String>,
+    /// Whether it is handed on (`pub use`, and `pub(…) use`).
+    pub is_public: bool,
+}
+
+impl Use {
+    /// The name by which it is known then.
+    pub fn name(&self) -> &str {
+        let last = self.path.last().map_or("", String::as_str);
+        self.alias.as_deref().unwrap_or(last)
+    }
 }
 
 /// Everything that is brought in.
@@ -17,7 +27,13 @@ pub fn uses(code: &[Token]) -> Vec<Use> {
     for at in 0..code.len() {
         // `impl Trait + use<'a>` brings in nothing.
         if code[at].text == "use" && text(code, at + 1) != "<" {
+            let from = uses.len();
             tree(code, at + 1, &[], &mut uses);
+            let before = at.checked_sub(1).map_or("", |before| text(code, before));
+            let is_public = matches!(before, "pub" | ")");
+            uses[from..]
+                .iter_mut()
+                .for_each(|used| used.is_public = is_public);
         }
     }
     uses
@@ -52,7 +68,12 @@ fn tree(code: &[Token], begin: usize, above: &[String], uses: &mut Vec<Use>) -> 
         }
         let alias = (text(code, at) == "as").then(|| text(code, at + 1).to_owned());
         let end = at + if alias.is_some() { 2 } else { 0 };
-        uses.push(Use { line, path, alias });
+        uses.push(Use {
+            line,
+            path,
+            alias,
+            is_public: false,
+        });
         return end;
     }
     at

@@ -98,8 +98,9 @@ run fails, exponents are in part its own."
                 "# What touches, where scenes leave that open
 
 *Likeliest is true*: at every collision the feature that the fits put first is the true one; *likely*:
-all true features are among those that a search begins with. Counts of sequences are those of all eight
-corners. Times are to be read against the same block's *named*."
+all true features are among those that a search begins with. *As good or better*: the objective is no
+greater than that of the scene which names the true corners, or the events of the same sequence are within
+0.1 ms of its. Counts of sequences are those of all eight corners. Times are to be read against the same block's *named*."
             }
             Study::Proposals => {
                 "# What touches, as sampled simulations propose it

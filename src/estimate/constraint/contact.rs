@@ -3,8 +3,7 @@
 
 use super::rows::Rows;
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::layout::STATE;
-use crate::estimate::problem::unit;
+use crate::estimate::problem::{STATE, unit};
 use crate::physics::impact::{Impact, ImpactDerivative};
 use crate::physics::state::part;
 

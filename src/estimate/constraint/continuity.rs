@@ -5,8 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::rows::{HALF, Half, Rows};
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::layout::STATE;
-use crate::estimate::problem::{Collision, unit};
+use crate::estimate::problem::{Collision, STATE, unit};
 use crate::math::so3;
 use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;

@@ -1,8 +1,7 @@
 //! Where rows and columns of a collision are.
 
 use super::kind::Filled;
-use crate::estimate::layout::STATE;
-use crate::estimate::problem::{Collision, Problem};
+use crate::estimate::problem::{Collision, Problem, STATE};
 use crate::physics::contact::Feature;
 use crate::physics::state::part;
 

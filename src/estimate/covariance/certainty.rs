@@ -7,7 +7,6 @@ use super::noise::Noise;
 use super::trace::Design;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
-use crate::estimate::timing::Moment;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
@@ -24,6 +23,9 @@ const DIRECTIONS_MORE: usize = 2;
 const DIRECTIONS_MAX: usize = 64;
 /// Of a direction less than this is left by the others: it is none of its own.
 const DEPENDENT: f64 = 1e-6;
+
+/// A sum of unknowns, each with its factor; none where what it stands for is fixed.
+pub type Moment = Vec<(usize, f64)>;
 
 /// Covariances at an optimum.
 pub struct Covariance<'a> {

@@ -33,4 +33,4 @@ pub mod trace;
 #[cfg(test)]
 mod tests;
 
-pub use certainty::Covariance;
+pub use certainty::{Covariance, Moment};

@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::turn::Turn;
+use super::turned::Turn;
 use crate::math::so3;
 use crate::physics::body::{Body, Symmetry};
 

@@ -18,8 +18,10 @@ mod series;
 #[cfg(test)]
 mod tests;
 mod turn;
+mod turned;
 
 pub use asymmetric::ANGLE_MAX_RAD;
 pub(super) use axial::Precession;
 pub use flight::{advance, position, rate};
-pub use turn::{Spin, Turn, turn};
+pub use turn::{Spin, turn};
+pub use turned::Turn;

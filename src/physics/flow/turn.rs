@@ -4,23 +4,9 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::asymmetric::{self, Steps};
 use super::axial::{Precession, Turning};
+use super::turned::Turn;
 use crate::math::so3;
 use crate::physics::body::{Body, Symmetry};
-
-/// Orientation and angular velocity after a free turn, with their derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct Turn {
-    /// `R(s)`.
-    pub orientation: UnitQuaternion<f64>,
-    /// `ω(s)` [rad/s, body].
-    pub angular_velocity_rad_s: Vector3<f64>,
-    /// Change of `R(s)` \[rad\] per change of `R(0)` \[rad\].
-    pub orientation_by_orientation: Matrix3<f64>,
-    /// Change of `R(s)` \[rad\] per change of `ω(0)` [rad/s].
-    pub orientation_by_angular_velocity: Matrix3<f64>,
-    /// Change of `ω(s)` per change of `ω(0)`.
-    pub angular_velocity_by_angular_velocity: Matrix3<f64>,
-}
 
 /// Free turn for `duration_s`, with derivatives; not a number where [`super::advance`] is not.
 pub fn turn(

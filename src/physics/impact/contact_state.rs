@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::contact_set::{Law, Velocities};
+use super::law::{Law, Velocities};
 use super::rows::Change;
 use crate::math::so3;
 use crate::physics::contact::{Contact, Touch, TouchDerivative};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact_set::Law;
+use super::law::Law;
 use super::rows::Change;
 
 /// An impulse by the law, with what its derivatives need.

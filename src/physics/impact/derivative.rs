@@ -2,9 +2,9 @@
 
 use nalgebra::{RowSVector, SMatrix, SVector};
 
-use super::contact_set::MOST_CONTACTS;
 use super::contact_state::{ContactState, PoseChange};
 use super::error::ImpactError;
+use super::law::MOST_CONTACTS;
 use super::rows::Change;
 use super::solution::Solution;
 use crate::physics::state::part;

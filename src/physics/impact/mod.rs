@@ -3,19 +3,22 @@
 //!
 //! The law at one contact is Chatterjee and Ruina's algebraic one ([`Law`]).
 
+mod bounce;
 mod contact_set;
 mod contact_state;
 mod coulomb;
 mod derivative;
 mod error;
+mod law;
 mod newton;
 mod plane;
 mod rows;
 mod solution;
 
-pub use contact_set::{ContactSet, Impact, Law, Side, Velocities};
+pub use contact_set::ContactSet;
 pub use derivative::ImpactDerivative;
 pub use error::{ContactSetError, ImpactError};
+pub use law::{Impact, Law, Side, Velocities};
 
 #[cfg(test)]
 mod tests;

@@ -10,9 +10,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::contact_set::{Impact, Law, Side, Velocities};
 use super::contact_state::tilted;
 use super::derivative::ImpactDerivative;
+use super::law::{Impact, Law, Side, Velocities};
 use crate::math::so3;
 use crate::physics::contact::{Contact, Feature};
 use crate::physics::state::part;

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
-use super::contact_set::{Side, Velocities};
+use super::law::{Side, Velocities};
 
 /// Changes of a vector, one column for each thing that changes.
 pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;

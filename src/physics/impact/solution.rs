@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::contact_set::{ContactSet, Impact, Law, MOST_CONTACTS, Side, Velocities};
+use super::contact_set::ContactSet;
 use super::contact_state::{ContactState, PoseChange};
 use super::coulomb::{Coulomb, CoulombChange};
 use super::error::ImpactError;
+use super::law::{Impact, Law, MOST_CONTACTS, Side, Velocities};
 use super::newton::Newton;
 use super::rows::{Change, Rows, RowsChange};
 use crate::math::so3;

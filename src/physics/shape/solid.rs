@@ -5,7 +5,9 @@ use parry3d::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as Parr
 use parry3d::query;
 use parry3d::shape::SharedShape;
 
-use super::{Shape, ShapeError, from_parry, hull_of, to_parry};
+use super::error::ShapeError;
+use super::hull::{from_parry, hull_of, to_parry};
+use super::kind::Shape;
 use crate::math::Pose;
 
 /// Distance up to which closest points are asked for together with the distance \[m\]: all.

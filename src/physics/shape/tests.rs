@@ -1,6 +1,7 @@
 use super::*;
-use crate::physics::body::Symmetry;
-use nalgebra::{Translation3, UnitQuaternion};
+use crate::math::Pose;
+use crate::physics::body::{BodyError, Symmetry};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 fn close(a: f64, b: f64) {

@@ -1,5 +1,6 @@
 //! Bounds of a search: of single arcs and of pairs, which look ahead, and of partial sequences.
 
+use super::lower_bound::{LowerBound, lowest};
 use super::{Search, places};
 use crate::estimate::{Bound, Part};
 
@@ -134,42 +135,5 @@ impl Search<'_> {
         let mut least = self.least(known, arcs, own_priors);
         self.tighten(&mut least, f64::INFINITY);
         least.cost()
-    }
-}
-
-/// The lowest of what is never empty, and the cost of the next.
-fn lowest<T>(all: &[T], cost: impl Fn(&T) -> f64) -> (usize, f64) {
-    let mut order: Vec<(f64, usize)> = all.iter().map(cost).zip(0..).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    (
-        order[0].1,
-        order.get(1).map_or(f64::INFINITY, |(cost, _)| *cost),
-    )
-}
-
-/// A bound of some arcs with some open collisions known: the least of those from every guess.
-#[derive(Clone, Debug)]
-pub(super) struct LowerBound {
-    is_begun: bool,
-    known: Vec<(usize, usize)>,
-    arcs: Vec<usize>,
-    own_priors: bool,
-    /// By guess.
-    starts: Vec<(usize, Bound)>,
-}
-
-impl LowerBound {
-    pub(super) fn cost(&self) -> f64 {
-        let costs = self.starts.iter().map(|(_, bound)| bound.cost);
-        costs.fold(f64::INFINITY, f64::min)
-    }
-
-    pub(super) fn is_done(&self) -> bool {
-        self.lowest().is_done()
-    }
-
-    fn lowest(&self) -> &Bound {
-        let (lowest, _) = lowest(&self.starts, |(_, bound)| bound.cost);
-        &self.starts[lowest].1
     }
 }

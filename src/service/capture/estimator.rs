@@ -11,8 +11,7 @@ use tokio::sync::watch;
 
 use super::event::CaptureEvent;
 use super::metrics::Metrics;
-use super::notice::{Notice, Speaker};
-use super::previewer::Shown;
+use super::notice::{Notice, Shown, Speaker};
 use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::service::Report;

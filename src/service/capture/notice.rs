@@ -12,6 +12,9 @@ use crate::write::live::EstimateOccasion;
 /// Notices that may wait.
 const NOTICES: usize = 256;
 
+/// The last estimate, for those who show it.
+pub(super) type Shown = Option<Arc<Outcome>>;
+
 /// Something to say, and to publish.
 pub(super) struct Notice {
     pub(super) said: CaptureEvent,

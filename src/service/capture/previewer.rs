@@ -14,9 +14,9 @@ use tokio::sync::watch;
 use super::estimator::{guarded, occasion};
 use super::event::CaptureEvent;
 use super::metrics::Metrics;
-use super::notice::{Notice, Speaker};
+use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Scene, TakeEvent};
-use crate::pipeline::{Outcome, Preview};
+use crate::pipeline::Preview;
 use crate::service::doubts::gravest;
 use crate::service::words;
 
@@ -37,9 +37,6 @@ pub(super) enum PreviewInput {
     /// The take is over, or too long to be followed: its samples need not be kept.
     Over,
 }
-
-/// The last estimate, for those who show it.
-pub(super) type Shown = Option<Arc<Outcome>>;
 
 /// What the thread is given.
 pub(super) struct Previewer {

@@ -22,7 +22,7 @@ use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, watch};
 
 use super::metrics::Metrics;
-use super::previewer::Shown;
+use super::notice::Shown;
 use super::take::now_ns;
 use crate::ingest::live::{PoseRecord, StreamTopic};
 use crate::motion::{Mark, PoseSample, Scene, Stamp, Verdict};

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::error::DecodeError;
-use super::format::{FramedPose, RosPose, StampedMark, stamp};
+use super::message::{FramedPose, RosPose, StampedMark, stamp};
 use crate::motion::Stamp;
 
 /// Representation identifier and options before the message.

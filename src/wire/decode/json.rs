@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::error::DecodeError;
-use super::format::{FoxglovePose, FramedPose, StampedMark, stamp};
+use super::message::{FoxglovePose, FramedPose, StampedMark, stamp};
 use crate::motion::Stamp;
 use crate::wire::encode::MARK_EVENT_KEY;
 

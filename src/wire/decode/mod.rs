@@ -5,7 +5,9 @@ mod cdr;
 mod error;
 mod format;
 mod json;
+mod message;
 mod protobuf;
 
 pub use error::DecodeError;
-pub use format::{FramedPose, MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat, StampedMark};
+pub use format::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
+pub use message::{FramedPose, StampedMark};

@@ -7,7 +7,7 @@ use foxglove::messages::{
 };
 
 use super::error::DecodeError;
-use super::format::{FoxglovePose, FramedPose, StampedMark, stamp};
+use super::message::{FoxglovePose, FramedPose, StampedMark, stamp};
 use crate::motion::Stamp;
 use crate::wire::encode::MARK_EVENT_KEY;
 

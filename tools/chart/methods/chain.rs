@@ -1,7 +1,8 @@
 //! Derivatives of what follows by what is held.
 
-use enact::estimate::layout::{Layout, STATE};
+use enact::estimate::layout::Layout;
 use enact::estimate::problem::Collision;
+use enact::estimate::problem::STATE;
 use enact::optimise::System;
 use nalgebra::DMatrix;
 

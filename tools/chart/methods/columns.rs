@@ -5,7 +5,8 @@
 
 use std::collections::BTreeSet;
 
-use enact::estimate::layout::{Layout, STATE};
+use enact::estimate::layout::Layout;
+use enact::estimate::problem::STATE;
 use enact::optimise::block::BlockPattern;
 
 use super::parts::{Part, gravity, of_collision, of_goal};

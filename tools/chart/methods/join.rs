@@ -1,8 +1,8 @@
 //! What the piece before a node lacks to the state that is held there.
 
 use enact::estimate::context::SolveContext;
-use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
+use enact::estimate::problem::STATE;
 use enact::math::so3;
 use enact::optimise::block::{Block, BlockPattern};
 use enact::physics::flow;

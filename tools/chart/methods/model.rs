@@ -10,8 +10,8 @@
 use std::cell::RefCell;
 
 use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::layout::STATE;
 use enact::estimate::point::Point;
+use enact::estimate::problem::STATE;
 use enact::optimise::block::Block;
 use enact::optimise::envelope::Envelope;
 use enact::optimise::{Program, Structure, System};
@@ -67,7 +67,7 @@ impl<'a> Model<'a> {
         self.followed(split.start.clone(), gaps)
     }
 
-    /// SolveContext and point of the fits themselves, for what leads the way.
+    /// Context and point of the fits themselves, for what leads the way.
     pub fn fits(&self) -> (&SolveContext<'a>, &Point) {
         (&self.inner, &self.setting.split.start)
     }

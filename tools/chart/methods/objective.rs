@@ -1,7 +1,7 @@
 //! Gradient and Hessian of samples, priors and pulls by the grid's unknowns.
 
 use enact::estimate::context::SolveContext;
-use enact::estimate::layout::STATE;
+use enact::estimate::problem::STATE;
 use enact::optimise::System;
 use enact::optimise::envelope::{Envelope, Pattern};
 use nalgebra::{DMatrix, DVector};

@@ -1,6 +1,7 @@
 //! Rows of the lifted problem, picked out of its blocks.
 
-use enact::estimate::layout::{Layout, STATE};
+use enact::estimate::layout::Layout;
+use enact::estimate::problem::STATE;
 use enact::optimise::block::{Block, BlockPattern};
 use nalgebra::DMatrix;
 

@@ -1,0 +1,39 @@
+//! From the text of a scene file to what is checked, or to an error that says where.
+
+use super::capture::{CaptureSettings, capture};
+use super::error::SceneError;
+use super::raw::RawScene;
+use super::scene::scene;
+use crate::motion::Scene;
+
+/// A checked scene from the text of a scene file.
+///
+/// ```
+/// let error = enact::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
+/// assert_eq!((error.line, error.column), (2, 1));
+/// ```
+pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
+    let raw = parse(text)?;
+    let checked = || {
+        let scene = scene(&raw)?;
+        capture(&raw, &scene)?;
+        Ok(scene)
+    };
+    checked().map_err(|fault| SceneError::from_fault(text, fault))
+}
+
+/// The text with its types checked and nothing else.
+fn parse(text: &str) -> Result<RawScene, SceneError> {
+    toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))
+}
+
+/// A checked scene and how it is captured, from the text of a scene file.
+pub fn capture_from_toml(text: &str) -> Result<(Scene, CaptureSettings), SceneError> {
+    let raw = parse(text)?;
+    let both = || {
+        let scene = scene(&raw)?;
+        let settings = capture(&raw, &scene)?;
+        Ok((scene, settings))
+    };
+    both().map_err(|fault| SceneError::from_fault(text, fault))
+}

@@ -1,0 +1,53 @@
+//! What follows where bodies meet.
+
+use super::contact_set::ContactSet;
+use super::derivative::ImpactDerivative;
+use super::error::ImpactError;
+use super::law::{Impact, Law, Side};
+use super::plane;
+use super::solution::Solution;
+
+impl ContactSet {
+    /// The impact of A with B, or with the static world.
+    ///
+    /// Fails where a contact is degenerate or the contacts depend on each other. A contact that
+    /// recedes is treated by the same formulas without friction, so that a solver's iterates
+    /// have an answer. Panics where the law has friction or tilt that the meeting has not.
+    pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
+        self.check_law(law);
+        Ok(Solution::new(self, a, b, law)?.impact())
+    }
+
+    /// [`ContactSet::impact`] and its derivatives, into `derivative`: its entries for the contacts
+    /// and bodies that there are, all others stay as they were.
+    pub fn derivative(
+        &self,
+        a: &Side,
+        b: Option<&Side>,
+        law: &Law,
+        derivative: &mut ImpactDerivative,
+    ) -> Result<Impact, ImpactError> {
+        self.check_law(law);
+        if b.is_none()
+            && !self.has_friction()
+            && let [contact] = self.contacts()
+            && let Some(point) = plane::PointOnPlane::of(contact)
+        {
+            return Ok(point.derivative(a, law, derivative));
+        }
+        let solution = Solution::new(self, a, b, law)?;
+        solution.derivative(derivative)?;
+        Ok(solution.impact())
+    }
+
+    fn check_law(&self, law: &Law) {
+        assert!(
+            self.has_friction() || law.friction == 0.0,
+            "friction in a meeting without"
+        );
+        assert!(
+            law.tilt_rad == [0.0; 2] || self.check_tilt().is_ok(),
+            "a tilt where no face is touched"
+        );
+    }
+}

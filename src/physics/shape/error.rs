@@ -1,0 +1,71 @@
+//! Why a shape cannot be used.
+
+use nalgebra::Vector3;
+use thiserror::Error;
+
+use crate::physics::body::BodyError;
+
+/// Why a shape cannot be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ShapeError {
+    /// A length is not positive.
+    #[error("{name} is {value_m} m, expected a positive number")]
+    Length {
+        /// Which one.
+        name: &'static str,
+        /// As given.
+        value_m: f64,
+    },
+    /// A rounding that leaves no box.
+    #[error("the rounding of {radius_m} m leaves no box: half the least side is {half_m} m")]
+    Rounding {
+        /// Its radius.
+        radius_m: f64,
+        /// Half the least side.
+        half_m: f64,
+    },
+    /// A point has a coordinate that is not finite.
+    #[error("point {index} of the hull is not finite")]
+    Point {
+        /// Which one.
+        index: usize,
+    },
+    /// Points span no volume.
+    #[error("the {count} points of the hull span no volume")]
+    Flat {
+        /// How many.
+        count: usize,
+    },
+    /// The hull could not be built though its points span a volume.
+    #[error("no convex hull of these {count} points: {reason}")]
+    Hull {
+        /// How many.
+        count: usize,
+        /// What the geometry library says.
+        reason: String,
+    },
+    /// The origin of a body's axes is not its centre of mass.
+    #[error(
+        "the hull's centre of mass is at [{}, {}, {}] mm, expected the origin: subtract that from every point",
+        .offset_m.x * 1e3, .offset_m.y * 1e3, .offset_m.z * 1e3
+    )]
+    OffCentre {
+        /// Centre of mass in the shape's axes.
+        offset_m: Vector3<f64>,
+    },
+    /// A body's axes are not principal.
+    #[error(
+        "the axes of the hull are not its principal ones (products of inertia per kg: yz {}, xz {}, xy {} m²): turn its points, or give moments_kg_m2",
+        .products_m2.x, .products_m2.y, .products_m2.z
+    )]
+    NotPrincipal {
+        /// Products of inertia over mass: yz, xz, xy.
+        products_m2: Vector3<f64>,
+    },
+    /// A pose between two shapes has a number in it that is not finite.
+    #[error("a pose is not finite")]
+    Pose,
+    /// Mass or density, or the moments that follow, make no body.
+    #[error(transparent)]
+    Body(#[from] BodyError),
+}

@@ -1,0 +1,14 @@
+//! Whether a motion with inferred contacts may be kept.
+
+use crate::motion::{Estimate, Scene, Verdict};
+use crate::verify::touches;
+
+/// Whether a motion is one, and what its open collisions say is what touches first there.
+pub(super) fn is_sound(scene: &Scene, estimate: &Estimate, open: &[usize]) -> bool {
+    let is_wrong = || {
+        let touches = touches(scene, estimate);
+        let mut wrong = touches.iter().filter(|touch| touch.is_wrong);
+        wrong.any(|touch| open.contains(&touch.event))
+    };
+    estimate.verdict != Verdict::Failed && (open.is_empty() || !is_wrong())
+}

@@ -1,0 +1,105 @@
+//! The stages, one after the other, as the pipeline and its previews call them.
+
+use super::infer::{Inferred, NoContact, infer};
+use super::outcome::{Outcome, PipelineError};
+use crate::estimate::Recipe;
+use crate::initialise;
+use crate::motion::{
+    Doubt, DropReason, Observer, Phase, SampleCounts, Scene, Segment, Sketch, Verdict, Verification,
+};
+use crate::segment::{self, SegmentError};
+use crate::verify::credible;
+
+/// A sketch cut at its marks.
+#[derive(Clone, Debug)]
+pub(super) struct Cut {
+    pub(super) segments: Vec<Segment>,
+    /// Rounds of refinement.
+    pub(super) rounds: usize,
+    /// See [`Outcome::marks_made_s`].
+    pub(super) marks_made_s: Vec<Option<f64>>,
+}
+
+/// Stage 2 after cleaning: marks refined, the sketch cut.
+pub(super) fn cut(
+    scene: &Scene,
+    sketch: &mut Sketch,
+    counts: &mut SampleCounts,
+    observer: &mut dyn Observer,
+) -> Result<Cut, SegmentError> {
+    observer.phase(Phase::Marks);
+    let made_s = sketch.marks_s.iter().enumerate();
+    let is_made = |event: usize| !counts.marks.proposed.contains(&event);
+    let made_s = made_s.map(|(event, made_s)| is_made(event).then_some(*made_s));
+    let mut marks_made_s: Vec<Option<f64>> = made_s.collect();
+    let mut rounds = segment::refine(scene, sketch);
+    counts.marks.moved = segment::relocate_marks(scene, sketch);
+    if !counts.marks.moved.is_empty() {
+        // A mark that was far from any kink is none; that it was is said.
+        for event in &counts.marks.moved {
+            marks_made_s[*event] = Some(sketch.marks_s[*event]);
+        }
+        rounds += segment::refine(scene, sketch);
+    }
+    segment::loosen(sketch);
+    let segments = segment::cut(scene, sketch)?;
+    Ok(Cut {
+        segments,
+        rounds,
+        marks_made_s,
+    })
+}
+
+/// Stages 3 and 4.
+pub(super) fn solve(
+    scene: &Scene,
+    sketch: &mut Sketch,
+    cut: &Cut,
+    observer: &mut dyn Observer,
+) -> Result<Inferred, PipelineError> {
+    let segments = &cut.segments;
+    observer.phase(Phase::ArcFits);
+    let guessed = initialise::guess(scene, sketch, segments);
+    initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);
+    let recipe = Recipe::default();
+    let mut inferred = infer(scene, sketch, segments, &guessed.guesses, &recipe, observer)
+        .map_err(|NoContact { event }| PipelineError::NoContact {
+            event: scene.events[event].name.clone(),
+        })?;
+    let counters = &mut inferred.solved.estimate.counters;
+    counters.fit_iterations = guessed.fit_iterations;
+    counters.assignment_rounds = cut.rounds;
+    Ok(inferred)
+}
+
+/// Counts the samples that segments use; what lies between a body's segments is near a collision.
+pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
+    counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
+    for (index, body) in sketch.bodies.iter().enumerate() {
+        let of_body = || segments.iter().filter(move |segment| segment.body == index);
+        let first = of_body().map(|segment| segment.samples.start).min();
+        let last = of_body().map(|segment| segment.samples.end).max();
+        let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
+        let used: usize = of_body().map(|segment| segment.samples.len()).sum();
+        counts.drop(DropReason::BeforeStart, first);
+        counts.drop(DropReason::NearCollision, last - first - used);
+        counts.drop(DropReason::AfterEnd, body.samples.len() - last);
+    }
+}
+
+/// What speaks against a motion whose gaps are closed: what checks found that were made, and whether it
+/// could be what was acted. Nothing of one that failed.
+pub(super) fn doubts(outcome: &Outcome) -> Vec<Doubt> {
+    if outcome.estimate.verdict == Verdict::Failed {
+        return Vec::new();
+    }
+    let checks = outcome.verification.iter();
+    let mut doubts: Vec<Doubt> = checks.flat_map(Verification::doubts).collect();
+    doubts.extend(credible::doubts(
+        &outcome.scene,
+        &outcome.sketch,
+        &outcome.marks_made_s,
+        &outcome.estimate,
+    ));
+    doubts
+}
