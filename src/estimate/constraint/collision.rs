@@ -1,8 +1,8 @@
 //! A collision of one body with the static world, or of two bodies with each other (paper eq. 3, 8, §5.2).
 //!
-//! Rows come in this order: gaps of the contacts, their approach speeds ([`contact`](super::contact)),
+//! Rows come in this order: gaps of the contacts, their approach speeds (`contact`),
 //! then for every body what position, orientation, velocity and angular velocity after it differ from the
-//! impact's ([`continuity`](super::continuity)). Where velocity gaps are priced instead of closed, the
+//! impact's (`continuity`). Where velocity gaps are priced instead of closed, the
 //! last two are rows of their own. One evaluation of the impact serves them all.
 
 use std::ops::Range;
