@@ -1,8 +1,8 @@
-//! What checks said of an estimate and how it goes on, with names in place of indices.
+//! What checks said of an estimate, with names in place of indices.
 
 use serde::Serialize;
 
-use crate::motion::{Scene, Settled, Verification};
+use crate::motion::{Scene, Verification};
 
 /// What independent checks say.
 #[derive(Clone, Debug, Serialize)]
@@ -70,17 +70,6 @@ pub struct ShotLine {
     pub angular_velocity_rad_s: f64,
 }
 
-/// How the motion goes on by simulation.
-#[derive(Clone, Debug, Serialize)]
-pub struct SettledLine {
-    /// Physical time from which it is simulated.
-    pub from_s: f64,
-    /// Physical time at which it ends.
-    pub end_s: f64,
-    /// Whether everything rests there.
-    pub at_rest: bool,
-}
-
 impl CheckLine {
     pub(super) fn new(scene: &Scene, verification: &Verification) -> Self {
         let shot = &verification.single_shot;
@@ -131,16 +120,6 @@ impl CheckLine {
             ]
             .into_iter()
             .fold(0.0, f64::max),
-        }
-    }
-}
-
-impl SettledLine {
-    pub(super) fn new(settled: &Settled) -> Self {
-        Self {
-            from_s: settled.from_s,
-            end_s: settled.end_s(),
-            at_rest: settled.at_rest,
         }
     }
 }

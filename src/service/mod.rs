@@ -23,7 +23,8 @@ mod report;
 mod stopwatch;
 mod words;
 
-pub use checks::{CheckLine, OverlapLine, SettledLine, ShotLine, WrongLine};
+pub use crate::write::lines::{Ordered, SampleLine, SettledLine};
+pub use checks::{CheckLine, OverlapLine, ShotLine, WrongLine};
 pub use direct::{Answer, DirectJob, Direction, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use doubts::DoubtLine;
@@ -32,7 +33,7 @@ pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
 pub use recover::{RecoveredLine, recover_all};
 pub use replay::{PublishJob, ReplayJob, replay};
-pub use report::{EventLine, Ordered, ParameterLine, Report, SampleLine, SegmentLine};
+pub use report::{EventLine, ParameterLine, Report, SegmentLine};
 pub use words::words;
 
 pub use crate::ingest::live::TakeState;

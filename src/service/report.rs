@@ -1,13 +1,13 @@
 //! What became of one recording, with names in place of indices: one JSON object, or the
 //! numbers of a text.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-use super::checks::{CheckLine, SettledLine};
+use super::checks::CheckLine;
 use super::doubts::DoubtLine;
-use crate::motion::{Estimate, Phase, Quantity, SampleCounts, Scene, Sketch};
+use crate::motion::{Estimate, Phase, Quantity, Scene, Sketch};
 use crate::pipeline::Outcome;
+use crate::write::lines::{Ordered, SampleLine, SettledLine};
 
 /// A finished recording. SI units unless a name says otherwise; numbers that do not exist, such
 /// as infinite bounds, are `null` in JSON.
@@ -126,39 +126,6 @@ pub struct SegmentLine {
     pub residual_deg: f64,
 }
 
-/// What became of the samples.
-#[derive(Clone, Debug, Serialize)]
-pub struct SampleLine {
-    /// Delivered.
-    pub read: usize,
-    /// In the objective.
-    pub used: usize,
-    /// Left out, by reason.
-    pub dropped: Ordered<usize>,
-    /// Sorted in.
-    pub reordered: usize,
-    /// Made unit.
-    pub normalised: usize,
-    /// Made continuous in sign.
-    pub flipped: usize,
-    /// Gaps in the streams.
-    pub gaps: usize,
-}
-
-/// Named values in the order that means something; a map in JSON.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ordered<T>(pub Vec<(String, T)>);
-
-impl<T: Serialize> Serialize for Ordered<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, value) in &self.0 {
-            map.serialize_entry(name, value)?;
-        }
-        map.end()
-    }
-}
-
 /// What the driver knows and the pipeline does not.
 pub(super) struct Circumstances {
     pub(super) recording: String,
@@ -210,7 +177,7 @@ impl Report {
                 .as_ref()
                 .map(|verification| CheckLine::new(scene, verification)),
             settled: outcome.settled.as_ref().map(SettledLine::new),
-            samples: sample_line(&outcome.counts),
+            samples: SampleLine::new(&outcome.counts),
             lost: circumstances.lost,
             warnings: circumstances.warnings,
             output: circumstances.output,
@@ -318,22 +285,4 @@ fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
             residual_deg: residual.orientation_rms_rad.to_degrees(),
         })
         .collect()
-}
-
-fn sample_line(counts: &SampleCounts) -> SampleLine {
-    SampleLine {
-        read: counts.read,
-        used: counts.used,
-        dropped: Ordered(
-            counts
-                .dropped
-                .iter()
-                .map(|(reason, count)| (reason.as_str().to_owned(), *count))
-                .collect(),
-        ),
-        reordered: counts.reordered,
-        normalised: counts.normalised,
-        flipped: counts.flipped,
-        gaps: counts.gaps,
-    }
 }

@@ -1,8 +1,8 @@
-//! Checks and continuation of an estimate, with the scene's names, for its report.
+//! Checks of an estimate, with the scene's names, for its report.
 
 use serde::Serialize;
 
-use crate::motion::{Deviation, Penetration, Scene, Settled, SingleShot, Touch, Verification};
+use crate::motion::{Deviation, Penetration, Scene, SingleShot, Touch, Verification};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct VerificationLine {
@@ -62,14 +62,6 @@ struct BalanceLine {
     impact_energy: f64,
     impact_momentum: f64,
     impact_angular_momentum: f64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct SettledLine {
-    from_s: f64,
-    end_s: f64,
-    at_rest: bool,
-    largest_speed_m_s: f64,
 }
 
 impl VerificationLine {
@@ -143,17 +135,6 @@ impl ShotLine {
             deviations: shot.deviations.iter().map(line).collect(),
             restarts: shot.restarts.iter().map(name).collect(),
             missed: shot.missed.iter().map(name).collect(),
-        }
-    }
-}
-
-impl SettledLine {
-    pub(super) fn new(settled: &Settled) -> Self {
-        Self {
-            from_s: settled.from_s,
-            end_s: settled.end_s(),
-            at_rest: settled.at_rest,
-            largest_speed_m_s: settled.largest_speed_m_s,
         }
     }
 }

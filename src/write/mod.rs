@@ -11,11 +11,11 @@
 pub mod atomic;
 mod checks;
 mod dialect;
-mod doubts;
 mod drawing;
 pub mod error;
 pub mod estimate;
 pub mod journal;
+pub mod lines;
 pub mod live;
 pub mod marks;
 mod merge;

@@ -5,8 +5,8 @@
 
 use serde::Serialize;
 
-use super::checks::{SettledLine, VerificationLine};
-use super::doubts::DoubtLine;
+use super::checks::VerificationLine;
+use super::lines::{DoubtLine, SampleLine, SettledLine};
 use crate::motion::{
     ArcEstimate, Estimate, EventEstimate, SampleCounts, Scene, SegmentResidual, Settled, Sketch,
     Stamp, Verification,
@@ -120,7 +120,7 @@ pub struct EstimateReport {
     parameters: Vec<Parameter>,
     residuals: Vec<Residual>,
     undetermined: Vec<String>,
-    samples: Samples,
+    samples: SampleLine,
     counters: Counters,
     time_map: TimeMap,
     verification: Option<VerificationLine>,
@@ -180,17 +180,6 @@ struct Residual {
     samples: usize,
     position_rms_m: f64,
     orientation_rms_rad: f64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct Samples {
-    read: usize,
-    used: usize,
-    dropped: std::collections::BTreeMap<&'static str, usize>,
-    reordered: usize,
-    normalised: usize,
-    flipped: usize,
-    gaps: usize,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -258,7 +247,7 @@ impl EstimateReport {
                 .map(|residual| Residual::new(scene, residual))
                 .collect(),
             undetermined: estimate.undetermined.clone(),
-            samples: Samples::new(counts),
+            samples: SampleLine::new(counts),
             counters: Counters {
                 iterations: counters.iterations,
                 evaluations: counters.evaluations,
@@ -319,24 +308,6 @@ impl Residual {
             samples: residual.samples,
             position_rms_m: residual.position_rms_m,
             orientation_rms_rad: residual.orientation_rms_rad,
-        }
-    }
-}
-
-impl Samples {
-    fn new(counts: &SampleCounts) -> Self {
-        Self {
-            read: counts.read,
-            used: counts.used,
-            dropped: counts
-                .dropped
-                .iter()
-                .map(|(reason, count)| (reason.as_str(), *count))
-                .collect(),
-            reordered: counts.reordered,
-            normalised: counts.normalised,
-            flipped: counts.flipped,
-            gaps: counts.gaps,
         }
     }
 }

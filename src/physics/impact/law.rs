@@ -39,7 +39,8 @@ pub struct Law {
     /// Coefficient of friction `μ`, zero or more.
     pub friction: f64,
     /// Tilt `t` of the normal that the impact sees: `n' = R_B·Exp(t0 a0 + t1 a1)·n_B`, with
-    /// [`Contact::tilt_axes`](crate::physics::contact::Contact::tilt_axes). Gap and approach speed keep the face's own normal.
+    /// [`Contact::tilt_axes`](crate::physics::contact::Contact::tilt_axes). Gap and approach speed keep
+    /// the face's own normal.
     pub tilt_rad: [f64; 2],
 }
 
