@@ -84,7 +84,7 @@ pub struct SettledLine {
     pub end_s: f64,
     /// Whether everything rests there.
     pub at_rest: bool,
-    /// The greatest speed of a body's surface in the end.
+    /// Largest speed of a centre of mass on the way.
     pub largest_speed_m_s: f64,
 }
 
