@@ -17,6 +17,8 @@ done
 
 # Tests decide, not lints; one copy of the tree, built without debug information.
 export CARGO_PROFILE_DEV_DEBUG=none
+output="${OUTPUT:-target/mutants}"
+mkdir -p "$output"
 exec cargo mutants --shard "$shard" "${files[@]}" \
     --jobs "${JOBS:-1}" --cap-lints=true --no-shuffle --baseline="${BASELINE:-run}" \
-    --build-timeout 1200 --output "${OUTPUT:-target/mutants}"
+    --build-timeout 1200 --output "$output"
