@@ -189,14 +189,22 @@ fn cells(problem: usize, names: &[String], own: &Own, report: &Report) -> Vec<Op
         .iter()
         .map(|name| match name.as_str() {
             OWN => Some(of_own(own.seconds, own.objective, own_is_motion)),
-            WHOLE => Some(of_own(
-                own.whole_seconds,
-                own.whole_objective,
-                own.whole_is_motion,
-            )),
+            WHOLE => Some(whole(own)),
             name => answers().find(|answer| answer.peer == name).map(of_peer),
         })
         .collect()
+}
+
+/// The whole estimate is of a larger problem, marks and reassigned samples included: its objective is not
+/// comparable, and its success is the verdict that the scene allows.
+fn whole(own: &Own) -> Cell {
+    Cell {
+        seconds: own.whole_seconds,
+        solver_seconds: own.whole_seconds[0],
+        objective: None,
+        succeeds: own.whole_is_motion,
+        is_late: false,
+    }
 }
 
 fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> Row {

@@ -60,8 +60,9 @@ fn sheet(measured: &Measured) -> Sheet {
     });
     Sheet {
         name: "peers".to_owned(),
-        title: "Share that ends at the best known optimum; ours: median time of those; peers: median of the \
-                time over ours, where both succeed."
+        title: "Share that ends at the best known optimum, of whole estimates share that is physical (of the \
+                die plausible); ours: median time of those; peers: median of the time over ours, where both \
+                succeed."
             .to_owned(),
         header: header.chain(peers.iter().map(|peer| (*peer).clone())).collect(),
         rows: lines.collect(),

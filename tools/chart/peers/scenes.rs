@@ -87,8 +87,7 @@ pub struct Own {
     pub violation: f64,
     pub iterations: usize,
     pub is_in_order: bool,
-    /// Objective of the latter, and whether it is a motion.
-    pub whole_objective: f64,
+    /// Whether the latter has the verdict that the scene allows.
     pub whole_is_motion: bool,
     /// Lowest of some twenty starts, the truth among them.
     pub lowest: Option<f64>,
@@ -137,7 +136,6 @@ pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given
             violation: solution.system.violation(),
             iterations: solution.work.iterations,
             is_in_order: solution.point.event_times_s.is_sorted(),
-            whole_objective: outcome.estimate.objective,
             whole_is_motion: outcome.estimate.verdict == expected,
             lowest: best.map(|best| best.objective),
         },
