@@ -81,3 +81,40 @@ impl Guidance {
         (samples.len() / self.orientations_per_arc.max(nodes)).max(1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    use super::*;
+    use crate::estimate::problem::ArcSample;
+
+    fn arc(samples: usize, per_node: usize) -> Arc {
+        let sample = |index: usize| ArcSample {
+            position_m: Vector3::zeros(),
+            orientation: UnitQuaternion::identity(),
+            node: index / per_node,
+            share: (index % per_node) as f64 / per_node as f64,
+        };
+        Arc {
+            body: 0,
+            start: None,
+            end: None,
+            samples: (0..samples).map(sample).collect(),
+        }
+    }
+
+    #[test]
+    fn one_in_so_many_samples_is_read_and_no_fewer_than_there_are_nodes() {
+        let coarse = Guidance {
+            orientations_per_arc: 16,
+            ..Guidance::none()
+        };
+        assert_eq!(coarse.stride(&arc(160, 160)), 10);
+        assert_eq!(coarse.stride(&arc(160, 4)), 4);
+        assert_eq!(coarse.stride(&arc(160, 1)), 1);
+        assert_eq!(coarse.stride(&arc(5, 1)), 1);
+        assert_eq!(coarse.stride(&arc(0, 1)), 1);
+        assert_eq!(Guidance::none().stride(&arc(160, 160)), 1);
+    }
+}
