@@ -69,12 +69,12 @@ pub struct Bound {
     pub cost: f64,
     /// By the rounds that are over.
     floor: f64,
-    stage: Stage,
-    place: Option<Place>,
+    stage: Progress,
+    place: Option<Standing>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum Progress {
     Sweep { steps: usize },
     Round { number: usize, steps: usize },
     Done,
@@ -82,7 +82,7 @@ enum Stage {
 
 /// Where a bound stands.
 #[derive(Clone, Debug)]
-struct Place {
+struct Standing {
     point: Point,
     damping: f64,
     multipliers: Vec<f64>,
@@ -93,7 +93,7 @@ impl Default for Bound {
         Self {
             cost: 0.0,
             floor: 0.0,
-            stage: Stage::Sweep { steps: 0 },
+            stage: Progress::Sweep { steps: 0 },
             place: None,
         }
     }
@@ -102,7 +102,7 @@ impl Default for Bound {
 impl Bound {
     /// Whether no more work makes it better.
     pub fn is_done(&self) -> bool {
-        self.stage == Stage::Done
+        self.stage == Progress::Done
     }
 
     /// Works on it, always with the same part and recipe, until it is above `ceiling` or can be no better;
@@ -124,28 +124,30 @@ impl Bound {
         let leading = lead.guidance(schedule::Stage::Sweep { weight });
         let exact = Guidance::none();
         let mut run = match self.place.take() {
-            Some(place) => Run::resumed(&context, self.stage, (&leading, &exact), &schedule, place),
-            None => Run::new(&context, &leading, &schedule, start),
+            Some(place) => {
+                Tightening::resumed(&context, self.stage, (&leading, &exact), &schedule, place)
+            }
+            None => Tightening::new(&context, &leading, &schedule, start),
         };
         let is_tied = !run.lagrangian.multipliers.is_empty();
-        if !is_tied && self.stage == (Stage::Sweep { steps: 0 }) {
+        if !is_tied && self.stage == (Progress::Sweep { steps: 0 }) {
             self.begin_round(&mut run, 0, &exact, &schedule);
         }
-        while self.stage != Stage::Done && self.cost <= ceiling {
+        while self.stage != Progress::Done && self.cost <= ceiling {
             match self.stage {
-                Stage::Sweep { steps } => {
+                Progress::Sweep { steps } => {
                     self.sweep(&mut run, steps, (&leading, &exact), &schedule)
                 }
-                Stage::Round { number, steps } => {
+                Progress::Round { number, steps } => {
                     let is_last = number + 1 == ROUNDS || !is_tied;
                     self.round(&mut run, (number, steps, is_last), &exact, &schedule);
                 }
-                Stage::Done => {}
+                Progress::Done => {}
             }
         }
         let mut counters = Counters::default();
         solve::add(&mut counters, &run.descent.work, 0);
-        if self.stage != Stage::Done {
+        if self.stage != Progress::Done {
             self.place = Some(run.place());
         }
         counters
@@ -153,7 +155,7 @@ impl Bound {
 
     fn sweep(
         &mut self,
-        run: &mut Run,
+        run: &mut Tightening,
         steps: usize,
         (leading, exact): (&Guidance, &Guidance),
         schedule: &Schedule,
@@ -168,13 +170,19 @@ impl Bound {
             let value = lagrangian.merit(&run.descent.system) - may_gain;
             self.cost = self.floor.max(value);
         }
-        self.stage = Stage::Sweep { steps };
+        self.stage = Progress::Sweep { steps };
         if taken < LEG || steps >= schedule.sweep_steps {
             self.begin_round(run, 0, exact, schedule);
         }
     }
 
-    fn begin_round(&mut self, run: &mut Run, number: usize, exact: &Guidance, schedule: &Schedule) {
+    fn begin_round(
+        &mut self,
+        run: &mut Tightening,
+        number: usize,
+        exact: &Guidance,
+        schedule: &Schedule,
+    ) {
         if number == 0 {
             run.descent.refresh(exact);
             run.lagrangian =
@@ -183,12 +191,12 @@ impl Bound {
             run.lagrangian.update(&run.descent.system);
         }
         run.descent.damping = run.descent.damping.clamp(DAMPING.0, DAMPING.1);
-        self.stage = Stage::Round { number, steps: 0 };
+        self.stage = Progress::Round { number, steps: 0 };
     }
 
     fn round(
         &mut self,
-        run: &mut Run,
+        run: &mut Tightening,
         (number, steps, is_last): (usize, usize, bool),
         exact: &Guidance,
         schedule: &Schedule,
@@ -200,11 +208,11 @@ impl Bound {
         if value.is_finite() {
             self.cost = self.floor.max(value);
         }
-        self.stage = Stage::Round { number, steps };
+        self.stage = Progress::Round { number, steps };
         if taken < LEG || may_gain < SHARE * value || steps >= STEPS {
             self.floor = self.cost;
             if is_last {
-                self.stage = Stage::Done;
+                self.stage = Progress::Done;
             } else {
                 self.begin_round(run, number + 1, exact, schedule);
             }
@@ -213,12 +221,12 @@ impl Bound {
 }
 
 /// A descent under way.
-struct Run<'a> {
+struct Tightening<'a> {
     descent: Descent<'a, SolveContext<'a>>,
     lagrangian: AugmentedLagrangian,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Tightening<'a> {
     fn new(
         context: &'a SolveContext<'a>,
         leading: &Guidance,
@@ -237,12 +245,12 @@ impl<'a> Run<'a> {
 
     fn resumed(
         context: &'a SolveContext<'a>,
-        stage: Stage,
+        stage: Progress,
         (leading, exact): (&Guidance, &Guidance),
         schedule: &Schedule,
-        place: Place,
+        place: Standing,
     ) -> Self {
-        let is_sweep = matches!(stage, Stage::Sweep { .. });
+        let is_sweep = matches!(stage, Progress::Sweep { .. });
         let guidance = if is_sweep { leading } else { exact };
         let mut descent = Descent::new(context, place.point);
         descent.refresh(guidance);
@@ -288,8 +296,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn place(self) -> Place {
-        Place {
+    fn place(self) -> Standing {
+        Standing {
             point: self.descent.point,
             damping: self.descent.damping,
             multipliers: self.lagrangian.multipliers,

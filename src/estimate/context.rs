@@ -112,6 +112,7 @@ mod tests {
         };
         assert_eq!(coarse.stride(&arc(160, 160)), 10);
         assert_eq!(coarse.stride(&arc(160, 4)), 4);
+        assert_eq!(coarse.stride(&arc(180, 9)), 9);
         assert_eq!(coarse.stride(&arc(160, 1)), 1);
         assert_eq!(coarse.stride(&arc(5, 1)), 1);
         assert_eq!(coarse.stride(&arc(0, 1)), 1);

@@ -71,7 +71,7 @@ pub struct Arc {
 
 /// Arcs of one body before and after an event.
 #[derive(Clone, Copy, Debug)]
-pub struct Side {
+pub struct ArcPair {
     /// Index into [`Problem::bodies`].
     pub body: usize,
     /// Arc before.
@@ -82,11 +82,11 @@ pub struct Side {
 
 /// An impact that ties the arcs of one body, or of two.
 #[derive(Clone, Debug)]
-pub struct Collision {
+pub struct ArcCollision {
     /// Event at which it happens.
     pub event: usize,
     /// The body, and the other one where it does not hit the static world.
-    pub sides: Vec<Side>,
+    pub sides: Vec<ArcPair>,
     /// Where they touch.
     pub meeting: ContactSet,
     /// Whether a goal holds the body in touch already, so that no row needs to.
@@ -101,7 +101,7 @@ pub struct Collision {
     pub tilts: Vec<(usize, usize)>,
 }
 
-impl Collision {
+impl ArcCollision {
     /// Its law with what is free taken from `parameters`.
     pub fn law(&self, parameters: &[f64]) -> Law {
         let value = |index: Option<usize>, otherwise| index.map_or(otherwise, |p| parameters[p]);
@@ -184,7 +184,7 @@ pub struct Problem {
     /// Marks of those whose time is an unknown.
     pub marks: Vec<EventMark>,
     /// Bounces.
-    pub collisions: Vec<Collision>,
+    pub collisions: Vec<ArcCollision>,
     /// Goals.
     pub goals: Vec<ArcGoal>,
     /// Free parameters.
@@ -406,7 +406,7 @@ fn collisions(
     scene: &Scene,
     arcs: &[Arc],
     parameter: &impl Fn(Quantity) -> Option<usize>,
-) -> Vec<Collision> {
+) -> Vec<ArcCollision> {
     let events = scene.events.iter().enumerate();
     let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
     all.filter_map(|(event, collision)| {
@@ -416,7 +416,7 @@ fn collisions(
                     arc.body == body && (if end { arc.end } else { arc.start }) == Some(event)
                 })
             };
-            Some(Side {
+            Some(ArcPair {
                 body,
                 before: arc_with(true)?,
                 after: arc_with(false)?,
@@ -427,7 +427,7 @@ fn collisions(
                 && goal.body == collision.body
                 && matches!(goal.target, GoalTarget::Pose { .. })
         };
-        Some(Collision {
+        Some(ArcCollision {
             event,
             sides: collision.bodies().map(side).collect::<Option<_>>()?,
             meeting: scene

@@ -196,13 +196,13 @@ impl Block {
         for panel in &pattern.panels {
             let runs = &pattern.runs[panel.runs.clone()];
             match self.rows(panel) {
-                Rows::One(of) => {
+                PanelRows::One(of) => {
                     let weight = weight(row);
                     if weight != 0.0 {
                         add_square_of_one(runs, of, weight, (within, matrix));
                     }
                 }
-                Rows::Three(of) => {
+                PanelRows::Three(of) => {
                     let weights = [weight(row), weight(row + 1), weight(row + 2)];
                     if weights != [0.0; PANEL] {
                         add_square_of_three(runs, of, weights, (within, matrix));
@@ -225,14 +225,14 @@ impl Block {
         for panel in &pattern.panels {
             let runs = &pattern.runs[panel.runs.clone()];
             match self.rows(panel) {
-                Rows::One(of) => {
+                PanelRows::One(of) => {
                     let pull = pull(row);
                     for run in runs {
                         let to = &mut gradient[run.unknown..run.unknown + run.length];
                         add_one(to, pull, run.of(of));
                     }
                 }
-                Rows::Three([a, b, c]) => {
+                PanelRows::Three([a, b, c]) => {
                     let pulls = [pull(row), pull(row + 1), pull(row + 2)];
                     for run in runs {
                         let to = &mut gradient[run.unknown..run.unknown + run.length];
@@ -252,7 +252,7 @@ impl Block {
             let runs = &pattern.runs[panel.runs.clone()];
             let moved = |run: &Run| &delta[run.unknown..run.unknown + run.length];
             match self.rows(panel) {
-                Rows::One(of) => {
+                PanelRows::One(of) => {
                     let mut sum = 0.0;
                     for run in runs {
                         let terms = run.of(of).iter().zip(moved(run));
@@ -260,7 +260,7 @@ impl Block {
                     }
                     change[row] = sum;
                 }
-                Rows::Three([a, b, c]) => {
+                PanelRows::Three([a, b, c]) => {
                     let mut sums = [0.0; PANEL];
                     for run in runs {
                         let (a, b, c) = (run.of(a).iter(), run.of(b), run.of(c));
@@ -277,18 +277,18 @@ impl Block {
         }
     }
 
-    fn rows(&self, panel: &Panel) -> Rows<'_> {
+    fn rows(&self, panel: &Panel) -> PanelRows<'_> {
         let row = |row: usize| &self.jacobian[panel.first + row * panel.width..][..panel.width];
         if panel.rows == 1 {
-            Rows::One(row(0))
+            PanelRows::One(row(0))
         } else {
-            Rows::Three([row(0), row(1), row(2)])
+            PanelRows::Three([row(0), row(1), row(2)])
         }
     }
 }
 
 /// Derivatives of a panel's rows.
-enum Rows<'a> {
+enum PanelRows<'a> {
     One(&'a [f64]),
     Three([&'a [f64]; PANEL]),
 }

@@ -96,7 +96,7 @@ pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
 }
 
 /// Two unknowns within a circle: `(limit, p + δ)` in a second-order cone.
-struct Circle {
+struct RowCircle {
     /// Of its row among all rows.
     index: usize,
     block: usize,
@@ -105,14 +105,14 @@ struct Circle {
 }
 
 /// Curved rows are `(p₀² + p₁²)/limit² ≤ 1`, with derivatives `2p/limit²` and the curvature `2/limit²`.
-fn circles(structure: &Structure, system: &System) -> Vec<Circle> {
+fn circles(structure: &Structure, system: &System) -> Vec<RowCircle> {
     let mut circles = Vec::new();
     let mut index = 0;
     let blocks = system.blocks.iter().zip(&structure.blocks);
     for (number, (block, pattern)) in blocks.enumerate() {
         if block.curvature > 0.0 {
             let derivatives = block.derivatives(pattern, 0);
-            circles.push(Circle {
+            circles.push(RowCircle {
                 index,
                 block: number,
                 limit: (2.0 / block.curvature).sqrt(),
@@ -125,7 +125,7 @@ fn circles(structure: &Structure, system: &System) -> Vec<Circle> {
 }
 
 /// One side of a row: `sign · Jδ ≤ room`, or equal to it.
-struct Side {
+struct RowSide {
     /// Among all rows.
     index: usize,
     block: usize,
@@ -136,7 +136,7 @@ struct Side {
 }
 
 /// All finite sides, equalities first.
-fn sides(system: &System) -> Vec<Side> {
+fn sides(system: &System) -> Vec<RowSide> {
     let mut sides = Vec::new();
     let mut index = 0;
     for (number, block) in system.blocks.iter().enumerate() {
@@ -148,7 +148,7 @@ fn sides(system: &System) -> Vec<Side> {
         for (row, (value, (lower, upper))) in block.values.iter().zip(&block.bounds).enumerate() {
             let is_equality = lower == upper;
             let mut push = |sign: f64, room: f64| {
-                sides.push(Side {
+                sides.push(RowSide {
                     index,
                     block: number,
                     row,

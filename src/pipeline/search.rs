@@ -122,7 +122,7 @@ struct Node {
     cost: f64,
     /// What it costs at least by what was known when it was made.
     made_at: f64,
-    stage: Stage,
+    stage: NodeState,
     /// Number in order of making, for ties.
     number: usize,
     choice: Vec<usize>,
@@ -132,7 +132,7 @@ struct Node {
 
 /// What a node's cost is.
 #[derive(Clone, Debug)]
-enum Stage {
+enum NodeState {
     /// At least that, by its own bound as far as that is raised.
     Rising(LowerBound),
     /// At least that, and no more work makes it better.
@@ -164,14 +164,14 @@ impl PartialEq for Node {
 
 impl Eq for Node {}
 
-impl Solution {
+impl SolvedSequence {
     /// Half the sum of squared residuals.
     fn cost(&self) -> f64 {
         0.5 * self.solved.estimate.objective
     }
 }
 
-struct Solution {
+struct SolvedSequence {
     choice: Vec<usize>,
     solved: Solved,
     /// Whether it is a motion, in which nothing else would have touched first.
@@ -184,7 +184,7 @@ struct Search<'a> {
     /// The scene, with velocity gaps only where it always has them: costs must compare.
     scene: Scene,
     queue: BinaryHeap<Reverse<Node>>,
-    solutions: Vec<Solution>,
+    solutions: Vec<SolvedSequence>,
     /// Those that were there before.
     known: Vec<(Vec<usize>, Solved)>,
     best: Option<usize>,
@@ -249,12 +249,12 @@ impl<'a> Search<'a> {
             self.begin();
         }
         while let Some(Reverse(node)) = self.queue.pop() {
-            if let Stage::Solved(index) = node.stage {
+            if let NodeState::Solved(index) = node.stage {
                 self.best = Some(index);
                 self.work.is_proven = true;
                 return;
             }
-            let is_failed = |s: &&Solution| s.solved.estimate.verdict != Verdict::Physical;
+            let is_failed = |s: &&SolvedSequence| s.solved.estimate.verdict != Verdict::Physical;
             let failed = self.solutions.iter().filter(is_failed).count();
             let is_over =
                 self.iterations > ITERATIONS_MAX || node.cost > limit || failed >= failures;
@@ -272,7 +272,7 @@ impl<'a> Search<'a> {
     fn begin(&mut self) {
         self.expand(&[], 0.0, [0.0; 2]);
         let choice = vec![0; self.field.open.len()];
-        let stage = Stage::Rising(self.prefix(&choice));
+        let stage = NodeState::Rising(self.prefix(&choice));
         let node = Node {
             cost: self.tails[0],
             made_at: self.tails[0],
@@ -290,7 +290,7 @@ impl<'a> Search<'a> {
 
     /// Solutions whose velocities jump.
     fn bent(&self) -> Vec<(Vec<usize>, Solved)> {
-        let jumps = |s: &&Solution| s.solved.estimate.verdict == Verdict::Plausible;
+        let jumps = |s: &&SolvedSequence| s.solved.estimate.verdict == Verdict::Plausible;
         let solutions = self.solutions.iter().filter(jumps);
         solutions
             .map(|s| (s.choice.clone(), s.solved.clone()))
@@ -300,7 +300,7 @@ impl<'a> Search<'a> {
     /// Brings a node to its next stage, or above the next one.
     fn advance(&mut self, mut node: Node, observer: &mut dyn Observer) {
         let depth = node.choice.len();
-        if let Stage::Rising(bound) = &mut node.stage {
+        if let NodeState::Rising(bound) = &mut node.stage {
             let next = self.queue.peek();
             let next = next.map_or(f64::INFINITY, |Reverse(next)| next.cost);
             let tail = self.tails[depth + 1];
@@ -309,7 +309,7 @@ impl<'a> Search<'a> {
             node.cost = node.made_at.max(own + tail);
             if bound.is_done() {
                 node.before = [own, node.before[0]];
-                node.stage = Stage::Bounded;
+                node.stage = NodeState::Bounded;
             }
             self.queue.push(Reverse(node));
         } else if depth < self.field.open.len() {
@@ -330,7 +330,7 @@ impl<'a> Search<'a> {
             let node = Node {
                 cost: made_at,
                 made_at,
-                stage: Stage::Rising(self.prefix(&choice)),
+                stage: NodeState::Rising(self.prefix(&choice)),
                 number: self.made,
                 choice,
                 before,
@@ -354,7 +354,7 @@ impl<'a> Search<'a> {
         let scene = self.with(&places(&choice));
         let open: Vec<usize> = self.field.open.iter().map(|(event, _)| *event).collect();
         let may_jump = self.scene.velocity_gaps == VelocityGaps::Always;
-        let solution = Solution {
+        let solution = SolvedSequence {
             is_sound: (may_jump || solved.estimate.verdict == Verdict::Physical)
                 && is_sound(&scene, &solved.estimate, &open),
             choice,
@@ -364,7 +364,7 @@ impl<'a> Search<'a> {
             self.queue.push(Reverse(Node {
                 cost: solution.cost(),
                 made_at: solution.cost(),
-                stage: Stage::Solved(self.solutions.len()),
+                stage: NodeState::Solved(self.solutions.len()),
                 number: self.made,
                 choice: solution.choice.clone(),
                 before: [0.0; 2],
@@ -405,7 +405,7 @@ impl<'a> Search<'a> {
 
     /// The best that was found, or the best that is known where none is sound.
     fn conclude(mut self, observer: &mut dyn Observer) -> Found {
-        let rank = |solution: &Solution| {
+        let rank = |solution: &SolvedSequence| {
             let estimate = &solution.solved.estimate;
             let is_failed = estimate.verdict == Verdict::Failed;
             (!solution.is_sound, is_failed, estimate.objective)

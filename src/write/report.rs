@@ -114,21 +114,21 @@ pub struct EstimateReport {
     doubts: Vec<DoubtLine>,
     objective: f64,
     gravity_m_s2: [f64; 3],
-    arcs: Vec<Arc>,
-    events: Vec<Event>,
-    duration: Duration,
-    parameters: Vec<Parameter>,
-    residuals: Vec<Residual>,
+    arcs: Vec<ArcLine>,
+    events: Vec<EventLine>,
+    duration: DurationLine,
+    parameters: Vec<ParameterLine>,
+    residuals: Vec<ResidualLine>,
     undetermined: Vec<String>,
     samples: SampleLine,
-    counters: Counters,
+    counters: CounterLine,
     time_map: TimeMap,
     verification: Option<VerificationLine>,
     settled: Option<SettledLine>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Arc {
+struct ArcLine {
     body: String,
     start_s: f64,
     end_s: f64,
@@ -140,25 +140,25 @@ struct Arc {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Event {
+struct EventLine {
     name: String,
     kind: &'static str,
     contact: Option<String>,
     time_s: f64,
     sd_s: Option<f64>,
     acted_s: f64,
-    gap: Gap,
+    gap: GapLine,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Duration {
+struct DurationLine {
     duration_s: f64,
     sd_s: Option<f64>,
     is_determined: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Gap {
+struct GapLine {
     position_m: f64,
     orientation_rad: f64,
     velocity_m_s: f64,
@@ -166,7 +166,7 @@ struct Gap {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Parameter {
+struct ParameterLine {
     name: String,
     value: f64,
     sd: Option<f64>,
@@ -175,7 +175,7 @@ struct Parameter {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Residual {
+struct ResidualLine {
     body: String,
     samples: usize,
     position_rms_m: f64,
@@ -183,7 +183,7 @@ struct Residual {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Counters {
+struct CounterLine {
     iterations: usize,
     evaluations: usize,
     factorisations: usize,
@@ -218,14 +218,14 @@ impl EstimateReport {
             arcs: estimate
                 .arcs
                 .iter()
-                .map(|arc| Arc::new(scene, arc))
+                .map(|arc| ArcLine::new(scene, arc))
                 .collect(),
             events: estimate
                 .events
                 .iter()
-                .map(|event| Event::new(scene, event))
+                .map(|event| EventLine::new(scene, event))
                 .collect(),
-            duration: Duration {
+            duration: DurationLine {
                 duration_s: estimate.duration.duration_s,
                 sd_s: estimate.duration.sd_s,
                 is_determined: estimate.duration.is_determined(),
@@ -233,7 +233,7 @@ impl EstimateReport {
             parameters: estimate
                 .parameters
                 .iter()
-                .map(|parameter| Parameter {
+                .map(|parameter| ParameterLine {
                     name: parameter.name.clone(),
                     value: parameter.value,
                     sd: parameter.sd,
@@ -244,11 +244,11 @@ impl EstimateReport {
             residuals: estimate
                 .residuals
                 .iter()
-                .map(|residual| Residual::new(scene, residual))
+                .map(|residual| ResidualLine::new(scene, residual))
                 .collect(),
             undetermined: estimate.undetermined.clone(),
             samples: SampleLine::new(counts),
-            counters: Counters {
+            counters: CounterLine {
                 iterations: counters.iterations,
                 evaluations: counters.evaluations,
                 factorisations: counters.factorisations,
@@ -264,7 +264,7 @@ impl EstimateReport {
     }
 }
 
-impl Arc {
+impl ArcLine {
     fn new(scene: &Scene, arc: &ArcEstimate) -> Self {
         let state = &arc.state;
         let q = state.orientation.quaternion();
@@ -281,7 +281,7 @@ impl Arc {
     }
 }
 
-impl Event {
+impl EventLine {
     fn new(scene: &Scene, estimate: &EventEstimate) -> Self {
         let event = &scene.events[estimate.event];
         Self {
@@ -291,7 +291,7 @@ impl Event {
             time_s: estimate.time_s,
             sd_s: estimate.sd_s,
             acted_s: estimate.acted_s,
-            gap: Gap {
+            gap: GapLine {
                 position_m: estimate.gap.position_m,
                 orientation_rad: estimate.gap.orientation_rad,
                 velocity_m_s: estimate.gap.velocity_m_s,
@@ -301,7 +301,7 @@ impl Event {
     }
 }
 
-impl Residual {
+impl ResidualLine {
     fn new(scene: &Scene, residual: &SegmentResidual) -> Self {
         Self {
             body: scene.bodies[residual.body].name.clone(),

@@ -9,7 +9,7 @@ use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::{
-    Arc, ArcGoal, ArcTarget, Collision, Problem as Estimation, Side, unit,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Problem as Estimation, unit,
 };
 use enact::estimate::recipe;
 use enact::motion::{Cone, FreeParameter, Guess};
@@ -282,14 +282,14 @@ fn flight(arc: &Arc, epoch_s: f64) -> Flight {
     }
 }
 
-fn impact(collision: &Collision) -> Impact {
+fn impact(collision: &ArcCollision) -> Impact {
     let tilt = |tangent: usize| {
         let mut tilts = collision.tilts.iter();
         tilts
             .find(|(of, _)| *of == tangent)
             .map(|(_, parameter)| *parameter)
     };
-    let arcs = |side: &Side| Arcs {
+    let arcs = |side: &ArcPair| Arcs {
         body: side.body,
         before: side.before,
         after: side.after,

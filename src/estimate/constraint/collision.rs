@@ -10,18 +10,18 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::kind::{At, Constraint, Filled};
-use super::rows::{HALF, Half, Places, Rows};
+use super::rows::{CollisionRows, HALF, Half, Places};
 use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
-use crate::estimate::problem::{Collision, Problem, STATE, unit};
+use crate::estimate::problem::{ArcCollision, Problem, STATE, unit};
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::State;
 use crate::physics::impact;
 use crate::physics::state::part;
 
-impl Constraint for Collision {
+impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
     /// restitution, friction, tilts, as far as they go.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
@@ -88,7 +88,7 @@ impl Constraint for Collision {
             gaps.spoil();
             return;
         };
-        let mut rows = Rows {
+        let mut rows = CollisionRows {
             problem,
             collision: self,
             places,
@@ -169,7 +169,7 @@ impl Constraint for Collision {
 /// How states arrive at the collision's event: of a body, by the arc.
 fn arrivals<'a>(
     problem: &'a Problem,
-    collision: &Collision,
+    collision: &ArcCollision,
     point: &'a Point,
     epochs_s: &'a [f64],
 ) -> impl Fn(usize, usize) -> ArcEnd + use<'a> {
@@ -182,7 +182,10 @@ fn arrivals<'a>(
 }
 
 /// How every body arrives.
-fn before(collision: &Collision, arrive: &impl Fn(usize, usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
+fn before(
+    collision: &ArcCollision,
+    arrive: &impl Fn(usize, usize) -> ArcEnd,
+) -> [Option<ArcEnd>; 2] {
     [0, 1].map(|side| {
         let side = collision.sides.get(side);
         side.map(|side| arrive(side.body, side.before))
@@ -191,7 +194,7 @@ fn before(collision: &Collision, arrive: &impl Fn(usize, usize) -> ArcEnd) -> [O
 
 fn sides<'a>(
     problem: &'a Problem,
-    collision: &Collision,
+    collision: &ArcCollision,
     before: &'a [Option<ArcEnd>; 2],
 ) -> [Option<impact::Side<'a>>; 2] {
     [0, 1].map(|side: usize| {
@@ -205,7 +208,7 @@ fn sides<'a>(
 /// the impact has no answer.
 pub fn fastest_approach_m_s(
     problem: &Problem,
-    collision: &Collision,
+    collision: &ArcCollision,
     point: &Point,
     epochs_s: &[f64],
 ) -> f64 {

@@ -1,13 +1,13 @@
 //! Contact and approach at a collision (paper eq. 3): gaps of the contacts, which vanish, and the speeds at
 //! which they close.
 
-use super::rows::Rows;
+use super::rows::CollisionRows;
 use crate::estimate::arc_end::{ArcEnd, ByState};
 use crate::estimate::problem::{STATE, unit};
 use crate::physics::impact::{Impact, ImpactDerivative};
 use crate::physics::state::part;
 
-impl Rows<'_> {
+impl CollisionRows<'_> {
     /// Gaps and approach speeds.
     pub(super) fn fill_contacts(&mut self, impact: &Impact, approach_limit_m_s: f64) {
         let (_, block) = &mut self.block;

@@ -3,14 +3,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::rows::{HALF, Half, Rows};
+use super::rows::{CollisionRows, HALF, Half};
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::problem::{Collision, STATE, unit};
+use crate::estimate::problem::{ArcCollision, STATE, unit};
 use crate::math::so3;
 use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;
 
-impl Rows<'_> {
+impl CollisionRows<'_> {
     /// What the position of a body after differs from that before, and its derivatives.
     pub(super) fn fill_positions(
         &mut self,
@@ -127,7 +127,7 @@ impl Rows<'_> {
 
 /// Derivatives of a velocity after by restitution, friction and tilts, where they are free.
 fn by_law<'a>(
-    collision: &'a Collision,
+    collision: &'a ArcCollision,
     derivative: &'a ImpactDerivative,
     body: usize,
     row: usize,

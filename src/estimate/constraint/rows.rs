@@ -1,7 +1,7 @@
 //! Where rows and columns of a collision are.
 
 use super::kind::Filled;
-use crate::estimate::problem::{Collision, Problem, STATE};
+use crate::estimate::problem::{ArcCollision, Problem, STATE};
 use crate::physics::contact::Feature;
 use crate::physics::state::part;
 
@@ -21,7 +21,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    pub(super) fn new(problem: &Problem, collision: &Collision) -> Self {
+    pub(super) fn new(problem: &Problem, collision: &ArcCollision) -> Self {
         let bodies = collision.sides.len();
         let contacts = collision.meeting.contacts();
         let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
@@ -54,9 +54,9 @@ impl Places {
 }
 
 /// The two blocks of a collision on their way.
-pub(super) struct Rows<'a> {
+pub(super) struct CollisionRows<'a> {
     pub(super) problem: &'a Problem,
-    pub(super) collision: &'a Collision,
+    pub(super) collision: &'a ArcCollision,
     pub(super) places: Places,
     pub(super) block: Filled<'a>,
     pub(super) gaps: Filled<'a>,

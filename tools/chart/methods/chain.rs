@@ -1,7 +1,7 @@
 //! Derivatives of what follows by what is held.
 
 use enact::estimate::layout::Layout;
-use enact::estimate::problem::Collision;
+use enact::estimate::problem::ArcCollision;
 use enact::estimate::problem::STATE;
 use enact::optimise::System;
 use nalgebra::DMatrix;
@@ -105,7 +105,7 @@ impl<'a> Chains<'a> {
     fn add_time(
         &mut self,
         index: usize,
-        collision: &Collision,
+        collision: &ArcCollision,
         (layout, system): (&Layout, &System),
     ) {
         let problem = &self.split.problem;
@@ -134,7 +134,7 @@ impl<'a> Chains<'a> {
     fn add_states(
         &mut self,
         index: usize,
-        collision: &Collision,
+        collision: &ArcCollision,
         (layout, system): (&Layout, &System),
     ) {
         let problem = &self.split.problem;

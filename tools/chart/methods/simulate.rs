@@ -1,7 +1,7 @@
 //! What follows from what is held: times of collisions, found as roots, and states after them.
 
 use enact::estimate::point::Point;
-use enact::estimate::problem::{Collision, Problem, unit};
+use enact::estimate::problem::{ArcCollision, Problem, unit};
 use enact::physics::impact::{self, Impact};
 use enact::physics::state::StateTangent;
 use enact::physics::{State, flow};
@@ -70,7 +70,7 @@ pub fn simulate(
 /// Gaps in the velocities that the point has beyond its impacts, in units.
 pub fn gaps(problem: &Problem, split: &Split, point: &Point) -> Vec<[StateTangent; 2]> {
     let gravity = problem.gravity(&point.parameters);
-    let of = |collision: &Collision| {
+    let of = |collision: &ArcCollision| {
         let mut gaps = [StateTangent::zeros(); 2];
         let time_s = point.event_times_s[collision.event];
         let Some((_, impact)) = at(split, collision, point, time_s) else {
@@ -96,13 +96,13 @@ pub fn gaps(problem: &Problem, split: &Split, point: &Point) -> Vec<[StateTangen
 /// States of the bodies of a collision at a time, and their impact then.
 fn at(
     split: &Split,
-    collision: &Collision,
+    collision: &ArcCollision,
     point: &Point,
     time_s: f64,
 ) -> Option<([State; 2], Impact)> {
     let problem = &split.problem;
     let gravity = problem.gravity(&point.parameters);
-    let arriving = |side: &enact::estimate::problem::Side| {
+    let arriving = |side: &enact::estimate::problem::ArcPair| {
         let body = &problem.bodies[side.body];
         let past_s = time_s - split.epochs_s[side.before];
         flow::advance(body, &gravity, &point.arcs[side.before], past_s)

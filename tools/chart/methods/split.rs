@@ -5,7 +5,7 @@
 //! the arc that the segmentation gave them, so that every grid has the same optimum.
 
 use enact::estimate::point::Point;
-use enact::estimate::problem::{Arc, Collision, Problem};
+use enact::estimate::problem::{Arc, ArcCollision, Problem};
 use enact::motion::Guess;
 use enact::physics::{State, flow};
 
@@ -83,7 +83,7 @@ pub fn split(problem: &Problem, guess: &Guess, grid: Grid) -> Split {
         let [start_s, end_s] = extent_s(arc, &fits);
         let inner = nodes_s.iter().filter(|t| start_s < **t && **t < end_s);
         let cuts_s: Vec<f64> = inner.copied().collect();
-        let after_collision = |c: &Collision| c.sides.iter().any(|side| side.after == index);
+        let after_collision = |c: &ArcCollision| c.sides.iter().any(|side| side.after == index);
         let follows = grid.shoots() && problem.collisions.iter().any(after_collision);
         let first = split.arc_of.len();
         for piece in 0..=cuts_s.len() {

@@ -5,7 +5,7 @@
 //! approaching: the least that lets such a method begin.
 
 use enact::estimate::point::Point;
-use enact::estimate::problem::{Collision, Problem};
+use enact::estimate::problem::{ArcCollision, Problem};
 use enact::motion::Guess;
 use enact::physics::impact::{self, ImpactDerivative};
 use enact::physics::state::part;
@@ -62,7 +62,7 @@ fn contact(
     problem: &Problem,
     guess: &Guess,
     fits: &Point,
-    collision: &Collision,
+    collision: &ArcCollision,
     time_s: f64,
 ) -> Option<Contact> {
     let gravity = problem.gravity(&fits.parameters);
