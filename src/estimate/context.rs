@@ -93,7 +93,7 @@ mod tests {
         let sample = |index: usize| ArcSample {
             position_m: Vector3::zeros(),
             orientation: UnitQuaternion::identity(),
-            node: index / per_node,
+            node: 3 + index / per_node,
             share: (index % per_node) as f64 / per_node as f64,
         };
         Arc {
@@ -112,7 +112,7 @@ mod tests {
         };
         assert_eq!(coarse.stride(&arc(160, 160)), 10);
         assert_eq!(coarse.stride(&arc(160, 4)), 4);
-        assert_eq!(coarse.stride(&arc(180, 9)), 9);
+        assert_eq!(coarse.stride(&arc(306, 17)), 17);
         assert_eq!(coarse.stride(&arc(160, 1)), 1);
         assert_eq!(coarse.stride(&arc(5, 1)), 1);
         assert_eq!(coarse.stride(&arc(0, 1)), 1);
