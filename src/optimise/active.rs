@@ -27,7 +27,8 @@ pub struct ActiveSet {
 }
 
 impl ActiveSet {
-    /// What `multipliers` of a program with as much information say: bounds that are broken and pull, or are near and pull.
+    /// What `multipliers` of a program with as much information say: bounds that are broken and pull, or
+    /// are near and pull.
     pub fn of(system: &System, multipliers: &[f64], information: f64) -> Self {
         let weight = FIRST_WEIGHT * information;
         let rows = system.bounded().zip(multipliers);

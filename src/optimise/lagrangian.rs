@@ -24,8 +24,6 @@ pub struct Acting {
     pub weights: Vec<f64>,
     /// Signed distance of `v + ν/w` from the bounds.
     pub distances: Vec<f64>,
-    /// Signed distance of `v` from the bound that acts.
-    pub violations: Vec<f64>,
 }
 
 impl AugmentedLagrangian {
@@ -38,11 +36,8 @@ impl AugmentedLagrangian {
         }
     }
 
-    /// Weight, shifted distance and distance from the acting bound of every row.
-    fn rows<'s>(
-        &'s self,
-        system: &'s System,
-    ) -> impl Iterator<Item = (f64, f64, Option<f64>)> + 's {
+    /// Weight and shifted distance of every row, and whether a bound acts on it.
+    fn rows<'s>(&'s self, system: &'s System) -> impl Iterator<Item = (f64, f64, bool)> + 's {
         let rows = system.blocks.iter().flat_map(|block| {
             let rows = block.values.iter().zip(&block.bounds).enumerate();
             rows.map(|(row, (v, bounds))| (block.leads.contains(&row), *v, *bounds))
@@ -56,12 +51,8 @@ impl AugmentedLagrangian {
                 };
                 let shifted = value + multiplier / weight;
                 let distance = shifted - shifted.clamp(lower, upper);
-                let bound = if lower == upper || distance < 0.0 {
-                    Some(lower)
-                } else {
-                    (distance > 0.0).then_some(upper)
-                };
-                (weight, distance, bound.map(|bound| value - bound))
+                let acts = lower == upper || distance < 0.0 || distance > 0.0;
+                (weight, distance, acts)
             })
     }
 
@@ -78,7 +69,7 @@ impl AugmentedLagrangian {
     /// point where the constraints hold.
     pub fn dual(&self, system: &System) -> f64 {
         let rows = self.rows(system).zip(&self.multipliers);
-        let shift = |((weight, ..), multiplier): ((f64, f64, Option<f64>), &f64)| {
+        let shift = |((weight, ..), multiplier): ((f64, f64, bool), &f64)| {
             0.5 * multiplier * multiplier / weight
         };
         self.merit(system) - rows.map(shift).sum::<f64>()
@@ -88,13 +79,9 @@ impl AugmentedLagrangian {
     pub fn act(&self, system: &System, acting: &mut Acting) {
         acting.weights.clear();
         acting.distances.clear();
-        acting.violations.clear();
-        for (weight, distance, violation) in self.rows(system) {
-            acting
-                .weights
-                .push(if violation.is_some() { weight } else { 0.0 });
+        for (weight, distance, acts) in self.rows(system) {
+            acting.weights.push(if acts { weight } else { 0.0 });
             acting.distances.push(distance);
-            acting.violations.push(violation.unwrap_or(0.0));
         }
     }
 

@@ -33,7 +33,7 @@ pub fn search(model: &Model, start: &Place, evaluations: usize, seed: u64) -> Pl
     if !start.exists {
         return start.clone();
     }
-    let problem = model.outer.problem;
+    let problem = model.problem();
     let guidance = Guidance::none();
     let of = |part: Part| match part {
         Part::Piece(_) => STATE.iter().flat_map(|sd| [*sd; 3]).collect(),

@@ -11,7 +11,7 @@ use std::cell::RefCell;
 
 use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::point::Point;
-use enact::estimate::problem::STATE;
+use enact::estimate::problem::{Problem, STATE};
 use enact::optimise::block::Block;
 use enact::optimise::envelope::Envelope;
 use enact::optimise::{Program, Structure, System};
@@ -31,8 +31,6 @@ pub struct Model<'a> {
     setting: &'a Setting,
     /// Of the lifted problem.
     inner: SolveContext<'a>,
-    /// Of the grid's unknowns: what the solver's parts need of it.
-    pub outer: SolveContext<'a>,
     /// Lifted system at the last place.
     system: RefCell<System>,
 }
@@ -45,12 +43,6 @@ impl<'a> Model<'a> {
         let inner = SolveContext::new(&split.problem, &setting.lifted, epochs_s, &split.start);
         Self {
             system: RefCell::new(System::new(inner.structure())),
-            outer: SolveContext {
-                problem: &setting.problem,
-                layout: &setting.columns.layout,
-                epochs_s: Vec::new(),
-                sums: Vec::new(),
-            },
             inner,
             setting,
         }
@@ -70,6 +62,11 @@ impl<'a> Model<'a> {
     /// Context and point of the fits themselves, for what leads the way.
     pub fn fits(&self) -> (&SolveContext<'a>, &Point) {
         (&self.inner, &self.setting.split.start)
+    }
+
+    /// What is estimated.
+    pub fn problem(&self) -> &'a Problem {
+        &self.setting.problem
     }
 
     fn gap_weight(&self) -> Option<f64> {
@@ -176,31 +173,7 @@ impl<'a> Model<'a> {
         lengths
     }
 
-    /// Objective and constraints at a place; an infinite objective where there is no such motion.
-    fn evaluate_at(&self, guidance: &Guidance, place: &Place, out: &mut System) {
-        if !place.exists {
-            out.cost = f64::INFINITY;
-            return;
-        }
-        let Setting {
-            split,
-            columns,
-            grid,
-            ..
-        } = self.setting;
-        let lifted = &mut *self.system.borrow_mut();
-        self.inner.evaluate(guidance, &place.lifted, lifted);
-        let lifted = &*lifted;
-        let chains = Chains::new(split, columns, *grid, (self.inner.layout, lifted));
-        out.cost = lifted.cost;
-        out.gradient.fill(0.0);
-        out.hessian.clear();
-        chains.add_objective(&self.inner, lifted, out);
-        self.add_gaps(place, (lifted, &chains), out);
-        self.fill_rows(place, (lifted, &chains), out);
-    }
-
-    /// The values of the same, with derivatives that mean nothing: for methods that use none.
+    /// The values of its system, with derivatives that mean nothing: for methods that use none.
     pub fn values(&self, guidance: &Guidance, place: &Place, out: &mut System) {
         if !place.exists {
             out.cost = f64::INFINITY;
@@ -348,8 +321,28 @@ impl Program for Model<'_> {
         &self.setting.columns.layout.structure
     }
 
+    /// Objective and constraints at a place; an infinite objective where there is no such motion.
     fn evaluate(&self, guidance: &Guidance, place: &Place, out: &mut System) {
-        self.evaluate_at(guidance, place, out);
+        if !place.exists {
+            out.cost = f64::INFINITY;
+            return;
+        }
+        let Setting {
+            split,
+            columns,
+            grid,
+            ..
+        } = self.setting;
+        let lifted = &mut *self.system.borrow_mut();
+        self.inner.evaluate(guidance, &place.lifted, lifted);
+        let lifted = &*lifted;
+        let chains = Chains::new(split, columns, *grid, (self.inner.layout, lifted));
+        out.cost = lifted.cost;
+        out.gradient.fill(0.0);
+        out.hessian.clear();
+        chains.add_objective(&self.inner, lifted, out);
+        self.add_gaps(place, (lifted, &chains), out);
+        self.fill_rows(place, (lifted, &chains), out);
     }
 
     fn retract(&self, from: &Place, step: &DVector<f64>, to: &mut Place) {
@@ -374,7 +367,7 @@ impl Program for Model<'_> {
     }
 
     fn information(&self) -> (f64, f64) {
-        let problem = self.outer.problem;
+        let problem = self.problem();
         (problem.least_information(), problem.information())
     }
 
