@@ -1,23 +1,13 @@
 //! Errors are as large as the estimate says: under white noise, under hands that wander as slowly as
 //! a flight and more slowly, with times known and unknown, with parameters free or at a bound.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/study/dense.rs"]
-mod dense;
-#[path = "../tools/study/hands.rs"]
-mod hands;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/ways.rs"]
-mod ways;
-
-use case::{Case, Posed};
-use dense::Uncertainty;
 use enact::math::Pose;
 use enact::motion::{Estimate, Verdict};
-use perform::{Acting, Style, Truth};
-use ways::Way;
+use enact_tools::case::{Case, Posed};
+use enact_tools::dense::Uncertainty;
+use enact_tools::perform::{Acting, Style, Truth};
+use enact_tools::ways;
+use enact_tools::ways::Way;
 
 const SEEDS: u64 = 100;
 /// Of the ways in which nothing is white.

@@ -1,18 +1,13 @@
 //! Previews: estimates while the performance is acted, each from the one before.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use std::path::Path;
 
-use case::{Case, estimated};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{Estimate, Scene, TakeEvent, Verdict};
 use enact::pipeline::Preview;
-use perform::{Acting, Style};
+use enact_tools::case::{Case, estimated};
+use enact_tools::perform::{Acting, Style};
 
 /// Where two estimations end in one optimum, they agree to this [s, and relative].
 const SAME: f64 = 1e-6;

@@ -1,12 +1,6 @@
 //! What a solver's end is called: order of events, gaps of positions and of velocities, and bent
 //! physics that was not finished.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::{Case, Posed};
 use enact::estimate::Recipe;
 use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
@@ -16,8 +10,9 @@ use enact::estimate::recipe::{self, Solution};
 use enact::motion::{Counters, Estimate, Sketch, Verdict};
 use enact::optimise::Program;
 use enact::segment;
+use enact_tools::case::{Case, Posed};
+use enact_tools::perform::{Acting, Style};
 use nalgebra::{UnitQuaternion, Vector3};
-use perform::{Acting, Style};
 
 /// A solved pencil, to be tampered with.
 struct Solved {
