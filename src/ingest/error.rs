@@ -1,4 +1,4 @@
-//! What can go wrong when a recording is read.
+//! Errors of reading recordings.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -16,7 +16,7 @@ pub enum IngestError {
     Read {
         /// The recording.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file is not MCAP.
@@ -24,7 +24,7 @@ pub enum IngestError {
     Container {
         /// The recording.
         path: PathBuf,
-        /// In what way.
+        /// Why.
         source: ContainerError,
     },
     /// A body's topic is not in the recording.
@@ -42,7 +42,7 @@ pub enum IngestError {
         /// The topics that are there.
         present: BTreeSet<String>,
     },
-    /// An edited sketch has not as many segments as the scene's events make.
+    /// An edited sketch does not have as many segments as the scene's events require.
     #[error(
         "{}: {} segments of body {body:?}, expected {expected}, which is one more than its collisions, on {topic}/1{}; the recording has {}",
         path.display(), found.len(),
@@ -88,7 +88,7 @@ pub enum IngestError {
         schema: String,
         /// Encoding of its messages.
         encoding: String,
-        /// What could be read.
+        /// The schemas that can be read.
         supported: &'static str,
     },
     /// A topic carries several frames or poses and the scene does not say which.

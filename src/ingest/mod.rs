@@ -1,10 +1,10 @@
 //! Stage 1: recordings and memory become takes.
 //!
-//! A [`Recording`] is an MCAP file held in memory. Opening it walks through it once and says
-//! what it holds and what of it is damaged; [`Recording::take`] gives all that a scene wants of
-//! it in file order, [`Recording::source`] the same one by one. [`Source`] is what a driver
-//! replays from; [`MemorySource`] is one without a file. [`live`] is the door to trackers that
-//! run now, [`clock`] says when what they send was measured.
+//! A [`Recording`] is an MCAP file held in memory. Opening it walks through it once and lists its
+//! channels and its damage; [`Recording::take`] returns all events of a scene's topics in file
+//! order, [`Recording::source`] the same one by one. [`Source`] is the interface from which a
+//! driver replays; [`MemorySource`] is one without a file. [`live`] receives samples from running
+//! trackers, [`clock`] stamps them.
 
 pub mod clock;
 mod error;

@@ -1,4 +1,4 @@
-//! Recordings: MCAP files with a take in them.
+//! Recordings: MCAP files that hold a take.
 
 use std::path::{Path, PathBuf};
 
@@ -12,20 +12,20 @@ use crate::wire::Container;
 /// Name of the attachment that holds the scene.
 pub const SCENE_NAME: &str = "scene.toml";
 
-/// An MCAP file in memory. Of its attachments only the scene is handed out: a recording may
-/// also carry what its maker knows to be true, which nobody who estimates may see.
+/// An MCAP file in memory. Of its attachments only the scene is accessible: a made recording may
+/// also carry the true motion, which an estimation must not see.
 #[derive(Clone, Debug)]
 pub struct Recording {
     path: PathBuf,
     container: Container,
 }
 
-/// All that a scene wants of a recording.
+/// The events of a scene in a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Take {
-    /// In file order.
+    /// Events in file order.
     pub events: Vec<TakeEvent>,
-    /// What was found on the way.
+    /// Counts of what was found.
     pub report: TakeReport,
 }
 
@@ -40,7 +40,7 @@ impl Recording {
         Self::from_bytes(path, bytes)
     }
 
-    /// The same of bytes that are there already; `path` is their name in errors.
+    /// [`Recording::open`] for bytes in memory; `path` is their name in errors.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, IngestError> {
         let container = Container::new(bytes).map_err(|source| IngestError::Container {
             path: path.to_owned(),
@@ -57,7 +57,7 @@ impl Recording {
         &self.path
     }
 
-    /// Channels, counts, damages; what [`crate::write`] copies.
+    /// The MCAP file: channels, counts, damage; [`crate::write`] copies it.
     pub fn container(&self) -> &Container {
         &self.container
     }
@@ -71,14 +71,14 @@ impl Recording {
             .map(|attachment| self.container.attachment_data(attachment))
     }
 
-    /// Whether its end is missing; what comes before is there.
+    /// Whether its end is missing; everything before is read.
     pub fn is_truncated(&self) -> bool {
         self.container.damages().is_truncated()
     }
 
     /// The events on the scene's topics, one by one in file order.
     ///
-    /// Fails where a topic is absent or carries what cannot be read; while reading, where a
+    /// Fails where a topic is absent or its messages cannot be read; while reading, fails where a
     /// topic carries several frames and the scene does not say which.
     pub fn source(&self, scene: &Scene) -> Result<RecordingSource, IngestError> {
         let (routes, feeds) = route::routes(&self.path, &self.container, scene)?;

@@ -1,14 +1,14 @@
-//! What was found while a recording was read.
+//! Counts of what was found while a recording was read.
 
 use std::collections::BTreeSet;
 
 use crate::wire::DecodeError;
 use crate::wire::container::Damages;
 
-/// What was found on one of the scene's topics.
+/// Counts of one of the scene's topics.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TopicReport {
-    /// As the scene writes it.
+    /// Topic as the scene writes it.
     pub topic: String,
     /// Messages on it.
     pub messages: u64,
@@ -18,12 +18,12 @@ pub struct TopicReport {
     pub undecodable: u64,
     /// Why the first of those could not.
     pub first_error: Option<DecodeError>,
-    /// Samples or marks stamped with the log time, for their messages have no stamp of their
-    /// own (a zero stamp with a zero log time is not counted: it is the log time).
+    /// Samples or marks stamped with the log time, because their messages have no stamp
+    /// (a zero stamp with a zero log time is not counted: they are equal).
     pub stamped_by_log_time: u64,
 }
 
-/// What was found in a recording, for a scene.
+/// Counts of a recording, for a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TakeReport {
     /// One per body of the scene, in its order, then one for the marks; in an edited sketch one

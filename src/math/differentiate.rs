@@ -1,4 +1,4 @@
-//! Numeric differentiation that knows no formula, to check those that do.
+//! Numeric differentiation, to check derivatives that are given by formulas.
 
 /// Derivative of `f: R^columns → R^rows` at zero, `[row][column]`, by central differences
 /// with three Richardson extrapolations from a step of 0.02: the truncation error is of eighth

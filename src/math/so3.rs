@@ -1,4 +1,15 @@
-//! The rotation group: exponential, logarithm and their right Jacobians.
+//! The rotation group SO(3): exponential, logarithm and their Jacobians.
+//!
+//! With `θ = |θ|` and `[θ]×` the cross-product matrix,
+//!
+//! ```text
+//! Exp(θ) = (cos θ/2, sin(θ/2) θ/|θ|)                                  a unit quaternion
+//! J_r(θ) = 1 − (1 − cos θ)/θ² [θ]× + (θ − sin θ)/θ³ [θ]×²,   J_l(θ) = J_r(θ)ᵀ
+//! J_r⁻¹(θ) = 1 + ½ [θ]× + (1/θ² − (1 + cos θ)/(2 θ sin θ)) [θ]×²
+//! ```
+//!
+//! as in Solà, Deray and Atchuthan, "A micro Lie theory for state estimation in robotics". Near
+//! zero, Taylor series replace the quotients.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -33,7 +44,7 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     };
     let square = v.norm_squared();
     if square < 0.25 * SERIES_BELOW {
-        // 2 asin(s)/s; w is near one, so s is known better than an arc cosine would be.
+        // 2 atan(s/w)/s with s = |v|, as a series; an arc cosine of w near one would lose digits.
         let x = square / (w * w);
         return v * (2.0 / w * (1.0 - x / 3.0 + x * x / 5.0 - x * x * x / 7.0));
     }
@@ -41,7 +52,7 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     v * (2.0 * sine.atan2(w) / sine)
 }
 
-/// `Exp(θ)` and `J_r(θ)` at the price of one sine.
+/// `Exp(θ)` and the right Jacobian `J_r(θ)`, which share their sine and cosine.
 pub fn exp_and_right_jacobian(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, Matrix3<f64>) {
     let (rotation, a, b, square) = exp_and_coefficients(theta);
     (rotation, jacobian_from(theta, -a, b, square))
@@ -89,7 +100,7 @@ pub fn right_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Inverse of [`right_jacobian`]: `Log(Exp(θ)·Exp(δ)) = θ + J_r⁻¹(θ) δ` to first order in δ.
-/// Angles up to and including π; it is singular at 2π.
+/// For angles up to and including π; it is singular at 2π.
 pub fn right_jacobian_inverse(theta: &Vector3<f64>) -> Matrix3<f64> {
     let square = theta.norm_squared();
     // 1/θ² − (1 + cos θ)/(2 θ sin θ), written with the half angle so that π is no special case

@@ -1,17 +1,21 @@
-//! Which rows act on a step: equalities always, inequalities where they would be broken.
+//! The active set of a step: equalities always, inequalities that the step would violate.
+//!
+//! Multipliers follow the sign of `∇f + Jᵀ ν = 0`: positive at an upper bound, negative at a lower
+//! one. This is the primal–dual active-set rule: [`ActiveSet::revise`] until nothing changes.
 
 use nalgebra::DVector;
 
 use super::system::{Structure, System};
 
-/// Weight of active rows in the factorised matrix, per squared unit and information.
+/// Weight of active rows in the factorised matrix, per squared unit and
+/// [`information`](super::Program::information).
 const WEIGHT: f64 = 1e9;
-/// Weight by which multipliers say at first which bounds act, per squared unit and information.
+/// Weight `w` in the first guess of the active set, per squared unit and information.
 const FIRST_WEIGHT: f64 = 1e3;
-/// A bound is broken by more than this, in units.
+/// Greatest violation of an inactive bound after a step, in units.
 const BROKEN: f64 = 1e-12;
 
-/// The bound that acts on a row.
+/// Which bound of a row is active.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Acts {
     Always,
@@ -20,15 +24,15 @@ enum Acts {
     Not,
 }
 
-/// The bound that acts on every row.
+/// Which bound of every row is active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSet {
     rows: Vec<Acts>,
 }
 
 impl ActiveSet {
-    /// What `multipliers` of a program with as much information say: bounds that are broken and pull, or
-    /// are near and pull.
+    /// First guess from the multipliers: a bound is active where `c + ν/w` lies beyond it, with `w`
+    /// in proportion to the program's `information`.
     pub fn of(system: &System, multipliers: &[f64], information: f64) -> Self {
         let weight = FIRST_WEIGHT * information;
         let rows = system.bounded().zip(multipliers);
@@ -46,7 +50,8 @@ impl ActiveSet {
         }
     }
 
-    /// Weight of every row and its signed distance from the bound that acts, zero where none does.
+    /// Weight of every row and its signed distance from its active bound in units; both are zero
+    /// where no bound is active.
     pub fn weights_and_violations(
         &self,
         system: &System,
@@ -62,8 +67,8 @@ impl ActiveSet {
         .unzip()
     }
 
-    /// Adds the bounds that the step `delta` would break and drops those whose `multipliers` after it pull
-    /// inwards; whether anything changed.
+    /// Adds the bounds that the step `delta` would violate and drops those whose `multipliers` after
+    /// it have the wrong sign. Returns whether anything changed.
     pub fn revise(
         &mut self,
         structure: &Structure,

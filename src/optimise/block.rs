@@ -1,8 +1,8 @@
-//! Rows of constraints: values, bounds and derivatives.
+//! Rows of constraints: values, bounds and the rows of the Jacobian.
 //!
-//! Most rows touch few unknowns, and always the same: which ([`BlockPattern`]) is said once per
-//! problem. Rows that touch the same ones are a panel, dense over them; products with the
-//! derivatives go panel by panel, over runs of unknowns that follow each other.
+//! Most rows depend on few unknowns, and always on the same: [`BlockPattern`] lists them once per
+//! problem. Rows that depend on the same unknowns form panels, dense over these; products with the
+//! Jacobian go panel by panel, over runs of consecutive unknowns.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use nalgebra::DVector;
 
 use super::envelope::{Envelope, Pattern};
 
-/// Most rows of a panel. Panels have so many or one, so that the loops over them are fixed.
+/// Rows of a full panel. A panel has this many rows or one, so that loops have fixed lengths.
 const PANEL: usize = 3;
 
-/// Columns of a panel that follow each other in the panel and among the unknowns.
+/// Columns that are consecutive both in a panel and among the unknowns.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     column: usize,
@@ -27,23 +27,23 @@ impl Run {
     }
 }
 
-/// Rows that touch the same unknowns; their derivatives are stored row by row.
+/// Rows that depend on the same unknowns; their derivatives are stored row by row.
 #[derive(Clone, Debug)]
 struct Panel {
     rows: usize,
     width: usize,
-    /// Among all derivatives of the block.
+    /// Index of its first derivative among all of the block.
     first: usize,
-    /// Among all runs of the pattern, those with the first unknowns first.
+    /// Its runs among all runs of the pattern, sorted by unknown.
     runs: Range<usize>,
 }
 
-/// Which unknowns the rows of a block touch.
+/// Which unknowns the rows of a block depend on.
 #[derive(Clone, Debug, Default)]
 pub struct BlockPattern {
     panels: Vec<Panel>,
     runs: Vec<Run>,
-    /// Of every row, the first of its derivatives and the first of its columns in `columns`.
+    /// For every row, the index of its first derivative and that of its first entry in `columns`.
     rows: Vec<(usize, usize)>,
     /// Unknowns of the panels, in the order in which their derivatives are stored.
     columns: Vec<usize>,
@@ -52,14 +52,14 @@ pub struct BlockPattern {
 }
 
 impl BlockPattern {
-    /// Rows that all touch the same unknowns, each once.
+    /// Rows that all depend on the same unknowns, each listed once.
     pub fn dense(rows: usize, columns: Vec<usize>) -> Self {
         let mut pattern = Self::default();
         pattern.push(rows, columns);
         pattern
     }
 
-    /// Adds rows that touch the same unknowns, each once, in whatever order.
+    /// Adds rows that depend on the same unknowns, each listed once, in any order.
     pub fn push(&mut self, rows: usize, columns: impl IntoIterator<Item = usize>) {
         let first_column = self.columns.len();
         self.columns.extend(columns);
@@ -96,7 +96,7 @@ impl BlockPattern {
         }
     }
 
-    /// Unknowns of each set of rows that touch the same ones.
+    /// Unknowns of each panel: those that the rows couple with each other.
     pub fn cliques(&self) -> impl Iterator<Item = impl Iterator<Item = usize> + Clone> {
         self.panels.iter().map(|panel| {
             let runs = self.runs[panel.runs.clone()].iter();
@@ -104,7 +104,7 @@ impl BlockPattern {
         })
     }
 
-    /// Unknowns that a row touches, in the order of its derivatives.
+    /// Unknowns that a row depends on, in the order of its derivatives.
     pub fn unknowns(&self, row: usize) -> &[usize] {
         let (first, column) = self.rows[row];
         let end = self.rows.get(row + 1).map_or(self.stored, |next| next.0);
@@ -122,19 +122,20 @@ impl BlockPattern {
     }
 }
 
-/// Values of some rows and their derivatives by the unknowns they touch.
+/// Values of some rows and their derivatives by the unknowns they depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
     /// Values, in units.
     pub values: Vec<f64>,
-    /// Least and greatest allowed, in units.
+    /// Lower and upper bound, in units.
     pub bounds: Vec<(f64, f64)>,
     /// Derivatives, row by row, as the pattern says.
     jacobian: Vec<f64>,
-    /// Rows that a schedule may weigh by themselves while they lead the way.
+    /// Rows to which a sweep may give a larger weight than to the others
+    /// ([`leading_weight`](super::lagrangian::AugmentedLagrangian::leading_weight)).
     pub leads: Range<usize>,
-    /// Second derivative of the first row by each of the unknowns, where the row is curved
-    /// alike in all of them.
+    /// `κ` where the Hessian of the first row is `κ·1` over its unknowns; zero where the row is
+    /// linear or its curvature is not given here.
     pub curvature: f64,
 }
 
@@ -146,7 +147,7 @@ impl Block {
         block
     }
 
-    /// Distance of row `row` from its bounds, signed; zero inside.
+    /// `c − clamp(c, lower, upper)` of a row: its signed distance from its bounds, zero inside.
     pub fn violation(&self, row: usize) -> f64 {
         let (lower, upper) = self.bounds[row];
         self.values[row] - self.values[row].clamp(lower, upper)
@@ -158,8 +159,8 @@ impl Block {
             .fold(0.0, f64::max)
     }
 
-    /// Makes room for the rows of a pattern, all equalities. Whoever fills it sets every value and
-    /// every derivative.
+    /// Makes room for the rows of a pattern, all equalities. Old values and derivatives stay: the
+    /// caller sets every one.
     pub fn reset(&mut self, pattern: &BlockPattern) {
         self.values.resize(pattern.row_count(), 0.0);
         self.bounds.clear();
@@ -169,7 +170,7 @@ impl Block {
         self.curvature = 0.0;
     }
 
-    /// Makes every value not a number.
+    /// Sets every value to NaN and every derivative to zero.
     pub(crate) fn spoil(&mut self) {
         self.values.fill(f64::NAN);
         self.jacobian.fill(0.0);
@@ -180,12 +181,12 @@ impl Block {
         &self.jacobian[pattern.derivatives(row)]
     }
 
-    /// The same, to be set.
+    /// [`Block::derivatives`], to be set.
     pub fn derivatives_mut(&mut self, pattern: &BlockPattern, row: usize) -> &mut [f64] {
         &mut self.jacobian[pattern.derivatives(row)]
     }
 
-    /// Adds `Jᵀ diag(w) J` to a matrix. Rows of no weight cost nothing.
+    /// Adds `Jᵀ diag(w) J` to a matrix. Panels of zero weight are skipped.
     pub(crate) fn add_square(
         &self,
         pattern: &BlockPattern,
@@ -213,7 +214,7 @@ impl Block {
         }
     }
 
-    /// Adds `Jᵀ p` for a pull `p` on every row.
+    /// Adds `Jᵀ p` to `gradient`, with `p = pull(row)`.
     pub(crate) fn add_pull(
         &self,
         pattern: &BlockPattern,
@@ -244,7 +245,7 @@ impl Block {
         }
     }
 
-    /// `J δ`, row by row, into `change`.
+    /// `J δ`, the linearised change of every row, into `change`.
     pub(crate) fn along(&self, pattern: &BlockPattern, delta: &DVector<f64>, change: &mut [f64]) {
         let delta = delta.as_slice();
         let mut row = 0;
@@ -301,7 +302,7 @@ fn add_square_of_one(
 ) {
     for (count, run) in runs.iter().enumerate() {
         for (index, derivative) in run.of(of).iter().enumerate() {
-            // What a flat floor does not feel.
+            // Many derivatives vanish: a gap over a level floor has none by x and y.
             if *derivative == 0.0 {
                 continue;
             }
@@ -359,8 +360,8 @@ fn add_one(to: &mut [f64], scale: f64, row: &[f64]) {
     }
 }
 
-/// Adds three scaled rows. Never inlined: of a call's arguments the compiler knows that they do not
-/// overlap, and need not ask before each short loop.
+/// Adds three scaled rows. Never inlined: the compiler knows that the arguments of a call do not
+/// overlap and need not check it before each short loop.
 #[inline(never)]
 fn add_three(to: &mut [f64], scales: [f64; PANEL], a: &[f64], b: &[f64], c: &[f64]) {
     for (entry, ((a, b), c)) in to.iter_mut().zip(a.iter().zip(b).zip(c)) {

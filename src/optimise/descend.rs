@@ -1,8 +1,15 @@
-//! Levenberg–Marquardt on the augmented Lagrangian, with a second-order correction.
+//! Levenberg–Marquardt on the augmented Lagrangian, with a second-order correction:
 //!
-//! The damping matrix is fixed ([`Program::damping`]): the
-//! diagonal of the normal matrix would let the constraints' weight damp the motion along
-//! their valley.
+//! ```text
+//! (H + Jᵀ W J + λ D) δ = −(g + Jᵀ W d)
+//! ρ = (L(x) − L(x ⊞ δ)) / (½ δᵀ(λ D δ − g_L)),   accepted where ρ > 1e-4
+//! accepted: λ ← λ max(1/3, 1 − (2ρ − 1)³);   refused: λ ← 2λ, then 4λ, 8λ, …
+//! ```
+//!
+//! with `g_L` the gradient of the augmented Lagrangian `L`, `W` and `d` its weights and distances of
+//! active rows. The rule for `λ` is that of H. B. Nielsen, "Damping Parameter in Marquardt's Method"
+//! (IMM-REP-1999-05). The damping matrix `D` is fixed ([`Program::damping`]): the diagonal of the
+//! normal matrix would let the constraints' weight damp the motion along their valley.
 
 use nalgebra::DVector;
 
@@ -12,18 +19,18 @@ use super::program::Program;
 use super::system::System;
 use super::work::Work;
 
-/// Least and greatest damping at the start of a descent.
+/// Least and greatest damping `λ` at the start of a descent.
 pub const DAMPING: (f64, f64) = (1e-6, 1e-2);
 
-/// A point and everything that moves it.
+/// A descent: the current point with its system, and the memory for its steps.
 pub struct Descent<'a, P: Program> {
     /// What is minimised.
     pub program: &'a P,
-    /// Where it stands.
+    /// The current point.
     pub point: P::Point,
-    /// Cost and constraints there.
+    /// Cost and constraints at the point.
     pub system: System,
-    /// Levenberg–Marquardt's λ.
+    /// The damping `λ`.
     pub damping: f64,
     /// Work done so far.
     pub work: Work,
@@ -35,29 +42,30 @@ pub struct Descent<'a, P: Program> {
     gradient: DVector<f64>,
 }
 
-/// Steps on end that change less than is worth a step, after which a descent stops.
+/// A descent stops after so many successive steps that change less than [`Patience::gain`].
 const IDLE_STEPS: usize = 2;
 
 /// A damped step.
 struct Direction {
     delta: DVector<f64>,
-    /// Decrease of the model.
+    /// Decrease of the undamped quadratic model over the step.
     predicted: f64,
-    /// What the damping takes of it.
+    /// `λ δᵀ D δ`.
     damped: f64,
 }
 
-/// When a descent may stop.
+/// When a descent stops.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// At most so many steps.
+    /// Greatest number of steps.
     pub steps: usize,
-    /// Enough when no more than this is left to gain, or two steps on end changed less.
+    /// It stops where the estimated remaining decrease, or the change of two successive steps, is
+    /// less than this.
     pub gain: f64,
 }
 
 impl<'a, P: Program> Descent<'a, P> {
-    /// At `point`, which [`Descent::refresh`] evaluates.
+    /// A descent from `point`; call [`Descent::refresh`] to evaluate it.
     pub fn new(program: &'a P, point: P::Point) -> Self {
         let structure = program.structure();
         let system = System::new(structure);
@@ -83,7 +91,8 @@ impl<'a, P: Program> Descent<'a, P> {
         self.work.evaluations += 1;
     }
 
-    /// Descends on the augmented Lagrangian; returns the number of steps.
+    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`]; returns the number of
+    /// steps.
     pub fn run(
         &mut self,
         guidance: &P::Guidance,
@@ -94,7 +103,7 @@ impl<'a, P: Program> Descent<'a, P> {
         self.go_on(guidance, lagrangian, patience)
     }
 
-    /// The same, with the damping as it is.
+    /// [`Descent::run`] without clipping `λ`.
     pub fn go_on(
         &mut self,
         guidance: &P::Guidance,
@@ -126,9 +135,9 @@ impl<'a, P: Program> Descent<'a, P> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
-            // After a whole step nothing is left but what damping kept back and the model did not
-            // know. At a kink (a contact between sticking and sliding, a bound) all steps promise
-            // what none keeps.
+            // Estimate of the decrease that remains: the error of the model and the part that damping
+            // held back. At a kink (a contact between sticking and sliding, a bound) predictions
+            // stay large though no step gains anything; idle steps end it there.
             let left = (gained - predicted).abs() + damped;
             idle = if gained.abs() < patience.gain {
                 idle + 1
@@ -142,7 +151,7 @@ impl<'a, P: Program> Descent<'a, P> {
         patience.steps
     }
 
-    /// The decrease that a step with the least damping promises; infinite where there is none.
+    /// Predicted decrease of a step with the least damping; infinite where there is no such step.
     pub fn promise(&mut self, lagrangian: &AugmentedLagrangian) -> f64 {
         let damping = std::mem::replace(&mut self.damping, DAMPING.0);
         let direction = self.direction(lagrangian);
@@ -150,7 +159,7 @@ impl<'a, P: Program> Descent<'a, P> {
         direction.map_or(f64::INFINITY, |direction| direction.predicted)
     }
 
-    /// The damped step; `None` where there is none.
+    /// The damped step; `None` where the matrix is not positive definite.
     fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<Direction> {
         let structure = self.program.structure();
         self.work.iterations += 1;
@@ -183,8 +192,8 @@ impl<'a, P: Program> Descent<'a, P> {
         })
     }
 
-    /// Evaluates the step, corrected for the curvature of the constraints where that helps,
-    /// and leaves the better in `trial`; returns its merit.
+    /// Evaluates the step and, where it gains less than 0.9 of the predicted decrease, the corrected
+    /// step; leaves the better one in `trial` and returns its augmented Lagrangian.
     fn try_step(
         &mut self,
         guidance: &P::Guidance,
@@ -227,8 +236,8 @@ impl<'a, P: Program> Descent<'a, P> {
         }
     }
 
-    /// The step plus what removes the constraints' departure from their linearisation; `None`
-    /// where that is no small correction.
+    /// The step with its second-order correction ([`System::correction`]); `None` where the
+    /// correction is longer than 0.75 of the step, both measured by `√(δᵀ D δ)`.
     fn correct(&self, delta: &DVector<f64>) -> Option<DVector<f64>> {
         let structure = self.program.structure();
         let weights = &self.acting.weights;

@@ -1,14 +1,15 @@
-//! A Cholesky factorisation for chains of blocks.
+//! Cholesky factorisation `A = L Lᵀ` of sparse symmetric matrices in envelope (skyline) storage.
 //!
 //! Row `i` of the lower triangle is stored from its first possible nonzero to the diagonal
-//! (its envelope), and the factor fills nothing outside it. Ordered along time, the normal
-//! matrix of an estimation is a band with a few long rows for what all arcs share, so that
-//! the cost is linear in the number of arcs and of samples, without a symbolic phase.
+//! (its envelope), and the factor has no nonzeros outside it (George and Liu, *Computer Solution
+//! of Large Sparse Positive Definite Systems*, chapter 4). Ordered along time, the normal
+//! matrix of an estimation is a band with a few long rows for the unknowns that all arcs share, so
+//! that the cost is linear in the number of arcs and of samples, without a symbolic phase.
 
 use nalgebra::DVector;
 use thiserror::Error;
 
-/// Where the rows of a symmetric matrix begin: fixed once per problem.
+/// The envelope: where the rows of the lower triangle begin. Fixed once per problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
     /// First column of every row.
@@ -39,7 +40,7 @@ impl Pattern {
         self.first.len()
     }
 
-    /// Stored numbers.
+    /// Number of stored entries.
     pub fn stored(&self) -> usize {
         self.diagonal.last().map_or(0, |last| last + 1)
     }
@@ -49,7 +50,7 @@ impl Pattern {
 #[derive(Clone, Debug)]
 pub struct Envelope {
     values: Vec<f64>,
-    /// One over the diagonal, once factorised.
+    /// Reciprocals of the factor's diagonal, once factorised.
     inverse: Vec<f64>,
 }
 
@@ -57,9 +58,9 @@ pub struct Envelope {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("pivot {pivot:e} of row {row} is not positive")]
 pub struct NotPositiveDefinite {
-    /// Row at which it showed.
+    /// Row of the first pivot that is not positive.
     pub row: usize,
-    /// The pivot.
+    /// That pivot; NaN where an entry is.
     pub pivot: f64,
 }
 
@@ -122,7 +123,8 @@ impl Envelope {
         })
     }
 
-    /// Replaces the matrix by its Cholesky factor `L`, `A = L Lᵀ`.
+    /// Replaces the matrix by its Cholesky factor `L`, `A = L Lᵀ`. Fails at the first pivot that is
+    /// not positive; the matrix is then partly overwritten.
     pub fn factorise(&mut self, pattern: &Pattern) -> Result<(), NotPositiveDefinite> {
         for row in 0..pattern.size() {
             let first = pattern.first[row];
@@ -192,7 +194,7 @@ impl Envelope {
     }
 }
 
-/// Four running sums, so that the processor need not wait for one.
+/// `a·b` in four partial sums, whose additions do not wait for each other.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (fours_a, tail_a) = a.as_chunks::<4>();

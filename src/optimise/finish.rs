@@ -1,5 +1,10 @@
-//! The finish: Newton steps on the optimality conditions ([`super::kkt`]) until constraints hold to
-//! rounding. Steps are judged by the ℓ₁ merit.
+//! The finish: sequential quadratic programming by KKT steps ([`super::kkt`]) until the constraints
+//! hold to rounding.
+//!
+//! Steps are accepted by the ℓ₁ merit `f + μ Σ |violation|` with `μ = 1.5 max |ν|`: in full, in full
+//! with a second-order correction, or halved (Nocedal and Wright, *Numerical Optimization*,
+//! chapter 18). Halving shortens the whole step, since damping the Hessian would do nothing: the
+//! constraints determine nearly every unknown.
 
 use nalgebra::DVector;
 
@@ -11,16 +16,16 @@ use super::qp;
 use super::system::System;
 use super::work::Work;
 
-/// Rounds in which the set of active bounds must settle.
+/// Greatest number of revisions of the active set before clarabel decides.
 const ACTIVE_ROUNDS: usize = 12;
-/// After so many steps one that promises more than this share of what the one before did converges
-/// slowly.
+/// Convergence is slow where, after [`SLOW_STEPS`] steps, a step predicts more than this share of the
+/// decrease that the previous one predicted. The constraints' curvature is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
-/// Halvings of a step at most.
+/// Greatest number of halvings of a step.
 const HALVINGS_MAX: usize = 12;
-/// An objective below this is none: the decrease is then measured against it. What is promised
-/// beyond is less than a nanometre, and of the size of rounding.
+/// Least objective to which the predicted decrease is relative. With a smaller objective, the
+/// remaining decrease is less than a nanometre and of the size of rounding.
 const NO_COST: f64 = 1e-6;
 
 /// When the finish is done.
@@ -28,9 +33,9 @@ const NO_COST: f64 = 1e-6;
 pub struct Tolerances {
     /// Largest violation of a constraint, in units.
     pub violation: f64,
-    /// Decrease that the next step would promise, relative to the objective.
+    /// Predicted decrease `|g·d|` of the next step, relative to the objective.
     pub decrease: f64,
-    /// Steps at most.
+    /// Greatest number of steps.
     pub steps: usize,
 }
 
@@ -47,16 +52,16 @@ impl Default for Tolerances {
 /// How the finish ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finished {
-    /// Within tolerances.
+    /// Whether violation and decrease are within tolerances.
     pub converged: bool,
     /// Largest violation left, in units.
     pub violation: f64,
-    /// Decrease that a further step would promise, relative to the objective, as far as the last
-    /// ones tell.
+    /// Predicted decrease of a further step, relative to the objective, extrapolated from the last
+    /// two.
     pub decrease: f64,
 }
 
-/// What was taken of a step.
+/// How much of a step was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Taken {
     Whole,
@@ -68,18 +73,19 @@ enum Taken {
 pub struct Finish<'a, P: Program> {
     /// What is minimised.
     pub program: &'a P,
-    /// Where it stands.
+    /// The current point.
     pub point: P::Point,
-    /// Cost and constraints there.
+    /// Cost and constraints at the point.
     pub system: System,
-    /// Multipliers, row by row.
+    /// Multipliers `ν`, row by row.
     pub multipliers: Vec<f64>,
     /// Work done so far.
     pub work: Work,
 }
 
 impl<P: Program> Finish<'_, P> {
-    /// Steps until within tolerances, no step helps, or `should_stop`. `guidance` is that of the end.
+    /// Takes steps until `tolerances` are met, no step lowers the merit, or `should_stop` returns
+    /// true. `guidance` is that of [`Stage::Finish`](super::Stage::Finish).
     pub fn run(
         &mut self,
         guidance: &P::Guidance,
@@ -106,7 +112,8 @@ impl<P: Program> Finish<'_, P> {
             let promised = decrease / self.system.cost.max(NO_COST);
             let taken = self.search(guidance, &kkt, &step, &mut trial);
             finished.decrease = match (taken, promised_before) {
-                // Steps converge linearly at least: the next promises less by what this one did.
+                // Convergence is at least linear: the next predicted decrease is smaller by at
+                // least the last ratio.
                 (Taken::Whole, Some(before)) => promised * (promised / before).min(1.0),
                 _ => promised,
             };
@@ -121,7 +128,8 @@ impl<P: Program> Finish<'_, P> {
             if finished.converged || taken == Taken::Not {
                 break;
             }
-            // Steps that a Gauss–Newton model shortens or repeats want the constraints' curvature.
+            // Shortened or slowly converging steps mean that the Gauss–Newton model lacks the
+            // constraints' curvature.
             let is_late = taken_before + 1 >= SLOW_STEPS;
             is_slow |= taken != Taken::Whole
                 || is_late && promised_before.is_some_and(|before| promised > SLOW * before);
@@ -130,9 +138,9 @@ impl<P: Program> Finish<'_, P> {
         finished
     }
 
-    /// The step to the optimum of the quadratic programme here. Which bounds act is found by
-    /// trying: those that the step would break join, those that pull inwards leave. Where that
-    /// goes round in circles it is clarabel's word.
+    /// The step to the optimum of the quadratic programme at the current point. The active set is
+    /// revised until the step violates no bound and no multiplier has the wrong sign; where that
+    /// cycles, clarabel finds it ([`qp::multipliers`]).
     fn step(&mut self, is_slow: bool) -> Option<(Kkt, KktStep)> {
         if is_slow && let Some(curved) = self.curved_step() {
             return Some(curved);
@@ -140,7 +148,8 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The same with the curvature of the constraints; `None` where the model then has no optimum.
+    /// The step with the curvature of the constraints in the Hessian; `None` where the model is then
+    /// not convex on the active rows.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut curved = self.system.hessian.clone();
         let at = (&self.point, &self.system);
@@ -184,7 +193,8 @@ impl<P: Program> Finish<'_, P> {
         self.work.evaluations += 1;
     }
 
-    /// Finds along `step` what lowers the ℓ₁ merit: the whole, the whole corrected, a half, …
+    /// Tries the full step, the full step with second-order correction, a half, a quarter, … until
+    /// the ℓ₁ merit is not increased; leaves the result in `trial`.
     fn search(
         &mut self,
         guidance: &P::Guidance,

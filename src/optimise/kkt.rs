@@ -1,9 +1,22 @@
-//! Steps on the optimality conditions, linearised.
+//! Newton steps on the Karush–Kuhn–Tucker (KKT) conditions `∇f + Jᵀ ν = 0, c = 0` of the active rows.
 //!
-//! `[H Jᵀ; J 0][d; ν] = [−g; −c]` is solved by the method of multipliers on the quadratic
-//! model: one factorisation of `H + w JᵀJ`, which keeps the envelope and is positive definite
-//! where the solution is unique, then a few back-substitutions, each of which shrinks the
-//! error by the ratio of `H` to `w JᵀJ`.
+//! The linearised conditions
+//!
+//! ```text
+//! [H  Jᵀ] [d]   [−g]
+//! [J  0 ] [ν] = [−c]
+//! ```
+//!
+//! are solved by the method of multipliers on the quadratic model (Nocedal and Wright, *Numerical
+//! Optimization*, chapter 17): with `W = w·1`, repeat
+//!
+//! ```text
+//! (H + Jᵀ W J) d = −(g + Jᵀ ν + Jᵀ W c),   ν ← ν + W (c + J d)
+//! ```
+//!
+//! One factorisation of `H + Jᵀ W J` serves all repetitions; it keeps the envelope and is positive
+//! definite where the solution is unique. Each repetition reduces the error by the ratio of `H` to
+//! `Jᵀ W J`.
 
 use nalgebra::DVector;
 
@@ -12,46 +25,49 @@ use super::envelope::Envelope;
 use super::program::Program;
 use super::system::{Structure, System};
 
-/// Damping of the factorised matrix, so small that it only keeps undetermined unknowns still.
+/// Damping of the factorised matrix, as a share of `1 + Hᵢᵢ`: so small that it only keeps
+/// undetermined unknowns in place.
 pub const DAMPING: f64 = 1e-9;
-/// The linearised constraints hold well enough at this share of their violation (the next step
-/// leaves more by curvature), or at rounding.
+/// Repetitions end where the linearised constraints hold to this share of the violation (the
+/// constraints' curvature leaves more than that after the step),
 const EXACT: f64 = 1e-5;
+/// or to rounding, in units.
 const ROUNDING: f64 = 1e-14;
-/// Back-substitutions at most.
+/// Greatest number of repetitions.
 const REFINEMENTS: usize = 8;
 
 /// A solution of the linearised optimality conditions.
 pub struct KktStep {
-    /// The step.
+    /// The step `d`, a tangent.
     pub delta: DVector<f64>,
-    /// The multipliers after it, row by row.
+    /// The multipliers `ν` after it, row by row; zero for rows that are not active.
     pub multipliers: Vec<f64>,
 }
 
-/// The factorised `H + w JᵀJ` of a system, for steps and for covariances.
+/// The factorised `H + Jᵀ W J` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
-    /// What the curvature of active rows adds to the diagonal of `H`.
+    /// Curvature of active rows, added to the diagonal of `H`.
     curvature: Vec<(usize, f64)>,
-    /// Weight of every row, zero of those that do not act.
+    /// Weight of every row, zero where it is not active.
     weights: Vec<f64>,
-    /// Signed distance of every row from the bound that acts.
+    /// Signed distance of every row from its active bound.
     violations: Vec<f64>,
     multipliers: Vec<f64>,
-    /// What keeps undetermined unknowns still: added to the diagonal.
+    /// Damping, added to the diagonal.
     damping: Vec<f64>,
 }
 
 impl Kkt {
-    /// Factorises with the rows active that `multipliers` say; `None` where an unknown is
-    /// undetermined beyond the damping.
+    /// Factorises with the active set that `multipliers` imply ([`ActiveSet::of`]). `None` where
+    /// the matrix is not positive definite: an unknown is undetermined beyond the damping.
     pub fn new<P: Program>(program: &P, system: &System, multipliers: &[f64]) -> Option<Self> {
         let active = ActiveSet::of(system, multipliers, program.information().1);
         Self::with(program, (system, &system.hessian), multipliers, &active)
     }
 
-    /// `hessian` is the system's, or that with the curvature of its constraints where steps need it.
+    /// Factorises with a given active set; `hessian` is the system's, or the system's with the
+    /// curvature of the constraints added. `None` as for [`Kkt::new`].
     pub fn with<P: Program>(
         program: &P,
         (system, hessian): (&System, &Envelope),
@@ -65,8 +81,8 @@ impl Kkt {
         Self::weighed(structure, (system, hessian), multipliers, weighed, damping)
     }
 
-    /// Factorises with rows of those weights and violations, and with `damping` as a share of
-    /// `1 + Hᵢᵢ` on the diagonal.
+    /// Factorises with given weights and violations of the rows, and with `damping` as a share of
+    /// `1 + Hᵢᵢ` on the diagonal. `None` as for [`Kkt::new`].
     pub fn weighed(
         structure: &Structure,
         (system, hessian): (&System, &Envelope),
@@ -103,7 +119,7 @@ impl Kkt {
         })
     }
 
-    /// The step to the optimum of the model at `system`, whose Hessian is `hessian`.
+    /// The step to the optimum of the quadratic model at `system` with the Hessian `hessian`.
     pub fn step(&self, structure: &Structure, (system, hessian): (&System, &Envelope)) -> KktStep {
         let (weights, violations) = (&self.weights, &self.violations);
         let mut multipliers = self.multipliers.clone();
@@ -114,7 +130,7 @@ impl Kkt {
             .iter()
             .fold(0.0, |most: f64, v| most.max(v.abs()));
         for refinement in 0..REFINEMENTS {
-            // Minus the gradient of the model's augmented Lagrangian at delta.
+            // Minus the gradient of the model's augmented Lagrangian at `delta`.
             residual.copy_from(&system.gradient);
             if refinement > 0 {
                 hessian.multiply_add(&structure.pattern, &delta, &mut residual);
@@ -156,7 +172,7 @@ impl Kkt {
         KktStep { delta, multipliers }
     }
 
-    /// The step that also removes what the constraints depart from their linearisation.
+    /// The step with its second-order correction ([`System::correction`]).
     pub fn correct(
         &self,
         structure: &Structure,
@@ -166,12 +182,12 @@ impl Kkt {
         delta + system.correction(structure, trial, delta, &self.weights, &self.matrix)
     }
 
-    /// The damping's share of `xᵀ (H + w JᵀJ) x`.
+    /// The damping's part of `xᵀ (H + Jᵀ W J) x`.
     pub fn damped(&self, x: &DVector<f64>) -> f64 {
         x.iter().zip(&self.damping).map(|(x, d)| d * x * x).sum()
     }
 
-    /// Solves `(H + w JᵀJ) x = b` in place.
+    /// Solves `(H + Jᵀ W J) x = b` in place.
     pub fn solve(&self, structure: &Structure, b: &mut DVector<f64>) {
         self.matrix.solve(&structure.pattern, b);
     }

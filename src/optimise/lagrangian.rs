@@ -1,8 +1,14 @@
-//! The augmented Lagrangian: objective, multipliers and a quadratic penalty on constraints.
+//! The augmented Lagrangian (Nocedal and Wright, *Numerical Optimization*, chapter 17).
 //!
-//! For rows `lower ≤ v ≤ upper` with weight `w` and multiplier `ν` it adds
-//! `½ w dist²(v + ν/w, [lower, upper])`: equalities, one-sided and two-sided rows follow one
-//! rule, and the next multiplier is `w` times the signed distance.
+//! For rows `lower ≤ c ≤ upper` with weight `w` and multiplier `ν`,
+//!
+//! ```text
+//! L = f + Σ ½ w d²,   d = c + ν/w − clamp(c + ν/w, lower, upper)
+//! ν ← w d                                                          first-order update
+//! ```
+//!
+//! Equalities, one-sided and two-sided rows follow this one rule. The usual form differs by
+//! `½ Σ ν²/w`, which is constant in the unknowns.
 
 use super::system::System;
 
@@ -11,23 +17,23 @@ use super::system::System;
 pub struct AugmentedLagrangian {
     /// Weight `w` of every row, per squared unit.
     pub weight: f64,
-    /// Weight of rows that lead the way ([`Block::leads`](super::block::Block::leads)).
+    /// Weight of the rows in [`Block::leads`](super::block::Block::leads).
     pub leading_weight: f64,
     /// Multipliers `ν`, row by row.
     pub multipliers: Vec<f64>,
 }
 
-/// What the rows of a system contribute.
+/// Weights and shifted distances of the rows of a system.
 #[derive(Clone, Debug, Default)]
 pub struct Acting {
-    /// `w` of a row that acts, zero of one that does not.
+    /// `w` of an active row, zero of an inactive one.
     pub weights: Vec<f64>,
-    /// Signed distance of `v + ν/w` from the bounds.
+    /// `d` of every row, in units.
     pub distances: Vec<f64>,
 }
 
 impl AugmentedLagrangian {
-    /// A weight and no multipliers yet.
+    /// One weight for all rows, and multipliers zero.
     pub fn new(system: &System, weight: f64) -> Self {
         Self {
             weight,
@@ -36,7 +42,7 @@ impl AugmentedLagrangian {
         }
     }
 
-    /// Weight and shifted distance of every row, and whether a bound acts on it.
+    /// `w` and `d` of every row, and whether it is active.
     fn rows<'s>(&'s self, system: &'s System) -> impl Iterator<Item = (f64, f64, bool)> + 's {
         let rows = system.blocks.iter().flat_map(|block| {
             let rows = block.values.iter().zip(&block.bounds).enumerate();
@@ -65,8 +71,8 @@ impl AugmentedLagrangian {
                 .sum::<f64>()
     }
 
-    /// The augmented Lagrangian less `½ Σ ν²/w`: at its least it is at most the objective at any
-    /// point where the constraints hold.
+    /// `L − ½ Σ ν²/w`. Its minimum is a lower bound of the objective over all points that satisfy
+    /// the constraints, since `d² ≤ (ν/w)²` there (weak duality).
     pub fn dual(&self, system: &System) -> f64 {
         let rows = self.rows(system).zip(&self.multipliers);
         let shift = |((weight, ..), multiplier): ((f64, f64, bool), &f64)| {
@@ -75,7 +81,7 @@ impl AugmentedLagrangian {
         self.merit(system) - rows.map(shift).sum::<f64>()
     }
 
-    /// What the rows contribute, into `acting`.
+    /// Weights and distances at `system`, into `acting`.
     pub fn act(&self, system: &System, acting: &mut Acting) {
         acting.weights.clear();
         acting.distances.clear();
@@ -85,7 +91,7 @@ impl AugmentedLagrangian {
         }
     }
 
-    /// First-order update of the multipliers.
+    /// First-order update of the multipliers, `ν ← w d`.
     pub fn update(&mut self, system: &System) {
         self.multipliers = self
             .rows(system)

@@ -1,11 +1,20 @@
-//! Constrained least squares: the least of a cost of which value, gradient and a positive semidefinite
-//! Hessian are known, while rows of constraints stay within bounds.
+//! Constrained least squares on a manifold:
 //!
-//! What is minimised is a [`Program`]: it says which unknowns meet ([`Structure`]), evaluates all at a
-//! point ([`System`]) and moves points by steps. Nothing here knows what the unknowns are.
-//! [`schedule`] is the way from a start to the optimum: [`descend`] on the augmented [`lagrangian`],
-//! then [`finish`] by the steps of [`kkt`], with [`active`] and [`qp`] to say which bounds act. Matrices
-//! are [`envelope`]s, rows of constraints are in [`block`]s.
+//! ```text
+//! min f(x)   s.t.  lower ≤ c(x) ≤ upper, row by row
+//! ```
+//!
+//! where `f` is half a sum of squares with value, gradient `g` and a positive semidefinite Hessian
+//! `H`, and `c` has values, bounds and a Jacobian `J`. A row with `lower = upper` is an equality.
+//!
+//! A problem is a [`Program`]: it says which unknowns are coupled ([`Structure`]), evaluates
+//! everything at a point ([`System`]) and moves points by steps. Nothing here knows what the unknowns
+//! are. [`schedule`] leads from a start to the optimum: [`descend`] minimises the augmented
+//! [`lagrangian`] by Levenberg–Marquardt, then [`finish`] takes sequential-quadratic-programming steps
+//! with [`kkt`]; [`active`] and [`qp`] find the active set. Matrices are [`envelope`]s, constraints are
+//! stored in [`block`]s. The methods are those of Nocedal and Wright, *Numerical Optimization*
+//! (2nd edition): chapter 10 (Levenberg–Marquardt), 16 (quadratic programmes), 17 (augmented
+//! Lagrangian), 18 (sequential quadratic programming).
 
 pub mod active;
 pub mod block;

@@ -1,4 +1,4 @@
-//! What is minimised.
+//! The interface of a problem: cost and constraints over points on a manifold.
 
 use nalgebra::DVector;
 
@@ -9,38 +9,41 @@ use super::system::{Structure, System};
 ///
 /// Steps are right perturbations: a point need not be a vector, but its tangents are.
 pub trait Program {
-    /// A value of all unknowns.
+    /// Values of all unknowns.
     type Point: Clone;
-    /// Terms that lead the way and are gone at the end.
+    /// Which temporary terms are added to the cost to lead a start to the optimum; none in the
+    /// finish.
     type Guidance;
 
-    /// Which unknowns meet.
+    /// Which unknowns are coupled.
     fn structure(&self) -> &Structure;
 
-    /// Evaluates cost and constraints with their derivatives at a point. Where there is no value the
-    /// cost is not finite.
+    /// Evaluates cost and constraints with their derivatives at a point, into `system`. Where they
+    /// are undefined the cost is not finite.
     fn evaluate(&self, guidance: &Self::Guidance, point: &Self::Point, system: &mut System);
 
-    /// The system at a point.
+    /// [`Program::evaluate`] into a new system.
     fn evaluated(&self, guidance: &Self::Guidance, point: &Self::Point) -> System {
         let mut system = System::new(self.structure());
         self.evaluate(guidance, point, &mut system);
         system
     }
 
-    /// Moves `from` by a step, into `to`.
+    /// `to = from ⊞ step`.
     fn retract(&self, from: &Self::Point, step: &DVector<f64>, to: &mut Self::Point);
 
-    /// Diagonal of the damping at `λ = 1`: `10/s²` with a length `s` for every kind of unknown, in
-    /// multiples of the least information.
+    /// Diagonal of the Levenberg–Marquardt damping matrix at `λ = 1`: `10/s²` times the least
+    /// [`Program::information`], with a typical step length `s` for every kind of unknown.
     fn damping(&self) -> DVector<f64>;
 
-    /// How much the cost knows, at the least and at the most, against what weights and prices of a
-    /// schedule are made for: they are multiples of it.
+    /// Scale of the cost's Hessian relative to the problem for which the weights of a
+    /// [`Schedule`](super::Schedule) are given: least and greatest over the kinds of residuals.
+    /// Weights of constraints are multiplied by it, so that they keep their proportion to the cost.
     fn information(&self) -> (f64, f64);
 
-    /// Adds the constraints' curvature `Σ ν ∇²c` under multipliers `ν`, row by row, to a Hessian; rows
-    /// that say theirs ([`Block::curvature`](super::block::Block::curvature)) are left out.
+    /// Adds the constraints' curvature `Σ_k ν_k ∇²c_k` with multipliers `ν`, row by row, to a Hessian.
+    /// Rows with [`Block::curvature`](super::block::Block::curvature) are left out: theirs is added
+    /// by the optimiser.
     fn add_curvature(
         &self,
         at: (&Self::Point, &System),

@@ -1,8 +1,11 @@
-//! The quadratic programme of a step with bounds, by clarabel: which of them act?
+//! The quadratic programme of one step, solved by clarabel to find the active set:
 //!
-//! `min ½ δᵀHδ + gᵀδ` subject to `lower ≤ v + Jδ ≤ upper`, row by row, and tilts in their
-//! cones. An interior-point method
-//! answers to about eight digits; the finish takes the set of active rows from its multipliers
+//! ```text
+//! min ½ δᵀHδ + gᵀδ   s.t.  lower ≤ c + Jδ ≤ upper, row by row;  |p + δ_p| ≤ limit
+//! ```
+//!
+//! with `p` the two unknowns of a curved row (a second-order cone). The interior-point method
+//! is accurate to about eight digits; the finish takes the active set from its multipliers
 //! and solves for the step exactly.
 
 use clarabel::algebra::CscMatrix;
@@ -10,18 +13,18 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::system::{Structure, System};
 
-/// Added to the diagonal, relative: clarabel takes an indefinite matrix without a word.
+/// Relative shift of the diagonal: clarabel does not report an indefinite matrix.
 const CONVEX: f64 = 1e-9;
-/// Multipliers below this share of the largest are an interior point's zero.
+/// Multipliers below this share of the largest are zero up to the interior-point tolerance.
 const ZERO: f64 = 1e-6;
 
-/// Multipliers of all rows at the programme's optimum, zero for rows that do not act; `None`
+/// Multipliers of all rows at the programme's optimum, zero for inactive rows; `None`
 /// where clarabel does not solve it.
 pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
     let size = structure.size();
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (row, column, value) in system.hessian.triplets(&structure.pattern) {
-        // Clarabel reads the upper triangle only.
+        // Clarabel reads the upper triangle only, hence rows and columns exchanged.
         let diagonal = if row == column {
             CONVEX * (1.0 + value.abs())
         } else {
@@ -87,7 +90,7 @@ pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
         }
     }
     for (circle, z) in circles.iter().zip(z[sides.len()..].chunks_exact(3)) {
-        // Both pull along the radius: by |z|, and by 2/limit times the row's multiplier.
+        // The cone's force along the radius is |z|, the curved row's is its multiplier times 2/limit.
         if z[0] > ZERO * largest {
             multipliers[circle.index] = 0.5 * circle.limit * z[1].hypot(z[2]);
         }
@@ -95,16 +98,17 @@ pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
     Some(multipliers)
 }
 
-/// Two unknowns within a circle: `(limit, p + δ)` in a second-order cone.
+/// A curved row as a second-order cone: `(limit, p + δ_p)` with two unknowns `p`.
 struct RowCircle {
-    /// Of its row among all rows.
+    /// Index of its row among all rows.
     index: usize,
     block: usize,
     limit: f64,
     values: [f64; 2],
 }
 
-/// Curved rows are `(p₀² + p₁²)/limit² ≤ 1`, with derivatives `2p/limit²` and the curvature `2/limit²`.
+/// The cones of all curved rows `(p₀² + p₁²)/limit² ≤ 1`, whose derivatives are `2p/limit²` and whose
+/// curvature is `2/limit²`.
 fn circles(structure: &Structure, system: &System) -> Vec<RowCircle> {
     let mut circles = Vec::new();
     let mut index = 0;
@@ -124,9 +128,9 @@ fn circles(structure: &Structure, system: &System) -> Vec<RowCircle> {
     circles
 }
 
-/// One side of a row: `sign · Jδ ≤ room`, or equal to it.
+/// One bound of a row: `sign·Jδ ≤ room`, or `= room` for an equality.
 struct RowSide {
-    /// Among all rows.
+    /// Index among all rows.
     index: usize,
     block: usize,
     row: usize,
@@ -135,12 +139,12 @@ struct RowSide {
     room: f64,
 }
 
-/// All finite sides, equalities first.
+/// All finite bounds, equalities first.
 fn sides(system: &System) -> Vec<RowSide> {
     let mut sides = Vec::new();
     let mut index = 0;
     for (number, block) in system.blocks.iter().enumerate() {
-        // Curved rows are circles.
+        // Curved rows become cones.
         if block.curvature > 0.0 {
             index += block.values.len();
             continue;

@@ -1,11 +1,15 @@
-//! From a start to the right optimum: all constraints come in together as a quadratic penalty
-//! over all unknowns, then multipliers at a moderate weight, then the finish.
+//! The schedule from a start to the optimum, in three stages:
 //!
-//! Hard constraints at once would be imposed on gaps of a hundred units, and that is where
-//! general solvers lose the optimum near the start for another one. One weight before the
-//! multipliers is enough for the estimation: with states held at the middle of their arcs, slower
-//! sweeps (weights 0.1, 1, 10, 100) reached the same optima, in twice the iterations, on pencils at up
-//! to eight times the distortion and on up to twenty bounces.
+//! 1. sweep: all constraints enter together as a quadratic penalty over all unknowns,
+//!    `min f + ½ w Σ violation²` (the augmented Lagrangian with multipliers zero);
+//! 2. multiplier rounds at a moderate weight: descend on the augmented Lagrangian, update `ν`;
+//! 3. finish by sequential quadratic programming.
+//!
+//! Hard constraints from the beginning would be imposed on gaps of a hundred units; general solvers
+//! then leave the optimum near the start for another one. One sweep weight is enough for the
+//! estimation: with states held at the middle of their arcs, slower sweeps (weights 0.1, 1, 10, 100)
+//! reached the same optima, in twice the iterations, on pencils at up to eight times the distortion
+//! and on up to twenty bounces.
 
 use super::descend::{Descent, Patience};
 use super::finish::{Finish, Finished, Tolerances};
@@ -14,38 +18,42 @@ use super::program::Program;
 use super::system::System;
 use super::work::Work;
 
-/// A violation that the greatest weight leaves only where there is nothing better, in units.
+/// A violation above this at the greatest weight means that the constraints contradict each other,
+/// in units.
 const HOPELESS: f64 = 1.0;
-/// Multipliers that leave this much of a violation do not lower it, in so many rounds on end.
+/// A multiplier round stalls where it leaves more than this share of the violation,
 const STALLED: f64 = 0.8;
+/// and the rounds are given up after so many stalled ones in succession.
 const STALLED_ROUNDS: usize = 2;
 /// Ratio of successive weights of a sweep from the least to the greatest information.
 const SWEEP_RATIO: f64 = 30.0;
-/// Weight of leading rows in a sweep at the least, per information.
+/// Least weight of leading rows in a sweep, per information.
 const LEADING_WEIGHT: f64 = 100.0;
-/// A retry's descent goes on until less than this share of the gain is left,
+/// Factor on [`Schedule::gain`] in the descents of a retry,
 const PATIENT: f64 = 1e-7;
-/// and until the violation is below this, in units.
+/// whose multiplier rounds go on until the violation is below this, in units.
 const PATIENT_BELOW: f64 = 1e-5;
 
-/// Weights, rounds and ends. Those per squared unit are multiples of the program's information.
+/// Weights, numbers of rounds and stopping rules. Weights per squared unit and gains are multiples of
+/// the program's [`information`](Program::information).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// Weights of the sweep, per squared unit.
     pub sweep_weights: Vec<f64>,
-    /// Steps at most at each.
+    /// Greatest number of steps at each weight.
     pub sweep_steps: usize,
-    /// A sweep or a multiplier round ends when a step gains less than this.
+    /// [`Patience::gain`] of the sweep and of the multiplier rounds.
     pub gain: f64,
     /// First weight of the multiplier rounds.
     pub multiplier_weight: f64,
-    /// Rounds at most, steps of each at most.
+    /// Greatest number of rounds, and of steps in each.
     pub multiplier_rounds: (usize, usize),
-    /// Violation at which the finish takes over, in units.
+    /// Violation below which multiplier rounds end and the finish begins, in units.
     pub finish_below: f64,
-    /// Times that a finish which does not converge is followed by a patient descent and another.
+    /// How often a finish that does not converge is followed by more precise multiplier rounds and
+    /// another finish.
     pub retries: usize,
-    /// When the finish is done.
+    /// When the finish has converged.
     pub tolerances: Tolerances,
 }
 
@@ -70,7 +78,8 @@ impl Schedule {
         100.0 * self.multiplier_weight
     }
 
-    /// The schedule for a start that is near: multipliers at once, patiently, and no second try.
+    /// The schedule for a start near the optimum: multiplier rounds at once, with a smaller gain, and
+    /// no retries.
     pub fn without_sweep(&self) -> Self {
         Self {
             sweep_weights: Vec::new(),
@@ -80,7 +89,8 @@ impl Schedule {
         }
     }
 
-    /// The schedule for a start that solved the program but for a little: the finish at once.
+    /// The schedule for a start that is the solution of a slightly different program: the finish at
+    /// once.
     pub fn from_the_last(&self) -> Self {
         Self {
             sweep_weights: Vec::new(),
@@ -90,9 +100,9 @@ impl Schedule {
         }
     }
 
-    /// The schedule for a program with as much [`Program::information`]. Where parts of the cost are
-    /// weighed in very different units, the sweep goes from the one to the other: what presses hard
-    /// on the one would be no more than a hint for the other.
+    /// The schedule with its weights multiplied by a program's [`Program::information`]. Where least
+    /// and greatest information differ, the sweep repeats its weights at levels from one to the
+    /// other: a weight that is strong against one part of the cost is weak against the other.
     pub fn scaled(&self, (least, most): (f64, f64)) -> Self {
         let between = ((most / least).log(SWEEP_RATIO).ceil() as i32).max(0);
         let levels = (0..=between).map(|level| (least * SWEEP_RATIO.powi(level)).min(most));
@@ -107,59 +117,62 @@ impl Schedule {
     }
 }
 
-/// A part of the way.
+/// A stage of the schedule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
-    /// All constraints as a penalty of a weight.
+    /// All constraints as a quadratic penalty.
     Sweep {
-        /// Per squared unit.
+        /// Its weight, per squared unit.
         weight: f64,
     },
-    /// Rounds of multipliers.
+    /// Multiplier rounds on the augmented Lagrangian.
     Multipliers,
-    /// All is as it is meant.
+    /// Sequential quadratic programming, without temporary terms.
     Finish,
 }
 
-/// Who watches a solve, and may end it.
+/// An observer of a solve, which may end it.
 pub trait Watch {
     /// A stage begins.
     fn begins(&mut self, _stage: Stage) {}
 
-    /// Whether to end with what there is.
+    /// Whether to end with the point reached so far.
     fn should_stop(&mut self) -> bool {
         false
     }
 }
 
-/// Nobody.
+/// No observer.
 impl Watch for () {}
 
-/// Where a solve ended.
+/// The result of a solve.
 #[derive(Clone, Debug)]
 pub struct Solution<T> {
-    /// All unknowns.
+    /// Values of all unknowns.
     pub point: T,
-    /// Cost and constraints there.
+    /// Cost and constraints at the point.
     pub system: System,
     /// Multipliers of the constraints, row by row.
     pub multipliers: Vec<f64>,
     /// How the finish ended.
     pub finished: Finished,
-    /// Whether it was ended from outside.
+    /// Whether [`Watch::should_stop`] ended the finish.
     pub stopped: bool,
-    /// Work done.
+    /// Work done in all stages.
     pub work: Work,
 }
 
 impl<T> Solution<T> {
-    /// Whether conditions contradicted each other so much that there was no finish.
+    /// Whether the finish was left out because the constraints contradict each other.
     fn gave_up(&self) -> bool {
         self.finished.decrease.is_infinite()
     }
 }
 
-/// Solves from a start; `guidance` says what leads which stage.
+/// Minimises the cost of `program` under its constraints from a start; `guidance` gives the temporary
+/// terms of each stage.
+///
+/// Not converging is no failure: [`Solution::finished`] says what is left.
 pub fn solve<P: Program>(
     program: &P,
     start: P::Point,
@@ -205,7 +218,7 @@ pub fn solve<P: Program>(
         if solution.finished.converged || solution.stopped || is_hopeless {
             break;
         }
-        // Where full steps lead nowhere, damped ones without guidance come closer.
+        // Where full steps do not converge, damped ones without temporary terms come closer.
         watch.begins(Stage::Multipliers);
         let mut descent = Descent::new(program, solution.point);
         descent.work = solution.work;
@@ -224,7 +237,7 @@ pub fn solve<P: Program>(
 }
 
 impl<P: Program> Descent<'_, P> {
-    /// Where it ended, without a finish.
+    /// The descent's point as a solution without a finish.
     fn given_up(self, multipliers: Vec<f64>) -> Solution<P::Point> {
         Solution {
             finished: Finished {
@@ -241,7 +254,7 @@ impl<P: Program> Descent<'_, P> {
     }
 }
 
-/// The finish, from where a descent ended.
+/// The finish, from the end of a descent.
 fn conclude<P: Program>(
     descent: Descent<P>,
     exact: &P::Guidance,
@@ -250,8 +263,8 @@ fn conclude<P: Program>(
     watch: &mut dyn Watch,
 ) -> Solution<P::Point> {
     let multipliers = lagrangian.multipliers.clone();
-    // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
-    // steps that meet them exactly would only lead astray.
+    // Constraints that the greatest weight leaves violated by a whole unit contradict each other:
+    // steps that satisfy their linearisation would lead far away.
     if descent.system.violation() > HOPELESS && lagrangian.weight >= schedule.weight_max() {
         return descent.given_up(multipliers);
     }
@@ -303,7 +316,7 @@ fn tighten<P: Program>(
         if now < schedule.finish_below || is_hopeless || watch.should_stop() {
             break;
         }
-        // Where multipliers alone are slow, the weight helps.
+        // Where multiplier updates alone reduce the violation slowly, increase the weight.
         if now > 0.25 * violation {
             lagrangian.weight = (lagrangian.weight * 10.0).min(schedule.weight_max());
             lagrangian.leading_weight = lagrangian.weight;

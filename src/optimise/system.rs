@@ -1,4 +1,4 @@
-//! Cost and constraints at a point, with derivatives: what one iteration works on.
+//! Cost and constraints at a point, with derivatives: the input of one iteration.
 //!
 //! Rows are numbered through all blocks; vectors over them are flat.
 
@@ -7,14 +7,14 @@ use nalgebra::DVector;
 use super::block::{Block, BlockPattern};
 use super::envelope::{Envelope, Pattern};
 
-/// Which unknowns meet in a term or in a row.
+/// The sparsity of a program: which unknowns occur together.
 #[derive(Clone, Debug)]
 pub struct Structure {
-    /// In a term of the Hessian, or in a row.
+    /// In an entry of the Hessian or in a row of constraints: the envelope of `H + Jᵀ W J`.
     pub pattern: Pattern,
     /// In the rows of each block of constraints.
     pub blocks: Vec<BlockPattern>,
-    /// In the rows of each block that costs its squares instead of being bounded.
+    /// In the rows of each block whose squares are part of the cost instead of being constrained.
     pub priced: Vec<BlockPattern>,
 }
 
@@ -28,15 +28,15 @@ impl Structure {
 /// Cost and constraints at a point.
 #[derive(Clone, Debug)]
 pub struct System {
-    /// Half the sum of squared residuals, guidance included.
+    /// `f`: half the sum of squared residuals, guidance included.
     pub cost: f64,
-    /// Its gradient.
+    /// `g`, the gradient of the cost.
     pub gradient: DVector<f64>,
-    /// Its positive semidefinite Hessian.
+    /// `H`, a positive semidefinite Hessian of the cost.
     pub hessian: Envelope,
     /// Constraints, in the order of the structure's blocks.
     pub blocks: Vec<Block>,
-    /// What is priced: already in cost, gradient and Hessian.
+    /// Rows whose squares are in the cost; cost, gradient and Hessian already contain them.
     pub priced: Vec<Block>,
 }
 
@@ -65,7 +65,7 @@ impl System {
             .flat_map(|block| block.values.iter().copied())
     }
 
-    /// Value of every row with its least and its greatest, in units.
+    /// Value of every row with its lower and its upper bound, in units.
     pub fn bounded(&self) -> impl Iterator<Item = (f64, (f64, f64))> + '_ {
         self.blocks.iter().flat_map(|block| {
             let bounds = block.bounds.iter().copied();
@@ -98,7 +98,7 @@ impl System {
         }
     }
 
-    /// Adds `Jᵀ p` for a pull `p` on every row.
+    /// Adds `Jᵀ p` to `gradient`, with `p = pull(row)`: a multiplier, or weight times violation.
     pub fn add_pull(
         &self,
         structure: &Structure,
@@ -112,7 +112,8 @@ impl System {
         }
     }
 
-    /// What the curvature of rows adds to the diagonal under a pull on every row: unknown and value.
+    /// Curvature of the Lagrangian from curved rows, which is diagonal: pairs of an unknown and
+    /// `p·∂²c/∂x²`, with `p = pull(row)`.
     pub fn curvature(
         &self,
         structure: &Structure,
@@ -122,7 +123,8 @@ impl System {
         let mut offset = 0;
         for (block, pattern) in self.blocks.iter().zip(&structure.blocks) {
             if block.curvature > 0.0 {
-                // A pull inwards would make the matrix indefinite; it is on its way out.
+                // A negative pull would make the matrix indefinite. It belongs to a bound that
+                // is about to leave the active set.
                 let value = block.curvature * pull(offset).max(0.0);
                 if value > 0.0 {
                     diagonal.extend(pattern.unknowns(0).iter().map(|at| (*at, value)));
@@ -133,7 +135,7 @@ impl System {
         diagonal
     }
 
-    /// `J δ`, row by row, into `change`.
+    /// `J δ`, the linearised change of every row, into `change`.
     pub fn along(&self, structure: &Structure, delta: &DVector<f64>, change: &mut Vec<f64>) {
         change.clear();
         change.resize(self.row_count(), 0.0);
@@ -145,7 +147,7 @@ impl System {
         }
     }
 
-    /// Adds what curved rows change by beyond `J δ`, exactly, to `change`.
+    /// Adds `½ δᵀ ∇²c δ` of curved rows to `change`, which is then their exact change.
     pub fn add_curved(&self, structure: &Structure, delta: &DVector<f64>, change: &mut [f64]) {
         let mut row = 0;
         for (block, pattern) in self.blocks.iter().zip(&structure.blocks) {
@@ -158,8 +160,9 @@ impl System {
         }
     }
 
-    /// What to add to `delta`, given that it led to `trial`, so that the constraints' departure from
-    /// their linearisation here is removed: `factor` holds `H + Jᵀ diag(w) J`.
+    /// Second-order correction of a step `δ` that led to `trial`:
+    /// `−(H + Jᵀ W J)⁻¹ Jᵀ W (c(trial) − c − J δ)` with `W = diag(w)`. It removes the constraints'
+    /// departure from their linearisation here; `factor` is the factorised matrix.
     pub fn correction(
         &self,
         structure: &Structure,

@@ -1,18 +1,18 @@
-//! What solving took.
+//! Counts of the work of a solve.
 
-/// Work done.
+/// Counts of the work of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Evaluations with a factorisation.
+    /// Steps computed, in descents and in finishes.
     pub iterations: usize,
-    /// Evaluations of everything.
+    /// Evaluations of cost, constraints and derivatives.
     pub evaluations: usize,
     /// Matrix factorisations.
     pub factorisations: usize,
 }
 
 impl Work {
-    /// Adds that of another solve.
+    /// Adds the counts of another solve.
     pub fn add(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;

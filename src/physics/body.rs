@@ -1,4 +1,4 @@
-//! What of a rigid body matters to its motion: mass and principal moments.
+//! The inertia of a rigid body: mass and principal moments at the centre of mass.
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -33,7 +33,7 @@ pub enum Symmetry {
     Asymmetric,
 }
 
-/// Why mass and moments make no body.
+/// Why mass and moments are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BodyError {
     /// Mass is not positive.
@@ -45,7 +45,7 @@ pub enum BodyError {
     /// A moment is not positive.
     #[error("moment {axis} is {moment_kg_m2} kg m², expected a positive number")]
     Moment {
-        /// Which one: 0, 1, 2.
+        /// Body axis: 0, 1 or 2.
         axis: usize,
         /// As given.
         moment_kg_m2: f64,
@@ -58,7 +58,7 @@ pub enum BodyError {
 impl Body {
     /// A body from its mass \[kg\] and principal moments [kg m²] about body axes 0, 1, 2.
     ///
-    /// Fails where no distribution of mass has these.
+    /// Fails where no distribution of mass has these moments.
     pub fn new(mass_kg: f64, moments_kg_m2: Vector3<f64>) -> Result<Self, BodyError> {
         if !(mass_kg > 0.0 && mass_kg.is_finite()) {
             return Err(BodyError::Mass { mass_kg });

@@ -1,4 +1,4 @@
-//! The features of a shape that may touch, each with a name.
+//! The features of a shape by which it may touch others, each with a name.
 //!
 //! Names are readable and the same for the same shape: `corner +x -y +z`, `edge +x +y` (the one
 //! between those faces), `face -z`, `rim +z` and `end +z` of a cylinder, `end +z` of a capsule,
@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 use super::contact::Feature;
 use super::shape::{Shape, ShapeError, hull_triangles};
 
-/// How far points of a hull may be off a plane and count as on it, relative to the hull's size:
-/// what six typed digits leave.
+/// Greatest distance of points of a hull from a plane on which they count as lying, relative to the
+/// hull's size: the error of coordinates typed with six digits.
 const FLATNESS: f64 = 1e-6;
 
 /// A feature and its name.
@@ -20,7 +20,7 @@ pub type NamedFeature = (String, Feature);
 impl Shape {
     /// Its features in its own axes: corners, edges and rims, faces, in this order.
     ///
-    /// The slanted side of a cone is none of the known features and left out. Fails where the
+    /// The slanted side of a cone is no supported feature and left out. Fails where the
     /// shape is no solid.
     pub fn features(&self) -> Result<Vec<NamedFeature>, ShapeError> {
         self.check()?;
@@ -106,7 +106,8 @@ fn side(radius_m: f64) -> Feature {
     }
 }
 
-/// Eight corners, twelve edges, six faces; a radius rounds corners and edges from within.
+/// Eight corners, twelve edges, six faces; with a radius, corners and edges are balls and tubes of
+/// that radius inside the box.
 fn of_box(half_extents_m: &Vector3<f64>, radius_m: f64) -> Vec<NamedFeature> {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let core = half_extents_m.add_scalar(-radius_m);
@@ -152,11 +153,11 @@ fn of_box(half_extents_m: &Vector3<f64>, radius_m: f64) -> Vec<NamedFeature> {
 /// A flat side of a hull.
 struct Flat {
     normal: Vector3<f64>,
-    /// Which points lie on it, in order.
+    /// Indices of the points on it, in order.
     points: Vec<usize>,
 }
 
-/// Corners, edges and faces of a hull; its triangles in one plane are one face.
+/// Corners, edges and faces of a hull; coplanar triangles form one face.
 fn of_hull(points_m: &[Vector3<f64>]) -> Result<Vec<NamedFeature>, ShapeError> {
     let flats = flats(points_m)?;
     let mut edges = Vec::new();
@@ -198,7 +199,8 @@ fn of_hull(points_m: &[Vector3<f64>]) -> Result<Vec<NamedFeature>, ShapeError> {
     Ok(corners.chain(edges).chain(faces).collect())
 }
 
-/// The planes of a hull, from its largest triangles down: slivers know their planes worst.
+/// The flat faces of a hull, found from its largest triangles down: slivers determine a plane
+/// worst.
 fn flats(points_m: &[Vector3<f64>]) -> Result<Vec<Flat>, ShapeError> {
     let size_m = points_m.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let index_of = |corner: &Vector3<f64>| {

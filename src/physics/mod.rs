@@ -1,5 +1,6 @@
-//! Rigid bodies: what they are ([`body`], [`shape`]), how they fly ([`flow`]), where
-//! they touch ([`contact`], [`features`]) and how they bounce ([`impact`]); each formula beside its derivatives. All of parry is behind [`shape`].
+//! Rigid bodies: their mass and shape ([`body`], [`shape`]), free flight ([`flow`]), contact
+//! geometry ([`contact`], [`features`]), impacts ([`impact`]) and how they are measured
+//! (`observe`). Each formula stands beside its derivatives. Only [`shape`] imports parry.
 
 pub mod body;
 pub mod contact;

@@ -1,9 +1,15 @@
-//! How measured orientations pull at a flight: the turn's residual and derivatives.
+//! Residuals of measured orientations against a free rotation, with derivatives: the rotational
+//! part of the sum of squares (paper eq. 1).
 //!
-//! `½|Log(R_iᵀ R(s))|²`: its gradient by a right perturbation of `R(s)` is the logarithm
-//! itself; the identity stands for its Hessian, between Gauss–Newton's `1 + θ²/12` and the
-//! exact `1 − θ²/12` across the residual, and of the three the cheapest. Seen from the frame of
-//! `R(0)` a turn of `R(s)` is `δθ + s K δω` ([`Spin::turn_and_derivative`]).
+//! The cost of one orientation `R_i` is `½|e|²`, `e = Log(R_iᵀ R(s))`. Its gradient by a right
+//! perturbation of `R(s)` is `e` itself. Its Hessian is replaced by the identity: across the
+//! residual of angle `θ` that lies between Gauss–Newton's `1 + θ²/12` and the exact `1 − θ²/12`,
+//! and it is the cheapest of the three. In the frame of `R(0)`, a perturbation of the initial state
+//! turns `R(s)` by `δθ + s K δω` ([`Spin::turn_and_derivative`]), hence
+//!
+//! ```text
+//! gradient   Σ e, Σ s Kᵀe        Hessian   Σ 1, Σ s K; ·, Σ s² KᵀK
+//! ```
 
 mod lanes;
 
@@ -13,16 +19,17 @@ use super::Body;
 use super::flow::Spin;
 use crate::math::so3;
 
-/// Sums over measured orientations, by orientation `δθ` and angular velocity `δω` at the epoch.
+/// Sums over measured orientations, with derivatives by orientation `δθ` and angular velocity `δω`
+/// of the state, at its epoch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TurnTerms {
-    /// Half the weighted sum of squared angles.
+    /// Half the weighted sum of squared angles \[rad²\].
     pub cost: f64,
     /// Gradient by `δθ`.
     pub gradient_orientation: Vector3<f64>,
     /// Gradient by `δω`.
     pub gradient_spin: Vector3<f64>,
-    /// Hessian by `δθ` twice is this times the identity.
+    /// The Hessian by `δθ` twice is this times the identity.
     pub count: f64,
     /// Hessian by `δθ` (rows) and `δω` (columns).
     pub cross: Matrix3<f64>,
@@ -31,8 +38,8 @@ pub struct TurnTerms {
 }
 
 impl TurnTerms {
-    /// Terms of measured orientations, each with its seconds from the epoch, where `orientation` and
-    /// `ω` [rad/s, body] hold; all of the weight one.
+    /// Terms of measured orientations, each with its time from the epoch \[s\], at which the body
+    /// has `orientation` and `ω` [rad/s, body]; all with weight one.
     pub fn of<'m>(
         body: &Body,
         (orientation, angular_velocity_rad_s): (&UnitQuaternion<f64>, &Vector3<f64>),
@@ -49,7 +56,7 @@ impl TurnTerms {
         terms
     }
 
-    /// The same at another weight.
+    /// The terms multiplied by a weight.
     pub fn weighed(self, weight: f64) -> Self {
         Self {
             cost: self.cost * weight,

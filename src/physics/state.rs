@@ -34,7 +34,7 @@ pub struct State {
 }
 
 impl State {
-    /// `q ⊞ δ`.
+    /// `q ⊞ δ = (x + δx, R·Exp(δθ), v + δv, ω + δω)`.
     pub fn retract(&self, delta: &StateTangent) -> State {
         State {
             position_m: self.position_m + delta.fixed_rows::<3>(part::POSITION),
@@ -47,7 +47,7 @@ impl State {
         }
     }
 
-    /// `q ⊟ p`: the tangent at `origin` that leads to `self`.
+    /// `q ⊟ p` with `p = origin`: the tangent `δ` for which `p ⊞ δ = q`.
     pub fn minus(&self, origin: &State) -> StateTangent {
         let mut delta = StateTangent::zeros();
         delta

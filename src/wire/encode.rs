@@ -14,7 +14,7 @@ pub const MARK_EVENT_KEY: &str = "event";
 
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 
-/// Why something cannot be said in a message.
+/// Why a value cannot be written in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum EncodeError {
     /// Foxglove's stamps count whole seconds from 0 to 2³² − 1.
@@ -36,7 +36,7 @@ pub struct SchemaRecord {
     pub data: Vec<u8>,
 }
 
-/// The messages we write, by kind: schema and message encoding go together.
+/// The kinds of foxglove messages that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Encoded {
     /// `foxglove.PoseInFrame`.
@@ -67,7 +67,7 @@ impl Encoded {
     }
 }
 
-/// Where a child frame stands in its parent's at one instant.
+/// The pose of a child frame in its parent frame at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform<'a> {
     /// Name of the parent frame.
@@ -118,7 +118,7 @@ pub fn event(mark: &Mark) -> Result<Vec<u8>, EncodeError> {
     event_with(mark.stamp, &pairs)
 }
 
-/// A `foxglove.Event` at one instant with that metadata.
+/// A `foxglove.Event` at one instant with the given metadata.
 pub fn event_with(stamp: Stamp, pairs: &[(&str, &str)]) -> Result<Vec<u8>, EncodeError> {
     let at = timestamp(stamp)?;
     Ok(bytes_of(&Event {
@@ -134,7 +134,7 @@ pub fn event_with(stamp: Stamp, pairs: &[(&str, &str)]) -> Result<Vec<u8>, Encod
     }))
 }
 
-/// The stamp as foxglove writes it.
+/// The stamp as a foxglove message holds it.
 pub(crate) fn timestamp(stamp: Stamp) -> Result<Timestamp, EncodeError> {
     let seconds = u32::try_from(stamp.0.div_euclid(NANOSECONDS_PER_SECOND))
         .map_err(|_| EncodeError::Stamp(stamp.0))?;

@@ -1,8 +1,9 @@
 //! Bytes ↔ motion, shared by ingest and write; no files.
 //!
-//! [`container`] finds the messages in an MCAP file held in memory, [`decode`] makes motion of
-//! them, [`encode`] makes messages of motion, [`ros2`] those of ROS 2. [`live`] is what goes over iceoryx2. Whatever is a foxglove message comes from the
-//! `foxglove` crate, whose types stop at this room's door.
+//! [`container`] finds the messages in an MCAP file held in memory, [`decode`] turns them into
+//! motion, [`encode`] turns motion into foxglove messages, [`ros2`] into ROS 2 messages. [`live`]
+//! is the contract over iceoryx2. Foxglove's message types come from the `foxglove` crate and are
+//! used in this room only.
 
 pub mod container;
 pub mod decode;

@@ -5,7 +5,7 @@ use crate::motion::{PoseSample, Stamp};
 
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 
-/// Between a definition and those that it is made of.
+/// Separator between a definition and the definitions of its parts.
 const RULE: &str =
     "================================================================================\n";
 
@@ -41,7 +41,7 @@ const TIME_PART: &str = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec
 const QUATERNION_PART: &str =
     "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
 
-/// The messages we write, by kind.
+/// The kinds of ROS 2 messages that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RosMessage {
     /// `geometry_msgs/msg/PoseStamped`.
@@ -91,7 +91,7 @@ pub fn tf_message(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError> {
     Ok(cdr.bytes)
 }
 
-/// A `std_msgs/msg/Header` of an instant, named.
+/// A `std_msgs/msg/Header` of an instant, with a name as its `frame_id`.
 pub fn header(stamp: Stamp, name: &str) -> Result<Vec<u8>, EncodeError> {
     let mut cdr = Cdr::new();
     cdr.header(stamp, name)?;
@@ -105,8 +105,8 @@ pub fn string(text: &str) -> Vec<u8> {
     cdr.bytes
 }
 
-/// Bytes of a message, each number at a multiple of its size from the first after the mark of
-/// little-endian.
+/// Bytes of a message in little-endian CDR: each number is aligned to its size, counted from the
+/// first byte after the encapsulation header.
 struct Cdr {
     bytes: Vec<u8>,
 }
@@ -138,7 +138,7 @@ impl Cdr {
         self.bytes.push(0);
     }
 
-    /// Seconds are signed and of 32 bits there.
+    /// Appends a header. Its seconds are signed 32-bit numbers.
     fn header(&mut self, stamp: Stamp, frame_id: &str) -> Result<(), EncodeError> {
         let seconds = i32::try_from(stamp.0.div_euclid(NANOSECONDS_PER_SECOND))
             .map_err(|_| EncodeError::RosStamp(stamp.0))?;

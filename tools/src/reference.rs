@@ -1,10 +1,11 @@
-//! Free turns to thirty digits, sharing no formula with the flow: Euler's equations and the
-//! quaternion's kinematics by extrapolation of the modified midpoint rule (Gragg, Bulirsch and
-//! Stoer) in pairs of numbers.
+//! Free rotations to thirty digits for tests, sharing no formula with the flow: Euler's equations
+//! and the quaternion's kinematics by extrapolation of the modified midpoint rule (Gragg, Bulirsch
+//! and Stoer) in double-double arithmetic.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The unevaluated sum of two numbers, of which the second is below the first's rounding.
+/// A double-double number: the unevaluated sum of two numbers, the second below the rounding of the
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair(pub f64, pub f64);
 
@@ -75,10 +76,10 @@ impl Div for Pair {
     }
 }
 
-/// Quaternion `w, x, y, z` of the turn since the epoch, then `ω` [rad/s, body].
+/// Quaternion `w, x, y, z` of the rotation since the start, then `ω` [rad/s, body].
 pub type Motion = [Pair; 7];
 
-/// The motion that begins with `omega`.
+/// The start of the motion with the initial angular velocity `omega` [rad/s, body].
 pub fn epoch(omega: [Pair; 3]) -> Motion {
     let zero = Pair(0.0, 0.0);
     let [x, y, z] = omega;
@@ -118,7 +119,7 @@ fn step(couplings: &[Pair; 3], start: &Motion, h: Pair) -> Motion {
         }
         let beyond = advance(&now, &slope(couplings, &now), small);
         let smoothed = std::array::from_fn(|i| Pair(0.5, 0.0) * (last[i] + beyond[i]));
-        // Aitken and Neville, in the square of the small step.
+        // Aitken–Neville extrapolation in the square of the substep.
         let mut entries: Vec<Motion> = vec![smoothed];
         for (column, before) in previous.iter().enumerate() {
             let ratio = Pair::from(count(row)) / count(row - column - 1).into();

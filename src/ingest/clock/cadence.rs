@@ -1,31 +1,32 @@
-//! Whether a reading is out of step with the stream it belongs to.
+//! Detects that a clock was set, from a reading that does not fit its stream.
 
-/// Steps that are less go unnoticed \[ns\].
+/// Least step that is detected \[ns\],
 const LEAST_NS: f64 = 10e6;
 
-/// So are steps of less than this many times the stream's noise.
+/// and least step as a multiple of the stream's noise.
 const NOISES: f64 = 8.0;
 
-/// Weight of the last interval in all means.
+/// Weight of the last interval in the exponential means.
 const WEIGHT: f64 = 1.0 / 32.0;
 
-/// Intervals before anything is judged.
+/// Number of intervals before a step can be detected.
 const SETTLED: u32 = 32;
 
-/// Share by which the paces of readings and arrivals may differ in a stream that is live, and
-/// not a recording played faster.
+/// Greatest relative difference of the mean intervals of readings and arrivals in a live stream; a
+/// recording played faster differs by more.
 const PACE: f64 = 0.1;
 
-/// Share of a step by which an arrival may be off its time: more is a late delivery.
+/// Greatest deviation of an arrival from its expected time, as a share of the step: more is a late
+/// delivery.
 const PUNCTUAL: f64 = 0.25;
 
-/// The means of a live, even stream: with `Δd` from reading to reading, `Δr` from arrival to
-/// arrival, and `n` the difference of the sequence numbers, it follows `Δd/n`, `Δr/n` and the
+/// Exponential means of a live, even stream. With `Δd` the difference of readings, `Δr` that of
+/// arrivals and `n` that of sequence numbers, it keeps the means of `Δd/n`, `Δr/n` and of the
 /// noise `|Δd − Δr| + |Δd − n·mean|`.
 ///
-/// A clock was set where the sample comes on time, `Δr ≈ n·mean`, and its reading does not,
-/// `|Δd − Δr|` beyond 8 times the noise and 10 ms. A stall of delivery is off in
-/// `Δr`, a hole in both alike, a recording played fast in its pace: none of them is a step.
+/// A clock was set where the sample comes on time, `Δr ≈ n·mean`, and its reading does not:
+/// `|Δd − Δr|` is greater than 8 times the noise and 10 ms. A stalled delivery changes `Δr`, a hole
+/// changes both alike, a recording played fast has another mean: none of them is a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cadence {
     reading_ns: f64,
@@ -35,8 +36,8 @@ pub struct Cadence {
 }
 
 impl Cadence {
-    /// Takes in an interval, unless it has a step: by how much the clock was set then \[ns\].
-    /// `numbers` is at least 1.
+    /// Adds an interval to the means and returns `None`; for an interval with a step, returns
+    /// instead by how much the clock was set \[ns\]. `numbers` is at least 1.
     pub fn step_ns(&mut self, reading_ns: i64, arrival_ns: i64, numbers: u64) -> Option<i64> {
         let (reading, arrival) = (reading_ns as f64, arrival_ns as f64);
         let numbers = numbers.max(1) as f64;
@@ -49,7 +50,7 @@ impl Cadence {
         if is_live && is_far && is_punctual {
             return Some(jump as i64);
         }
-        // At first, plain means.
+        // Plain means at the beginning.
         self.count = self.count.saturating_add(1);
         let weight = WEIGHT.max(1.0 / f64::from(self.count));
         let noise = jump.abs() + (reading - expected).abs();

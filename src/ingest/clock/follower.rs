@@ -1,14 +1,14 @@
-//! From another clock to ours by the least delay.
+//! Maps another clock to this machine's by the least delay.
 
 /// A delay that grows by no more than this is taken for drift between the clocks, not for a
 /// slow delivery \[s/s\]: ten times a bad crystal's.
 const DRIFT: f64 = 1e-3;
 
-/// Follows the lower envelope of arrival less reading: what is above it is delay on the way.
+/// Follows the lower envelope of arrival less reading: the excess over it is delay of delivery.
 ///
 /// With arrival `r_i`, reading `d_i` and offset `o`:
 /// `o ← min(r_i − d_i, o + DRIFT · (r_i − r_{i−1}))`; the stamp is `d_i + o`. It is never later
-/// than the arrival, and late by the least delay on the way, which nobody can know.
+/// than the arrival, and late by the least delay of delivery, which cannot be observed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Follower {
     offset_ns: i64,
@@ -27,7 +27,7 @@ impl Follower {
     /// The stamp of a reading \[ns\].
     pub fn stamp(&mut self, reading_ns: i64, arrival_ns: i64) -> i64 {
         let elapsed_ns = arrival_ns.saturating_sub(self.arrival_ns).max(0);
-        // Rounded up: at a kilohertz a truncated microsecond would be lost every time.
+        // Rounded up: at 1 kHz, truncation would lose a microsecond with every sample.
         let drift_ns = (elapsed_ns as f64 * DRIFT).ceil() as i64;
         let delay_ns = arrival_ns.saturating_sub(reading_ns);
         self.offset_ns = delay_ns.min(self.offset_ns.saturating_add(drift_ns));
@@ -35,14 +35,14 @@ impl Follower {
         reading_ns.saturating_add(self.offset_ns)
     }
 
-    /// How far ahead of its place a reading is: by how much it would come before it was
-    /// measured, as the delays so far say \[ns\].
+    /// By how much a reading leads \[ns\]: how long before its measurement it would have arrived,
+    /// with the offset so far.
     pub fn lead_ns(&self, reading_ns: i64, arrival_ns: i64) -> i64 {
         let delay_ns = arrival_ns.saturating_sub(reading_ns);
         self.offset_ns.saturating_sub(delay_ns)
     }
 
-    /// Ours less theirs \[ns\].
+    /// This machine's clock less the other \[ns\].
     pub fn offset_ns(&self) -> i64 {
         self.offset_ns
     }

@@ -1,4 +1,4 @@
-//! Arrivals of an even stream, with their jitter taken off.
+//! Stamps for an even stream from its arrivals, with the jitter filtered out.
 
 /// Time constant of the filter \[s\].
 const CONSTANT_S: f64 = 1.0;
@@ -6,13 +6,13 @@ const CONSTANT_S: f64 = 1.0;
 /// A second-order tracking loop, critically damped: phase and period of an even stream from its
 /// arrivals.
 ///
-/// With `n` periods since the last sample, prediction `p = t + n T` and error `e = r − p`:
-/// `t ← p + α e`, `T ← T + β e / n`; `α = 2 x`, `β = x²`, `x = min(n T / CONSTANT_S, 1/2)`. At
-/// first, at the `i`-th sample, it averages: `x` is no less than `2/i`, about the gains of a line
-/// fitted to all so far.
+/// With `n` periods `T` since the last stamp `t`, arrival `r`, prediction `p = t + n T` and error
+/// `e = r − p`: `t ← p + α e`, `T ← T + β e / n`; `α = 2 x`, `β = x²`, `x = min(n T / CONSTANT_S,
+/// 1/2)`. At the beginning it averages: at the `i`-th sample `x` is at least `2/i`, about the gains
+/// of a line fitted to all samples so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoother {
-    /// The beginning \[ns\]; what follows counts from it, for floats to be exact.
+    /// The first arrival \[ns\]; later times are relative to it, so that floats are precise.
     origin_ns: i64,
     stamp_s: f64,
     period_s: Option<f64>,
@@ -49,7 +49,7 @@ impl Smoother {
         self.stamp_ns()
     }
 
-    /// How far an arrival is from where it was expected \[ns\].
+    /// Arrival less expected arrival \[ns\].
     pub fn surprise_ns(&self, arrival_ns: i64, steps: u64) -> i64 {
         let period_s = self.period_s.unwrap_or(0.0);
         let arrival_s = arrival_ns.saturating_sub(self.origin_ns) as f64 * 1e-9;

@@ -1,4 +1,4 @@
-//! The stamps of one stream, whatever they are made from.
+//! The stamps of one stream, from any source.
 
 use serde::Serialize;
 
@@ -7,20 +7,21 @@ use super::follower::Follower;
 use super::smoother::Smoother;
 use crate::motion::{Stamp, StampSource};
 
-/// In a stream of no cadence, a clock that goes back by more was set \[ns\]: stamps jitter by less.
+/// In an uneven stream, a step back of more than this \[ns\] is a clock that was set: stamps jitter
+/// by less.
 const BACK_NS: i64 = 50_000_000;
 
-/// In such a stream, a reading that leads by more is of a clock that was set \[ns\]: less is drift, or a recording
-/// played faster than it was made.
+/// In an uneven stream, a reading that leads by more than this \[ns\] is of a clock that was set:
+/// less is drift, or a recording played faster than it was made.
 const LEAD_NS: i64 = 500_000_000;
 
-/// A silence after which the arrivals of a stream are looked at afresh \[ns\].
+/// After an arrival that is off its expected time by more than this \[ns\], smoothing begins anew.
 const PAUSE_NS: i64 = 500_000_000;
 
-/// What a driver says of a sample's time, and when it came.
+/// A driver's times of a sample, and its arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// A number of its own for every start of the publisher.
+    /// A number that differs for every start of the publisher.
     pub session: u32,
     /// Counts the publisher's samples.
     pub sequence: u64,
@@ -28,20 +29,20 @@ pub struct Reading {
     pub sample_ns: Option<i64>,
     /// The device's clock \[ns, any zero\].
     pub device_ns: Option<i64>,
-    /// When it came, on our clock \[ns\].
+    /// When it arrived, on this machine's clock \[ns\].
     pub receipt_ns: i64,
 }
 
 /// How good the stamps of a stream are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ClockQuality {
-    /// What they are made from: `sample`, `device`, `sequence` or `receipt`; none yet.
+    /// Their source: `sample`, `device`, `sequence` or `receipt`; `None` before the first sample.
     pub source: Option<&'static str>,
-    /// Times that the clock was set, or lost its place.
+    /// How often the clock was set, or its steps could not be followed.
     pub steps: u64,
-    /// Times that the publisher began again.
+    /// How often the publisher restarted.
     pub restarts: u64,
-    /// Samples without the time that the source wants, stamped on arrival.
+    /// Samples without the time that the source needs; they are stamped on arrival.
     pub unstamped: u64,
     /// Mean of arrival less stamp \[ms\].
     pub delay_ms: f64,
@@ -74,7 +75,7 @@ struct Last {
 
 #[derive(Clone, Copy, Debug)]
 enum State {
-    /// Readings plus a number, zero until a step; and the follower that notices steps.
+    /// Readings plus an offset, zero until a step; and the follower that detects steps.
     Given {
         added_ns: i64,
         follower: Follower,
@@ -84,7 +85,7 @@ enum State {
 }
 
 impl StreamClock {
-    /// Stamps by that source; by what the first sample has, if there is none.
+    /// Stamps by the given source; without one, the first sample decides.
     pub fn new(source: Option<StampSource>) -> Self {
         Self {
             source,
@@ -99,7 +100,8 @@ impl StreamClock {
         }
     }
 
-    /// When the sample was measured, on our clock; on the driver's, where that is the source.
+    /// When the sample was measured, on this machine's clock; for the source `sample`, on the
+    /// driver's.
     pub fn stamp(&mut self, reading: &Reading) -> Stamp {
         let source = *self.source.get_or_insert(match reading {
             Reading {
@@ -149,13 +151,13 @@ impl StreamClock {
         }
     }
 
-    /// What the source reads, on a line of its own.
+    /// The source's time of a reading \[ns, any zero\]; `None` where the reading lacks it.
     fn reading_ns(&self, source: StampSource, reading: &Reading) -> Option<i64> {
         match source {
             StampSource::Sample => reading.sample_ns,
             StampSource::Device => reading.device_ns,
             StampSource::Sequence { rate_hz } => {
-                // From the first number, for a float to be exact.
+                // Relative to the first number, so that the float is precise.
                 let first = self.last.map_or(reading.sequence, |last| last.sequence);
                 let steps = i128::from(reading.sequence) - i128::from(first);
                 let since_ns = (steps as f64 / rate_hz * 1e9).round() as i64;
@@ -173,8 +175,8 @@ impl StreamClock {
         }
     }
 
-    /// Where to begin afresh, and with what stamp: at the first sample, after a restart, after a
-    /// step of the clock.
+    /// The stamp with which to begin anew: at the first sample, after a restart, after a step of
+    /// the clock; `None` where the stream continues.
     fn step(
         &mut self,
         source: StampSource,
@@ -201,14 +203,14 @@ impl StreamClock {
             }
             _ => None,
         };
-        // Forward it must lead what came before, too: it may be its predecessor that was late.
+        // A step forward must lead the earlier delays too: the predecessor may have been late.
         let is_out = |follower: &Follower| {
             let lead_ns = follower.lead_ns(reading_ns, reading.receipt_ns);
             let is_jump = jump_ns.is_some_and(|jump_ns| jump_ns < 0 || lead_ns > jump_ns / 2);
             is_back || lead_ns > LEAD_NS || is_jump
         };
         match state {
-            // The system clock goes on whoever publishes, unless it was set meanwhile.
+            // The system clock continues over restarts, unless it was set meanwhile.
             State::Given { follower, .. } => {
                 let is_step = is_out(follower) || (is_restart && advance_ns < -BACK_NS);
                 self.quality.steps += u64::from(is_step);

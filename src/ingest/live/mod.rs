@@ -1,8 +1,8 @@
-//! The live door: samples from iceoryx2, polled.
+//! Live input: samples from iceoryx2, polled.
 //!
-//! [`Listening`] holds the subscribers of a scene and takes from them whatever has come.
-//! [`Stream`] is the pure rest: one tracker's samples counted ([`SequenceCounts`]) and stamped
-//! ([`super::clock`]), with no clock of its own.
+//! [`Listening`] holds the subscribers of a scene and takes everything that has arrived.
+//! [`Stream`] is a pure state machine: one tracker's samples counted ([`SequenceCounts`]) and
+//! stamped ([`super::clock`]), with no clock of its own.
 
 mod listening;
 mod sequence_counts;
@@ -12,7 +12,7 @@ pub use listening::{Arrival, Arrived, Listening, StreamTopic, TakeListener, stre
 pub use sequence_counts::{Fate, SequenceCounts, TallyCounts};
 pub use stream::{Stream, Streamed, stamp_mark};
 
-/// The contract, for those who drive this door.
+/// The contract, for the drivers of this module.
 pub use crate::wire::live::{
     CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, LiveError, MarkRecord, NO_TIME,
     Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, TakeState, census, service_name,

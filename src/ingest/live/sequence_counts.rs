@@ -1,45 +1,45 @@
-//! What became of one tracker's samples, by their sequence numbers.
+//! Counts of one tracker's samples: lost, late, duplicated or invalid, by their sequence numbers.
 
 use serde::Serialize;
 
 use crate::wire::live::PoseRecord;
 
-/// How far back a sample is told from its duplicate; what is older counts as late.
+/// How many sequence numbers back duplicates are recognised; older samples count as late.
 const WINDOW: u64 = 1024;
 const WORDS: usize = (WINDOW / 64) as usize;
 
-/// Publishers of one tracker that are told apart at a time.
+/// Number of publishers of one tracker that are told apart.
 const SESSIONS: usize = 4;
 
 /// Counts of one tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct TallyCounts {
-    /// Samples that came, whatever they were like.
+    /// All samples that arrived.
     pub received: u64,
     /// Holes in the sequence.
     pub gaps: u64,
-    /// Samples that the sequence lacks.
+    /// Sequence numbers that never arrived.
     pub missing: u64,
-    /// Holes that our own buffer is the likely cause of.
+    /// Holes that an overflow of the subscriber's buffer likely caused.
     pub overflows: u64,
-    /// Samples that came after one with a greater number.
+    /// Samples that arrived after one with a greater number.
     pub late: u64,
-    /// Samples that had come before.
+    /// Samples that had arrived before.
     pub duplicated: u64,
     /// Samples that the tracker does not vouch for.
     pub invalid: u64,
-    /// Poses with numbers that make none: not finite, or no unit quaternion.
+    /// Poses with invalid numbers: not finite, or no unit quaternion.
     pub malformed: u64,
-    /// Stamps that no message can say: before 1970 or after 2106.
+    /// Stamps that no message can hold: before 1970 or after 2106.
     pub unstampable: u64,
     /// Samples with the pose of the one before, bit for bit.
     pub frozen: u64,
-    /// Publishers that began after the first.
+    /// Publishers that started after the first.
     pub restarts: u64,
 }
 
 impl TallyCounts {
-    /// What may be wrong with samples and how often it was, by name.
+    /// The counts of what may be wrong with samples, by name.
     pub fn troubles(&self) -> [(&'static str, u64); 9] {
         [
             ("missing", self.missing),
@@ -54,7 +54,7 @@ impl TallyCounts {
         ]
     }
 
-    /// Adds those of another take.
+    /// Adds the counts of another take.
     pub fn add(&mut self, other: &Self) {
         self.received += other.received;
         self.gaps += other.gaps;
@@ -70,14 +70,14 @@ impl TallyCounts {
     }
 }
 
-/// What a sample is to the stream.
+/// What becomes of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// It is used.
     Used,
-    /// It is not valid: kept in the raw stream alone.
+    /// It is not valid: kept in the raw stream only.
     Invalid,
-    /// It has come before: kept in the raw stream alone.
+    /// It has arrived before: kept in the raw stream only.
     Duplicate,
 }
 
@@ -89,7 +89,7 @@ pub struct SequenceCounts {
     last_pose: Option<[u64; 7]>,
 }
 
-/// One publisher: the greatest number that came, and which of those below it have come.
+/// One publisher: the greatest number that arrived, and which of those below it arrived.
 #[derive(Clone, Debug)]
 struct Session {
     session: u32,
@@ -112,7 +112,7 @@ impl SequenceCounts {
         }
         let numbers = || record.position_m.iter().chain(&record.quaternion_xyzw);
         let norm2: f64 = record.quaternion_xyzw.iter().map(|x| x * x).sum();
-        // Not so of a norm that is NaN either.
+        // False for a norm that is NaN, too.
         let is_unit = (norm2.sqrt() - 1.0).abs() <= 0.01;
         if !is_unit || numbers().any(|x| !x.is_finite()) {
             self.counts.malformed += 1;
@@ -126,7 +126,7 @@ impl SequenceCounts {
         Fate::Used
     }
 
-    /// Counts a stamp that cannot be said.
+    /// Counts a stamp that no message can hold.
     pub fn unstampable(&mut self) {
         self.counts.unstampable += 1;
     }
@@ -193,7 +193,7 @@ impl Session {
         self.seen[(back / 64) as usize] |= 1 << (back % 64);
     }
 
-    /// The greatest number is now greater by that much, and has come.
+    /// Raises the greatest number, which has arrived, by `ahead`.
     fn advance(&mut self, ahead: u64) {
         self.greatest += ahead;
         if ahead >= WINDOW {

@@ -5,7 +5,7 @@ use crate::ingest::clock::{ClockQuality, Reading, StreamClock};
 use crate::motion::{PoseSample, Stamp, StampSource};
 use crate::wire::live::payload::{self, MarkRecord, PoseRecord};
 
-/// Stamps that a message can say: from 1970 to 2106. Zero stands for none there.
+/// Stamps that a message can hold: from 1970 to 2106. Zero stands for no stamp.
 const STAMPS: std::ops::Range<i64> = 1..(1 << 32) * 1_000_000_000;
 
 /// One tracker's stream on its way into a take.
@@ -15,17 +15,17 @@ pub struct Stream {
     tally: SequenceCounts,
 }
 
-/// What a sample gives.
+/// The result of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Streamed {
     /// A pose for the take; its numbers are as sent, possibly not finite.
     Sample(PoseSample),
-    /// Nothing: not valid, a duplicate, or of no time that can be said. It is counted.
+    /// No pose: not valid, a duplicate, or with a stamp that no message can hold. It is counted.
     Refused,
 }
 
 impl Stream {
-    /// Stamps by that source; by what the first valid sample has, if there is none.
+    /// Stamps by the given source; without one, the first valid sample decides.
     pub fn new(source: Option<StampSource>) -> Self {
         Self {
             clock: StreamClock::new(source),
@@ -33,7 +33,7 @@ impl Stream {
         }
     }
 
-    /// Takes in a sample that came at `receipt_ns` on our clock.
+    /// Counts and stamps a sample that arrived at `receipt_ns` on this machine's clock.
     pub fn take(&mut self, record: &PoseRecord, receipt_ns: i64, is_overflow: bool) -> Streamed {
         if self.tally.count(record, is_overflow) != Fate::Used {
             return Streamed::Refused;
@@ -52,7 +52,7 @@ impl Stream {
         Streamed::Sample(record.pose(stamp))
     }
 
-    /// What became of the samples so far.
+    /// The counts so far.
     pub fn counts(&self) -> TallyCounts {
         self.tally.counts()
     }
@@ -64,7 +64,7 @@ impl Stream {
 }
 
 /// The stamp of a mark: the publisher's own time on the clock of the samples, else its arrival;
-/// `None` where no message can say it.
+/// `None` where no message can hold it.
 pub fn stamp_mark(record: &MarkRecord, receipt_ns: i64) -> Option<Stamp> {
     let stamp_ns = payload::time(record.sample_ns).unwrap_or(receipt_ns);
     STAMPS.contains(&stamp_ns).then_some(Stamp(stamp_ns))

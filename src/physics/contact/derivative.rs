@@ -1,8 +1,8 @@
 //! Derivatives of a touch by the poses.
 //!
-//! Inside, a body moves by `(δx, φ)`, displacement and turn [rad, world], so that a point `q` of
-//! it moves by `δx + φ × (q − x)` and a direction `d` by `φ × d`. With `φ = R θ` these become
-//! derivatives by the right perturbation.
+//! In this file a body moves by `(δx, ψ)`, displacement [m, world] and rotation [rad, world], so
+//! that a point `q` of it moves by `δx + ψ × (q − x)` and a direction `d` by `ψ × d`. Substituting
+//! `ψ = R θ` gives the derivatives by the right perturbation `θ`.
 
 use nalgebra::{RowSVector, SMatrix, Vector3};
 
@@ -15,7 +15,7 @@ use crate::math::so3;
 /// body, right] of A, then of B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchDerivative {
-    /// Of the gap: `n`, `pA × RAᵀn`, `−n`, `−pB × RBᵀn`.
+    /// Of the gap: `n`, `pA × RAᵀn`, `−n`, `−pB × RBᵀn`, with the contact points `p` in body axes.
     pub gap: RowSVector<f64, 12>,
     /// Of the normal \[world\].
     pub normal: SMatrix<f64, 3, 12>,
@@ -25,7 +25,7 @@ pub struct TouchDerivative {
     pub on_b: SMatrix<f64, 3, 12>,
 }
 
-/// Derivative of a vector by `(δxA, φA, δxB, φB)`.
+/// Derivative of a vector by `(δxA, ψA, δxB, ψB)`.
 type Rate = SMatrix<f64, 3, 12>;
 
 /// Derivatives of normal, A's point and B's point.
@@ -92,7 +92,7 @@ enum Side {
     B = 6,
 }
 
-/// How a point moves with a body, `arm` from its centre of mass [world].
+/// Derivative of a point fixed to a body, `arm` from its centre of mass [m, world].
 fn carried(side: Side, arm: &Vector3<f64>) -> Rate {
     let mut rate = turned(side, arm);
     rate.fixed_view_mut::<3, 3>(0, side as usize)
@@ -100,7 +100,7 @@ fn carried(side: Side, arm: &Vector3<f64>) -> Rate {
     rate
 }
 
-/// How a direction turns with a body.
+/// Derivative of a direction [world] fixed to a body.
 fn turned(side: Side, direction: &Vector3<f64>) -> Rate {
     let mut rate = Rate::zeros();
     rate.fixed_view_mut::<3, 3>(0, side as usize + 3)
@@ -108,12 +108,12 @@ fn turned(side: Side, direction: &Vector3<f64>) -> Rate {
     rate
 }
 
-/// How a direction moves as seen in a body's axes.
+/// Derivative, in a body's axes, of a direction [world] with the derivative `rate` [world].
 fn seen(side: Side, placed: &Placed, direction: &Vector3<f64>, rate: &Rate) -> Rate {
     placed.rotation.tr_mul(&(rate - turned(side, direction)))
 }
 
-/// What is left of a rate across a unit vector.
+/// The part of a derivative perpendicular to a unit vector.
 fn across(unit: &Vector3<f64>, rate: &Rate) -> Rate {
     rate - unit * unit.tr_mul(rate)
 }
@@ -141,8 +141,8 @@ impl Pair {
     }
 }
 
-/// How the foot of a point of A on B's face moves in B's axes: the point is `arm` from A's
-/// centre of mass [world] and moves by `slide` [world] beside.
+/// Derivative, in B's axes, of the projection on B's face of a point of A. The point is `arm` from
+/// A's centre of mass [m, world]; `slide` [world] is its motion relative to A.
 fn foot(plane: &Plane, arm: &Vector3<f64>, slide: &Rate, a: &Placed, b: &Placed) -> Rate {
     let from_b = a.origin_m + arm - b.origin_m;
     let relative = carried(Side::A, arm) + slide - carried(Side::B, &from_b);
@@ -224,7 +224,8 @@ fn line_line(
     let sign = along_a.cross(&along_b).dot(cross).signum();
     let square = cross.norm_squared();
     let normal = across(&touch.normal, &crossed) * (sign / square.sqrt());
-    // w + tA dA − tB dB = δ n, differentiated; crossed with dB and dA to leave δtA and δtB.
+    // Differentiate apart + tA dA − tB dB = (n·apart) n. Cross products with dB and dA isolate δtA
+    // and δtB.
     let apart = a.point(&p.point_m) - b.point(&q.point_m);
     let moved = carried(Side::A, &(a.rotation * p.point_m))
         - carried(Side::B, &(b.rotation * q.point_m))

@@ -1,11 +1,11 @@
-//! Which contacts are refused, and what to use in their place.
+//! Reasons why contacts are refused, and what to use in their place.
 
 use thiserror::Error;
 
-/// Why two features make no contact.
+/// Why two features are refused as a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ContactError {
-    /// The pair has no single point of contact, or none that is known here.
+    /// The pair has no single point of contact, or is not supported.
     #[error("a {a} against a {b} is not supported: {instead}")]
     Pair {
         /// Kind of the first.
@@ -25,29 +25,29 @@ pub enum ContactError {
         /// Kind of the second.
         b: &'static str,
     },
-    /// A sharp edge through its body's centre of mass: no side of it is the outside.
+    /// A sharp edge passes through its body's centre of mass, so that no side of it is the outside.
     #[error("a sharp line through its body's centre of mass has no outside: give it a radius")]
     LineThroughCentre,
     /// A coordinate is not finite.
     #[error("the place of a {kind} is not finite")]
     NotFinite {
-        /// Which feature.
+        /// Kind of the feature.
         kind: &'static str,
     },
     /// A direction is no unit vector.
     #[error("the direction of a {kind} has length {length}, expected 1")]
     NotUnit {
-        /// Which feature.
+        /// Kind of the feature.
         kind: &'static str,
-        /// Its length.
+        /// Length of the direction.
         length: f64,
     },
     /// A radius is negative, or a rim's not positive.
     #[error("the radius of a {kind} is {radius_m} m, expected {}", if *.kind == "rim" { "a positive number" } else { "zero or more" })]
     Radius {
-        /// Which feature.
+        /// Kind of the feature.
         kind: &'static str,
-        /// As given.
+        /// Radius as given.
         radius_m: f64,
     },
 }
@@ -61,7 +61,7 @@ pub enum Degenerate {
     /// Two lines are parallel: they touch along a length.
     #[error("the two lines are parallel: they have no one point of contact (use points of one)")]
     ParallelLines,
-    /// Two centres are one, or a centre is on a line.
+    /// Two centres coincide, or a centre lies on a line.
     #[error("the centres of the two features coincide: their contact has no normal")]
     Coincident,
 }

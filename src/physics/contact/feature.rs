@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::error::ContactError;
 use crate::math::Pose;
 
-/// How far a direction's length may be off one: what rounding leaves of a normalised one.
+/// Greatest deviation of a direction's length from one: the rounding error of a normalised vector.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
 /// A part of a solid's surface that may touch another, in the solid's own axes.
@@ -21,7 +21,8 @@ pub enum Feature {
         /// Its radius \[m\], zero or more.
         radius_m: f64,
     },
-    /// A straight edge (radius 0), the side of a cylinder or a capsule; endless as geometry.
+    /// A straight edge (radius 0), the side of a cylinder or a capsule; an infinite line as
+    /// geometry.
     Line {
         /// A point on it \[m\].
         point_m: Vector3<f64>,
@@ -39,7 +40,7 @@ pub enum Feature {
         /// Its radius \[m\], positive.
         radius_m: f64,
     },
-    /// A flat face; endless as geometry.
+    /// A flat face; an infinite plane as geometry.
     Face {
         /// A point on it \[m\].
         point_m: Vector3<f64>,
@@ -62,7 +63,7 @@ impl Feature {
         Feature::Face { point_m, normal }
     }
 
-    /// The same in the axes in which its solid has that pose.
+    /// The feature in the axes in which its solid has the given pose.
     pub fn placed(&self, pose: &Pose) -> Self {
         let place = |point_m: Vector3<f64>| (pose * Point3::from(point_m)).coords;
         let turn = |direction: Vector3<f64>| pose.rotation * direction;
@@ -96,7 +97,7 @@ impl Feature {
         }
     }
 
-    /// What kind it is, in a word.
+    /// Its kind as a word for messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Feature::Point { .. } => "point",
@@ -106,8 +107,8 @@ impl Feature {
         }
     }
 
-    /// Whether its numbers are finite, its direction a unit vector and its radius not negative
-    /// (a rim's: positive).
+    /// Fails where a number is not finite, the direction is no unit vector, or the radius is
+    /// negative (of a rim: not positive).
     pub fn check(&self) -> Result<(), ContactError> {
         let kind = self.kind();
         let (place, direction, radius_m) = match *self {

@@ -1,5 +1,6 @@
-//! Where two solids touch: the features that may meet ([`Feature`]), and for a pair of them the
-//! gap, the normal and the points that touch, with their derivatives ([`Contact`]).
+//! Contact geometry of two solids (paper §5.2): the features that may touch ([`Feature`]), and for
+//! a pair of them the signed gap `φ`, the normal and the points of contact, with derivatives by the
+//! poses ([`Contact`]).
 
 mod derivative;
 mod error;

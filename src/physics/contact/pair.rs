@@ -1,4 +1,4 @@
-//! Which pairs of features may touch.
+//! Pairs of features that may touch.
 
 use nalgebra::Vector3;
 
@@ -7,10 +7,10 @@ use super::feature::Feature;
 
 /// A pair of features that may touch: one of a body A, one of a body B or of the static world.
 ///
-/// Known are point–face, rim–face, point–point, point–line, each either way round, and
+/// Supported are point–face, rim–face, point–point, point–line, each in either order, and
 /// line–line. Points and lines may be rounded; point–point and point–line need a radius on at
-/// least one. Features are endless as geometry: whether the contact lies within an edge or a
-/// face, and whether another feature would have touched first, is for the caller to check.
+/// least one. Lines and faces are infinite as geometry: the caller checks whether the contact lies
+/// within an edge or a face, and whether another feature would have touched first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     a: Feature,
@@ -58,16 +58,18 @@ pub(super) enum Pair {
     RimFace(Circle, Plane),
     PointPoint(Ball, Ball),
     PointLine(Ball, Tube),
-    /// Whether the normal is on the side of A's centre of mass; else it leads from B's line to
-    /// A's.
+    /// The flag is true where the normal points to the side of A's centre of mass; otherwise it
+    /// points from B's line to A's.
     LineLine(Tube, Tube, bool),
 }
 
 impl Contact {
-    /// The contact of A's feature with B's; the static world's are in world axes.
+    /// The contact of A's feature with B's, each in its body's axes; features of the static world
+    /// are in world axes.
     ///
-    /// Fails where a feature is malformed, where the pair is none of the known ones (the error
-    /// says what to use in its place), and where both features are sharp and leave no normal.
+    /// Fails where a feature is malformed ([`Feature::check`]), where the pair is not supported
+    /// (the error says what to use in its place), and where both features are sharp, so that there
+    /// is no normal.
     pub fn new(a: Feature, b: Feature) -> Result<Self, ContactError> {
         a.check()?;
         b.check()?;
@@ -114,7 +116,7 @@ impl Contact {
     }
 }
 
-/// The pair in this order, if its geometry is written in this order.
+/// The pair in this order, if it is supported in this order.
 fn pair(a: &Feature, b: &Feature) -> Result<Option<Pair>, ContactError> {
     Ok(Some(match (primitive(a), primitive(b)) {
         (Primitive::Ball(ball), Primitive::Plane(plane)) => Pair::PointFace(ball, plane),
@@ -185,7 +187,7 @@ fn rounded(a: &Feature, b: &Feature, radius_m: f64) -> Result<(), ContactError> 
     })
 }
 
-/// What to use in place of a pair that is not known.
+/// What to use in place of a pair that is not supported.
 fn instead(a: &Feature, b: &Feature) -> &'static str {
     match (a, b) {
         (Feature::Line { .. }, Feature::Face { .. })
@@ -199,7 +201,8 @@ fn instead(a: &Feature, b: &Feature) -> &'static str {
     }
 }
 
-/// Two unit tangents of a plane: the first across the axis least along the normal.
+/// Two orthonormal tangents of a plane; the first is perpendicular to the axis along which the
+/// normal has its smallest component.
 fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let least = Vector3::ith(normal.iamin(), 1.0);
     let first = normal.cross(&least).normalize();

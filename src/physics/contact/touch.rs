@@ -1,4 +1,4 @@
-//! Gap, normal and points of a contact in given poses.
+//! Gap, normal and points of a contact in given poses (paper §5.2).
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -7,13 +7,13 @@ use super::pair::{Ball, Circle, Contact, Pair, Plane, Tube};
 use crate::math::so3;
 use crate::physics::state::State;
 
-/// Sines below which a rim is flat on a face and lines are parallel.
+/// Sine of an angle below which a rim counts as flat on a face, and two lines as parallel.
 const LEAST_SINE: f64 = 1e-9;
 
-/// Distance of centres below which they are one \[m\].
+/// Distance \[m\] of centres below which they coincide.
 const LEAST_DISTANCE_M: f64 = 1e-12;
 
-/// Where a body's axes are.
+/// Pose of a body's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Centre of mass [m, world].
@@ -23,7 +23,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The static world's.
+    /// The frame of the static world.
     pub fn world() -> Self {
         Self {
             position_m: Vector3::zeros(),
@@ -31,7 +31,7 @@ impl Frame {
         }
     }
 
-    /// A body's in a state.
+    /// The frame of a body in a state.
     pub fn of(state: &State) -> Self {
         Self {
             position_m: state.position_m,
@@ -43,13 +43,13 @@ impl Frame {
 /// How two features touch, or nearly touch, in given poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Distance `φ` along the normal \[m\]; negative inside.
+    /// Signed distance `φ` along the normal \[m\]; negative is penetration.
     pub gap_m: f64,
     /// Unit normal `n`, out of B towards A \[world\].
     pub normal: Vector3<f64>,
-    /// The point of A's surface [m, A's axes].
+    /// The contact point on A's surface [m, A's axes].
     pub on_a_m: Vector3<f64>,
-    /// The point of B's surface [m, B's axes].
+    /// The contact point on B's surface [m, B's axes].
     pub on_b_m: Vector3<f64>,
 }
 
@@ -107,7 +107,7 @@ impl Contact {
     }
 }
 
-/// What the derivative of a touch needs beside it.
+/// Intermediate results that the derivative of a touch needs.
 #[derive(Clone, Copy)]
 pub(super) enum Measure {
     /// Nothing.
@@ -133,7 +133,8 @@ impl Pair {
     }
 }
 
-/// `φ = n·(c − s) − r`; B's point is the foot of A's on the face.
+/// `φ = n·(c − s) − r` with the ball's centre `c`, its radius `r` and a point `s` of the face; B's
+/// point is the projection of A's on the face.
 fn point_face(ball: &Ball, plane: &Plane, a: &Placed, b: &Placed) -> Touch {
     let normal = b.rotation * plane.normal;
     let centre = b.to_body(&a.point(&ball.centre_m));
@@ -146,7 +147,8 @@ fn point_face(ball: &Ball, plane: &Plane, a: &Placed, b: &Placed) -> Touch {
     }
 }
 
-/// The rim's lowest point, `c + r w` with `w = −(n − (n·a) a)/|…|`.
+/// The rim's lowest point over the face: `c + r w`, `w = −(n − (n·a) a)/|n − (n·a) a|`, with its
+/// centre `c` and axis `a`.
 fn rim_face(
     circle: &Circle,
     plane: &Plane,
@@ -173,7 +175,7 @@ fn rim_face(
     Ok((touch, Measure::Rim(sine, down)))
 }
 
-/// `φ = |cA − cB| − rA − rB`.
+/// `φ = |cA − cB| − rA − rB` with centres `c` and radii `r`.
 fn point_point(p: &Ball, q: &Ball, a: &Placed, b: &Placed) -> Result<(Touch, Measure), Degenerate> {
     let (normal, distance_m) = direction(a.point(&p.centre_m) - b.point(&q.centre_m))?;
     let touch = Touch {
@@ -185,7 +187,8 @@ fn point_point(p: &Ball, q: &Ball, a: &Placed, b: &Placed) -> Result<(Touch, Mea
     Ok((touch, Measure::Distance(distance_m)))
 }
 
-/// `φ = |d − (d·e) e| − rA − rB`, with `d` from the line's point to the centre.
+/// `φ = |d − (d·e) e| − rA − rB`, with the line's direction `e` and `d` from its point to the
+/// centre.
 fn point_line(
     ball: &Ball,
     tube: &Tube,
@@ -207,7 +210,7 @@ fn point_line(
     Ok((touch, Measure::Distance(distance_m)))
 }
 
-/// `φ = n·(pA − pB) − rA − rB` with `n = ±(dA × dB)/|dA × dB|`.
+/// `φ = n·(pA − pB) − rA − rB` with `n = ±(dA × dB)/|dA × dB|`, points `p` and directions `d`.
 fn line_line(
     p: &Tube,
     q: &Tube,
@@ -233,7 +236,7 @@ fn line_line(
         cross
     };
     let normal = cross / sine;
-    // apart + tA dA − tB dB lies along the normal; the sign of the cross product cancels.
+    // Solve for tA, tB: apart + tA dA − tB dB is along the normal. The normal's sign cancels.
     let signed = along_a.cross(&along_b) / (sine * sine);
     let along_a_m = -apart.cross(&along_b).dot(&signed);
     let along_b_m = -apart.cross(&along_a).dot(&signed);

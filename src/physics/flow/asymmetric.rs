@@ -1,13 +1,13 @@
-//! The turn of a body with three different moments, by Taylor series step after step
+//! The free rotation of a body with three different moments, by Taylor series step after step
 //! ([`super::series`]).
 //!
-//! It has a closed form in elliptic functions, which loses its derivatives' digits where
-//! moments are nearly equal or the body turns about a principal axis, and costs more where one
-//! arc is asked for at many times (`tools/charts`). Steps know no such cases, serve all times
-//! within them, and their derivatives are those of the flow itself.
+//! There is a closed form in Jacobi's elliptic functions. It loses digits of the derivatives where
+//! moments are nearly equal or the body turns about a principal axis, and it costs more where one
+//! arc is evaluated at many times (`tools/charts`). The series have no such special cases, one step
+//! serves all times within it, and its derivatives are those of the flow itself.
 //!
-//! Time is counted in units of the first angular speed, down to a power of two so that nothing
-//! is rounded: slow turns and fast ones are the same steps.
+//! Time is multiplied by the initial angular speed, rounded down to a power of two so that the
+//! scaling is exact: slow and fast rotations take the same steps.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -15,8 +15,8 @@ use super::series::{self, Columns, Series, Variables};
 use crate::math::so3;
 use crate::physics::body::Body;
 
-/// Turns beyond this angle \[rad\], or half of it, are not computed: their steps would be too
-/// many to keep.
+/// Longest rotation, as angle \[rad\]; since the speed is rounded down, up to twice this angle may
+/// be computed. Longer ones would take too many steps to store.
 pub const ANGLE_MAX_RAD: f64 = 2e4;
 
 /// `c_i = (I_j − I_k)/I_i` of Euler's equations `ω̇_i = c_i ω_j ω_k`.
@@ -25,7 +25,7 @@ pub fn couplings(body: &Body) -> [f64; 3] {
     [0, 1, 2].map(|i| (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i])
 }
 
-/// A turn with its derivatives, in the units of the state.
+/// A free rotation with its derivatives, in the units of the state.
 #[derive(Clone, Debug)]
 pub struct Turned {
     /// `R(0)⁻¹R(s)`.
@@ -38,7 +38,7 @@ pub struct Turned {
     pub spin_by_spin: Matrix3<f64>,
 }
 
-/// Where steps meet, seen from the epoch's frame and in units of the speed.
+/// The motion between two steps, in the frame of `R(0)` and in units of the speed.
 #[derive(Clone, Debug)]
 struct Node {
     rotation: UnitQuaternion<f64>,
@@ -49,13 +49,13 @@ struct Node {
     variables_by_spin: Matrix3<f64>,
 }
 
-/// What all steps of one turn share.
+/// What all steps of one rotation share.
 #[derive(Clone, Debug)]
 struct Motion {
     couplings: [f64; 3],
     moments: [f64; 3],
     variables: Variables,
-    /// Of the variables.
+    /// [`Variables::invariant`] of the start.
     invariant: f64,
     speed_rad_s: f64,
     start: Node,
@@ -87,14 +87,14 @@ impl Motion {
         }
     }
 
-    /// A duration in units of the speed; none where it is too long.
+    /// Speed times duration; `None` where it is more than [`ANGLE_MAX_RAD`].
     fn angle(&self, duration_s: f64) -> Option<f64> {
         let angle = self.speed_rad_s * duration_s;
         (angle.abs() <= ANGLE_MAX_RAD).then_some(angle)
     }
 
-    /// Variables at the end of a step, scaled to their invariant: else its rounding would gather
-    /// over many steps, and what gathers in the speed gathers twice in the angle.
+    /// Variables at the end of a step, scaled to their invariant. Otherwise rounding errors of the
+    /// speed would add up over many steps, and those of the angle as their sum.
     fn kept(&self, variables: [f64; 3]) -> [f64; 3] {
         let invariant = self.variables.invariant(&self.moments, &variables);
         if invariant == 0.0 {
@@ -134,7 +134,7 @@ impl Values {
         }
     }
 
-    /// The node at `angle` from the start, its derivatives as they were.
+    /// The node at `angle` from the start, with the derivatives left as they were.
     fn node(&self, motion: &Motion, start: &Node, angle: f64) -> Node {
         let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
         Node {
@@ -149,23 +149,23 @@ fn quaternion([x, y, z, w]: [f64; 4]) -> Quaternion<f64> {
     Quaternion::new(w, x, y, z)
 }
 
-/// One step: the turn near a node, to both sides.
+/// One step: the rotation near a node, to both sides.
 ///
-/// A turn twice as fast is the same turn in half the time. So a change along the variables `z`
-/// themselves changes them by `z + t ż`, and the turn by `η = t ω`; only for two of them are
-/// there series.
+/// Euler's equations are homogeneous: a rotation twice as fast is the same in half the time. So the
+/// derivative in the direction of the variables `z` themselves is known, `z + t ż` for the
+/// variables and `η = t ω` for the rotation; series are needed for two other directions only.
 #[derive(Clone, Debug)]
 struct Step {
     start: Node,
     reach: f64,
     variables: Series<3>,
     turn: Series<4>,
-    /// Change of the variables, and `η`, by two of the variables at the start.
+    /// Derivatives of the variables, and `η`, by two of the variables at the start.
     variables_by_start: Columns,
     eta: Columns,
-    /// A change of `ω(0)` in parts: along the variables, then by the two.
+    /// A change of `ω(0)` as coefficients: of the direction `z`, then of the two variables.
     parts: Matrix3<f64>,
-    /// The variables to go along where all are zero.
+    /// The direction in place of `z` where all variables are zero; zero elsewhere.
     stand_in: Vector3<f64>,
 }
 
@@ -203,7 +203,7 @@ impl Step {
         }
     }
 
-    /// Rotation and its left perturbation by `ω(0)`, and the variables, at `angle` from the start.
+    /// Rotation, its left perturbation by `ω(0)`, and the variables, at `angle` from the start.
     #[inline]
     fn turn(&self, motion: &Motion, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>, [f64; 3]) {
         let turned = quaternion(series::value(&self.turn, angle));
@@ -231,7 +231,7 @@ impl Step {
     }
 }
 
-/// `R(0)⁻¹R(s)` and `ω(s)` [rad/s, body] alone.
+/// `R(0)⁻¹R(s)` and `ω(s)` [rad/s, body] without derivatives; NaN beyond [`ANGLE_MAX_RAD`].
 pub fn advance(
     body: &Body,
     omega_rad_s: &Vector3<f64>,
@@ -253,7 +253,7 @@ pub fn advance(
     (node.rotation, motion.omega_rad_s(&node))
 }
 
-/// The turn with its derivatives.
+/// The rotation with its derivatives; NaN beyond [`ANGLE_MAX_RAD`].
 pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned {
     let motion = Motion::new(body, omega_rad_s);
     let Some(angle) = motion.angle(duration_s) else {
@@ -275,7 +275,7 @@ pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned 
     }
 }
 
-/// Not a number, throughout.
+/// All NaN.
 fn unknown() -> Turned {
     let unknown = Vector3::repeat(f64::NAN);
     Turned {
@@ -286,15 +286,15 @@ fn unknown() -> Turned {
     }
 }
 
-/// The turn of one angular velocity: its steps, made when a time is first asked for.
+/// The rotation from one initial angular velocity: its steps, computed when first needed.
 #[derive(Clone, Debug)]
 pub struct Steps {
     motion: Motion,
-    /// After the epoch, and before it.
+    /// Steps after the start, and before it.
     sides: [Side; 2],
 }
 
-/// Steps in one direction, and the distance of each one's start from the epoch.
+/// Steps in one direction of time, and the distance of each one's beginning from the start.
 #[derive(Clone, Debug, Default)]
 struct Side {
     starts: Vec<f64>,
@@ -302,7 +302,7 @@ struct Side {
 }
 
 impl Steps {
-    /// The turn that begins with `ω` [rad/s, body].
+    /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
         Self {
             motion: Motion::new(body, omega_rad_s),
@@ -333,7 +333,7 @@ impl Steps {
 }
 
 impl Side {
-    /// How far from the epoch the steps reach.
+    /// How far from the start the steps reach.
     fn end(&self) -> f64 {
         match (self.starts.last(), self.steps.last()) {
             (Some(start), Some(step)) => start + step.reach,

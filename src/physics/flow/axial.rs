@@ -1,4 +1,4 @@
-//! The turn of a body with equal moments, in closed form.
+//! The free rotation of a body with two or three equal moments, in closed form.
 //!
 //! A body with two equal moments `I_t` and a third `I_a` about its axis `a` turns as
 //!
@@ -7,8 +7,8 @@
 //! α = I_t⁻¹ I ω,   β = (1 − I_a/I_t) ω_a
 //! ```
 //!
-//! exact for any duration of either sign; three equal moments are the case `I_a = I_t`. The
-//! derivatives are those of these formulas.
+//! exact for any duration of either sign; three equal moments are the case `I_a = I_t`. Derivatives
+//! follow by differentiating these formulas, with `J_r` and `J_l` of [`so3`](crate::math::so3).
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -16,19 +16,19 @@ use super::turned::Turn;
 use crate::math::so3;
 use crate::physics::body::{Body, Symmetry};
 
-/// `I = I_t·diag(…)`, as the flow needs it.
+/// Symmetry axis and ratios of moments of a body with two or three equal moments.
 #[derive(Clone, Debug)]
 pub struct Turning {
-    /// `a`.
+    /// Symmetry axis `a`, in body axes.
     pub axis: Vector3<f64>,
-    /// `I_t⁻¹ I`, diagonal.
+    /// Diagonal of `I_t⁻¹ I`.
     scale: Vector3<f64>,
     /// `1 − I_a/I_t`.
     pub excess: f64,
 }
 
 impl Turning {
-    /// Of a body with two or three equal moments.
+    /// The ratios of a body. Panics where its three moments differ.
     pub fn of(body: &Body) -> Self {
         match body.symmetry() {
             Symmetry::Spherical => Self {
@@ -68,7 +68,7 @@ impl Turning {
         (first * second, second.inverse_transform_vector(omega))
     }
 
-    /// The free turn with its derivatives.
+    /// Orientation and angular velocity after `duration_s`, with derivatives.
     pub fn turn(
         &self,
         orientation: &UnitQuaternion<f64>,
@@ -105,10 +105,10 @@ impl Turning {
     }
 }
 
-/// The free turn of one angular velocity.
+/// The free rotation from one initial angular velocity.
 #[derive(Clone, Debug)]
 pub struct Precession {
-    /// The body's part.
+    /// Axis and ratios of the body.
     pub turning: Turning,
     /// `α` [rad/s, body].
     pub alpha: Vector3<f64>,
@@ -117,7 +117,7 @@ pub struct Precession {
 }
 
 impl Precession {
-    /// The turn that begins with `ω` [rad/s, body].
+    /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
         let turning = Turning::of(body);
         Self {
@@ -127,7 +127,7 @@ impl Precession {
         }
     }
 
-    /// `R(0)⁻¹R(s)`, the same bits as [`Turning::advance`]'s.
+    /// `R(0)⁻¹R(s)`, the same bits as by [`Turning::advance`].
     pub fn turn(&self, duration_s: f64) -> UnitQuaternion<f64> {
         let first = so3::exp(&(self.alpha * duration_s));
         if self.turning.excess == 0.0 {
@@ -136,7 +136,8 @@ impl Precession {
         first * so3::exp(&(self.turning.axis * (self.beta * duration_s)))
     }
 
-    /// See [`super::Spin::turn_and_derivative`].
+    /// See [`super::Spin::turn_and_derivative`]; here
+    /// `K = J_l(αs) I_t⁻¹I + (1 − I_a/I_t) Exp(αs) a aᵀ`.
     #[inline]
     pub fn turn_and_derivative(&self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
         let (first, mut k) = so3::exp_and_left_jacobian(&(self.alpha * duration_s));

@@ -1,4 +1,4 @@
-//! The flight of a whole state.
+//! Free flight of a whole state: centre of mass and rotation together.
 
 use nalgebra::Vector3;
 
@@ -9,8 +9,8 @@ use crate::physics::state::{State, StateTangent, part};
 
 /// State after `duration_s` of free flight (negative: before).
 ///
-/// Its turn is not a number where it would be more than [`super::ANGLE_MAX_RAD`] of a body
-/// with three different moments.
+/// Orientation and angular velocity are NaN where a body with three different moments would turn by
+/// more than [`super::ANGLE_MAX_RAD`].
 pub fn advance(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> State {
     let omega = &state.angular_velocity_rad_s;
     let (rotation, angular_velocity_rad_s) = match body.symmetry() {
@@ -25,12 +25,13 @@ pub fn advance(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration
     }
 }
 
-/// Centre of mass after `duration_s` [m, world].
+/// Centre of mass after `duration_s`, `x + v s + ½ g s²` [m, world].
 pub fn position(gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> Vector3<f64> {
     state.position_m + (state.velocity_m_s + gravity_m_s2 * (0.5 * duration_s)) * duration_s
 }
 
-/// Time derivative of the state under free flight, in its own tangent space.
+/// Time derivative of the state in free flight, in its own tangent space: `(v, ω, g, I⁻¹((I ω) ×
+/// ω))`.
 pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
     let omega = &state.angular_velocity_rad_s;
     let [a, b, c] = asymmetric::couplings(body);

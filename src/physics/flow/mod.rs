@@ -1,13 +1,18 @@
-//! How a free body flies: the map (state, duration) → state, with its derivatives.
+//! The flow `Φ` of a free rigid body: the map (state, duration) → state, with its derivatives.
 //!
-//! The centre of mass is quadratic in time. How the body turns hangs on its moments:
+//! ```text
+//! x(s) = x + v s + ½ g s²,   v(s) = v + g s
+//! I ω̇ = (I ω) × ω,   Ṙ = R [ω]×                    Euler's equations, ω in body axes
+//! ```
+//!
+//! How the rotation is integrated depends on the principal moments:
 //!
 //! - three or two equal: a closed form (`axial`);
 //! - three different: Taylor series of Euler's equations, step by step (`asymmetric`, whose
 //!   series are in `series`).
 //!
-//! Both are exact to rounding for durations of either sign, and where moments become equal one
-//! becomes the other. Derivatives are in right perturbations.
+//! Both are exact to rounding for durations of either sign, and agree where moments become equal.
+//! Derivatives are by right perturbations.
 
 mod asymmetric;
 mod axial;

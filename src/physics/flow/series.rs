@@ -1,8 +1,10 @@
-//! Taylor series of a free turn: Euler's equations, the turn and its derivatives are quadratic
-//! in what they drive, so that each coefficient is one convolution of those before it.
+//! Taylor series in time of a free rotation. The right sides of Euler's equations, of the
+//! quaternion's kinematics and of their derivatives are products of two functions, so that each
+//! coefficient is one convolution of earlier ones: for `ḟ = a b`, `f_{n+1} = Σ_l a_l b_{n−l}/(n +
+//! 1)`.
 //!
-//! With `c_i = (I_j − I_k)/I_i` for `i, j, k` in cyclic order, and `W = ∂ω(t)/∂ω(0)`, `η` the
-//! right perturbation of the turn by `ω(0)`:
+//! With `c_i = (I_j − I_k)/I_i` for `i, j, k` in cyclic order, `W = ∂ω(t)/∂ω(0)` and `η` the
+//! right perturbation of the rotation by `ω(0)`:
 //!
 //! ```text
 //! ω̇_i = c_i ω_j ω_k,          q̇ = ½ q ω,
@@ -13,25 +15,25 @@ use std::ops::{Add, Mul, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Terms of a series after the first.
+/// Order of the series: number of terms after the constant one.
 pub const ORDER: usize = 20;
 
-/// What the last terms may add at the ends of a step, relative. What is left out beyond them is a
-/// fifth of it or less and grows as a power of the time, so that no more of it than of rounding
-/// reaches the end of a turn (`tools/charts`: a smaller one costs steps and gains nothing, one of
-/// 2⁻⁴² loses a digit of derivatives).
+/// Greatest relative size of the last terms at the ends of a step. The truncation error is a fifth
+/// of it or less and grows as a power of the time, so that it adds no more than rounding over a
+/// whole rotation (`tools/charts`: a smaller value costs steps and gains nothing, 2⁻⁴² loses a
+/// digit of derivatives).
 const TRUNCATION: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Lengths of steps are multiples of this, so that their sums are exact.
+/// Lengths of steps are multiples of this, so that their sums are exact in floating point.
 const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Coefficients of `N` functions, by power of time.
+/// Taylor coefficients of `N` functions, `[power of time][function]`.
 pub type Series<const N: usize> = [[f64; N]; ORDER + 1];
 
-/// Coefficients of two columns of a matrix, row by row.
+/// Taylor coefficients of two columns of a 3 × 3 matrix, `[power of time][row][column]`.
 pub type Columns = [[[f64; 2]; 3]; ORDER + 1];
 
-/// Value of a series of columns.
+/// Value of a series of columns at a time.
 #[inline]
 pub fn columns(series: &Columns, time: f64) -> [Vector3<f64>; 2] {
     let mut sum = series[ORDER];
@@ -71,7 +73,7 @@ fn next(
     ]
 }
 
-/// Two numbers that are treated alike.
+/// Two numbers in one vector register.
 #[derive(Clone, Copy)]
 struct Lanes([f64; 2]);
 
@@ -99,7 +101,7 @@ impl Mul for Lanes {
     }
 }
 
-/// Value of a series.
+/// Value of a series at a time, by Horner's rule.
 #[inline]
 pub fn value<const N: usize>(series: &Series<N>, time: f64) -> [f64; N] {
     let mut sum = series[ORDER];
@@ -111,18 +113,18 @@ pub fn value<const N: usize>(series: &Series<N>, time: f64) -> [f64; N] {
     sum
 }
 
-/// The variables Euler's equations are integrated in.
+/// The variables in which Euler's equations are integrated.
 ///
-/// Near a separatrix the time until the next flip hangs on `u_i² − u_k²`, a difference of what
-/// may be a million times larger, where `u` is `ω` with its first and last moment's components
-/// scaled so that both grow alike, `u̇_i = −κ ω_j u_k`, `u̇_k = −κ ω_j u_i`. Its factors
-/// `p, m = u_i ± u_k` obey
+/// Let `j` be the axis of the intermediate moment and `u_i`, `u_k` the other two components of `ω`,
+/// scaled so that `u̇_i = −κ ω_j u_k` and `u̇_k = −κ ω_j u_i`. Near a separatrix the time until the
+/// next flip depends on `u_i² − u_k²`, a difference of numbers that may be a million times larger.
+/// Its factors `p, m = u_i ± u_k` obey
 ///
 /// ```text
 /// ṗ = −κ ω_j p,   ṁ = κ ω_j m,   ω̇_j = ¼ κ (p² − m²)
 /// ```
 ///
-/// and keep all their digits however small one is.
+/// and keep all their digits however small one of them is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Variables {
     /// The components of `ω`.
@@ -133,17 +135,17 @@ pub enum Variables {
         middle: usize,
         /// `κ`, with the sign of the axes' order.
         rate: f64,
-        /// `ω_i/u_i`, `ω_k/u_k`.
+        /// The scales `ω_i/u_i` and `ω_k/u_k`.
         scale: [f64; 2],
     },
 }
 
 impl Variables {
-    /// Those that keep the digits of the turn that begins with `omega`.
+    /// The variables that lose no digits for the initial angular velocity `omega`.
     ///
-    /// Factors where the greatest `u_i` and `u_k` of the turn differ by less than two times.
-    /// Further from the separatrix no difference of theirs is small, and where two moments are
-    /// nearly equal one would drown in the other.
+    /// Factors are used where the greatest `u_i` and `u_k` of the rotation differ by a factor of
+    /// less than two. Further from the separatrix no difference of theirs is small; and with two
+    /// nearly equal moments the smaller would be lost in the larger.
     pub fn of(couplings: &[f64; 3], omega: &[f64; 3]) -> Self {
         let Some(middle) = (0..3).find(|j| {
             let c = couplings[*j];
@@ -171,7 +173,7 @@ impl Variables {
         }
     }
 
-    /// From `ω`.
+    /// The variables of an `ω`.
     pub fn with_omega(&self, omega: &[f64; 3]) -> [f64; 3] {
         match *self {
             Self::Components => *omega,
@@ -183,7 +185,7 @@ impl Variables {
         }
     }
 
-    /// `ω`.
+    /// The `ω` of values of the variables.
     pub fn omega(&self, variables: &[f64; 3]) -> [f64; 3] {
         match *self {
             Self::Components => *variables,
@@ -197,7 +199,7 @@ impl Variables {
         }
     }
 
-    /// Change of `ω` per change of the variables.
+    /// `∂ω/∂z`, with `z` the variables.
     pub fn omega_by_variables(&self) -> Matrix3<f64> {
         let units = [0, 1, 2].map(|axis| {
             let mut unit = [0.0; 3];
@@ -207,7 +209,7 @@ impl Variables {
         Matrix3::from_columns(&units)
     }
 
-    /// Change of the variables per change of `ω`.
+    /// `∂z/∂ω`, with `z` the variables.
     pub fn variables_by_omega(&self) -> Matrix3<f64> {
         let units = [0, 1, 2].map(|axis| {
             let mut unit = [0.0; 3];
@@ -217,8 +219,8 @@ impl Variables {
         Matrix3::from_columns(&units)
     }
 
-    /// Series of the change `Z` of the variables by two of them at the start, and of `W`, that
-    /// of `ω`.
+    /// Series of `Z = ∂z(t)/∂z(0)` and of `W = ∂ω(t)/∂z(0)`, for two of the variables `z` at the
+    /// start.
     pub fn derivatives(
         &self,
         couplings: &[f64; 3],
@@ -269,8 +271,8 @@ impl Variables {
         }
     }
 
-    /// A sum of squares that the motion keeps: twice the energy, or with factors
-    /// `¼(p² + m²) + ω_j²`.
+    /// A sum of squares that is constant along the motion: twice the energy `Σ I_i ω_i²`, or with
+    /// factors `¼(p² + m²) + ω_j²`.
     pub fn invariant(&self, moments: &[f64; 3], variables: &[f64; 3]) -> f64 {
         let [a, b, c] = variables.map(|variable| variable * variable);
         match *self {
@@ -335,7 +337,7 @@ impl Variables {
     }
 }
 
-/// Series of the turn from its start, as a quaternion `x, y, z, w`.
+/// Series of the rotation from its start, as a quaternion `x, y, z, w`.
 pub fn turn(omega: &Series<3>) -> Series<4> {
     let mut series = [[0.0; 4]; ORDER + 1];
     series[0][3] = 1.0;
@@ -368,7 +370,7 @@ pub fn turn_derivatives(omega: &Series<3>, w: &Columns) -> Columns {
     eta
 }
 
-/// How far from its start, to both sides, the last terms of the series leave no trace.
+/// Greatest step, to both sides of the start, at which the last terms are below [`TRUNCATION`].
 pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64 {
     let start = &series[0];
     let largest = start.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -393,7 +395,7 @@ pub fn reach(variables: &Variables, series: &Series<3>, turn: &Series<4>) -> f64
     quantised(reach)
 }
 
-/// The same for `η`, which is about as large as the time.
+/// [`reach`] for `η`, relative to the time, of whose size it is.
 pub fn derivatives_reach(eta: &Columns) -> f64 {
     let size = |n: usize| {
         eta[n]

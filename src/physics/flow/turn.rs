@@ -1,4 +1,4 @@
-//! The free turn: at one time, or at many.
+//! The free rotation of any body, at one duration or at many.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -8,7 +8,7 @@ use super::turned::Turn;
 use crate::math::so3;
 use crate::physics::body::{Body, Symmetry};
 
-/// Free turn for `duration_s`, with derivatives; not a number where [`super::advance`] is not.
+/// Free rotation for `duration_s`, with derivatives; NaN where [`super::advance`] gives NaN.
 pub fn turn(
     body: &Body,
     orientation: &UnitQuaternion<f64>,
@@ -29,7 +29,7 @@ pub fn turn(
     }
 }
 
-/// The free turn of one angular velocity, for many durations.
+/// The free rotation from one initial angular velocity, for many durations.
 #[derive(Clone, Debug)]
 pub struct Spin(Kind);
 
@@ -40,7 +40,7 @@ enum Kind {
 }
 
 impl Spin {
-    /// The turn that begins with `ω` [rad/s, body].
+    /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
         Self(match body.symmetry() {
             Symmetry::Asymmetric => Kind::Steps(Box::new(Steps::new(body, angular_velocity_rad_s))),
@@ -56,8 +56,7 @@ impl Spin {
         }
     }
 
-    /// `R(0)⁻¹R(s)` alone; with two or three equal moments, the same bits as
-    /// [`super::advance`]'s.
+    /// `R(0)⁻¹R(s)`; with two or three equal moments, the same bits as by [`super::advance`].
     pub fn turn(&mut self, duration_s: f64) -> UnitQuaternion<f64> {
         match &mut self.0 {
             Kind::Precession(precession) => precession.turn(duration_s),
@@ -65,11 +64,12 @@ impl Spin {
         }
     }
 
-    /// `R(0)⁻¹R(s)`, and the `K` by which a change of `ω` turns `R(s)` by `s K δω`, seen from
-    /// the frame of `R(0)`. Since `ω` turns with the body, `K ω` is `ω(s)` in that frame.
+    /// `R(0)⁻¹R(s)`, and the matrix `K` for which a change `δω` of the initial angular velocity
+    /// turns `R(s)` by the left perturbation `s K δω`, in the frame of `R(0)`. `K ω` is `ω(s)` in
+    /// that frame.
     ///
-    /// What it returns is the same in whatever order durations are asked for; steps made for one
-    /// serve the next.
+    /// The result does not depend on the order in which durations are asked for; steps computed for
+    /// one serve the next.
     #[inline]
     pub fn turn_and_derivative(&mut self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
         match &mut self.0 {

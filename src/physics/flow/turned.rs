@@ -1,8 +1,9 @@
-//! What a free turn leads to.
+//! The result of a free rotation.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// Orientation and angular velocity after a free turn, with their derivatives.
+/// Orientation and angular velocity after a free rotation, with their derivatives. Changes of
+/// orientations are right perturbations.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// `R(s)`.

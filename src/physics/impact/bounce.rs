@@ -1,4 +1,4 @@
-//! What follows where bodies meet.
+//! The impact of a contact set, with and without derivatives.
 
 use super::contact_set::ContactSet;
 use super::derivative::ImpactDerivative;
@@ -11,15 +11,15 @@ impl ContactSet {
     /// The impact of A with B, or with the static world.
     ///
     /// Fails where a contact is degenerate or the contacts depend on each other. A contact that
-    /// recedes is treated by the same formulas without friction, so that a solver's iterates
-    /// have an answer. Panics where the law has friction or tilt that the meeting has not.
+    /// recedes is treated by the same formulas without friction, so that every iterate of a solver
+    /// has a result. Panics where the law has friction or tilt and the contact set admits none.
     pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
         self.check_law(law);
         Ok(Solution::new(self, a, b, law)?.impact())
     }
 
-    /// [`ContactSet::impact`] and its derivatives, into `derivative`: its entries for the contacts
-    /// and bodies that there are, all others stay as they were.
+    /// [`ContactSet::impact`] with its derivatives, into `derivative`. Only entries for existing
+    /// contacts and bodies are set; all others stay as they were.
     pub fn derivative(
         &self,
         a: &Side,

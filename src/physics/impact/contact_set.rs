@@ -1,4 +1,4 @@
-//! Where bodies meet.
+//! The contacts of one collision.
 
 use super::error::ContactSetError;
 use super::law::MOST_CONTACTS;
@@ -28,7 +28,7 @@ impl ContactSet {
         })
     }
 
-    /// One contact with friction, whose coefficient may be zero. More are refused.
+    /// One contact with friction, whose coefficient may be zero. Several contacts are refused.
     pub fn with_friction(contacts: &[Contact]) -> Result<Self, ContactSetError> {
         let meeting = Self::frictionless(contacts)?;
         if meeting.count > 1 {
@@ -52,7 +52,7 @@ impl ContactSet {
         self.has_friction
     }
 
-    /// Whether its normals may be tilted: only where each touches a face of B.
+    /// Fails where a normal cannot be tilted: each contact must touch a face of B.
     pub fn check_tilt(&self) -> Result<(), ContactSetError> {
         for (contact, pair) in self.contacts().iter().enumerate() {
             if pair.tilt_axes().is_none() {

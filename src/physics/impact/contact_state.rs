@@ -1,4 +1,4 @@
-//! A contact in the poses at hand, seen from both bodies.
+//! One contact in given poses: its points in both bodies' axes and its tilted normal.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -7,30 +7,30 @@ use super::rows::Change;
 use crate::math::so3;
 use crate::physics::contact::{Contact, Touch, TouchDerivative};
 
-/// A contact, its points and the normal that the impact sees.
+/// A contact with its points and the tilted normal of the impact.
 pub(super) struct ContactState<'a> {
     pub(super) contact: &'a Contact,
     pub(super) touch: Touch,
     /// World from body.
     rotations: [Matrix3<f64>; 2],
-    /// The normal as tilted [world].
+    /// The tilted normal [world].
     pub(super) normal: Vector3<f64>,
-    /// Its derivative by the tilts, where it may be tilted.
+    /// Derivatives of the tilted normal by the tilts; `None` where it cannot be tilted.
     pub(super) normal_by_tilt: Option<[Vector3<f64>; 2]>,
 }
 
-/// How the poses of a contact change.
+/// Changes of a contact's geometry with the poses.
 pub(super) struct PoseChange<const C: usize> {
-    /// Of the touch.
+    /// Change of the untilted normal [world].
     pub(super) normal: Change<C>,
-    /// Of the points [m, body].
+    /// Changes of the points [m, body].
     pub(super) points: [Change<C>; 2],
-    /// Turns [rad, body] of the body that moves.
+    /// The body that moves, and its rotation [rad, body].
     pub(super) turn: Option<(usize, Change<C>)>,
 }
 
 impl PoseChange<6> {
-    /// By position and orientation of one body.
+    /// Changes by position and orientation of one body.
     pub(super) fn of_body(body: usize, rates: &TouchDerivative) -> Self {
         let columns = |rate: &SMatrix<f64, 3, 12>| -> Change<6> {
             rate.fixed_columns::<6>(6 * body).into_owned()
@@ -93,7 +93,7 @@ impl<'a> ContactState<'a> {
             - levers[1].dot(&motion[1].angular_velocity_rad_s)
     }
 
-    /// Levers of a direction [world] about both centres of mass [m, body].
+    /// Levers `p × Rᵀd` of a direction `d` [world] about both centres of mass [m, body].
     pub(super) fn levers(&self, direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
         [0, 1].map(|body| {
             self.point(body)
@@ -101,7 +101,8 @@ impl<'a> ContactState<'a> {
         })
     }
 
-    /// Change of the lever about `body` of a direction, which changes too if it is said how.
+    /// Change of the lever of a direction about `body`; the direction changes too where its change
+    /// is given.
     pub(super) fn lever_change<const C: usize>(
         &self,
         body: usize,
@@ -122,7 +123,7 @@ impl<'a> ContactState<'a> {
         result
     }
 
-    /// Change of the normal that the impact sees: a tilted one turns with B's face.
+    /// Change of the tilted normal, which rotates with B's face.
     pub(super) fn normal_change(&self, by: &PoseChange<6>) -> Change<6> {
         match (&self.normal_by_tilt, &by.turn) {
             (Some(_), Some((1, turn))) => -so3::hat(&self.normal) * self.rotations[1] * turn,
@@ -132,7 +133,8 @@ impl<'a> ContactState<'a> {
     }
 }
 
-/// The normal turned by the law's tilt about these axes [world], and its derivatives.
+/// The normal rotated by the law's tilt about these axes [world], with its derivatives by the
+/// tilts.
 pub(super) fn tilted(
     normal: &Vector3<f64>,
     axes: &[Vector3<f64>; 2],

@@ -1,11 +1,17 @@
-//! One contact with friction: Chatterjee and Ruina's law (see [`super::Law`]).
+//! The impulse at one contact with friction, by the law of Chatterjee and Ruina (see
+//! [`super::Law`]):
+//!
+//! ```text
+//! P = (1 + e) P_I + κ D,   P_I = −u/(n·W n) n,   P_II = −W⁻¹ v,   D = P_II − P_I
+//! κ = μ (1 + e) |P_I| / (|T| − μ n·D)   sliding, with T = D − (n·D) n
+//! ```
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::law::Law;
 use super::rows::Change;
 
-/// An impulse by the law, with what its derivatives need.
+/// The impulse with the intermediate results that its derivatives need.
 pub(super) struct Coulomb {
     law: Law,
     normal: Vector3<f64>,
@@ -14,7 +20,7 @@ pub(super) struct Coulomb {
     inverse_mobility: Matrix3<f64>,
     /// `n·W n`.
     normal_mobility: f64,
-    /// `P_I` along the normal.
+    /// `n·P_I` [N s].
     plastic: f64,
     /// `D = P_II − P_I`.
     to_stick: Vector3<f64>,
@@ -23,17 +29,17 @@ pub(super) struct Coulomb {
     slide: Slide,
 }
 
-/// How the share of `D` is found.
+/// The case that determines `κ`.
 enum Slide {
-    /// The whole: it is one.
+    /// `κ = 1`.
     Sticks,
-    /// The cone limits it: direction of the tangential part of `D`, and `|T| − μ n·D`.
+    /// `κ` is limited by the friction cone: direction of `T`, and `|T| − μ n·D`.
     Slides(Vector3<f64>, f64),
-    /// The contact recedes, or nothing slides: it is zero.
+    /// The contact recedes, or `T` is zero: `κ = 0`.
     Free,
 }
 
-/// Change of the law's inputs.
+/// Changes of the law's inputs.
 pub(super) struct CoulombChange<const C: usize> {
     pub(super) normal: Change<C>,
     pub(super) velocity: Change<C>,
@@ -94,7 +100,7 @@ impl Coulomb {
         matches!(self.slide, Slide::Sticks)
     }
 
-    /// The normal that the law sees.
+    /// The tilted normal `n` of the law.
     pub(super) fn normal(&self) -> &Vector3<f64> {
         &self.normal
     }
@@ -104,7 +110,7 @@ impl Coulomb {
         self.to_stick + self.normal * self.plastic
     }
 
-    /// Changes of the impulse by those of the relative velocity.
+    /// Changes of the impulse under changes of the relative velocity only.
     pub(super) fn by_velocity<const C: usize>(&self, velocity: Change<C>) -> Change<C> {
         self.change(&CoulombChange {
             normal: Change::zeros(),
@@ -114,7 +120,7 @@ impl Coulomb {
         })
     }
 
-    /// Changes of the impulse.
+    /// Changes of the impulse under changes of all inputs.
     pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
         let (n, e) = (&self.normal, self.law.restitution);
         let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);

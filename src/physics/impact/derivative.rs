@@ -14,8 +14,8 @@ use crate::physics::state::part;
 /// world], then `ω` [rad/s, body].
 ///
 /// Exact on each side of the switches between sticking and sliding and between approaching and
-/// receding; on a switch, that of the reported branch. It is large: make one and fill it again
-/// and again ([`ContactSet::derivative`](super::ContactSet::derivative)).
+/// receding; on a switch, the derivative of the reported branch. It is large: make one and reuse it
+/// ([`ContactSet::derivative`](super::ContactSet::derivative)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactDerivative {
     /// Gap `[contact]` by the state `[body]` before.
@@ -54,7 +54,7 @@ impl Default for ImpactDerivative {
 }
 
 impl Solution<'_> {
-    /// Fills the entries for the contacts and bodies that there are.
+    /// Sets the entries for existing contacts and bodies.
     pub(super) fn derivative(&self, derivative: &mut ImpactDerivative) -> Result<(), ImpactError> {
         let mut rates = [const { None }; MOST_CONTACTS];
         for (contact, state) in self.states().enumerate() {
@@ -92,7 +92,7 @@ impl Solution<'_> {
         Ok(())
     }
 
-    /// The speed along the untilted normal.
+    /// Derivative of the speed along the untilted normal.
     fn speed_by_state(
         &self,
         state: &ContactState,

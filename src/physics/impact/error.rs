@@ -1,10 +1,10 @@
-//! Which impacts are refused.
+//! Reasons why contact sets and impacts are refused.
 
 use thiserror::Error;
 
 use crate::physics::contact::Degenerate;
 
-/// Why contacts make no meeting.
+/// Why contacts are refused as a [`ContactSet`](super::ContactSet).
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ContactSetError {
     /// None, or too many.
@@ -21,30 +21,31 @@ pub enum ContactSetError {
         /// How many contacts.
         count: usize,
     },
-    /// A tilted normal where the touched feature has none of its own.
+    /// A tilted normal where B's feature is no face and has no normal of its own.
     #[error(
         "the normal of contact {contact} cannot be tilted: what it touches is a {kind}, only a face has a normal of its own"
     )]
     Tilt {
-        /// Which contact.
+        /// Index of the contact.
         contact: usize,
         /// Kind of B's feature.
         kind: &'static str,
     },
 }
 
-/// Why an impact has no answer in the poses at hand.
+/// Why an impact is undetermined in given poses.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ImpactError {
-    /// A contact is degenerate there.
+    /// A contact is degenerate in these poses.
     #[error("contact {contact}: {reason}")]
     Degenerate {
-        /// Which one.
+        /// Index of the contact.
         contact: usize,
-        /// Why.
+        /// Why it is degenerate.
         reason: Degenerate,
     },
-    /// The contacts' normal speeds depend on each other: three points in a line, one twice.
+    /// The contacts' normal speeds are linearly dependent: three points in a line, or one point
+    /// twice.
     #[error(
         "the {count} contacts depend on each other (points in a line, or one twice): their impulses are not determined"
     )]

@@ -1,14 +1,14 @@
-//! What an impact takes, the law and the sides, and what it does.
+//! Input and result of an impact: the law, the bodies that take part, velocities and impulses.
 
 use nalgebra::Vector3;
 
 use crate::physics::body::Body;
 use crate::physics::state::State;
 
-/// Most contacts at once.
+/// Greatest number of simultaneous contacts.
 pub(super) const MOST_CONTACTS: usize = 3;
 
-/// How an impact goes.
+/// The law of an impact and its parameters.
 ///
 /// At one contact: the algebraic law of Chatterjee and Ruina ("A new algebraic rigid-body
 /// collision law based on impulse space considerations", Journal of Applied Mechanics 65, 1998)
@@ -20,18 +20,20 @@ pub(super) const MOST_CONTACTS: usize = 3;
 /// ```
 ///
 /// with `κ = 1` where that lies in the friction cone `|P − (n·P) n| ≤ μ n·P` (the contact
-/// sticks), else the `κ` in `[0, 1)` that puts it on the cone (it slides). What holds, for
-/// approaching contacts, `0 ≤ e ≤ 1` and `μ ≥ 0`: Newton's rule `u⁺ = −e u` exactly, with
-/// friction as without, since `n·W (P_II − P_I) = 0`; energy lost is
-/// `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`; the impulse is in the
-/// cone and pushes; `μ = 0` is the frictionless bounce. A contact that sticks keeps
-/// `v⁺ = e W P_I`: nothing at `e = 0`, and along the normal only where `W n` is (a ball, a body
-/// that lands above its centre of mass); elsewhere the rebound itself swings it sideways.
-/// Where sticking turns to sliding the velocities are continuous.
+/// sticks), else the `κ` in `[0, 1)` that puts it on the cone (it slides). For approaching
+/// contacts, `0 ≤ e ≤ 1` and `μ ≥ 0`, the following holds:
 ///
-/// At several contacts, without friction: every normal speed is reversed and scaled at once,
-/// `u⁺ = −e u`. With `J` from velocities to normal speeds the impulses along the normals are
-/// `−(1 + e)(J M⁻¹ Jᵀ)⁻¹ J V`; energy lost is `½(1 − e²)` of the quadratic form of `u`.
+/// - Newton's rule `u⁺ = −e u` exactly, with or without friction, since `n·W (P_II − P_I) = 0`;
+/// - the energy lost is `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`;
+/// - the impulse is in the cone and pushes; `μ = 0` is the frictionless bounce;
+/// - a contact that sticks has the relative velocity `v⁺ = e W P_I` afterwards: zero at `e = 0`,
+///   and along the normal only where `W n` is (a ball, a body that lands above its centre of mass);
+///   elsewhere the rebound has a tangential part;
+/// - velocities are continuous where sticking changes to sliding.
+///
+/// At several contacts, without friction, every normal speed is reversed and scaled at once,
+/// `u⁺ = −e u`. With `J` from velocities `V` to normal speeds, `u = J V`, the impulses along the
+/// normals are `−(1 + e)(J M⁻¹ Jᵀ)⁻¹ u`; the energy lost is `½(1 − e²) uᵀ(J M⁻¹ Jᵀ)⁻¹ u`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// Restitution `e`, from 0 to 1.
@@ -45,7 +47,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// Restitution alone.
+    /// A law with restitution only: no friction, no tilt.
     pub fn frictionless(restitution: f64) -> Self {
         Self {
             restitution,
@@ -60,7 +62,7 @@ impl Law {
 pub struct Side<'a> {
     /// Mass and moments.
     pub body: &'a Body,
-    /// State.
+    /// Its state before the impact.
     pub state: &'a State,
 }
 
@@ -74,7 +76,7 @@ pub struct Velocities {
 }
 
 impl Velocities {
-    /// A state's.
+    /// The velocities of a state.
     pub fn of(state: &State) -> Self {
         Self {
             velocity_m_s: state.velocity_m_s,
@@ -83,7 +85,7 @@ impl Velocities {
     }
 }
 
-/// What an impact does. Entries beyond the number of contacts or bodies are zero.
+/// The result of an impact. Entries beyond the number of contacts or bodies are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impact {
     /// Gap of each contact \[m\].
@@ -91,18 +93,18 @@ pub struct Impact {
     /// Speed of each contact along its untilted normal before [m/s]: the rate of the gap,
     /// negative approaching.
     pub speeds_m_s: [f64; MOST_CONTACTS],
-    /// Impulse on A along each contact's normal, as tilted [N s]. A negative one would have to
-    /// pull: a contact that recedes, or one of several that the others lift off. The rule above
-    /// is applied to it all the same.
+    /// Impulse on A along each contact's tilted normal [N s]. A negative one pulls, which no
+    /// contact can: the contact recedes, or others of several lift it off. The law is applied to it
+    /// nevertheless.
     pub normal_impulses_n_s: [f64; MOST_CONTACTS],
-    /// Velocities after: A's, B's.
+    /// Velocities after the impact: of A, of B.
     pub after: [Velocities; 2],
-    /// Whether friction stops the sliding; never without friction.
+    /// Whether the contact sticks (`κ = 1`); false without friction.
     pub sticks: bool,
 }
 
 impl Impact {
-    /// Whether a contact would have to pull.
+    /// Whether an impulse along a normal is negative, which no contact can exert.
     pub fn pulls(&self) -> bool {
         self.normal_impulses_n_s
             .iter()

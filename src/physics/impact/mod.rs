@@ -1,7 +1,9 @@
-//! How bodies bounce: off the static world or off each other, at one contact with Coulomb
-//! friction or at up to three at once without ([`ContactSet`]); with exact derivatives.
+//! Impacts, `Impact` in the paper's eq. 3 and 8: velocities of one or two bodies after a collision
+//! from their states before it, with exact derivatives. Bodies meet the static world or each other,
+//! at one contact with Coulomb friction or at up to three simultaneous ones without
+//! ([`ContactSet`]).
 //!
-//! The law at one contact is Chatterjee and Ruina's algebraic one ([`Law`]).
+//! The law at one contact is the algebraic one of Chatterjee and Ruina ([`Law`]).
 
 mod bounce;
 mod contact_set;

@@ -1,18 +1,19 @@
-//! One to three contacts at once, without friction: Newton's rule at each (see [`super::Law`]).
+//! One to three simultaneous contacts without friction: Newton's rule at each (see [`super::Law`]),
+//! `p = −(1 + e)(J M⁻¹ Jᵀ)⁻¹ u` with the speeds `u = J V`.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::error::ImpactError;
 use super::rows::{Change, ROWS};
 
-/// Least determinant of the contacts' mobilities, scaled to unit diagonal, that counts as
-/// independent: what rounding leaves of three points in a line is below 1e-15.
+/// Contacts are independent where the determinant of `J M⁻¹ Jᵀ`, scaled to unit diagonal, is
+/// greater than this. For three points in a line rounding leaves less than 1e-15.
 const LEAST_DETERMINANT: f64 = 1e-10;
 
-/// Impulses along the normals, with what their derivatives need.
+/// Impulses along the normals, with the intermediate results that their derivatives need.
 pub(super) struct Newton {
     restitution: f64,
-    /// `(J M⁻¹ Jᵀ)⁻¹`, zero for contacts that are not there.
+    /// `(J M⁻¹ Jᵀ)⁻¹`, with ones on the diagonal for absent contacts.
     inverse: Matrix3<f64>,
     /// Impulses at restitution zero [N s].
     plastic: Vector3<f64>,
@@ -52,12 +53,13 @@ impl Newton {
         self.plastic
     }
 
-    /// Changes of the impulses by those of the speeds.
+    /// Changes of the impulses under changes of the speeds.
     pub(super) fn by_speeds<const C: usize>(&self, speeds: &Change<C>) -> Change<C> {
         self.inverse * speeds * -(1.0 + self.restitution)
     }
 
-    /// Changes of the impulses by those of the speeds and of Delassus' operator times the impulses.
+    /// Changes of the impulses under changes of the speeds and of Delassus' operator, the latter
+    /// times the impulses: `δp = −(1 + e) W⁻¹ δu − W⁻¹ δW p` with `W = J M⁻¹ Jᵀ`.
     pub(super) fn change<const C: usize>(
         &self,
         speeds: &Change<C>,

@@ -1,8 +1,8 @@
-//! The commonest impact in closed form: one point of a body on a face of the static world,
+//! The most common impact in closed form: one point of a body on a face of the static world,
 //! without friction.
 //!
-//! With the point `p = c − r Rᵀn` in body axes (`c` its centre, `r` its radius) and the arm
-//! `a = p × Rᵀn'` of the tilted normal `n'`,
+//! With the contact point `p = c − r Rᵀn` in body axes (centre `c` and radius `r` of the feature)
+//! and the lever `a = p × Rᵀn'` of the tilted normal `n'`,
 //!
 //! ```text
 //! u' = n'·v + a·ω,   j = −(1 + e) u' / (1/m + aᵀ I⁻¹ a),   v⁺ = v + (j/m) n',   ω⁺ = ω + I⁻¹ a j
@@ -47,7 +47,7 @@ impl<'a> PointOnPlane<'a> {
         }
     }
 
-    /// The impact and its derivatives: all that concern one body and one contact.
+    /// The impact and those derivatives that belong to one body and one contact.
     pub(super) fn derivative(
         &self,
         side: &Side,
@@ -60,7 +60,7 @@ impl<'a> PointOnPlane<'a> {
         impact
     }
 
-    /// Gap and speed along the face's own normal; the radius does not turn the body.
+    /// Gap and speed along the face's own normal. The radius has no lever about it.
     fn approach(&self, side: &Side, impact: &mut Impact, derivative: &mut ImpactDerivative) {
         let state = side.state;
         let normal = &self.normal;

@@ -1,41 +1,41 @@
-//! Velocities as contacts feel them: three rows from the bodies' velocities to speeds, the
-//! impulses along them, and how both change with the poses.
+//! The contact Jacobian `J`: three rows that map the bodies' velocities to speeds at the contacts,
+//! and changes of `J V` and `M⁻¹ Jᵀ p` with the poses.
 //!
 //! A row of a body is a direction `d` [world] and its lever `l = p × Rᵀd` [m, body] about the
-//! centre of mass: the point of contact `p` moves at `d·v + l·ω`. Rows of B are taken negative,
-//! so that their sums `J V` are speeds of A's points relative to B's.
+//! centre of mass: the speed of the contact point `p` along `d` is `d·v + l·ω`. Rows of B are
+//! negated, so that `J V` are speeds of A's points relative to B's.
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
 use super::law::{Side, Velocities};
 
-/// Changes of a vector, one column for each thing that changes.
+/// Changes of a vector, one column for each variable.
 pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;
 
-/// A row of zeros for every contact that is not there.
+/// Number of rows; rows of absent contacts are zero.
 pub(super) const ROWS: usize = 3;
 
 /// `J` and `M⁻¹`. The static world is a body of infinite mass at rest.
 pub(super) struct Rows {
-    /// How many bodies move.
+    /// Number of bodies that move: one or two.
     pub(super) bodies: usize,
     directions: [Vector3<f64>; ROWS],
-    /// By body, B's negative.
+    /// Levers `[body][row]`, those of B negated.
     levers: [[Vector3<f64>; ROWS]; 2],
     inverse_mass: [f64; 2],
     inverse_moments: [Vector3<f64>; 2],
 }
 
-/// How rows change.
+/// Changes `δJ` of the rows.
 pub(super) struct RowsChange<const C: usize> {
-    /// Of the directions; `None` where they are fixed.
+    /// Changes of the directions; `None` where they are fixed.
     pub(super) directions: Option<[Change<C>; ROWS]>,
-    /// Of the levers, by body, B's negative.
+    /// Changes of the levers `[body][row]`, those of B negated.
     pub(super) levers: [[Change<C>; ROWS]; 2],
 }
 
 impl Rows {
-    /// Bodies without rows.
+    /// The bodies, with all rows zero.
     pub(super) fn new(a: &Side, b: Option<&Side>) -> Self {
         let inverse_moments = |side: &Side| side.body.moments_kg_m2().map(|moment| 1.0 / moment);
         Self {
@@ -53,7 +53,7 @@ impl Rows {
         }
     }
 
-    /// Sets a row; the levers are not yet signed.
+    /// Sets a row; `levers` are those of both bodies, B's not negated.
     pub(super) fn set(&mut self, row: usize, direction: Vector3<f64>, levers: [Vector3<f64>; 2]) {
         self.directions[row] = direction;
         self.levers[0][row] = levers[0];
@@ -70,7 +70,7 @@ impl Rows {
         })
     }
 
-    /// The rows of one body, by its `v` and `ω`.
+    /// The columns of `J` for `v` and `ω` of one body.
     pub(super) fn of_body(&self, body: usize) -> SMatrix<f64, ROWS, 6> {
         let sign = [1.0, -1.0][body];
         let mut result = SMatrix::<f64, ROWS, 6>::zeros();
@@ -85,7 +85,7 @@ impl Rows {
         result
     }
 
-    /// `J M⁻¹ Jᵀ` [1/kg].
+    /// Delassus' operator `W = J M⁻¹ Jᵀ` [1/kg].
     pub(super) fn delassus(&self) -> Matrix3<f64> {
         let mut result = Matrix3::zeros();
         for row in 0..ROWS {
@@ -95,7 +95,7 @@ impl Rows {
         result
     }
 
-    /// `M⁻¹ Jᵀ p`: what impulses `p` along the rows [N s] add to the velocities.
+    /// `M⁻¹ Jᵀ p`: changes of the velocities by impulses `p` along the rows [N s].
     pub(super) fn velocity_changes(&self, impulses: &Vector3<f64>) -> [Velocities; 2] {
         let sum = |rows: &[Vector3<f64>; ROWS]| {
             rows[0] * impulses[0] + rows[1] * impulses[1] + rows[2] * impulses[2]
@@ -145,7 +145,7 @@ impl Rows {
         result
     }
 
-    /// `δJᵀ p`, plus `Jᵀ δp` where the impulses change too, times `M⁻¹`: rows `v`, `ω` of each
+    /// `M⁻¹ (δJᵀ p + Jᵀ δp)`, the second term where the impulses change too: rows `v`, `ω` of each
     /// body, zero for the world.
     pub(super) fn kicks_change<const C: usize>(
         &self,

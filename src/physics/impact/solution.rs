@@ -1,4 +1,4 @@
-//! The impulses that the law gives, and what follows from them.
+//! Impulses of an impact by the law, velocities after it, and changes of both.
 
 use nalgebra::Vector3;
 
@@ -24,10 +24,10 @@ enum Solved {
     Newton(Newton),
 }
 
-/// Bodies, contacts and impulses.
+/// An impact solved for its impulses.
 pub(super) struct Solution<'a> {
     states: [Option<ContactState<'a>>; MOST_CONTACTS],
-    /// A's and B's.
+    /// Frames of A and of B.
     pub(super) frames: [Frame; 2],
     pub(super) rows: Rows,
     pub(super) before: [Velocities; 2],
@@ -124,8 +124,7 @@ impl<'a> Solution<'a> {
         impact
     }
 
-    /// Changes of the impulses as the poses change, of the normals too; `normals` are the
-    /// changes of the normals.
+    /// Changes of the impulses with the poses; `normals` are the changes of the tilted normals.
     pub(super) fn impulses_change<const C: usize>(
         &self,
         normals: &[Change<C>; MOST_CONTACTS],
@@ -150,7 +149,7 @@ impl<'a> Solution<'a> {
         &self.impulses
     }
 
-    /// Changes of the impulses by those of the rows' speeds.
+    /// Changes of the impulses under changes of the rows' speeds.
     pub(super) fn impulses_by_speeds<const C: usize>(&self, speeds: Change<C>) -> Change<C> {
         match &self.solved {
             Solved::Coulomb(law) => law.by_velocity(speeds),
@@ -168,7 +167,7 @@ impl<'a> Solution<'a> {
         }
     }
 
-    /// How the rows change with the states, given the changes of their normals.
+    /// Changes of the rows with the states, given the changes of their normals.
     pub(super) fn rows_change<const C: usize>(
         &self,
         normals: &[Change<C>; MOST_CONTACTS],

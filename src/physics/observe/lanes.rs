@@ -1,15 +1,17 @@
-//! Measured orientations of a body with equal moments, four at a time.
+//! Measured orientations of a body with two or three equal moments, four at a time.
 //!
-//! Seen along the unit vector `n` of `α` a vector is a complex number across `n` and a real one along
-//! it. `Exp(αs)` multiplies the complex one by `e^{2ih}`, `h = ½|α|s`, and its left Jacobian by
+//! With `n` the unit vector of `α`, a vector is written as a complex number across `n` and a real
+//! one along it. `Exp(αs)` multiplies the complex part by `e^{2ih}`, `h = ½|α|s`, its left Jacobian
+//! by
 //!
 //! ```text
 //! j = (e^{2ih} − 1)/(2ih) = e^{ih} sin h/h
 //! ```
 //!
-//! and both leave the real one. With `ε = 1 − I_a/I_t` the derivative of [`super::TurnTerms`] is
-//! `K = J + ε (Exp(αs) − J) a aᵀ`, so that the sums of `s K` and `s² KᵀK` over samples are made of sums
-//! of such numbers: the matrices are put together once for all samples. `j̄ e^{2ih} = j` helps.
+//! and neither changes the real part. With `ε = 1 − I_a/I_t` the derivative of [`super::TurnTerms`]
+//! is `K = J + ε (Exp(αs) − J) a aᵀ`, so that the sums of `s K` and `s² KᵀK` over samples follow
+//! from sums of such numbers: the matrices are formed once for all samples. `j̄ e^{2ih} = j` is
+//! used.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use wide::f64x4;
@@ -18,11 +20,11 @@ use super::TurnTerms;
 use crate::math::so3;
 use crate::physics::flow::Precession;
 
-/// Samples that are read at once.
+/// Number of samples that are processed at once.
 const LANES: usize = 4;
 
-/// Terms of measured orientations, each with its seconds from the epoch, at which the orientation
-/// and `precession` hold.
+/// Terms of measured orientations, each with its time from the epoch \[s\], at which the body has
+/// the orientation and the `precession` begins.
 pub(super) fn terms<'m>(
     precession: &Precession,
     orientation: &UnitQuaternion<f64>,
@@ -30,7 +32,7 @@ pub(super) fn terms<'m>(
 ) -> TurnTerms {
     let frame = Frame::new(precession, orientation);
     let mut sums = Sums::default();
-    // A rotation in every lane, or the logarithm of the empty ones would not be a number.
+    // Every lane holds a rotation: the logarithm of an empty one would be NaN.
     let (mut seconds, mut measured) =
         ([0.0; LANES], [0.0, 0.0, 0.0, 1.0].map(|part| [part; LANES]));
     let mut count = 0;
@@ -47,31 +49,32 @@ pub(super) fn terms<'m>(
     }
     let left = count % LANES;
     if left > 0 {
-        // What is stale in the other lanes counts for nothing.
+        // The other lanes keep old values; they are weighted by zero.
         seconds[left..].fill(0.0);
         sums.add(&frame, seconds, measured, left);
     }
     frame.gather(&sums, count as f64)
 }
 
-/// A number across `n`.
+/// The part of a vector across `n`.
 #[derive(Clone, Copy, Default)]
 struct Complex<T> {
     re: T,
     im: T,
 }
 
-/// Axes along `n`, and what all samples share.
+/// A frame with one axis along `n`, and what all samples share.
 struct Frame {
-    /// Half of `|α|` [rad/s], half of `β` [rad/s].
+    /// `½|α|` and `½β` [rad/s].
     half_rates: [f64; 2],
-    /// `R(0)`, `R(0) n`, `R(0) a`, `R(0) n a` as quaternions: `R(0) R(s)` is a sum of multiples.
+    /// `R(0)`, `R(0) n`, `R(0) a`, `R(0) n a` as quaternions: `R(0) R(s)` is a linear combination
+    /// of them.
     turned: [Quaternion<f64>; 4],
-    /// Columns are two axes across `n`, and `n`.
+    /// Body from this frame: the columns are two axes across `n`, and `n`.
     body: Matrix3<f64>,
-    /// The same axes in the world at the epoch.
+    /// World from this frame at the epoch: the same axes.
     world: Matrix3<f64>,
-    /// `a` along them, and `1 − I_a/I_t`.
+    /// `a` in this frame, and `1 − I_a/I_t`.
     axis: Vector3<f64>,
     excess: f64,
 }
@@ -174,7 +177,7 @@ impl Frame {
         }
     }
 
-    /// `Log(R(0) R(s) R_i⁻¹)`, the residual seen from the world, along the axes.
+    /// The residual `Log(R(0) R(s) R_i⁻¹)` in world axes, expressed in this frame.
     fn error(
         &self,
         s: f64x4,
@@ -214,7 +217,7 @@ impl Frame {
         })
     }
 
-    /// The sums as terms.
+    /// The terms that follow from the sums.
     fn gather(&self, sums: &Sums, count: f64) -> TurnTerms {
         let one = |lanes: f64x4| lanes.reduce_add();
         let complex = |z: Complex<f64x4>| Vector3::new(one(z.re), one(z.im), 0.0);

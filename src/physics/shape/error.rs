@@ -1,4 +1,4 @@
-//! Why a shape cannot be used.
+//! Reasons why shapes are refused.
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -11,15 +11,15 @@ pub enum ShapeError {
     /// A length is not positive.
     #[error("{name} is {value_m} m, expected a positive number")]
     Length {
-        /// Which one.
+        /// Name of the length.
         name: &'static str,
-        /// As given.
+        /// Length as given.
         value_m: f64,
     },
-    /// A rounding that leaves no box.
+    /// A rounding is too large for its box.
     #[error("the rounding of {radius_m} m leaves no box: half the least side is {half_m} m")]
     Rounding {
-        /// Its radius.
+        /// Radius of the rounding.
         radius_m: f64,
         /// Half the least side.
         half_m: f64,
@@ -27,7 +27,7 @@ pub enum ShapeError {
     /// A point has a coordinate that is not finite.
     #[error("point {index} of the hull is not finite")]
     Point {
-        /// Which one.
+        /// Index of the point.
         index: usize,
     },
     /// Points span no volume.
@@ -36,12 +36,12 @@ pub enum ShapeError {
         /// How many.
         count: usize,
     },
-    /// The hull could not be built though its points span a volume.
+    /// parry built no hull although the points span a volume.
     #[error("no convex hull of these {count} points: {reason}")]
     Hull {
         /// How many.
         count: usize,
-        /// What the geometry library says.
+        /// Its message.
         reason: String,
     },
     /// The origin of a body's axes is not its centre of mass.
@@ -62,10 +62,10 @@ pub enum ShapeError {
         /// Products of inertia over mass: yz, xz, xy.
         products_m2: Vector3<f64>,
     },
-    /// A pose between two shapes has a number in it that is not finite.
+    /// A pose contains a number that is not finite.
     #[error("a pose is not finite")]
     Pose,
-    /// Mass or density, or the moments that follow, make no body.
+    /// Mass or density, or the moments that follow, are refused for a body.
     #[error(transparent)]
     Body(#[from] BodyError),
 }

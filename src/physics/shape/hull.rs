@@ -7,18 +7,19 @@ use parry3d::transformation::try_convex_hull;
 use super::error::ShapeError;
 use super::mass::UniformMass;
 
-/// How far a hull's centre of mass may be off the origin \[m\].
+/// Greatest distance of a hull's centre of mass from the origin \[m\].
 const CENTRE_TOLERANCE_M: f64 = 1e-9;
 
-/// Products of inertia of a hull, and differences of its moments, that count as none, relative
-/// to its largest moment: what six typed digits leave.
+/// Products of inertia of a hull, and differences of its moments, that count as zero, relative to
+/// its largest moment: the error of coordinates typed with six digits.
 const MOMENT_TOLERANCE: f64 = 1e-6;
 
 /// Height over size below which a hull is flat.
 const FLAT_RATIO: f64 = 1e-6;
 
-/// Finite points that span a volume: farthest from the first, then from that line, then from
-/// that plane. parry accepts three points and answers for a flat set as it happens.
+/// Fails unless the points are finite and span a volume: takes the farthest from the first, then
+/// the farthest from that line, then from that plane. parry accepts three points and gives
+/// arbitrary results for a flat set.
 pub(super) fn check_hull(points_m: &[Vector3<f64>]) -> Result<(), ShapeError> {
     if let Some(index) = points_m
         .iter()
@@ -76,8 +77,8 @@ pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Result<Vec<[Vector3<f64>; 3]
         .collect())
 }
 
-/// Sums tetrahedra between the origin and each triangle. parry's own sum is exact too, but the
-/// frame it diagonalises to does not give the tensor back for boxes that are turned.
+/// Mass properties by summing the tetrahedra between the origin and each triangle. parry's sum is
+/// exact too, but the principal frame it returns does not reproduce the tensor for rotated boxes.
 pub(super) fn hull_mass(points_m: &[Vector3<f64>]) -> Result<UniformMass, ShapeError> {
     let (points, triangles) = hull_of(points_m)?;
     let mut volume_m3 = 0.0;
@@ -110,7 +111,7 @@ pub(super) fn hull_mass(points_m: &[Vector3<f64>]) -> Result<UniformMass, ShapeE
     if products_m2.amax() > none {
         return Err(ShapeError::NotPrincipal { products_m2 });
     }
-    // Typed coordinates leave the moments of a regular prism equal to their digits only.
+    // The moments of a regular prism are equal only to the digits of the typed coordinates.
     if moments.max() - moments.min() <= none {
         moments.fill(moments.mean());
     }

@@ -1,4 +1,4 @@
-//! Kinds of shapes, and what follows from them at uniform density.
+//! Kinds of shapes, and their mass properties at uniform density.
 
 use nalgebra::Vector3;
 use parry3d::mass_properties::MassProperties;
@@ -60,7 +60,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Whether the shape is a solid: lengths positive and finite, hulls not flat.
+    /// Fails where the shape is no solid: lengths must be positive and finite, hulls not flat.
     pub fn check(&self) -> Result<(), ShapeError> {
         match self {
             Shape::Cuboid { half_extents_m } => check_sides(half_extents_m),
@@ -128,7 +128,7 @@ impl Shape {
     /// Volume and moments at uniform density.
     ///
     /// Fails where the shape is no solid, and where its axes cannot be body axes: a hull whose
-    /// centre of mass is off the origin or whose principal axes are not its own.
+    /// centre of mass is not the origin or whose axes are not principal.
     pub fn uniform_mass(&self) -> Result<UniformMass, ShapeError> {
         self.check()?;
         let (properties, shape_from_parry) = match self {
@@ -170,7 +170,7 @@ impl Shape {
         let principal = properties.principal_inertia();
         let moments = match shape_from_parry {
             Axes::Same => from_parry(principal),
-            // About y there is about z here; the two transverse ones are equal.
+            // The moment about y in parry is that about z here; the two transverse ones are equal.
             Axes::YToZ => Vector3::new(principal.x, principal.x, principal.y),
         };
         Ok(UniformMass {
@@ -179,13 +179,15 @@ impl Shape {
         })
     }
 
-    /// The body that this shape makes at uniform density with that mass \[kg\].
+    /// The body of this shape at uniform density with the given mass \[kg\]. Fails where
+    /// [`Shape::uniform_mass`] fails, or the mass is not positive.
     pub fn body_of_mass_kg(&self, mass_kg: f64) -> Result<Body, ShapeError> {
         let uniform = self.uniform_mass()?;
         Ok(Body::new(mass_kg, uniform.moments_per_mass_m2 * mass_kg)?)
     }
 
-    /// The body that this shape makes of a material of that density [kg/m³].
+    /// The body of this shape with the given uniform density [kg/m³]. Fails as
+    /// [`Shape::body_of_mass_kg`] does.
     pub fn body_of_density_kg_m3(&self, density_kg_m3: f64) -> Result<Body, ShapeError> {
         self.body_of_mass_kg(self.uniform_mass()?.volume_m3 * density_kg_m3)
     }

@@ -1,8 +1,8 @@
-//! Volume and moments at uniform density.
+//! Volume and moments of inertia at uniform density.
 
 use nalgebra::Vector3;
 
-/// What follows from a shape at uniform density.
+/// Mass properties of a shape at uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UniformMass {
     /// Volume.
@@ -11,8 +11,8 @@ pub struct UniformMass {
     pub moments_per_mass_m2: Vector3<f64>,
 }
 
-/// Sums the core, the slabs on its faces, the quarters of cylinders on its edges and the octants
-/// of a ball on its corners (parry leaves the rounding out).
+/// Mass properties of a rounded box: the sum of the core, the slabs on its faces, the quarter
+/// cylinders on its edges and the octants of a ball at its corners (parry leaves the rounding out).
 pub(super) fn rounded_mass(half_extents_m: &Vector3<f64>, radius_m: f64) -> UniformMass {
     use std::f64::consts::PI;
     let (core, r) = (half_extents_m.add_scalar(-radius_m), radius_m);
@@ -23,7 +23,7 @@ pub(super) fn rounded_mass(half_extents_m: &Vector3<f64>, radius_m: f64) -> Unif
     for axis in 0..3 {
         let (a, b, c) = (core[axis], core[(axis + 1) % 3], core[(axis + 2) % 3]);
         volume_m3 += 8.0 * r * b * c + 2.0 * PI * a * r * r;
-        // What extends along the axis as the core does, beside the core itself.
+        // Volume of the parts that have the core's extent along this axis, the core included.
         let along_m3 = 8.0 * a * (b * c + r * (b + c)) + 2.0 * PI * a * r * r;
         let slabs = 8.0 / 3.0 * b * c * ((a + r).powi(3) - a.powi(3));
         // ∫(a + |s|)² over a disc, and over a ball.

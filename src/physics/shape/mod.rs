@@ -1,7 +1,8 @@
-//! Shapes: the one door to parry. Axes of cylinders, capsules and cones are z here, y there.
+//! Shapes of bodies: mass properties and distances. The only module that imports parry. Axes of
+//! cylinders, capsules and cones are z here and y in parry.
 //!
-//! A shape's own axes have their origin at its centre of mass, so that the shape of a body of
-//! uniform density lies in body axes as it stands.
+//! A shape's own axes have their origin at its centre of mass, so that for a body of uniform
+//! density they are the body's axes.
 
 mod error;
 mod hull;

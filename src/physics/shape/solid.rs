@@ -1,4 +1,4 @@
-//! Solids: shapes made ready for questions of distance.
+//! Solids: shapes prepared for distance queries.
 
 use nalgebra::Vector3;
 use parry3d::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as ParryVector};
@@ -10,11 +10,11 @@ use super::hull::{from_parry, hull_of, to_parry};
 use super::kind::Shape;
 use crate::math::Pose;
 
-/// Distance up to which closest points are asked for together with the distance \[m\]: all.
+/// Distance \[m\] up to which parry computes closest points: larger than any scene.
 const FAR_M: f64 = 1e6;
 
 impl Shape {
-    /// The shape made ready for many distance queries.
+    /// The shape prepared for many distance queries. Fails where the shape is no solid.
     pub fn solid(&self) -> Result<Solid, ShapeError> {
         self.check()?;
         let along_z = |offset_m: f64| {
@@ -76,14 +76,14 @@ impl Shape {
     }
 }
 
-/// A shape made ready for distance queries.
+/// A shape prepared for distance queries.
 #[derive(Clone)]
 pub struct Solid {
     shape: SharedShape,
     shape_from_parry: ParryPose,
 }
 
-/// How near two things are, and where.
+/// The distance of two things and their closest points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
     /// Distance \[m\]; negative is the depth of penetration.
@@ -104,14 +104,13 @@ impl Solid {
         }
     }
 
-    /// parry's shape and where it stands in the solid's own axes, for a simulation that shares
+    /// parry's shape and its pose in the solid's own axes, for a simulation that shares
     /// parry's types.
     pub fn parts(&self) -> (&SharedShape, &ParryPose) {
         (&self.shape, &self.shape_from_parry)
     }
 
-    /// The nearest points of two placed solids, and how far apart they are. Refuses poses that
-    /// are not finite.
+    /// Distance and closest points of two placed solids. Refuses poses that are not finite.
     ///
     /// parry's iterations leave errors below 1e-6 m between round solids. Where its expanding
     /// polytope finds no depth the gap is 0 and the points are the origins.
@@ -141,8 +140,8 @@ impl Solid {
         })
     }
 
-    /// The lowest point over a plane through `plane_point_m` with that unit normal \[world\],
-    /// and its height: below it is negative. Exact. Refuses poses that are not finite.
+    /// The lowest point over a plane through `plane_point_m` with the given unit normal \[world\],
+    /// and its height, negative below the plane. Exact. Refuses poses that are not finite.
     pub fn lowest(
         &self,
         world_from_self: &Pose,

@@ -1,25 +1,25 @@
-//! What is wrong with a file, and where.
+//! Damage of an MCAP file, with offsets.
 
 use std::ops::Range;
 
 use thiserror::Error;
 
-/// A place where a file is not what it should be.
+/// One damage of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Damage {
-    /// Nothing that could be verified comes after: the file ends in the middle of a record, or
+    /// Nothing that can be verified follows: the file ends in the middle of a record, or
     /// its rest is destroyed.
     #[error("cut off: nothing can be read from byte {at} on, {bytes} bytes")]
     Cut {
-        /// Offset of the first record that is not whole.
+        /// Offset of the first incomplete record.
         at: usize,
-        /// From there to the end of the file.
+        /// Number of bytes from there to the end of the file.
         bytes: usize,
     },
-    /// Bytes that are no records, before others that are.
+    /// Bytes that are no records, before further records.
     #[error("bytes {at} to {end} are no records and are left out")]
     Gap {
-        /// Offset of the first.
+        /// Offset of the first byte.
         at: usize,
         /// Offset of the next record.
         end: usize,
@@ -34,7 +34,7 @@ pub enum Damage {
         /// What the MCAP reader says.
         reason: String,
     },
-    /// A chunk that passes its checksum, and whose type or length is wrong. Nothing of it is lost.
+    /// A chunk that passes its checksum although its opcode or length is wrong. No data are lost.
     #[error(
         "type or length of the chunk at byte {at} is damaged: it is read as its own header says"
     )]
@@ -42,12 +42,12 @@ pub enum Damage {
         /// Offset in the file.
         at: usize,
     },
-    /// The same chunk a second time: its messages are used once.
+    /// A chunk that is identical to an earlier one: its messages are used once.
     #[error("chunk at byte {at} is that of byte {first} again, and left out")]
     Repeated {
         /// Offset in the file.
         at: usize,
-        /// Offset of the first.
+        /// Offset of the earlier one.
         first: usize,
     },
     /// A record cannot be parsed.
@@ -55,22 +55,22 @@ pub enum Damage {
     Record {
         /// Offset in the file, of its chunk if it is in one.
         at: usize,
-        /// How long it is; nothing if it is in a chunk, which was read.
+        /// Its length in the file; zero if it is in a chunk, since that was read.
         bytes: usize,
         /// Its type.
         opcode: u8,
         /// What the MCAP reader says.
         reason: String,
     },
-    /// Two definitions of one channel or schema: the first holds.
+    /// Two different definitions of one channel or schema: the first is used.
     #[error("{what} {id} is defined twice, differently")]
     Redefined {
         /// `channel` or `schema`.
         what: &'static str,
-        /// Which one.
+        /// Its id.
         id: u16,
     },
-    /// A channel names a schema that is not there.
+    /// A channel names a schema that is not defined.
     #[error("channel {id} names schema {schema}, which is not defined")]
     NoSchema {
         /// The channel, left out.
@@ -78,12 +78,12 @@ pub enum Damage {
         /// The schema.
         schema: u16,
     },
-    /// Messages name a channel that is not there.
+    /// Messages name a channel that is not defined.
     #[error("{messages} messages from byte {at} on are left out: channel {id} is not defined")]
     NoChannel {
-        /// Offset of the first in the file, of its chunk if it is in one.
+        /// Offset in the file of the first of them, of its chunk if it is in one.
         at: usize,
-        /// How many.
+        /// Number of messages.
         messages: u64,
         /// The channel.
         id: u16,
@@ -96,7 +96,7 @@ pub enum Damage {
         /// As stored.
         saved: u32,
     },
-    /// All records are there, but not the end of the file.
+    /// All records are complete, but the end of the file is missing or damaged.
     #[error("the end of the file is missing or damaged")]
     NoEnd,
 }
@@ -113,16 +113,16 @@ impl Damage {
         }
     }
 
-    /// Whether all that the file ever held was read in spite of it.
+    /// Whether all data of the file were read in spite of it.
     pub fn is_harmless(&self) -> bool {
         matches!(self, Damage::NoEnd | Damage::Frame { .. })
     }
 }
 
-/// How many damages are kept in full.
+/// Number of damages that are kept in full.
 const KEPT: usize = 16;
 
-/// The damages of a file: the first few, how many in all, and all that was not read.
+/// The damages of a file: the first few, their number, and all ranges that were not read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Damages {
     first: Vec<Damage>,
@@ -137,27 +137,27 @@ impl Damages {
         &self.first
     }
 
-    /// How many there are.
+    /// Number of all damages.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether there are any but a missing end and chunks that were read in spite of theirs.
+    /// Whether any of them is not harmless ([`Damage::is_harmless`]).
     pub fn is_loss(&self) -> bool {
         self.harmful > 0
     }
 
-    /// Every byte of the file that was not read, in order; ranges that touch are one.
+    /// Ranges of the file that were not read, in order; adjacent ranges are merged.
     pub fn unread(&self) -> &[Range<usize>] {
         &self.unread
     }
 
-    /// How many bytes were not read.
+    /// Number of bytes that were not read.
     pub fn unread_bytes(&self) -> usize {
         self.unread.iter().map(ExactSizeIterator::len).sum()
     }
 
-    /// Whether the file is cut off: its end is not there.
+    /// Whether the end of the file is missing.
     pub fn is_truncated(&self) -> bool {
         self.first
             .iter()
@@ -173,7 +173,7 @@ impl Damages {
                 _ => self.unread.push(range),
             }
         }
-        // A missing end is always said, however much came before it.
+        // A missing end is always kept, however many damages came before it.
         if self.first.len() < KEPT || matches!(damage, Damage::Cut { .. } | Damage::NoEnd) {
             self.first.push(damage);
         }

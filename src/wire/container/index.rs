@@ -1,4 +1,5 @@
-//! What a file holds besides its messages.
+//! The contents of an MCAP file besides its messages: channels, schemas, attachments, metadata,
+//! damage.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Single records: their frames and their contents.
 //!
-//! Parsed by hand, decompressed by the library. The library's parser reserves what a
-//! string claims as its length before it looks whether so much is there, up to 4 GB for one
-//! flipped bit; it slices out of bounds where an attachment is too short for its checksum; its
-//! linear reader counts below zero where a record reaches out of an uncompressed chunk.
+//! Parsed here, decompressed by the crate `mcap`. The crate's parser allocates the length that a
+//! string claims before it checks whether the bytes exist, up to 4 GB for one flipped bit; it
+//! slices out of bounds where an attachment is too short for its checksum; its linear reader counts
+//! below zero where a record reaches out of an uncompressed chunk.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,40 +12,40 @@ use mcap::McapError;
 use mcap::records::{Channel, MessageHeader, Metadata, SchemaHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// Opcode and length.
+/// Bytes of a record's opcode and length.
 pub(super) const FRAME_BYTES: usize = 1 + 8;
 
-/// Largest chunk, decompressed, and largest record in it. A file's own figure is not believed:
-/// a flipped bit would have us allocate hundreds of gigabytes.
+/// Largest chunk, decompressed, and largest record in it. A file's own figure is not trusted:
+/// a flipped bit would make the reader allocate hundreds of gigabytes.
 const RECORD_LIMIT_BYTES: usize = 64 << 20;
 
-/// Channel, sequence number and two times before a message's data.
+/// Bytes before a message's data: channel, sequence number and two times.
 const MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
 
-/// Log time and offset of a message.
+/// Bytes of an index entry: log time and offset of a message.
 const INDEX_ENTRY_BYTES: usize = 8 + 8;
 
-/// Start and end time before what a chunk says of its records.
+/// Bytes at the start of a chunk: start and end time.
 const CHUNK_TIMES_BYTES: usize = 8 + 8;
 
-/// The compressions of chunks, each with what its data begin with.
+/// The compressions of chunks, each with the first bytes of its data.
 const COMPRESSIONS: [(&[u8], &[u8]); 3] = [
     (b"", b""),
     (b"zstd", &[0x28, 0xb5, 0x2f, 0xfd]),
     (b"lz4", &[0x04, 0x22, 0x4d, 0x18]),
 ];
 
-/// The first type of record that the format leaves to others.
+/// The first opcode that the format leaves for private records.
 pub(super) const PRIVATE: u8 = 0x80;
 
-/// A private record of ours in a chunk: after [`REPEATED`], schema and channel records that the
-/// file has already, for the chunk to be read without those before it.
+/// Opcode of enact's private record in a chunk. After [`REPEATED`] it holds schema and channel
+/// records that the file already contains, so that the chunk can be read without earlier ones.
 pub const REPEATS: u8 = 0xe0;
 
-/// What such a record begins with: others may use its type.
+/// First bytes of such a record: others may use the same opcode.
 pub const REPEATED: &[u8] = b"enact repeats\n";
 
-/// A record's content, its bulk as a range of the bytes it was read from.
+/// A record's content; its data are a range of the bytes it was read from.
 pub(super) enum Content {
     Header {
         profile: String,
@@ -214,21 +214,21 @@ fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapEr
     Ok(pairs)
 }
 
-/// What a chunk says of itself. With it a chunk can be told without its record's type and length.
+/// A chunk's own header, which identifies it without its record's opcode and length.
 #[derive(Clone, Copy)]
 pub(super) struct ChunkHeader {
-    /// Where its data end, and its record should.
+    /// Offset of the end of its data, where its record should end.
     pub(super) end: usize,
     /// Whether it has a checksum.
     pub(super) is_checked: bool,
     /// Length of its data in the file.
     pub(super) packed: usize,
-    /// Whether they are not compressed: nothing in them shows that they are a chunk's.
+    /// Whether the data are not compressed, so that their first bytes identify nothing.
     pub(super) is_plain: bool,
 }
 
-/// The chunk header that a record at `at` has, if it is one: of a compression we know, with data
-/// that begin as they should and are all there.
+/// The chunk header of a record at `at`; `None` unless its compression is known, its data begin as
+/// that compression requires, and they are complete.
 pub(super) fn chunk_header(bytes: &[u8], at: usize) -> Option<ChunkHeader> {
     let record = bytes.get(at..)?;
     let mut from = FRAME_BYTES + CHUNK_TIMES_BYTES;
@@ -274,7 +274,8 @@ fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     if size > RECORD_LIMIT_BYTES as u64 {
         return Err(McapError::ChunkTooLarge(size));
     }
-    // A header of zeros is that of an empty chunk: its record then holds what it says nothing of.
+    // A header of zeros looks like that of an empty chunk; its record then holds more than it
+    // claims.
     let is_short = compression.is_empty() && packed_size != (record.len() - at) as u64;
     if is_short || (size == 0 && at < record.len()) {
         return Err(McapError::UnexpectedEoc);
@@ -295,8 +296,8 @@ fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     Ok(())
 }
 
-/// Whether a chunk's records are all there and are what was written. A compressed stream that ends
-/// in zeros has no end: the library then hands out nothing, and no error.
+/// Fails unless a chunk's records have the stated size and checksum. For a compressed stream that
+/// ends in zeros the crate returns no data and no error.
 fn check(records: &[u8], size: u64, saved: u32) -> Result<(), McapError> {
     if records.len() as u64 != size {
         return Err(McapError::UnexpectedEoc);
@@ -308,7 +309,7 @@ fn check(records: &[u8], size: u64, saved: u32) -> Result<(), McapError> {
     Ok(())
 }
 
-/// Of a record that repeats others, how many bytes are before the first of them.
+/// Number of bytes before the first repeated record in a record of [`REPEATS`]; `None` for others.
 pub(super) fn repeated(opcode: u8, body: &[u8]) -> Option<usize> {
     let records = body.strip_prefix(REPEATED)?;
     (opcode == REPEATS && are_records(records)).then_some(REPEATED.len())
@@ -326,8 +327,8 @@ fn are_records(bytes: &[u8]) -> bool {
     true
 }
 
-/// The checksum is looked at before the first record comes out. `body` is the chunk's record
-/// without type and length, which are made here.
+/// Decompresses a chunk; its checksum is verified before the first record is returned. `body` is
+/// the chunk's record without opcode and length.
 fn decompress(body: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()

@@ -1,8 +1,8 @@
-//! Where records go on after damage.
+//! Finds where records continue after damage.
 //!
-//! Opcode and length of a record have no checksum, and without the length of one record the next
-//! one's place is not known. What can be found again without them is what has a checksum of its
-//! own: a chunk by its header, an attachment.
+//! Opcode and length of a record have no checksum, and without the length of one record the offset
+//! of the next is unknown. Only records with a checksum of their own can be found without them:
+//! chunks, by their headers, and attachments.
 
 use std::ops::Range;
 
@@ -10,19 +10,20 @@ use mcap::records::op;
 
 use super::record::{self, Content, FRAME_BYTES, PRIVATE};
 
-/// How much more than the file's own size may be unpacked in vain: a file can be made to hold a
-/// likely beginning of a chunk at every fifty bytes.
+/// Limit of the bytes that are unpacked without success: this multiple of the file's size plus
+/// [`VAIN_BYTES`]. A file can be made to hold a plausible beginning of a chunk at every fifty
+/// bytes.
 const VAIN_SHARE: usize = 8;
 const VAIN_BYTES: usize = 64 << 20;
 
-/// Looks for records that pass a checksum. It gives up when it has done too much in vain.
+/// A search for records that pass their checksum. It gives up after too much work without success.
 pub(super) struct Scan {
     left: usize,
     records: Vec<u8>,
 }
 
 impl Scan {
-    /// For a file of that many bytes.
+    /// A search in a file of the given size.
     pub(super) fn new(bytes: usize) -> Self {
         Self {
             left: bytes.saturating_mul(VAIN_SHARE).saturating_add(VAIN_BYTES),
@@ -54,7 +55,8 @@ impl Scan {
     }
 }
 
-/// Whether the attachment that may begin at `at` passes its checksum; its length if not.
+/// Whether an attachment at `at` passes its checksum; its length where it fails, `None` where there
+/// is no attachment.
 fn attachment(bytes: &[u8], at: usize) -> Option<Result<(), usize>> {
     if bytes[at] != op::ATTACHMENT {
         return None;
@@ -63,7 +65,7 @@ fn attachment(bytes: &[u8], at: usize) -> Option<Result<(), usize>> {
     let length = range.len();
     let is_checked = bytes[..range.end].last_chunk() != Some(&[0; 4]);
     match record::parse(op::ATTACHMENT, bytes, range.clone()) {
-        // Its checksum is the last of it.
+        // Its checksum is its last field.
         Ok(Content::Attachment { data, .. }) if is_checked && data.end + 4 == range.end => {
             Some(Ok(()))
         }
@@ -71,11 +73,11 @@ fn attachment(bytes: &[u8], at: usize) -> Option<Result<(), usize>> {
     }
 }
 
-/// How many records in a row are looked at: what is no record may look like one.
+/// Number of consecutive records that are checked, since other bytes may look like one record.
 const IN_A_ROW: usize = 3;
 
-/// Whether records may begin at `at`: it is known of none of the next that it is none. The end of the
-/// bytes may be anything.
+/// Whether records may begin at `at`: none of the next [`IN_A_ROW`] is certainly no record. The end
+/// of the bytes is accepted as it is.
 pub(super) fn is_plausible(bytes: &[u8], mut at: usize) -> bool {
     for _ in 0..IN_A_ROW {
         let Some(&opcode) = bytes.get(at) else {
@@ -84,13 +86,13 @@ pub(super) fn is_plausible(bytes: &[u8], mut at: usize) -> bool {
         if record::chunk_header(bytes, at).is_some_and(|chunk| chunk.is_checked) {
             return true;
         }
-        // A length has its high bytes zero.
+        // The high bytes of a valid length are zero.
         let high = bytes.get(at + FRAME_BYTES - 3..at + FRAME_BYTES);
         let is_known = matches!(opcode, op::HEADER..=op::DATA_END | PRIVATE..);
         if !is_known || high.is_some_and(|high| high != [0; 3]) {
             return false;
         }
-        // Of a file that is cut it may be too great.
+        // In a file that is cut off the length may reach beyond the end.
         let Some((_, range)) = record::frame(bytes, at) else {
             return true;
         };

@@ -1,4 +1,4 @@
-//! Definitions a second time, from the end of a file.
+//! Schemas and channels from the summary section, where a file repeats them at its end.
 
 use mcap::MAGIC;
 use mcap::records::op;
@@ -8,8 +8,7 @@ use super::record::{self, Content, FRAME_BYTES};
 /// Length of a footer: two offsets and a checksum.
 const FOOTER_BYTES: usize = 8 + 8 + 4;
 
-/// Schemas and channels that the summary section repeats; none where it is not there or fails its
-/// checksum.
+/// Schemas and channels of the summary section; none where it is absent or fails its checksum.
 pub(super) fn definitions(bytes: &[u8]) -> Vec<Content> {
     let Some(summary) = summary(bytes) else {
         return Vec::new();

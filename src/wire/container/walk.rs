@@ -11,12 +11,12 @@ use super::damage::{Damage, Damages};
 use super::record::{self, ChunkHeader, Content, FRAME_BYTES};
 use super::scan::{self, Scan};
 
-/// A message as it lies in the file.
+/// A message of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<'a> {
     /// Its channel.
     pub channel_id: u16,
-    /// Sequence number, whatever its writer meant by it.
+    /// Sequence number, as its writer defined it.
     pub sequence: u32,
     /// When it was recorded \[ns\].
     pub log_time: u64,
@@ -26,25 +26,25 @@ pub struct Message<'a> {
     pub data: &'a [u8],
 }
 
-/// Where a record's bytes are.
+/// Whether a record's bytes are in the file or in the open chunk.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     File,
     Chunk,
 }
 
-/// A walk over the data section. It shares the bytes, and remembers where it is and what
-/// was wrong on the way.
+/// A walk over the data section. It shares the bytes, and holds its position and the damage found
+/// so far.
 pub struct Walk {
     bytes: Arc<Vec<u8>>,
-    /// Next record of the file.
+    /// Offset of the next record of the file.
     at: usize,
     /// Offset of the last record handed out, or of the chunk it was in.
     offset: usize,
-    /// The open chunk's records, whole and verified, and where the next of them begins.
+    /// The open chunk's records, complete and verified.
     chunk: Vec<u8>,
     chunk_at: usize,
-    /// Where chunks begin that were read, by length and checksum of their records in the file.
+    /// Offsets of the chunks read so far, by length and checksum of their records in the file.
     chunks: BTreeMap<(usize, u32), Vec<usize>>,
     scan: Scan,
     verifies_data_section: bool,
@@ -53,10 +53,10 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// A walk that trusts an earlier one for the data section's checksum.
+    /// A walk that does not verify the data section's checksum: an earlier walk did.
     pub(super) fn new(bytes: Arc<Vec<u8>>) -> Self {
         Self {
-            // Without its magic a file is damaged from its first byte on.
+            // A file without the magic bytes is damaged from its first byte on.
             at: if bytes.starts_with(MAGIC) {
                 MAGIC.len()
             } else {
@@ -82,7 +82,7 @@ impl Walk {
         }
     }
 
-    /// The next message. Its channel may be one that the file does not define.
+    /// The next message; `None` at the end. The file may not define its channel.
     pub fn next_message(&mut self) -> Option<Message<'_>> {
         loop {
             let (place, content) = self.next_content()?;
@@ -98,7 +98,7 @@ impl Walk {
         }
     }
 
-    /// The next record that can be parsed, and where its ranges point.
+    /// The next record that can be parsed, and the bytes to which its ranges refer.
     pub(super) fn next_content(&mut self) -> Option<(Place, Content)> {
         loop {
             let (place, opcode, range) = self.next_frame()?;
@@ -120,7 +120,7 @@ impl Walk {
         }
     }
 
-    /// Offset in the file of the record that was handed out last, or of its chunk.
+    /// Offset in the file of the last record returned, or of its chunk.
     pub(super) fn offset(&self) -> usize {
         self.offset
     }
@@ -142,7 +142,7 @@ impl Walk {
                 let (opcode, range) = record::frame(&self.chunk, self.chunk_at)
                     .expect("an unpacked chunk holds whole records");
                 self.chunk_at = match record::repeated(opcode, &self.chunk[range.clone()]) {
-                    // What it repeats is walked through as if it lay in the chunk itself.
+                    // The repeated records are walked through as records of the chunk itself.
                     Some(prefix) => range.start + prefix,
                     None => range.end,
                 };
@@ -158,8 +158,8 @@ impl Walk {
         }
     }
 
-    /// Takes the next step in the file: over a record that is handed out, into a chunk, over what
-    /// is damaged, or to the end.
+    /// Takes the next step in the file: over a record that is returned, into a chunk, over damage,
+    /// or to the end.
     fn next_in_file(&mut self) -> Option<(u8, Range<usize>)> {
         if self.at == self.bytes.len() {
             self.end(Damage::NoEnd);
@@ -170,7 +170,7 @@ impl Walk {
             return None;
         }
         let frame = record::frame(&self.bytes, self.at);
-        // What looks like a chunk is one, whatever its type and its length say.
+        // Bytes with a chunk's header are a chunk even where opcode or length differ.
         if let Some(chunk) = record::chunk_header(&self.bytes, self.at) {
             let is_framed = frame == Some((op::CHUNK, self.at + FRAME_BYTES..chunk.end));
             if is_framed || self.is_chunk(chunk) {
@@ -189,7 +189,7 @@ impl Walk {
                 self.end_whole(range);
                 return None;
             }
-            // The record that ends the data is not there.
+            // The record that ends the data section is missing.
             op::FOOTER => {
                 self.end(Damage::NoEnd);
                 return None;
@@ -200,15 +200,15 @@ impl Walk {
         Some((opcode, range))
     }
 
-    /// Whether what has a chunk's header and not its type or length is one. Numbers of another
-    /// record may look like the header of a chunk that is not compressed.
+    /// Whether bytes with a chunk's header but not its opcode or length are a chunk. Another record
+    /// may contain numbers that look like the header of an uncompressed chunk.
     fn is_chunk(&mut self, header: ChunkHeader) -> bool {
         let (bytes, at) = (&self.bytes, self.at);
         let mut passes = || record::unpack_chunk(bytes, at, header.end, &mut self.chunk).is_ok();
         header.is_checked && (!header.is_plain || passes())
     }
 
-    /// Unpacks the chunk from here to `end`; nothing of it is handed out unless all of it can be.
+    /// Unpacks the chunk from here to `end`; its records are returned only if all of it is valid.
     fn open_chunk(&mut self, end: usize, is_framed: bool) -> Option<(u8, Range<usize>)> {
         let at = self.at;
         self.chunk_at = 0;
@@ -225,7 +225,7 @@ impl Walk {
                 }
             }
             Err(error) => {
-                // Its length may be what is damaged: another one may begin before its end.
+                // If its length is damaged, another record may begin before `end`.
                 let is_end = scan::is_plausible(&self.bytes, end);
                 let limit = if is_end { end } else { self.bytes.len() };
                 let next = self.scan.find(&self.bytes, at + 1..limit);
@@ -238,8 +238,8 @@ impl Walk {
         None
     }
 
-    /// After a chunk whose record says another length than its header: where neither leads to a
-    /// record, the next that can be trusted is looked for, from the chunk's beginning on.
+    /// After a chunk whose record and header state different lengths: where neither leads to a
+    /// record, searches for the next verified one, from the chunk's beginning on.
     fn check_end(&mut self, at: usize) {
         if scan::is_plausible(&self.bytes, self.at) {
             return;
@@ -255,7 +255,7 @@ impl Walk {
         }
     }
 
-    /// Where the same chunk was read before, if it was.
+    /// Offset of an identical chunk that was read before, if there is one.
     fn first_of(&mut self, chunk: Range<usize>) -> Option<usize> {
         let checksum = crc32fast::hash(&self.bytes[chunk.clone()]);
         let same = self.chunks.entry((chunk.len(), checksum)).or_default();
@@ -270,7 +270,7 @@ impl Walk {
         first
     }
 
-    /// Goes on at the next record that can be trusted, if there is one.
+    /// Continues at the next record that can be verified, if there is one.
     fn go_on(&mut self) {
         let (at, length) = (self.at, self.bytes.len());
         match self.scan.find(&self.bytes, at + 1..length) {
@@ -290,7 +290,7 @@ impl Walk {
         self.damages.push(damage);
     }
 
-    /// At the record that ends the data section.
+    /// Ends the walk at the record that ends the data section, and compares its checksum.
     fn end_whole(&mut self, body: Range<usize>) {
         self.ended = true;
         let saved = self.bytes.get(body).and_then(|body| body.try_into().ok());

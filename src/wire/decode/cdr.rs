@@ -1,7 +1,7 @@
-//! ROS 2 messages as plain CDR of either byte order.
+//! Decodes ROS 2 messages in plain CDR of either byte order.
 //!
-//! Read by hand: crate `cdr` fills a buffer of whatever length a string claims before it looks
-//! whether so much is there, so that one flipped bit costs 4 GB. It serves in the tests.
+//! Parsed here, not by the crate `cdr`: that allocates the length that a string claims before it
+//! checks whether the bytes exist, so that one flipped bit costs 4 GB. Tests use it.
 
 use nalgebra::Vector3;
 
@@ -55,7 +55,7 @@ pub(super) fn mark(data: &[u8]) -> Result<StampedMark, DecodeError> {
 }
 
 struct Cdr<'a> {
-    /// The message without its encapsulation: alignment counts from its first byte.
+    /// The message after its encapsulation header; alignment counts from its first byte.
     data: &'a [u8],
     at: usize,
     is_big_endian: bool,
@@ -121,7 +121,7 @@ impl<'a> Cdr<'a> {
     fn text(&mut self, field: &'static str) -> Result<String, DecodeError> {
         let length = self.u32(field)? as usize;
         let bytes = self.take(length, field)?;
-        // The length counts a closing zero; some writers leave both out of empty strings.
+        // The length includes a closing zero; some writers omit it for empty strings.
         let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
         String::from_utf8(bytes.to_vec()).map_err(|_| DecodeError::CdrText(field))
     }

@@ -16,7 +16,7 @@ pub enum DecodeError {
     CdrShort {
         /// Size of the message.
         length: usize,
-        /// What was being read.
+        /// The field that was being read.
         field: &'static str,
     },
     /// The encapsulation header names no plain CDR.
@@ -25,7 +25,7 @@ pub enum DecodeError {
     /// A string is not UTF-8.
     #[error("{0} is not UTF-8")]
     CdrText(&'static str),
-    /// A part without which there is no pose is absent.
+    /// A part that a pose needs is absent.
     #[error("the message has no {0}")]
     Missing(&'static str),
     /// A stamp does not fit in 64 bits of nanoseconds.

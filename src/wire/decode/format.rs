@@ -1,4 +1,4 @@
-//! What a channel carries, and how to read it.
+//! The formats of channels that can be read, by schema name and message encoding.
 
 use super::error::DecodeError;
 use super::message::{FoxglovePose, FramedPose, RosPose, StampedMark};
@@ -26,12 +26,12 @@ pub struct PoseFormat(Poses);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MarkFormat(Marks);
 
-/// What [`PoseFormat::of`] knows, for people.
+/// The schemas that [`PoseFormat::of`] accepts, for error messages.
 pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransform, \
      FrameTransforms (protobuf, json); geometry_msgs/msg/PoseStamped, \
      PoseWithCovarianceStamped, nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr)";
 
-/// What [`MarkFormat::of`] knows, for people.
+/// The schemas that [`MarkFormat::of`] accepts, for error messages.
 pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";
 
 impl PoseFormat {
@@ -61,7 +61,7 @@ impl PoseFormat {
         .map(Self)
     }
 
-    /// Appends the poses of a message to `poses`; none where the message is in error.
+    /// Appends the poses of a message to `poses`; appends none where it fails.
     pub fn decode(self, data: &[u8], poses: &mut Vec<FramedPose>) -> Result<(), DecodeError> {
         let before = poses.len();
         let result = match self.0 {

@@ -1,4 +1,4 @@
-//! Foxglove's messages as JSON: the same fields, stamps as `{"sec", "nsec"}`.
+//! Decodes foxglove's messages as JSON: the same fields, stamps as `{"sec", "nsec"}`.
 
 use serde::Deserialize;
 

@@ -1,4 +1,4 @@
-//! What messages say, whatever their encoding.
+//! The content of pose and mark messages, independent of their encoding.
 
 use nalgebra::Vector3;
 
@@ -10,10 +10,10 @@ use crate::motion::{Mark, PoseSample, Stamp};
 pub struct FramedPose {
     /// Frame in which the pose is given.
     pub parent: String,
-    /// Name of what has this pose: the child frame, or the place in an array of poses. Empty
-    /// where the message is about one nameless thing.
+    /// Name of the child frame, or the index in an array of poses. Empty where the message holds a
+    /// single pose without a name.
     pub child: String,
-    /// When it was measured; `None` where the message does not say or says zero.
+    /// When it was measured; `None` where the message has no stamp or a zero one.
     pub stamp: Option<Stamp>,
     /// Position \[m\], as sent.
     pub position_m: Vector3<f64>,
@@ -35,9 +35,9 @@ impl FramedPose {
 /// A mark as a message gives it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StampedMark {
-    /// When it was made; `None` where the message does not say or says zero.
+    /// When it was made; `None` where the message has no stamp or a zero one.
     pub stamp: Option<Stamp>,
-    /// Name of the scene's event it stands for.
+    /// Name of the scene's event that it marks; `None` for the next one in order.
     pub event: Option<String>,
 }
 
@@ -69,7 +69,8 @@ pub(super) enum RosPose {
     TfMessage,
 }
 
-/// A stamp from seconds and nanoseconds; zero is none.
+/// A stamp from seconds and nanoseconds; `None` where both are zero. Fails where it does not fit in
+/// 64 bits of nanoseconds.
 pub(super) fn stamp(seconds: i64, nanoseconds: u32) -> Result<Option<Stamp>, DecodeError> {
     let total = seconds
         .checked_mul(1_000_000_000)

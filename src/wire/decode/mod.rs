@@ -1,5 +1,5 @@
-//! Messages → motion. What a channel carries is told by the name of its schema and the
-//! encoding of its messages ([`PoseFormat::of`], [`MarkFormat::of`]); one file per encoding.
+//! Messages → motion. The name of a channel's schema and the encoding of its messages determine how
+//! they are read ([`PoseFormat::of`], [`MarkFormat::of`]); one file per encoding.
 
 mod cdr;
 mod error;

@@ -1,4 +1,4 @@
-//! Foxglove's protobufs.
+//! Decodes foxglove's protobuf messages.
 
 use foxglove::Decode;
 use foxglove::messages::{

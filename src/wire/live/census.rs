@@ -1,4 +1,4 @@
-//! Who and what is on iceoryx2: what a doctor looks at.
+//! Lists the nodes and services of iceoryx2 on this machine, for `enact doctor`.
 
 use std::path::{Path, PathBuf};
 
@@ -10,29 +10,28 @@ use iceoryx2::service::static_config::messaging_pattern::MessagingPattern;
 use super::error::LiveError;
 use super::node::{CONTRACT, LiveService, config, shortcomings};
 
-/// What is there.
+/// Nodes and services found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Census {
     /// Folder of iceoryx2's files.
     pub root: PathBuf,
-    /// Processes that take part.
+    /// Nodes: processes that use iceoryx2.
     pub nodes: Vec<NodeEntry>,
     /// Services whose names begin with `enact`, by name.
     pub services: Vec<ServiceEntry>,
-    /// Services of others.
+    /// Number of services with other names.
     pub others: usize,
-    /// Services that iceoryx2 does not show, by their files.
+    /// Services with a file that iceoryx2 does not list.
     pub hidden: Vec<HiddenService>,
 }
 
-/// A service that is there and that iceoryx2 passes over: another version of it made it, it is
-/// another user's, or its file is broken. What its name and version are is read from its file,
-/// if it can be.
+/// A service with a file that iceoryx2 does not list: it was made by another version, belongs to
+/// another user, or its file is broken. Name and version are read from the file where possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HiddenService {
     /// Its file.
     pub file: PathBuf,
-    /// Its name.
+    /// Its name, if the file can be read.
     pub name: Option<String>,
     /// Version of iceoryx2 that made it.
     pub version: Option<String>,
@@ -40,25 +39,25 @@ pub struct HiddenService {
     pub error: Option<String>,
 }
 
-/// A process that takes part.
+/// A process that uses iceoryx2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NodeEntry {
-    /// The name it gave itself, and its executable; what can be known of it.
+    /// The name it gave itself and its executable, as far as they can be read.
     pub name: String,
-    /// Process that it belongs to, if that can be known.
+    /// Its process id, if it can be read.
     pub process: Option<i32>,
-    /// How it is.
+    /// Whether the process runs.
     pub state: Liveness,
 }
 
-/// How a node is.
+/// The state of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Liveness {
     /// Its process runs.
     Alive,
-    /// Its process was killed and left things behind.
+    /// Its process was killed and left resources behind.
     Dead,
-    /// Another user's: we may not know.
+    /// It belongs to another user, so that its state cannot be read.
     Inaccessible,
     /// Its files contradict one another.
     Undefined,
@@ -71,23 +70,23 @@ pub struct ServiceEntry {
     pub name: String,
     /// Type of its payload.
     pub payload: String,
-    /// Bytes of the payload.
+    /// Size of the payload in bytes.
     pub payload_bytes: usize,
-    /// Samples that a subscriber may fall behind.
+    /// Buffer of a subscriber, in samples.
     pub buffer: usize,
-    /// Publishers at a time.
+    /// Greatest number of publishers at a time.
     pub publishers: usize,
-    /// Subscribers at a time.
+    /// Greatest number of subscribers at a time.
     pub subscribers: usize,
-    /// In what it is less than the contract wants for its payload, in words with figures.
+    /// Where its quality is less than the contract requires for its payload, in words with figures.
     pub shortcomings: Vec<String>,
-    /// Processes on it.
+    /// Number of nodes that use it.
     pub nodes: usize,
-    /// Those of them that were killed.
+    /// Number of those whose process was killed.
     pub dead_nodes: usize,
 }
 
-/// Looks at everything without touching it. Fails where the lists cannot be read.
+/// Lists nodes and services without changing any. Fails where the lists cannot be read.
 pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
     let config = config(config_file)?;
     let root = PathBuf::from(config.global.root_path().to_string());
@@ -145,7 +144,7 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
     Ok(census)
 }
 
-/// Services with a file but not among those shown.
+/// Services with a file that are not among those listed.
 fn hidden(config: &Config, shown: &[String]) -> std::io::Result<Vec<HiddenService>> {
     let folder = PathBuf::from(config.global.root_path().to_string())
         .join(config.global.service.directory.to_string());
@@ -175,7 +174,7 @@ fn hidden(config: &Config, shown: &[String]) -> std::io::Result<Vec<HiddenServic
     Ok(found)
 }
 
-/// What its file says; nothing where it has gone meanwhile.
+/// The content of a service's file; `None` where the file has gone meanwhile.
 fn hidden_service(file: PathBuf) -> Option<HiddenService> {
     let text = match std::fs::read_to_string(&file) {
         Ok(text) => text,

@@ -1,10 +1,10 @@
-//! What can go wrong between us and iceoryx2.
+//! Errors of iceoryx2.
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why something live cannot be had.
+/// Why a live operation failed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum LiveError {
     /// The configuration file of iceoryx2 cannot be used.
@@ -15,18 +15,18 @@ pub enum LiveError {
         /// What iceoryx2 says.
         reason: String,
     },
-    /// We cannot take part at all.
+    /// iceoryx2 cannot be joined.
     #[error("cannot join iceoryx2 below {root}: {reason}")]
     Node {
-        /// Where its files are.
+        /// Folder of its files.
         root: String,
         /// What iceoryx2 says.
         reason: String,
     },
-    /// A topic makes no name of a service.
+    /// A topic gives no valid name of a service.
     #[error("{name:?} is no name of a service: {reason}")]
     Name {
-        /// As it would be.
+        /// The refused name.
         name: String,
         /// What iceoryx2 says.
         reason: String,
@@ -55,7 +55,7 @@ pub enum LiveError {
         /// What iceoryx2 says.
         reason: String,
     },
-    /// Nothing can be received.
+    /// Receiving failed.
     #[error("service {service}: cannot receive: {reason}")]
     Receive {
         /// Its name.

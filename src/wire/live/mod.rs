@@ -1,4 +1,4 @@
-//! The live contract: what goes over iceoryx2, under which names, with which quality of service.
+//! The live contract over iceoryx2: services, their names, payloads and quality of service.
 //!
 //! Every service is publish–subscribe with one fixed-layout payload ([`payload`]): little-endian
 //! words in the order given there, no padding, every bit pattern allowed. The type name ends in
@@ -13,18 +13,19 @@
 //! | `enact/estimate` | [`EstimateRecord`] `enact.Estimate.1` | `enact capture`, `enact replay` | verdict and numbers of an estimate |
 //! | `enact/estimate/<body>/pose` | [`EstimatedPoseRecord`] `enact.EstimatedPose.1` | the same | its motion, frame by frame, after its `enact/estimate` |
 //!
-//! Who creates a service fixes its quality of service ([`Quality`], [`CONTRACT`]): the daemon is best started
-//! first. Nothing blocks: the oldest sample goes where a subscriber is too slow, and the sequence
-//! number in every payload shows it. No service has a listener to wake: subscribers poll, the
-//! daemon every 1 ms while samples come and every 5 ms while none do. What a publisher sent is
-//! gone if it leaves before: one that ends should stay for 20 ms, or ask (command 4) and wait
-//! for the answer, which comes after everything sent before it was taken.
+//! The process that creates a service fixes its quality of service ([`Quality`], [`CONTRACT`]);
+//! start the daemon first. Nothing blocks: where a subscriber is too slow the oldest sample is
+//! dropped, and the sequence number in every payload shows it. No service has a listener to wake:
+//! subscribers poll, the daemon every 1 ms while samples come and every 5 ms while none do. Samples
+//! that were not yet read are lost when their publisher ends: it should stay for 20 ms, or ask
+//! (command 4) and wait for the answer, which comes after everything sent before the command was
+//! taken.
 //!
-//! Every command is answered on `enact/take` by a record with its session and sequence number. Who
-//! has no answer sends the same bytes again: a command is obeyed once.
+//! Every command is answered on `enact/take` by a record with its session and sequence number. A
+//! client without an answer sends the same bytes again: a command is executed once.
 //!
-//! The iceoryx2 ports are opened by [`crate::ingest::live`] and [`crate::write::live`];
-//! [`Node`] is what both begin with, [`census`] what a doctor asks.
+//! The iceoryx2 ports are opened by [`crate::ingest::live`] and [`crate::write::live`], both on a
+//! [`Node`]; [`census`] lists nodes and services for `enact doctor`.
 
 pub mod census;
 mod error;

@@ -1,4 +1,4 @@
-//! Joining iceoryx2, and opening services with a quality of service of our own.
+//! Joins iceoryx2 and opens services with the quality of service of the contract.
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,41 +13,42 @@ use iceoryx2::service::static_config::publish_subscribe::StaticConfig;
 
 use super::error::LiveError;
 
-/// The flavour of iceoryx2 that we use. Its ports stay on the thread that made them.
+/// The variant of iceoryx2 in use: between processes, with ports bound to the thread that made
+/// them.
 pub type LiveService = ipc::Service;
 
 /// A service that was made or opened.
 pub type Factory<T> = PortFactory<LiveService, T, ()>;
 
-/// What a service can hold. A service has the quality that its maker gave it.
+/// Quality of service: capacities of a service, fixed by the process that creates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quality {
-    /// Samples kept for a subscriber that has not come by yet.
+    /// Samples kept for a subscriber until it reads them.
     pub buffer: usize,
-    /// Publishers at a time.
+    /// Greatest number of publishers at a time.
     pub publishers: usize,
-    /// Subscribers at a time.
+    /// Greatest number of subscribers at a time.
     pub subscribers: usize,
-    /// Samples that a late subscriber is given.
+    /// Samples that a subscriber receives from before it joined.
     pub history: usize,
 }
 
 impl Quality {
-    /// Of poses: two seconds at 1 kHz.
+    /// For poses: two seconds at 1 kHz.
     pub const POSES: Self = Self {
         buffer: 2048,
         publishers: 4,
         subscribers: 8,
         history: 0,
     };
-    /// Of marks, control and what the daemon says of takes.
+    /// For marks, control commands and takes.
     pub const NOTES: Self = Self {
         buffer: 256,
         publishers: 16,
         subscribers: 16,
         history: 0,
     };
-    /// Of estimated frames: half a minute at 120 Hz.
+    /// For frames of estimates: half a minute at 120 Hz.
     pub const FRAMES: Self = Self {
         buffer: 4096,
         publishers: 4,
@@ -66,13 +67,13 @@ pub const CONTRACT: [(&str, Quality); 6] = [
     ("enact.EstimatedPose.1", Quality::FRAMES),
 ];
 
-/// Processes on one service at a time.
+/// Greatest number of nodes on one service at a time.
 const NODES: usize = 64;
 
 /// Service of take control.
 pub const CONTROL_SERVICE: &str = "enact/control";
 
-/// Service of what becomes of takes.
+/// Service of the states of takes.
 pub const TAKE_SERVICE: &str = "enact/take";
 
 /// Service of estimates.
@@ -84,22 +85,23 @@ pub fn service_name(topic: &str) -> String {
     format!("enact{separator}{topic}")
 }
 
-/// Our place in iceoryx2.
+/// A node of iceoryx2: this process as its user.
 pub struct Node {
     node: iceoryx2::node::Node<LiveService>,
 }
 
-/// A service, and in what it falls short of what was asked for.
+/// An open service, and where its quality is less than was asked for.
 pub struct Served<T: core::fmt::Debug + ZeroCopySend + 'static> {
     /// Its name.
     pub name: String,
-    /// To make ports with.
+    /// Makes publishers and subscribers.
     pub factory: Factory<T>,
-    /// What somebody else made smaller than we would have, in words with figures.
+    /// Where another process made it with less quality than wanted, in words with figures.
     pub shortcomings: Vec<String>,
 }
 
-/// The configuration in that file, or the one that iceoryx2 finds by itself.
+/// The configuration in a file, or the one that iceoryx2 finds by itself. Fails where it cannot be
+/// read.
 pub(super) fn config(file: Option<&Path>) -> Result<Config, LiveError> {
     let Some(path) = file else {
         return Ok(Config::global_config().clone());
@@ -114,7 +116,8 @@ pub(super) fn config(file: Option<&Path>) -> Result<Config, LiveError> {
 }
 
 impl Node {
-    /// Joins under that name, for others to see. Leaves the handling of signals alone.
+    /// Joins iceoryx2 under a name that others see. Does not change how the process handles
+    /// signals.
     pub fn join(name: &str, config_file: Option<&Path>) -> Result<Self, LiveError> {
         let config = config(config_file)?;
         let root = config.global.root_path().to_string();
@@ -134,8 +137,8 @@ impl Node {
         Ok(Self { node })
     }
 
-    /// Makes the service with that quality, or opens the one that is there and says in what it
-    /// is less. Refuses one with another payload.
+    /// Makes the service with the wanted quality, or opens the existing one and lists where its
+    /// quality is less. Fails for a service with another payload.
     pub fn service<T>(&self, name: &str, wanted: Quality) -> Result<Served<T>, LiveError>
     where
         T: core::fmt::Debug + ZeroCopySend + 'static,
@@ -161,7 +164,7 @@ impl Node {
             let builder = self.node.service_builder(&service_name);
             builder.publish_subscribe::<T>().open()
         };
-        // Between the two somebody else may make it, or its last user may leave.
+        // Between the two calls another process may make it, or its last user may leave.
         let mut reason = String::new();
         for _ in 0..3 {
             match open() {
@@ -180,8 +183,8 @@ impl Node {
         })
     }
 
-    /// Clears away what killed processes left on services. How many of them there were, and how
-    /// many could not be cleared.
+    /// Removes the resources that killed processes left on services. Returns how many such
+    /// processes there were, and for how many it failed.
     pub fn bury(&self) -> (u64, u64) {
         let state = self
             .node
@@ -190,7 +193,7 @@ impl Node {
     }
 }
 
-/// In what a service is less than was wanted, in words with figures.
+/// Where the quality of a service is less than wanted, in words with figures.
 pub(super) fn shortcomings(found: &StaticConfig, wanted: Quality) -> Vec<String> {
     let rows = [
         (
@@ -224,7 +227,7 @@ impl<T: core::fmt::Debug + ZeroCopySend + 'static> Served<T> {
         }
     }
 
-    /// Samples that a subscriber may fall behind.
+    /// Buffer of a subscriber, in samples.
     pub fn buffer(&self) -> usize {
         use iceoryx2::service::port_factory::PortFactory as _;
         self.factory.static_config().subscriber_max_buffer_size()

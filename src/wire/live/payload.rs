@@ -1,4 +1,4 @@
-//! The payloads: layouts, type names, and what their numbers mean.
+//! The payloads of the contract: layouts, type names, and the meaning of their fields.
 //!
 //! All words are little-endian and aligned to eight bytes, in the order of the fields; there is
 //! no padding. Times are nanoseconds; [`NO_TIME`] where there is none.
@@ -7,7 +7,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::motion::{Mark, PoseSample, Stamp};
 
-/// A time that is not known.
+/// The value of a time that is not known.
 pub const NO_TIME: i64 = i64::MIN;
 
 /// Bit 0 of [`PoseRecord::flags`]: the tracker vouches for the pose.
@@ -21,14 +21,15 @@ pub const NAME_BYTES: usize = 256;
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
 #[type_name("enact.Pose.1")]
 pub struct PoseRecord {
-    /// Counts the readings of this publisher, by one from any beginning; what is missing is lost.
+    /// Counts the readings of this publisher by one, from any beginning; missing numbers are lost
+    /// readings.
     pub sequence: u64,
     /// When the driver had the reading \[ns since 1970, system clock\].
     pub available_ns: i64,
     /// When it was measured, on the system clock \[ns since 1970\]; [`NO_TIME`] if the driver
     /// does not know.
     pub sample_ns: i64,
-    /// The device's own clock, as it comes \[ns, any zero\]; [`NO_TIME`] if it has none.
+    /// Time of the device's own clock, unchanged \[ns, any zero\]; [`NO_TIME`] if it has none.
     pub device_ns: i64,
     /// Position [m, world].
     pub position_m: [f64; 3],
@@ -36,7 +37,7 @@ pub struct PoseRecord {
     pub quaternion_xyzw: [f64; 4],
     /// [`VALID`] where the tracker vouches for the pose; the other bits are zero.
     pub flags: u32,
-    /// A number of its own for every start of the publisher.
+    /// A number that differs for every start of the publisher.
     pub session: u32,
 }
 
@@ -61,8 +62,8 @@ pub struct MarkRecord {
     pub session: u32,
 }
 
-/// What somebody wants of the daemon: `enact.Control.1`, 24 bytes. The same bytes again are the same
-/// command: it is answered as before and not obeyed twice.
+/// A command to the daemon: `enact.Control.1`, 24 bytes. The same bytes again are the same
+/// command: it is answered as before and not executed twice.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
 #[type_name("enact.Control.1")]
@@ -77,27 +78,27 @@ pub struct ControlRecord {
     pub session: u32,
 }
 
-/// What may be wanted.
+/// Commands to the daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// 1: begin a take; one that runs is stopped first.
+    /// 1: begin a take; a running one is stopped first.
     Start,
     /// 2: end the take and estimate it.
     Stop,
     /// 3: end the take and remove it.
     Discard,
-    /// 4: say how things stand; changes nothing.
+    /// 4: report the state; changes nothing.
     Ask,
 }
 
-/// What became of a take: `enact.Take.1`, 48 bytes.
+/// The state of a take: `enact.Take.1`, 48 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
 #[type_name("enact.Take.1")]
 pub struct TakeRecord {
-    /// Counts what this daemon said.
+    /// Counts the records of this daemon.
     pub sequence: u64,
-    /// When it said so \[ns since 1970\].
+    /// When it was published \[ns since 1970\].
     pub available_ns: i64,
     /// The take, counted from 1 since the daemon's start; 0: none yet.
     pub take: u64,
@@ -105,20 +106,20 @@ pub struct TakeRecord {
     pub messages: u64,
     /// See [`TakeState`].
     pub state: u32,
-    /// Session of the control message that brought this about; 0: none did.
+    /// Session of the control message that this answers; 0: it answers none.
     pub control_session: u32,
-    /// Its sequence number.
+    /// Sequence number of that message.
     pub control_sequence: u64,
 }
 
-/// Where a take stands.
+/// The state of a take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakeState {
     /// 0: the daemon listens, no take runs.
     Ready,
     /// 1: samples are journalled.
     Recording,
-    /// 2: the journal has its name.
+    /// 2: the journal is complete and has its final name.
     Closed,
     /// 3: removed.
     Discarded,
@@ -128,7 +129,8 @@ pub enum TakeState {
     Estimated,
     /// 6: it has no estimate; the daemon's log says why.
     NotEstimated,
-    /// 7: a control message was refused: it makes no sense now, or its command is unknown.
+    /// 7: a control message was refused: it is not possible in this state, or its command is
+    /// unknown.
     Refused,
 }
 
@@ -143,15 +145,15 @@ pub struct EstimateRecord {
     pub available_ns: i64,
     /// The take, as in [`TakeRecord::take`].
     pub take: u64,
-    /// Marks that it rests on.
+    /// Number of marks that it uses.
     pub marks: u64,
     /// Physical time zero on the clock of the samples \[ns\].
     pub origin_ns: i64,
-    /// Frames that follow on the bodies' services, over all bodies.
+    /// Number of frames that follow on the services of all bodies together.
     pub frames: u64,
-    /// Least value of the objective found.
+    /// Value of the objective (paper eq. 1, 6) at the estimate.
     pub objective: f64,
-    /// From the beginning of the motion to its end \[s\].
+    /// Duration of the motion \[s\].
     pub physical_s: f64,
     /// Root mean square distance over all samples \[m\].
     pub residual_m: f64,
@@ -161,7 +163,7 @@ pub struct EstimateRecord {
     pub iterations: u64,
     /// 0 failed, 1 plausible, 2 physical.
     pub verdict: u32,
-    /// 1 where the take is over and the estimate checked and written; 0 so far.
+    /// 1 where the take is over and the estimate checked and written; 0 for a preview.
     pub is_final: u32,
 }
 
@@ -176,7 +178,7 @@ pub struct EstimatedPoseRecord {
     pub take: u64,
     /// Number of the frame, from 0.
     pub index: u64,
-    /// Frames of this body.
+    /// Number of frames of this body.
     pub count: u64,
     /// Physical time, on the clock of the samples \[ns\].
     pub sample_ns: i64,
@@ -187,12 +189,12 @@ pub struct EstimatedPoseRecord {
 }
 
 impl PoseRecord {
-    /// Whether the tracker vouches for it.
+    /// Whether the tracker vouches for the pose.
     pub fn is_valid(&self) -> bool {
         self.flags & VALID != 0
     }
 
-    /// The pose with that stamp, as sent: possibly not finite.
+    /// The pose as sent, with the given stamp; its numbers may not be finite.
     pub fn pose(&self, stamp: Stamp) -> PoseSample {
         PoseSample {
             stamp,
@@ -217,18 +219,18 @@ impl PoseRecord {
 }
 
 impl MarkRecord {
-    /// The mark with that stamp; `None` where the name is not UTF-8.
+    /// The mark with the given stamp; `None` where the name is not UTF-8 or contains a zero.
     pub fn mark(&self, stamp: Stamp) -> Option<Mark> {
         let length = self.event.iter().rposition(|byte| *byte != 0);
         let name = std::str::from_utf8(&self.event[..length.map_or(0, |last| last + 1)]).ok()?;
-        // A zero inside cannot be said in a message.
+        // A message cannot hold a zero inside a name.
         (!name.contains('\0')).then(|| Mark {
             stamp,
             event: (!name.is_empty()).then(|| name.to_owned()),
         })
     }
 
-    /// A name as bytes; what is too long is cut after a whole character.
+    /// A name as zero-padded bytes; a longer one is cut after a whole character.
     pub fn event_bytes(name: &str) -> [u8; NAME_BYTES] {
         let mut end = name.len().min(NAME_BYTES);
         while !name.is_char_boundary(end) {
@@ -268,7 +270,7 @@ fn tail(mut bytes: Vec<u8>, flags: u32, session: u32) -> Vec<u8> {
 }
 
 impl Command {
-    /// The command of that number.
+    /// The command with a number; `None` for an unknown number.
     pub fn of(number: u32) -> Option<Self> {
         [
             Command::Start,
@@ -292,7 +294,7 @@ impl Command {
 }
 
 impl TakeState {
-    /// The state of that number.
+    /// The state with a number; `None` for an unknown number.
     pub fn of(number: u32) -> Option<Self> {
         [
             TakeState::Ready,
@@ -323,7 +325,7 @@ impl TakeState {
     }
 }
 
-/// A time that a peer gave, if it did.
+/// A time of a payload; `None` where it is [`NO_TIME`].
 pub fn time(time_ns: i64) -> Option<i64> {
     (time_ns != NO_TIME).then_some(time_ns)
 }
