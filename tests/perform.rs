@@ -290,7 +290,7 @@ fn kept_recordings_are_made_again_byte_for_byte() {
         );
         assert!(
             made == stored.unwrap(),
-            "{}: run `cargo run --bin perform -- --all -o recordings` if that is meant",
+            "{}: run `cargo run -p enact-tools --bin perform -- --all -o recordings` if that is meant",
             kept.name
         );
         assert!(made.len() < 300_000);

@@ -24,7 +24,7 @@ if [ ! -x "$home/bin/iox2-service" ]; then
     cargo install -q --locked --root "$home" --target-dir "$root/target/iox2" iceoryx2-cli --version 0.10.0
 fi
 PATH=$home/bin:$PATH
-cargo build -q --release --bin enact --bin tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 enact=$root/target/release/enact
 
 # An iceoryx2 of our own: everybody finds its configuration in ./config.

@@ -30,6 +30,7 @@ impl DoubtLine {
 }
 
 /// The gravest doubt in words, if one takes the verdict `physical` back.
+#[cfg(feature = "live")]
 pub(super) fn gravest(scene: &Scene, doubts: &[Doubt]) -> Option<String> {
     let first = doubts.iter().max_by_key(|doubt| doubt.about.best())?;
     (first.about.best() != Verdict::Physical).then(|| sentence(scene, first))

@@ -1,8 +1,8 @@
 //! What the stages cost, one thread, from the take as it was recorded.
 //!
 //! ```text
-//! cargo bench --bench estimate
-//! cargo bench --bench estimate -- cold
+//! cargo bench -p enact-tools --bench estimate
+//! cargo bench -p enact-tools --bench estimate -- cold
 //! ```
 //!
 //! `cold` is the pipeline up to the estimate with nothing prepared, `warm` a preview that goes on

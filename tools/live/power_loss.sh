@@ -11,7 +11,7 @@ set -eu
 times=${1:-20}
 cd "$(dirname "$0")/../.."
 root=$PWD
-cargo build -q --release --bin enact --bin tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 enact=$root/target/release/enact
 made=$(mktemp -d)
 daemon=

@@ -5,7 +5,7 @@
 set -eu
 takes=${1:-20}
 cd "$(dirname "$0")/../.."
-cargo build -q --release --bin enact --bin tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 release=$PWD/target/release
 made=$(mktemp -d)
 daemon=

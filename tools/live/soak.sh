@@ -11,7 +11,7 @@ seconds=${1:-600}
 takes=${2:-1}
 cd "$(dirname "$0")/../.."
 root=$PWD
-cargo build -q --release --bin enact --bin tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 release=$PWD/target/release
 made=$(mktemp -d)
 trap 'kill "$daemon" 2>/dev/null || true; rm -rf "$made" /dev/shm/enact_soak_$$_*' EXIT

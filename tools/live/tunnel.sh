@@ -13,7 +13,7 @@ set -eu
 seconds=${1:-20} trackers=${2:-1} rate_hz=${3:-200} poll_ms=${4:-5}
 tunnel=${TUNNEL:-iox2-link-tunnel-zenoh}
 cd "$(dirname "$0")/../.."
-cargo build --release --quiet --bin enact --bin tracker
+cargo build --release --quiet --workspace --bin enact --bin tracker
 here=$(mktemp -d)
 studio=enact-studio-$$ desk=enact-desk-$$
 started=""

@@ -1,6 +1,6 @@
 //! Makes recordings of acted motions whose truth is known.
 //!
-//! `cargo run --release --bin perform -- --style tip --seed 7 -o pencil.mcap`
+//! `cargo run --release -p enact-tools --bin perform -- --style tip --seed 7 -o pencil.mcap`
 
 use std::path::PathBuf;
 

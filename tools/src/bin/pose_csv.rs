@@ -1,7 +1,7 @@
 //! Pose CSV → recording, for trackers that export nothing better.
 //!
 //! ```text
-//! cargo run --release --bin pose_csv -- IN.csv --scene config/x.toml [--topic T]
+//! cargo run --release -p enact-tools --bin pose_csv -- IN.csv --scene config/x.toml [--topic T]
 //!     [--mark SECONDS[:EVENT]]... [--rate-hz R] -o OUT.mcap
 //! ```
 //!

@@ -2,7 +2,7 @@
 //! viewer, and what `tools/check_clients.sh` checks.
 //!
 //! ```text
-//! cargo run --release --bin sample_output -- DIRECTORY
+//! cargo run --release -p enact-tools --bin sample_output -- DIRECTORY
 //! ```
 //!
 //! Writes `pencil_in.mcap` (the recording) and `pencil_out.mcap` (with the estimate).

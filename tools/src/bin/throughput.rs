@@ -2,7 +2,7 @@
 //! copying the same file, message by message, with the `mcap` crate and the same compression.
 //!
 //! ```text
-//! cargo run --release --bin throughput -- [MESSAGES] [RUNS]
+//! cargo run --release -p enact-tools --bin throughput -- [MESSAGES] [RUNS]
 //! ```
 //!
 //! Both read the whole file into memory first and end with `fsync`. Times are the least of the

@@ -2,10 +2,10 @@
 //! iceoryx2, with faults on request.
 //!
 //! ```text
-//! cargo run --release --bin tracker -- recordings/pencil_tip.mcap --take
-//! cargo run --release --bin tracker -- recordings/pencil_tip.mcap --take --rate 4 --freeze 50..80
-//! cargo run --release --bin tracker -- --perform tip --seed 3 --distortion 2 --take
-//! cargo run --release --bin tracker -- --load 8 --rate-hz 1000 --seconds 600 --take
+//! cargo run --release -p enact-tools --bin tracker -- recordings/pencil_tip.mcap --take
+//! cargo run --release -p enact-tools --bin tracker -- recordings/pencil_tip.mcap --take --rate 4 --freeze 50..80
+//! cargo run --release -p enact-tools --bin tracker -- --perform tip --seed 3 --distortion 2 --take
+//! cargo run --release -p enact-tools --bin tracker -- --load 8 --rate-hz 1000 --seconds 600 --take
 //! ```
 
 use clap::Parser;

@@ -1,10 +1,10 @@
 //! Speed against accuracy, charted, beside what a user would pick instead.
 //!
 //! ```text
-//! cargo run --release --bin measure -- chart             # everything, in minutes
-//! cargo run --release --bin measure -- chart --quick  # the same with few repeats
-//! cargo run --release --bin measure -- chart --only flow
-//! cargo run --release --bin measure -- chart --draw   # page and drawings from the numbers there are
+//! cargo run --release -p enact-tools --bin measure -- chart             # everything, in minutes
+//! cargo run --release -p enact-tools --bin measure -- chart --quick  # the same with few repeats
+//! cargo run --release -p enact-tools --bin measure -- chart --only flow
+//! cargo run --release -p enact-tools --bin measure -- chart --draw   # page and drawings from the numbers there are
 //! ```
 //!
 //! Leaves raw numbers (JSON), drawings (SVG) and a page in `tools/charts`. Run it on a machine

@@ -72,7 +72,7 @@ impl Options {
         } = run;
         let (seeds, first) = (self.seeds, self.first_seed);
         let text = format!(
-            "{about}\n\nMade by `cargo run --release --bin measure -- study {name} --seeds {seeds} --first-seed \
+            "{about}\n\nMade by `cargo run --release -p enact-tools --bin measure -- study {name} --seeds {seeds} --first-seed \
              {first}` at revision {revision}, {date}, in {seconds:.0} s on one of {cores} cores of \
              {processor}; {rustc}.\n{tables}",
         );

@@ -1,8 +1,8 @@
 //! Studies of the estimator on performances whose truth is known, and on real tosses.
 //!
 //! ```text
-//! cargo run --release --bin measure -- study answer --seeds 200
-//! cargo run --release --bin measure -- study all
+//! cargo run --release -p enact-tools --bin measure -- study answer --seeds 200
+//! cargo run --release -p enact-tools --bin measure -- study all
 //! ```
 //!
 //! Every study prints its tables and leaves a page with them and its raw numbers in
