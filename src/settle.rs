@@ -1,10 +1,11 @@
-//! Stage 4c: past the sketch. The motion goes on from the estimate's end by ordinary forward
-//! simulation until it rests (paper §6.2.3: the pencil skitters in the mug). All of rapier is
-//! here.
+//! Stage 4c: past the sketch. The motion continues from the estimate's end by forward simulation
+//! until it rests (paper §6.2.3: the pencil skitters in the mug). The only module that imports
+//! rapier.
 //!
-//! Bodies have the mass and moments of the scene, obstacles and planes stand fixed. Contacts are
-//! rapier's: with friction, softened over millimetres, first order in the step. That is good for
-//! coming to rest and no estimate of how: nothing of it was performed.
+//! Bodies have the mass and moments of the scene, obstacles and planes are fixed. Contacts are
+//! rapier's: with friction, softened over millimetres, first order in the step. That suffices to
+//! bring bodies to rest; it is no estimate of how they come to rest, since none of it was
+//! performed.
 
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use rapier3d::math::{Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
@@ -20,28 +21,27 @@ use crate::physics::{Body, State, flow};
 /// do not fall asleep.
 pub const INTERVAL_S: f64 = 1.0 / 240.0;
 
-/// Coefficient of friction of everything on everything: wood on wood or on glazed clay.
+/// Coefficient of friction of all contacts: wood on wood or on glazed clay.
 pub const FRICTION: f64 = 0.4;
 
-/// Coefficient of restitution of everything on everything: low, so that what landed stays where
-/// it landed. How it really would bounce on was not performed.
+/// Coefficient of restitution of all contacts: low, so that a body stays where it landed. How it
+/// would bounce further was not performed.
 pub const RESTITUTION: f64 = 0.1;
 
-/// Rate at which turning dies away [1/s]: rapier's cylinders and balls roll without resistance,
-/// for ever.
+/// Angular damping [1/s]: without it rapier's cylinders and balls would roll for ever.
 const ROLLING_PER_S: f64 = 1.0;
 
-/// Contacts are made ready as far ahead as so many times the way that anything goes in a step:
-/// rapier looks for pairs half that far from the bodies that move. With this a pencil
-/// does not pass through a wall of 4 mm at 5 m/s, at a tenth of the cost of continuous collision
-/// detection, which sweeps a thin body that turns among close walls by bisection in every step.
+/// Prediction distance of contacts as a multiple of the longest way of any body in a step; rapier
+/// searches pairs within half of it. With this a pencil does not pass through a wall of 4 mm at
+/// 5 m/s, at a tenth of the cost of continuous collision detection, which sweeps a thin rotating
+/// body among close walls by bisection in every step.
 const STEPS_AHEAD: f64 = 2.0;
 
-/// Overlap at the end of an estimate is pushed apart no faster than by so many body radii per
+/// Greatest speed at which an overlap at the end of an estimate is resolved, in body radii per
 /// second.
 const PUSH_RADII_PER_S: f64 = 0.5;
 
-/// Simulates all bodies on from the end of the estimate until they rest, `limit_s` at most.
+/// Simulates all bodies from the end of the estimate until they rest, for at most `limit_s`.
 ///
 /// A body whose last arc ends earlier flies freely until the last of all ends. The first poses
 /// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
@@ -101,9 +101,9 @@ fn last_state(scene: &Scene, estimate: &Estimate, body: usize, time_s: f64) -> O
 struct Simulation {
     world: PhysicsWorld,
     bodies: Vec<Option<RigidBodyHandle>>,
-    /// Of the spheres about the bodies' centres [m], each with its body.
+    /// Radii of the spheres about the bodies' centres that hold them [m], body by body.
     radii_m: Vec<f64>,
-    /// How far ahead contacts are looked for at least \[m\].
+    /// Least prediction distance of contacts \[m\].
     least_prediction_m: f64,
 }
 
@@ -182,7 +182,7 @@ impl Simulation {
     }
 }
 
-/// A body in that state, with the scene's mass and moments.
+/// A dynamic body in a state, with the scene's mass and moments.
 fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
     let spin = state.orientation * state.angular_velocity_rad_s;
     RigidBodyBuilder::dynamic()

@@ -1,4 +1,4 @@
-//! What may be written on the command line.
+//! The arguments of the command line. Doc comments of the fields are the text of `--help`.
 
 use std::path::PathBuf;
 

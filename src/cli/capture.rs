@@ -1,4 +1,4 @@
-//! `capture`: takes as they come, one line for everything that happens.
+//! `capture`: runs the live daemon and prints one line per event.
 
 use std::io::{IsTerminal, Write};
 
@@ -120,7 +120,7 @@ fn text(said: &CaptureEvent, style: Style) -> String {
     }
 }
 
-/// One line per stream: what came, what stamps it, and whatever is not as it should be.
+/// One line per stream: samples received, source of the stamps, and problems.
 fn counts_text(counts: &CountsLine) -> String {
     let mut text = String::new();
     for tracker in &counts.trackers {
@@ -152,7 +152,7 @@ fn counts_text(counts: &CountsLine) -> String {
     text
 }
 
-/// One line that replaces itself.
+/// Prints the status as one line that replaces itself.
 fn show(status: &Status) {
     let line = match status.take {
         None => format!("no take; {} samples came by", status.outside),

@@ -1,4 +1,4 @@
-//! `completion`: what a shell needs to complete our arguments.
+//! `completion`: writes completions of the arguments for a shell.
 
 use clap::CommandFactory;
 

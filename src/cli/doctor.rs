@@ -1,4 +1,4 @@
-//! `doctor`: what stands between trackers and a take.
+//! `doctor`: checks what a capture needs.
 
 use super::arguments::{DoctorArguments, Format};
 use super::exit::Exit;

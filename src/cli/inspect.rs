@@ -1,4 +1,4 @@
-//! `inspect`: what is in a recording.
+//! `inspect`: lists the contents of a recording.
 
 use std::fmt::Write;
 

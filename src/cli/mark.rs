@@ -1,4 +1,4 @@
-//! `mark`: where the marks of a recording would be.
+//! `mark`: proposes marks for a recording.
 
 use super::arguments::{Format, MarkArguments};
 use super::exit::Exit;

@@ -1,12 +1,13 @@
 //! The commands: arguments → a job for [`service`](crate::service) → an account of it.
 //!
-//! Results go to stdout, diagnostics and progress to stderr. How it went is in the exit code:
+//! Results go to stdout, diagnostics and progress to stderr. The exit code says how a command
+//! ended:
 //!
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
 //! | 1 | error: nothing was written for at least one recording |
-//! | 2 | usage: the arguments make no job |
+//! | 2 | usage: the arguments are invalid |
 //! | 3 | finished, but data were lost or the estimate is not physical |
 
 mod account;

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use serde::Serialize;
 
-/// Writes a text. A reader that has gone away is no error: it has seen what it wanted.
+/// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
     let written = stdout
@@ -23,7 +23,7 @@ pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     Ok(print(&line)?)
 }
 
-/// Says on stderr what went wrong; whether anybody listens there is not our business.
+/// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }

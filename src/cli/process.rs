@@ -1,4 +1,4 @@
-//! `process`: many recordings, one account each.
+//! `process`: estimates many recordings and prints one account each.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! `recover`: journals that a crash left become recordings.
+//! `recover`: makes recordings of journals that a crash left.
 
 use super::arguments::{Format, RecoverArguments};
 use super::exit::Exit;
@@ -6,7 +6,7 @@ use super::output;
 use super::process::print_failure;
 use crate::service::{RecoveredLine, recover_all};
 
-/// Ranges of bytes that were not read that people are told of; machines are told of all.
+/// Greatest number of unread ranges in the text output; JSON has all.
 const SHOWN: usize = 16;
 
 pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {

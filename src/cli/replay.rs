@@ -1,4 +1,4 @@
-//! `replay`: one recording, one account.
+//! `replay`: estimates one recording and prints its account.
 
 use super::account::{Style, account};
 use super::arguments::{Format, ReplayArguments};

@@ -1,4 +1,4 @@
-//! Parse, dispatch, one exit code.
+//! Parses the arguments, runs the command, returns the exit code.
 
 use std::process::ExitCode;
 
@@ -42,7 +42,8 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Flag over environment over default.
+/// Starts logging to stderr. The level is that of the flag, else of the environment, else the
+/// default.
 fn log_to_stderr(verbose: u8) {
     let filter = match verbose {
         0 => EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn")),

@@ -1,7 +1,7 @@
 //! Aligned columns.
 
-/// Lines of cells under a head, first column to the left, numbers to the right, two spaces
-/// between and `indent` before. Lines have no space at their end.
+/// Lines of cells under a head: first column aligned left, numbers aligned right, two spaces
+/// between columns, `indent` before each line and no space at its end.
 pub(super) fn table(indent: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let head: Vec<String> = head.iter().map(|cell| (*cell).to_owned()).collect();
     let all: Vec<&Vec<String>> = std::iter::once(&head).chain(rows).collect();

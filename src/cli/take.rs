@@ -1,4 +1,4 @@
-//! `take`: one command to a daemon that runs, and its answer.
+//! `take`: sends one command to a running daemon and prints its answer.
 
 use std::time::Duration;
 

@@ -13,7 +13,7 @@ use crate::math::Pose;
 use crate::motion::{Feature, SceneBody};
 use crate::physics::{Body, BodyError, Shape, ShapeError, contact};
 
-/// A body is something a hand can act with.
+/// Sizes of bodies: objects that a hand can act with.
 const SIZE: SizeLimits = SizeLimits {
     least_m: 1e-4,
     greatest_m: 100.0,
@@ -74,7 +74,7 @@ fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
     Ok(features)
 }
 
-/// The shape's own features after those that are declared, but for what has a name already.
+/// Appends the shape's own features, except those that are declared already under a name.
 fn add_own(shape: &Shape, features: &mut Vec<Feature>) {
     let own = shape.features().unwrap_or_default();
     let own = own
@@ -90,7 +90,7 @@ fn add_own(shape: &Shape, features: &mut Vec<Feature>) {
     }
 }
 
-/// Whether two features are one, as far as typed digits tell.
+/// Whether two features are equal to the precision of typed numbers.
 fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
     const DIGITS: f64 = 1e-7;
     let numbers = |feature: &contact::Feature| match *feature {
@@ -105,7 +105,7 @@ fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
             axis,
             radius_m,
         } => (centre_m, axis, radius_m),
-        // Any of its points is as good.
+        // Any point of the face describes the same face.
         contact::Feature::Face { point_m, normal } => (normal * normal.dot(&point_m), normal, 0.0),
     };
     let (a_numbers, b_numbers) = (numbers(a), numbers(b));

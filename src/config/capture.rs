@@ -13,28 +13,28 @@ const FOLDER: &str = "takes";
 const CHUNK_MS: f64 = 100.0;
 const SYNC_MS: f64 = 1000.0;
 
-/// Nobody wants to lose more than a minute \[ms\].
+/// Longest period \[ms\]: it bounds what a crash may lose.
 const PERIOD_LIMIT_MS: f64 = 60_000.0;
 
-/// Rates that trackers keep \[Hz\].
+/// Accepted rates of trackers \[Hz\].
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=1e5;
 
 /// How a live take is recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureSettings {
-    /// Where takes go.
+    /// Folder of the takes.
     pub folder: PathBuf,
-    /// How long what came may be in an open chunk: what a killed process may lose.
+    /// Longest time that samples stay in an open chunk: what a killed process may lose.
     pub chunk: Duration,
-    /// How often the journal is synced: what a failing machine may lose besides.
+    /// How often the journal is synced to disk: what a failing machine may lose in addition.
     pub sync: Duration,
-    /// Where viewers and metrics are served; nobody else's machine reaches loopback.
+    /// Address at which viewers and metrics are served; loopback is reached from this machine only.
     pub listen: IpAddr,
-    /// Port of the WebSocket for viewers; 0: any that is free, `None`: there is none.
+    /// Port of the WebSocket for viewers; 0: any free port, `None`: not served.
     pub viewer_port: Option<u16>,
-    /// Port of health and metrics, likewise.
+    /// Port of health and metrics; 0: any free port, `None`: not served.
     pub metrics_port: Option<u16>,
-    /// What stamps are made from, body by body; `None`: what the first sample has decides.
+    /// Source of the stamps, body by body; `None`: the first valid sample decides.
     pub stamps: Vec<Option<StampSource>>,
 }
 

@@ -1,4 +1,4 @@
-//! Where a scene is wrong, and what was expected there.
+//! Errors of a scene file: place, and what was expected there.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::keys;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}:{line}:{column}: {message}", .file.as_deref().unwrap_or("scene"))]
 pub struct SceneError {
-    /// The file, or whatever names the text, if known.
+    /// The file, or another name of the text, if known.
     pub file: Option<String>,
     /// Line, from 1.
     pub line: usize,
@@ -21,7 +21,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// The same error, of that file.
+    /// The error with the name of its file.
     pub fn in_file(mut self, file: impl Into<String>) -> Self {
         self.file = Some(file.into());
         self
@@ -49,7 +49,7 @@ impl SceneError {
     }
 }
 
-/// Something wrong at a place of the text; the place is in bytes until the text is at hand.
+/// An error at a place of the text, as a range of bytes; [`SceneError`] has line and column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Fault {
     pub(super) span: Range<usize>,

@@ -12,7 +12,7 @@ use crate::motion::{
     Collision, Event, EventKind, Goal, GoalTarget, Partner, SceneBody, Surface, Touching,
 };
 
-/// Coefficients of friction beyond this are a mistake.
+/// Greatest coefficient of friction; a larger one is a mistake.
 const FRICTION_MAX: f64 = 10.0;
 
 /// The events in order: a start only first, an end only last.
@@ -61,10 +61,10 @@ pub(super) fn events(
     Ok(events)
 }
 
-/// Collisions of one scene that a count may stand for.
+/// Greatest number of collisions that a count may stand for.
 const COUNT_MAX: usize = 1000;
 
-/// A collision, or as many of it as there are marks.
+/// One collision, or a repeated one that stands for as many as there are marks.
 fn repeated(event: &RawEvent, each: Collision, before: &[Event]) -> Result<EventKind, Fault> {
     let Some(count) = &event.count else {
         return Ok(EventKind::Collision(each));
@@ -181,7 +181,7 @@ fn collision(
     })
 }
 
-/// The features of `body` that touch: one, several at once, or one that is left open.
+/// The features of `body` that touch: one, several at once, or `None` for one to be inferred.
 fn features(event: &RawEvent, body: &SceneBody) -> Result<Vec<Option<usize>>, Fault> {
     match (&event.feature, &event.features) {
         (None, None) => Ok(vec![None]),

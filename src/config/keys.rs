@@ -1,6 +1,6 @@
-//! What the TOML reader says, in the words of the scene format.
+//! Messages of the TOML reader, rewritten in the terms of the scene format.
 
-/// Keys that stand for one another: whoever misspells one is told all.
+/// Keys that replace one another: an error about one names all.
 const ALTERNATIVES: &[&[&str]] = &[
     &["mass_g", "mass_kg", "density_kg_m3"],
     &["initial", "initial_m_s2", "initial_deg"],
@@ -54,7 +54,7 @@ fn unknown_key(unknown: &str, accepted: &[&str]) -> String {
     }
 }
 
-/// Accepted keys that begin with the same word, and what may stand in their place.
+/// Accepted keys that begin with the same word, and their alternatives.
 fn related<'a>(unknown: &str, accepted: &[&'a str]) -> Vec<&'a str> {
     let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
     let mut related: Vec<&str> = accepted
@@ -72,7 +72,8 @@ fn related<'a>(unknown: &str, accepted: &[&'a str]) -> Vec<&'a str> {
     related
 }
 
-/// Insertions, deletions and replacements that turn one word into the other.
+/// Levenshtein distance: the least number of insertions, deletions and replacements that turn one
+/// word into the other.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

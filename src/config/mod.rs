@@ -1,16 +1,17 @@
 //! TOML → checked scenes.
 //!
-//! Two steps. First the text as it stands, [`serde`] structs with every key optional that may be
-//! left out, unknown keys refused, units in the keys. Then a [`Scene`](crate::motion::Scene) in
-//! SI units that the stages trust without looking again. Whatever is wrong in either step comes
-//! out as a [`SceneError`] that says where (line and column from 1) and what was expected.
+//! Scenes are read in two steps. First the text is parsed into [`serde`] structs: every key that
+//! may be left out is optional, unknown keys are refused, units are in the keys. Then a
+//! [`Scene`](crate::motion::Scene) in SI units is made and checked; the stages do not check it
+//! again. An error of either step is a [`SceneError`] that says where (line and column from 1) and
+//! what was expected.
 //!
-//! `timing.stamps` says what the samples' stamps are: `"physical"` times; times of an acting whose
-//! `"tempo"` is unknown; or `"edited"`, an edited sketch. In that every body has a stream per
-//! flight, on its topic with `/1`, `/2`, … after it, one more than it has collisions. Each has
-//! physical times of its own, from any zero, and need not begin where another ends. They are
-//! taken one after the other, a median interval apart. An edited sketch needs no marks, and any
-//! that are there are not read.
+//! `timing.stamps` says what the samples' stamps are: `"physical"` times; times of a performance
+//! whose `"tempo"` is unknown; or `"edited"`, an edited sketch. In an edited sketch every body has
+//! one stream per flight, on its topic with `/1`, `/2`, … after it, one more than it has
+//! collisions. Each has physical times of its own, from any zero, and need not begin where another
+//! ends. They are joined one after the other, a median interval apart. An edited sketch needs no
+//! marks, and any that exist are not read.
 //!
 //! A body's corners are in `features_mm`, its flat faces in `[[body.face]]` (`name`, `point_mm`,
 //! `normal` out of the body).
@@ -27,8 +28,8 @@
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
 //! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
 //! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
-//! in the last `chunk_ms + sync_ms`. Takes begin and end when somebody says so; samples between
-//! them are counted and not kept, and no key changes that. `viewer_port` serves viewers,
+//! in the last `chunk_ms + sync_ms`. Takes begin and end on command; samples between
+//! takes are counted and not kept, and no key changes that. `viewer_port` serves viewers,
 //! `metrics_port` health and metrics, both at the address `listen`.
 //!
 //! Defaults, all of them:

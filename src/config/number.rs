@@ -1,4 +1,4 @@
-//! Numbers, names, vectors and poses, checked where they stand.
+//! Checks of numbers, names, vectors and poses; errors point to their place in the text.
 
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use toml::Spanned;
@@ -7,7 +7,7 @@ use super::error::{Fault, fault};
 use super::raw::{Number, Quadruple, Text, Triple};
 use crate::math::Pose;
 
-/// How far the norm of a quaternion may be off 1.
+/// Greatest deviation of the norm of a quaternion from 1.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// Longest name [characters].
@@ -92,7 +92,7 @@ pub(super) fn orientation(what: &str, wxyz: &Quadruple) -> Result<UnitQuaternion
     }
 }
 
-/// A pose from its parts; what is left out is identity.
+/// A pose from its parts; a part that is left out is the identity.
 pub(super) fn pose(
     what: &str,
     position_mm: Option<&Triple>,
@@ -109,7 +109,7 @@ pub(super) fn pose(
     Ok(Pose::from_parts(position_m.into(), rotation))
 }
 
-/// A name: what reports and topics are made of.
+/// A name that is valid in reports and topics.
 pub(super) fn name(what: &str, text: &Text) -> Result<String, Fault> {
     let name = text.get_ref();
     let complaint = if name.trim().is_empty() {
@@ -143,7 +143,7 @@ pub(super) fn topic(what: &str, text: &Text) -> Result<String, Fault> {
     }
 }
 
-/// Index of a name among those that were defined.
+/// Index of a name among the defined ones.
 pub(super) fn index_of<'a>(
     what: &str,
     text: &Text,

@@ -1,4 +1,4 @@
-//! Free quantities: which, from where, within what.
+//! Free parameters: their quantities, initial values and bounds (paper §6).
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ use super::number::{finite, positive, unique};
 use super::raw::{Number, RawFree, Text};
 use crate::motion::{Collision, Cone, Event, FreeParameter, Quantity};
 
-/// Normals are not tilted further than this [°].
+/// Greatest half opening of a cone for the tilt of a normal [°].
 const CONE_MAX_DEG: f64 = 60.0;
 
 /// A quantity's unit in the file.
 #[derive(Clone, Copy, PartialEq)]
 struct Unit {
-    /// What the keys end with.
+    /// Suffix of the keys.
     suffix: &'static str,
-    /// SI units in one of it.
+    /// Value of the unit in SI units.
     si: f64,
 }
 
@@ -35,7 +35,7 @@ const ANGLE: Unit = Unit {
     si: std::f64::consts::PI / 180.0,
 };
 
-/// The free quantities, none twice, and the cones that bound pairs of them.
+/// The free parameters, none twice, and the cones that bound pairs of tilts.
 pub(super) fn parameters(
     raw: &[RawFree],
     gravity_m_s2: &Vector3<f64>,
@@ -81,7 +81,7 @@ fn cone_rad(number: &Number) -> Result<f64, Fault> {
     Ok(degrees.to_radians())
 }
 
-/// Both tilts of a collision's normal, upright at first, bounded by their cone only.
+/// Both tilts of a collision's normal, initially zero and bounded by their cone only.
 fn tilts(free: &RawFree, limit_rad: f64, events: &[Event]) -> Result<[FreeParameter; 2], Fault> {
     let name = free.quantity.get_ref();
     let collision = name.strip_suffix(".tilt").and_then(|event_name| {
@@ -172,7 +172,7 @@ fn parameter(
     Ok(parameter)
 }
 
-/// Where to point at when the key in question was left out.
+/// The place for an error about a key that was left out.
 fn fallback(free: &RawFree) -> Number {
     Spanned::new(free.quantity.span(), 0.0)
 }
@@ -191,7 +191,7 @@ fn check_bounds(
         ..
     } = parameter;
     let shown = |si: &f64| si / unit.si;
-    // Written so that NaN fails each.
+    // Written so that NaN fails each check.
     if !(*lower >= widest.start && *lower < f64::INFINITY) {
         return fault(
             at_lower,
@@ -236,7 +236,7 @@ fn check_bounds(
     Ok(())
 }
 
-/// The quantity of that name, with the scene's value of it in SI units.
+/// The quantity with a name, and its value in the scene in SI units.
 fn quantity(
     text: &Text,
     gravity_m_s2: &Vector3<f64>,

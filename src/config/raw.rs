@@ -1,4 +1,4 @@
-//! The scene file as it is written: every key, every unit, nothing checked but types.
+//! The scene file as it is written: all keys with their units; only types are checked.
 
 use std::collections::BTreeMap;
 
@@ -127,7 +127,7 @@ pub(super) struct RawEvent {
     pub(super) count: Option<Spanned<RawCount>>,
 }
 
-/// How often: a number, or the least and the greatest.
+/// How often a collision happens: a number, or the least and the greatest.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "a number such as 6, or a range such as [4, 8]")]
 pub(super) enum RawCount {

@@ -1,4 +1,4 @@
-//! The whole scene, part by part.
+//! Checks the whole scene, part by part.
 
 use nalgebra::Vector3;
 
@@ -20,10 +20,10 @@ const WEIGHTS: Weights = Weights {
     orientation_rad: 0.1,
 };
 
-/// Gravity above which the unit must be wrong [m/s²].
+/// Greatest gravity [m/s²]; a larger one suggests a wrong unit.
 const GRAVITY_LIMIT_M_S2: f64 = 1e3;
 
-/// What has not come to rest after so long will not \[s\].
+/// Longest simulation past the sketch \[s\].
 const SETTLE_LIMIT_S: f64 = 60.0;
 
 const OBSTACLE_SIZE: SizeLimits = SizeLimits {
@@ -213,8 +213,8 @@ fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
     Ok(surfaces)
 }
 
-/// What of the obstacles may be touched, `mug floor/end +z`: the features that events name, or
-/// all where an event leaves open what is hit.
+/// Appends features of obstacles as surfaces, `mug floor/end +z`: those that events name, or all
+/// where an event leaves open which surface is hit.
 fn add_obstacles(raw: &RawScene, obstacles: &[Obstacle], surfaces: &mut Vec<Surface>) {
     let events = || raw.event.iter().map(|spanned| spanned.get_ref());
     let is_open = events().any(|event| {

@@ -1,4 +1,4 @@
-//! Shapes from their keys.
+//! Reads shapes from their keys.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::number::{positive, vector};
 use super::raw::{Number, RawShape};
 use crate::physics::Shape;
 
-/// The kinds of shape, each with its keys in the order they are asked for.
+/// The kinds of shape, each with its keys in the order in which missing ones are reported.
 const KINDS: &[(&str, &[&str])] = &[
     ("cuboid", &["size_mm"]),
     ("rounded_cuboid", &["size_mm", "radius_mm"]),
@@ -21,13 +21,13 @@ const KINDS: &[(&str, &[&str])] = &[
     ("hull", &["points_mm"]),
 ];
 
-/// Sizes that something tracked by hand, or a part of its world, may have \[m\].
+/// Limits of the size of a body, or of a part of its world \[m\].
 pub(super) struct SizeLimits {
     pub(super) least_m: f64,
     pub(super) greatest_m: f64,
 }
 
-/// A solid of credible size.
+/// A solid within the size limits.
 pub(super) fn shape(
     what: &str,
     raw: &Spanned<RawShape>,
@@ -57,7 +57,7 @@ pub(super) fn shape(
             ),
         );
     }
-    // Only a hull can still fail: its surface must close.
+    // Only a hull can still fail here: its surface must close.
     shape
         .solid()
         .or_else(|error| fault(raw.span(), error.to_string()))?;
@@ -142,7 +142,7 @@ fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
     })
 }
 
-/// The keys that are there, with their places.
+/// The keys that are given, with their places in the text.
 fn given(raw: &RawShape) -> impl Iterator<Item = (&'static str, Range<usize>)> {
     [
         ("size_mm", raw.size_mm.as_ref().map(Spanned::span)),

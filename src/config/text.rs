@@ -1,4 +1,4 @@
-//! From the text of a scene file to what is checked, or to an error that says where.
+//! Entry points: from the text of a scene file to a checked scene, or to an error with its place.
 
 use super::capture::{CaptureSettings, capture};
 use super::error::SceneError;
@@ -6,7 +6,7 @@ use super::raw::RawScene;
 use super::scene::scene;
 use crate::motion::Scene;
 
-/// A checked scene from the text of a scene file.
+/// A checked scene from the text of a scene file. Fails with the place of the first error.
 ///
 /// ```
 /// let error = enact::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
@@ -22,12 +22,13 @@ pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
     checked().map_err(|fault| SceneError::from_fault(text, fault))
 }
 
-/// The text with its types checked and nothing else.
+/// The text parsed, with only its types checked.
 fn parse(text: &str) -> Result<RawScene, SceneError> {
     toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))
 }
 
-/// A checked scene and how it is captured, from the text of a scene file.
+/// A checked scene and its capture settings, from the text of a scene file. Fails with the place of
+/// the first error.
 pub fn capture_from_toml(text: &str) -> Result<(Scene, CaptureSettings), SceneError> {
     let raw = parse(text)?;
     let both = || {

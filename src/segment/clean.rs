@@ -1,4 +1,5 @@
-//! From readings in any order to poses of bodies in order of time, with an account of both.
+//! Cleans a take: from readings in any order to poses of bodies in order of time, with counts of
+//! both.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -18,10 +19,10 @@ use crate::motion::{
     SceneBody, Sketch, Stamp, TakeEvent, Timing,
 };
 
-/// How far the norm of a quaternion may be off 1 for the reading to be used.
+/// Greatest deviation of a quaternion's norm from 1 for the reading to be used.
 const NORM_LIMIT: f64 = 0.01;
 
-/// How far it may be off without being counted as repaired.
+/// Greatest deviation that is not counted as repaired.
 const NORM_ROUNDING: f64 = 1e-6;
 
 /// An interval is a gap if it is longer than this many median ones.
@@ -33,8 +34,8 @@ const SPAN_LIMIT_S: f64 = 86_400.0;
 /// Readings by body and stream.
 type Streams = Vec<Vec<Vec<PoseSample>>>;
 
-/// The sketch of a take: streams sorted by stamp, without what cannot be used, in body axes,
-/// from the start to the end that the scene's events say; and what became of every sample.
+/// The sketch of a take, with counts of its samples: streams sorted by stamp, without unusable
+/// readings, as poses of the bodies, from the scene's start event to its end.
 ///
 /// Of readings with the same stamp the least in a fixed order of their numbers is kept, so that
 /// the sketch does not depend on the order of arrival; only `reordered` does. `used` counts all
@@ -89,8 +90,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     Ok((sketch, counts))
 }
 
-/// The same of an edited sketch: every segment by itself, then one after the other. Marks are
-/// not looked at.
+/// [`clean`] for an edited sketch: every segment by itself, then joined. Marks are ignored.
 fn clean_edited(
     scene: &Scene,
     events: &[TakeEvent],
@@ -117,7 +117,7 @@ fn clean_edited(
     Ok((sketch, counts))
 }
 
-/// The sketch of a whole take, whatever its marks, without any.
+/// The sketch of a whole take without marks; those of the take are ignored.
 pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentError> {
     let Usable {
         streams,
@@ -127,9 +127,9 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
     Ok(sketch(scene, &streams, &[], &mut counts))
 }
 
-/// What of a take can be used.
+/// The usable part of a take.
 struct Usable {
-    /// By body, in order of time; none is empty.
+    /// Streams by body, in order of time; none is empty.
     streams: Vec<Vec<PoseSample>>,
     marks: Vec<Mark>,
     extents: Vec<Extent>,
@@ -248,7 +248,7 @@ fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
     })
 }
 
-/// Leaves out what is no pose, repeats a stamp, or repeats the pose before it bit for bit.
+/// Drops readings that are no pose, repeat a stamp, or repeat the pose before them bit for bit.
 fn drop_unusable(stream: &mut Vec<PoseSample>, counts: &mut SampleCounts) {
     let mut previous: Option<PoseSample> = None;
     stream.retain(|sample| {
@@ -299,7 +299,7 @@ fn norm(sample: &PoseSample) -> f64 {
     Quaternion::new(w, x, y, z).norm()
 }
 
-/// Leaves out what is before the start and after the end, if the scene has them.
+/// Drops readings before the start and after the end, if the scene has these events.
 fn drop_outside(
     scene: &Scene,
     stamps: &[Stamp],
@@ -324,8 +324,8 @@ fn drop_outside(
     });
 }
 
-/// From the first pose to the last, one that repeats the pose before it included: a tracker at
-/// rest still saw what was marked then.
+/// From the first pose to the last, including repeated poses: marks made while the tracker was at
+/// rest are within the data.
 fn extent(stream: &[PoseSample]) -> Option<Extent> {
     let usable = |sample: &&PoseSample| unusable(sample).is_none();
     Some(Extent {

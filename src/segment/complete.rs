@@ -1,18 +1,18 @@
-//! Marks that are absent or too many, by what the stream suggests.
+//! Completes absent marks and drops superfluous ones, by proposals from the stream.
 
 use super::error::SegmentError;
 use super::marks::seconds;
 use super::propose::{CLEAR_SCORE, Proposal, propose};
 use crate::motion::{EventKind, Mark, MarkChanges, Scene, Sketch, Stamp};
 
-/// A mark without a name stands for an event only this near to where the stream suggests it \[s\].
+/// Greatest distance of a mark without a name from the proposed place of its event \[s\].
 const NEAR_S: f64 = 0.25;
 
-/// One place per event: the mark that is meant for it, or where the stream suggests it; start
-/// and end at the first and the last sample. `sketch` has all samples, and no marks.
+/// One stamp per event: its mark, or its proposed place; start and end at the first and the last
+/// sample. `sketch` has all samples, and no marks.
 ///
-/// Fails with `error`, and the proposals in it, where they are not clear, or where a mark that
-/// should stand for an event is not near any.
+/// Fails with `error`, and the proposals in it, where proposals are not clear, or where a mark is
+/// not near any of them.
 pub(super) fn completed(
     scene: &Scene,
     marks: &[Mark],
@@ -53,7 +53,7 @@ pub(super) fn completed(
     }
 }
 
-/// Where the events would be; `None` unless there is a proposal for every collision, in order.
+/// The proposed places of the events; `None` unless every collision has one, in order.
 fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<Stamp>> {
     let stamps = || {
         sketch
@@ -75,18 +75,19 @@ fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<
     places.filter(|places| places.windows(2).all(|pair| pair[0] < pair[1]))
 }
 
-/// For every event the mark that stands for it, if any: as many as can be, in order, at the
-/// least sum of distances.
+/// For every event its mark, if any: the assignment in order with the most marks and, among those,
+/// the least sum of distances.
 fn aligned(scene: &Scene, marks: &[Mark], places: &[Stamp], origin: Stamp) -> Vec<Option<usize>> {
     let fits = |mark: usize, event: usize| {
         let distance_s = seconds(marks[mark].stamp, origin) - seconds(places[event], origin);
         match &marks[mark].event {
-            // A name says more than any distance.
+            // A name decides, whatever the distance.
             Some(name) => (*name == scene.events[event].name).then_some(0.0),
             None => (distance_s.abs() <= NEAR_S).then_some(distance_s.abs()),
         }
     };
-    // Of the first marks and the first events: matches, and less their distances; most first.
+    // Dynamic programming over the first marks and the first events: number of matches, and minus
+    // the sum of their distances; the greatest is best.
     let (rows, columns) = (marks.len() + 1, places.len() + 1);
     let mut worth = vec![0.0_f64; rows * columns];
     let per_match = NEAR_S * 2.0 * rows.max(columns) as f64;

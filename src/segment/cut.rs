@@ -1,16 +1,18 @@
-//! Marks cut each body's stream into segments.
+//! Cuts each body's stream into segments at the marks.
 
 use super::error::SegmentError;
 use crate::motion::{BodySketch, EventKind, Scene, Segment, Sketch, Timing};
 
-/// Samples closer to a collision's mark than this many median intervals are left out: they may
-/// belong to either side, and a sample that changed sides would make the objective jump.
+/// Samples closer to a collision's mark than this many median intervals are left out, as in the
+/// paper: they may belong to either side, and a sample that changed sides would make the objective
+/// discontinuous.
 const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 
-/// Samples a segment must have: six numbers of a state's pose, twice.
+/// Least number of samples of a segment; two poses already have as many numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Cuts every body's samples at the events it takes part in; `start` and `end` are everybody's.
+/// Cuts every body's samples at the events it takes part in; all bodies take part in `start` and
+/// `end`. Fails where a segment has fewer than [`SAMPLES_MIN`] samples.
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {

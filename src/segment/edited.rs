@@ -1,32 +1,33 @@
-//! The segments of an edited sketch, one after the other on one time line.
+//! Joins the segments of an edited sketch, one after the other on one time line.
 //!
 //! Every segment comes with physical times of its own, from any zero. The first segment of every
-//! body begins at zero of the line. At a collision the segments of all bodies that take part end,
-//! half a median interval before the mark or, where another's is longer, earlier; their next
-//! ones begin half a median interval after it. So with one body the next segment's first sample
-//! is one median interval after the last one's last, and the mark is in the middle. Marks keep
-//! the order of the scene's events.
+//! body begins at zero of the time line. At a collision the segments of all bodies that take part
+//! end half a median interval before the mark, or earlier where another's is longer; their next
+//! segments begin half a median interval after it. So with one body the first sample of a segment
+//! is one median interval after the last sample of the one before, with the mark in the middle.
+//! Marks keep the order of the scene's events.
 
 use super::error::SegmentError;
 use super::marks::seconds;
 use crate::motion::{EventKind, PoseSample, Scene, Stamp};
 
-/// Interval of a body whose segments have one sample each \[ns\]; the cut refuses them.
+/// Interval of a body whose segments have one sample each \[ns\]; [`cut`](super::cut()) refuses
+/// them.
 const INTERVAL_NS: i64 = 1_000_000;
 
-/// One body's way along the line \[ns\].
+/// One body's position on the time line \[ns\].
 struct Track<'a> {
     segments: std::slice::Iter<'a, Vec<PoseSample>>,
-    /// Where the next segment begins.
+    /// Beginning of the next segment.
     begin_ns: i64,
     /// Median interval, at least 2.
     interval_ns: i64,
     joined: Vec<PoseSample>,
 }
 
-/// The streams of all bodies and the stamps of all events on one line, whose zero is the least
-/// stamp of any first segment. `segments` are by body, as many as [`Scene::streams`] says, sorted,
-/// none empty. Fails where they are longer than `limit_s`, each or together.
+/// The streams of all bodies and the stamps of all events on one time line, whose zero is the least
+/// stamp of any first segment. `segments` are by body, as many as [`Scene::streams`] requires,
+/// sorted, none empty. Fails where one of them, or all together, are longer than `limit_s`.
 pub(super) fn join(
     scene: &Scene,
     segments: &[Vec<Vec<PoseSample>>],
@@ -36,7 +37,7 @@ pub(super) fn join(
     let limit_ns = (limit_s * 1e9) as i64;
     let firsts = segments.iter().filter_map(|body| body.first()?.first());
     let zero = firsts.map(|sample| sample.stamp.0).min().unwrap_or(0);
-    // All of the line is within a few limits of its zero.
+    // The whole time line is within a few limits of its zero, so that sums do not overflow.
     let zero = zero.min(i64::MAX - 4 * limit_ns);
     let mut tracks: Vec<Track> = segments.iter().map(|body| Track::new(body, zero)).collect();
     let mut stamps = Vec::new();
@@ -106,12 +107,12 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// Puts the next segment where it begins; returns where it ends.
+    /// Places the next segment; returns its end.
     fn place(&mut self) -> i64 {
         let Some(segment) = self.segments.next() else {
             return self.begin_ns;
         };
-        // Stamps of one segment are near one another; those of two need not be.
+        // Differences within one segment do not overflow; those between two may.
         let since_ns = |sample: &PoseSample| sample.stamp.0 - segment[0].stamp.0;
         self.joined.extend(segment.iter().map(|sample| PoseSample {
             stamp: Stamp(self.begin_ns + since_ns(sample)),

@@ -1,8 +1,8 @@
-//! Why a take makes no sketch.
+//! Reasons why a take cannot become a sketch.
 
 use thiserror::Error;
 
-/// Why a take makes no sketch of the scene. Times are seconds since the first sample.
+/// Why a take cannot become a sketch of the scene. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SegmentError {
     /// Nothing was delivered.
@@ -18,7 +18,7 @@ pub enum SegmentError {
         body: String,
         /// Its topic.
         topic: String,
-        /// Delivered for it.
+        /// Number of samples delivered for it.
         read: usize,
         /// Why they were left out: `, 3 not_finite`.
         dropped: String,
@@ -26,19 +26,19 @@ pub enum SegmentError {
     /// A sample of a body that the scene does not have.
     #[error("a sample of body number {body}, expected one of {bodies}")]
     NoSuchBody {
-        /// As delivered.
+        /// Index of the body as delivered.
         body: usize,
-        /// How many the scene has.
+        /// Number of bodies of the scene.
         bodies: usize,
     },
-    /// A sample on a stream that the scene's events do not make.
+    /// A sample on a stream beyond those that the scene's events require.
     #[error("a sample on stream {stream} of body {body:?}, expected 1 to {streams}")]
     NoSuchStream {
         /// The body's name.
         body: String,
-        /// As delivered, from 1.
+        /// Number of the stream as delivered, from 1.
         stream: usize,
-        /// How many the scene makes.
+        /// Number of streams that the scene requires.
         streams: usize,
     },
     /// Stamps that cannot be of one take.
@@ -56,9 +56,9 @@ pub enum SegmentError {
         reach_m / size_m
     )]
     Units {
-        /// Whose.
+        /// The body's name.
         body: String,
-        /// How far nine tenths of its samples keep within of the middle one.
+        /// Distance from the middle sample within which nine tenths of its samples lie.
         reach_m: f64,
         /// Diameter of the ball that holds it.
         size_m: f64,
@@ -68,12 +68,12 @@ pub enum SegmentError {
     /// More or fewer marks than events.
     #[error("{found} marks, expected {expected}{events}")]
     MarkCount {
-        /// In the take.
+        /// Number of marks in the take.
         found: usize,
-        /// Events of the scene.
+        /// Number of events of the scene.
         expected: usize,
-        /// Their names: `: "release", "bounce"`, those that no mark names, and what the stream
-        /// suggests.
+        /// For the message: names of the events, `: "release", "bounce"`, those that no mark names,
+        /// and the proposals.
         events: String,
     },
     /// A mark names an event that the scene does not have.
@@ -119,9 +119,9 @@ pub enum SegmentError {
         event: String,
         /// Its mark.
         time_s: f64,
-        /// First sample of what it concerns.
+        /// First sample of the bodies that take part.
         first_s: f64,
-        /// Last sample of what it concerns.
+        /// Last sample of the bodies that take part.
         last_s: f64,
     },
     /// Too little data between two events.
@@ -130,11 +130,11 @@ pub enum SegmentError {
          {expected} are needed"
     )]
     TooFewSamples {
-        /// Whose.
+        /// The body's name.
         body: String,
-        /// How many.
+        /// Number of usable samples.
         samples: usize,
-        /// At least needed.
+        /// Least number needed.
         expected: usize,
         /// Event at the segment's start, or "the beginning".
         from: String,

@@ -1,4 +1,4 @@
-//! Which mark stands for which event.
+//! Assigns marks to the scene's events.
 
 use super::cut::median_interval_s;
 use super::error::SegmentError;
@@ -11,10 +11,11 @@ pub(super) struct Extent {
     pub(super) last: Stamp,
 }
 
-/// Standard deviation of the marks that people make while they act: by how much a button is pressed
-/// late or early, in acted time \[s\].
+/// Standard deviation of marks that a performer makes while acting: a button pressed late or early,
+/// in acted time \[s\].
 const PEOPLE_SD_S: f64 = 0.05;
-/// Of marks that are put into a stream with physical times afterwards, in its intervals.
+/// Standard deviation of marks that are annotated afterwards in a stream with physical times, in
+/// its intervals.
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
 
 /// Standard deviation of a scene's marks, in acted time \[s\].
@@ -31,8 +32,8 @@ pub(super) fn mark_sd_s(scene: &Scene, bodies: &[BodySketch]) -> f64 {
 
 /// One stamp per event of the scene, in order of time.
 ///
-/// Marks with a name go to their event; the others, in order of time, to the events that are
-/// left. `origin` is the zero of the times in errors.
+/// Marks with a name are assigned to their event; the others, in order of time, to the remaining
+/// events. `origin` is the zero of the times in errors. Fails where numbers, names or order differ.
 pub(super) fn matched(
     scene: &Scene,
     marks: &[Mark],
@@ -99,9 +100,9 @@ fn check_order(scene: &Scene, stamps: &[Stamp], origin: Stamp) -> Result<(), Seg
     Ok(())
 }
 
-/// Marks of starts and ends that come before or after all samples by more than a gap between two of
-/// them, but by no more than a performer's reaction time, are put at the first or the last sample:
-/// the recorder stopped first. Returns their events.
+/// Moves marks of starts and ends that lie before or after all samples by more than a sampling gap,
+/// but by no more than a performer's reaction time, to the first or the last sample: the recorder
+/// stopped first. Returns their events.
 pub(super) fn put_at_the_ends(
     scene: &Scene,
     stamps: &mut [Stamp],
@@ -121,8 +122,8 @@ pub(super) fn put_at_the_ends(
     put
 }
 
-/// Refuses marks where there are no samples: of the body, for a collision; of any body, for a
-/// start or an end, which may also lie up to `slack_ns` outside.
+/// Refuses marks outside the samples: of the bodies that take part, for a collision; of any body,
+/// for a start or an end, which may also lie up to `slack_ns` outside.
 pub(super) fn check_extents(
     scene: &Scene,
     stamps: &[Stamp],
@@ -151,7 +152,7 @@ pub(super) fn check_extents(
     Ok(())
 }
 
-/// Where all bodies of a collision have samples.
+/// The time in which all bodies of a collision have samples.
 fn shared(bodies: &[Extent], collision: &Collision) -> Extent {
     let mut extent = bodies[collision.body];
     for other in collision.bodies().map(|body| bodies[body]) {
@@ -169,7 +170,7 @@ pub(super) fn union(extents: &[Extent]) -> Option<Extent> {
     })
 }
 
-/// Seconds between stamps that may be as far apart as integers allow.
+/// Seconds between stamps, without overflow for any integers.
 pub(super) fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
     (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9
 }

@@ -1,12 +1,12 @@
-//! Stage 2: clean the streams, cut them at the marks, and move marks that reaction time has put
-//! beside their collision. The segments of an edited sketch are joined instead.
+//! Stage 2: clean the streams, correct marks that are off their collision by reaction time, and cut
+//! the streams at the marks. The segments of an edited sketch are joined instead.
 //!
-//! [`clean`](clean::clean) sorts what the trackers said by stamp, leaves out what cannot be
-//! used and counts it by reason, moves poses from the tracker to the body, and matches the
+//! [`clean`](clean::clean) sorts the trackers' readings by stamp, leaves out unusable ones and
+//! counts them by reason, transforms poses from the tracker to the body, and matches the
 //! performer's marks to the scene's events. Its result does not depend on the order in which
-//! readings arrived. Where marks are absent, [`propose()`] says where the stream has kinks.
-//! [`refine()`] looks for the kink that each mark stands for, [`relocate_marks()`] moves marks that are far
-//! from any, and [`cut()`] makes the segments.
+//! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream.
+//! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
+//! that are far from any kink, and [`cut()`] makes the segments.
 
 pub mod clean;
 mod complete;

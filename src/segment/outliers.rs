@@ -1,41 +1,41 @@
-//! Readings that no hand can have moved through: a tracker that jumped away and came back.
+//! Finds outliers: readings of a tracker that jumped away and came back.
 //!
-//! Three readings on one smooth piece of motion nearly lie on a line: the middle one is off it by
-//! noise and by the curvature of the path. How much of each is usual, the stream itself says, by
-//! lower quartiles over neighbours near and farther, which a good part of bad readings does not
-//! move. Where three neighbours are off by more, the most readings are kept that leave the path piecewise smooth,
-//! by dynamic programming: leaving one out costs a little less than a break of the path. A
-//! collision is such a break, of velocity and not of position, so whoever continues the path on
-//! one side of him is taken back.
+//! Three neighbouring readings on a smooth motion are nearly collinear: the middle one is off the
+//! line by noise and by the curvature of the path. How much of each is usual is estimated from the
+//! stream, by lower quartiles over near and farther neighbours, which are robust against many bad
+//! readings. Where three neighbours are off by more, dynamic programming keeps the most readings
+//! for which the path is piecewise smooth: leaving one out costs a little less than a break of the
+//! path. A collision is such a break, of velocity and not of position; so a reading that was left
+//! out is restored where it continues the path on one side of it.
 //!
-//! Nothing is known here of physics, marks or scene; the motion is taken as the stamps have it.
+//! Physics, marks and scene are not used; the motion is taken in the time of the stamps.
 
 use nalgebra::{Vector3, Vector4};
 
 use crate::motion::{DropReason, PoseSample, SampleCounts};
 
-/// How far a reading may be off its neighbours' line whatever the stream is like \[m\],
+/// Distance from its neighbours' line below which a reading is never an outlier, in position \[m\],
 const FLOOR_M: f64 = 0.01;
 /// and in orientation \[rad\].
 const FLOOR_RAD: f64 = 0.06;
-/// And the lower quartile of that distance times this: with white noise, nearly eight standard
-/// deviations of it.
+/// The limit is this multiple of the lower quartile of that distance: with white noise, nearly
+/// eight standard deviations of it.
 const QUARTILES: f64 = 7.0;
-/// Intervals to neighbours that are far.
+/// Distance of the farther neighbours in intervals.
 const FAR: usize = 3;
-/// Readings between which no usual distance shows.
+/// Least number of readings for the quartiles.
 const READINGS_MIN: usize = 8;
 /// The next reading kept is at most so many after the last: up to six in a row are left out.
 const STRIDE_MAX: usize = 7;
-/// Readings looked at on either side of one that continues no side.
+/// Readings added on either side of one that continues neither side.
 const MARGIN: usize = 4;
-/// Leaving out a reading, against
+/// Cost of leaving out a reading.
 const DROP_COST: u32 = 10;
-/// a break of the path. A lone outlier is three breaks, two alike are four, as are three or four;
-/// a collision is two at most.
+/// Cost of a break of the path. A single outlier makes three breaks, two to four equal ones make
+/// four; a collision makes two at most.
 const BREAK_COST: u32 = 11;
-/// A stream of which a larger share would be left out is not known to be smooth at all, and all
-/// of it is kept.
+/// Greatest share of a stream that may be left out. Beyond it the stream may not be smooth at all,
+/// and all of it is kept.
 const SHARE_MAX: f64 = 0.4;
 
 /// Leaves out of a stream in order of time what [`outliers`] finds, and counts it.
@@ -83,7 +83,7 @@ struct Reading {
     quaternion: Vector4<f64>,
 }
 
-/// Readings and what is usual between them.
+/// Readings and the usual distances between them.
 struct Path {
     readings: Vec<Reading>,
     position: Usual,
@@ -94,7 +94,7 @@ struct Path {
 #[derive(Clone, Copy, Default)]
 struct Usual {
     noise: f64,
-    /// Where both are one interval away.
+    /// Part from curvature, where both neighbours are one interval away.
     curvature: f64,
 }
 
@@ -103,7 +103,8 @@ impl Usual {
     fn new(near: &mut [f64], far: &mut [f64]) -> Self {
         let near = lower_quartile(near);
         let far = lower_quartile(far);
-        // Of so many intervals, curvature counts as the fourth power, noise as one.
+        // In squared distances, curvature grows with the fourth power of the interval, noise does
+        // not.
         let curvature = ((far - near) / ((FAR as f64).powi(4) - 1.0)).max(0.0);
         Self {
             noise: QUARTILES * near.sqrt(),
@@ -116,13 +117,13 @@ impl Usual {
     }
 }
 
-/// How far a reading is off the line through two others, and what leads to expect that.
+/// Distance of a reading from the line through two others, and factors of its expected size.
 struct Offset {
     square_m2: f64,
     square_rad2: f64,
-    /// Of noise, where a reading in the middle of two has 1.
+    /// Factor of noise, 1 for a reading in the middle of two.
     noise: f64,
-    /// Of curvature, where neighbours have 1.
+    /// Factor of curvature, 1 for direct neighbours.
     curvature: f64,
 }
 
@@ -170,16 +171,17 @@ impl Path {
         Some(path)
     }
 
-    /// Of reading `i` from the line through `j` and `k`; `i` may lie outside of them.
+    /// Offset of reading `i` from the line through `j` and `k`; `i` may lie outside of them.
     fn offset(&self, j: usize, i: usize, k: usize) -> Offset {
         let (a, b, c) = (&self.readings[j], &self.readings[i], &self.readings[k]);
         let share = (b.time - a.time) / (c.time - a.time);
         let off_m = b.position_m - a.position_m - (c.position_m - a.position_m) * share;
-        // Of the two quaternions of a rotation, the one on the side of `b`.
+        // Of the two quaternions of a rotation, take the one on the side of `b`.
         let from = a.quaternion * a.quaternion.dot(&b.quaternion).signum();
         let to = c.quaternion * c.quaternion.dot(&b.quaternion).signum();
         let off = b.quaternion - from - (to - from) * share;
-        // Chords lie inside the sphere, which is no turn; and half angles are what is seen.
+        // The radial part is that of a chord inside the sphere and no rotation; quaternions see
+        // half angles.
         let across = off - b.quaternion * b.quaternion.dot(&off);
         Offset {
             square_m2: off_m.norm_squared(),
@@ -189,7 +191,7 @@ impl Path {
         }
     }
 
-    /// Whether reading `i` is nearer to the line through `j` and `k` than an outlier.
+    /// Whether reading `i` is within the limit of the line through `j` and `k`.
     fn is_smooth(&self, j: usize, i: usize, k: usize) -> bool {
         let offset = self.offset(j, i, k);
         let limit_m = self.position.limit(FLOOR_M, &offset);
@@ -197,14 +199,14 @@ impl Path {
         offset.square_m2 <= limit_m * limit_m && offset.square_rad2 <= limit_rad * limit_rad
     }
 
-    /// Where a reading continues neither side, with a margin. Most do lie between neighbours,
-    /// and those at a collision continue one of them.
+    /// Zones around readings that continue neither side, with a margin. Most readings are collinear
+    /// with their neighbours, and those at a collision continue one side.
     fn zones(&self) -> Vec<Zone> {
         let count = self.readings.len();
         let is_between = |i: usize| i > 0 && i + 1 < count && self.is_smooth(i - 1, i, i + 1);
         let follows = |i: usize| i > 1 && self.is_smooth(i - 1, i, i - 2);
         let leads = |i: usize| i + 2 < count && self.is_smooth(i + 1, i, i + 2);
-        // The middle of three alike lies between them, but its neighbours do not.
+        // The middle of three equal outliers is collinear with them, but its neighbours are not.
         let between: Vec<bool> = (0..count).map(is_between).collect();
         let is_clear = |i: usize| {
             between[i.saturating_sub(1)..(i + 2).min(count)]

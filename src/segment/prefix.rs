@@ -1,17 +1,24 @@
-//! What the best flight through any stretch of a stream leaves, without looking at its samples.
+//! Residual sum of squares of the best flight through any stretch of a stream, in constant time.
 //!
 //! A fit is a projection on polynomials of degree 0, 1 (and 2 along one direction, where the
-//! tempo is unknown), so that sums over prefixes of the stream give the cost of any stretch.
+//! tempo is unknown) in acted time `a`. With the orthogonal polynomials `π_k` of the stretch,
+//!
+//! ```text
+//! min Σ |p_i − fit(a_i)|² = Σ |p_i|² − Σ_k |Σ_i π_k(a_i) p_i|² / Σ_i π_k(a_i)²
+//! ```
+//!
+//! so that prefix sums of `a^k`, `a^k p` and `|p|²` over the stream give the cost of any stretch.
 
 use nalgebra::Vector3;
 
 use crate::math::so3;
 use crate::motion::{BodySketch, Scene, Timing};
 
-/// Running sums over a body's samples, to fit any stretch of them.
+/// Prefix sums over a body's samples, to fit any stretch of them.
 pub(super) struct PrefixSums {
     sums: Vec<Sums>,
-    /// Direction of gravity where its size in acted time is unknown.
+    /// Direction of gravity where the tempo is unknown, so that the size of the curvature in acted
+    /// time is unknown too.
     free_along: Option<Vector3<f64>>,
 }
 
@@ -24,7 +31,7 @@ struct Sums {
 }
 
 impl PrefixSums {
-    /// Of centres of mass: flights under gravity \[m\].
+    /// Sums for the centre of mass: flights under gravity \[m\].
     pub(super) fn of_positions(scene: &Scene, body: &BodySketch) -> Self {
         let gravity = scene.gravity_m_s2;
         let free_along = match scene.timing {
@@ -36,7 +43,7 @@ impl PrefixSums {
         let middle_s = middle_s(body);
         let points = samples.iter().map(|sample| {
             let a = sample.acted_s - middle_s;
-            // Known times leave no curvature unknown.
+            // With known times the fall is known and subtracted.
             let fall = if free_along.is_some() {
                 Vector3::zeros()
             } else {
@@ -47,9 +54,8 @@ impl PrefixSums {
         Self::new(points, free_along)
     }
 
-    /// Of the angle that the angular momentum has turned the body by \[rad, world\]: what is
-    /// turned between two samples, times the moments in units of the largest, summed. In free
-    /// flight angular momentum is constant, and its integral a straight line.
+    /// Sums for the integral of angular momentum \[rad, world\]: `Σ R_i (I/I_max) Log(R_{i−1}ᵀ
+    /// R_i)`. In free flight angular momentum is constant, and its integral a straight line.
     pub(super) fn of_turns(scene: &Scene, index: usize, body: &BodySketch) -> Self {
         let moments = scene.bodies[index].body.moments_kg_m2();
         let moments = moments / moments.max();
@@ -118,7 +124,7 @@ impl PrefixSums {
             let second_norm =
                 powers[4] - powers[2] * powers[2] / count - slope * slope * first_norm;
             let second = moments[2] - moments[0] * (powers[2] / count) - first * slope;
-            // Falling up is no better than not falling.
+            // Curvature against gravity is not allowed.
             let fall = second.dot(&along).max(0.0);
             if second_norm > 0.0 {
                 cost -= fall * fall / second_norm;

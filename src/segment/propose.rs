@@ -1,56 +1,57 @@
-//! Where marks would be, by the stream alone: the cuts that leave the best flights between them.
+//! Proposes marks from the stream alone: the cuts with the best free flights between them.
 //!
-//! A stretch costs what the best flight leaves of its positions and of its angular momentum
-//! (`prefix.rs`), in the scene's units of residual. A cut costs how far the features that
-//! the scene names are from touching there. The cuts of least cost are found by dynamic
-//! programming over all places, then moved sample by sample.
+//! The cost of a stretch is the residual sum of squares of the best flight through its positions
+//! and of the best straight line through its integrated angular momentum (`prefix.rs`), in the
+//! scene's units of residual. The cost of a cut is the squared distance between the features that
+//! should touch there. The cuts of least total cost are found by dynamic programming over a grid of
+//! places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
 use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch, Stamp};
 use crate::physics::contact::Feature;
 
-/// Places for cuts that are tried at once, evenly over the stream, for few cuts,
+/// Places of the grid for cuts, evenly over the stream, for few cuts,
 const PLACES: usize = 320;
-/// and per cut for many.
+/// and places per cut for many.
 const PLACES_PER_CUT: usize = 12;
-/// More cuts than this are not proposed.
+/// Greatest number of cuts that are proposed.
 const CUTS_MAX: usize = 60;
-/// Samples that must remain between two cuts.
+/// Least number of samples between two cuts.
 const KEEP_SAMPLES: usize = 5;
-/// As many samples as this is the distance of what should touch worth.
+/// Weight of the distance between the features that should touch, in samples.
 const TOUCH_WEIGHT: f64 = 10.0;
-/// From this score on a proposal is believed.
+/// Least [`Proposal::score`] of a clear proposal.
 pub const CLEAR_SCORE: f64 = 2.0;
-/// Score of a cut that nothing superfluous competes with.
+/// Greatest score; that of a cut where a superfluous one would gain nothing.
 const SCORE_MAX: f64 = 1e6;
 
-/// A collision that the stream suggests.
+/// A proposed collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
     /// Index into `Scene::bodies`.
     pub body: usize,
-    /// The collision it would be (index into `Scene::events`), if as many were looked for as
+    /// The collision it stands for (index into `Scene::events`), if as many were searched for as
     /// the scene has.
     pub event: Option<usize>,
     /// Acted time [s since `Sketch::origin`].
     pub acted_s: f64,
-    /// What the cut spares, over what one superfluous cut would spare at its best place: above
-    /// one, the kink stands out of how the hand wanders; at most 10⁶.
+    /// Decrease of the cost by this cut over the decrease by one superfluous cut at its best place;
+    /// at most 10⁶. Above one, the kink is stronger than the wander of the hand.
     pub score: f64,
 }
 
 impl Proposal {
-    /// The same on the clock of the samples.
+    /// The acted time on the clock of the samples.
     pub fn stamp(&self, sketch: &Sketch) -> Stamp {
         Stamp(sketch.origin.0 + (self.acted_s * 1e9).round() as i64)
     }
 }
 
 /// Proposals for all collisions of the scene, in its order; for each body those that concern
-/// it. A collision of two bodies is proposed by its first. `count`, if given, is how many are
-/// looked for on each body in place of what the scene says.
+/// it. A collision of two bodies is proposed from the stream of its first. `count`, if given, is
+/// the number of collisions searched for on each body, in place of the scene's.
 ///
-/// Empty where a stream is too short, or where there are more than sixty.
+/// Empty where a stream is too short, or where there are more than sixty collisions.
 pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Proposal> {
     let mut proposals = Vec::new();
     for (index, body) in sketch.bodies.iter().enumerate() {
@@ -91,7 +92,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
     proposals
 }
 
-/// One body's samples, and the costs of its stretches.
+/// One body's samples, with the costs of its stretches.
 pub(super) struct Stream<'a> {
     scene: &'a Scene,
     samples: &'a [Sample],
@@ -107,7 +108,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// The same blind to turns, for half the price.
+    /// [`Stream::new`] without the cost of rotations, which is half the work.
     pub(super) fn of_positions(scene: &'a Scene, body: &'a BodySketch) -> Self {
         Self {
             scene,
@@ -122,12 +123,13 @@ impl<'a> Stream<'a> {
         self.samples.partition_point(|s| s.acted_s <= acted_s)
     }
 
-    /// Between the last sample before a cut and the first after it.
+    /// Acted time of a cut: the middle between the last sample before it and the first after it.
     pub(super) fn time_s(&self, cut: usize) -> f64 {
         0.5 * (self.samples[cut - 1].acted_s + self.samples[cut].acted_s)
     }
 
-    /// What the best flight leaves of samples `begin..end`, in units of residual.
+    /// Residual sum of squares of the best flight through samples `begin..end`, in units of
+    /// residual.
     fn cost(&self, begin: usize, end: usize) -> f64 {
         let weights = &self.scene.weights;
         let turns = self.turns.as_ref().map_or(0.0, |t| t.cost(begin, end));
@@ -135,14 +137,15 @@ impl<'a> Stream<'a> {
             + turns / weights.orientation_rad.powi(2)
     }
 
-    /// The same between two cuts, or ends: the samples beside a cut are left out.
+    /// [`Stream::cost`] between two cuts, or ends of the stream: samples beside a cut are left out.
     fn between(&self, from: usize, to: usize) -> f64 {
         let begin = if from == 0 { 0 } else { from + 1 };
         let end = if to == self.samples.len() { to } else { to - 1 };
         self.cost(begin, end)
     }
 
-    /// How far from touching at a cut, in the units of [`Stream::cost`].
+    /// Cost of the distance between the features that should touch at a cut, in the units of
+    /// [`Stream::cost`].
     fn apart(&self, event: Option<usize>, cut: usize) -> f64 {
         let collision = event.and_then(|event| self.scene.events[event].kind.collision());
         let Some(collision) = collision else {
@@ -152,7 +155,7 @@ impl<'a> Stream<'a> {
         TOUCH_WEIGHT * (gap_m / self.scene.weights.position_m).powi(2)
     }
 
-    /// The best places of that many cuts, in order; `None` where they do not fit.
+    /// The cuts of least cost, one per event, in order; `None` where they do not fit.
     pub(super) fn best_cuts(&self, events: &[Option<usize>]) -> Option<Vec<usize>> {
         let count = self.samples.len();
         if events.is_empty() {
@@ -216,7 +219,7 @@ impl<'a> Stream<'a> {
         Some(cuts)
     }
 
-    /// Moves each cut to its best place within `reach`, the others where they are, twice.
+    /// Moves each cut in turn to its best place within `reach`, with the others fixed; two rounds.
     fn settle(&self, events: &[Option<usize>], cuts: &mut [usize], reach: usize) {
         for index in (0..cuts.len()).chain(0..cuts.len()) {
             let (before, after) = self.neighbours(cuts, index);
@@ -233,8 +236,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// What the stretches on either side of a cut leave, and at the best of every `stride`-th
-    /// place between its neighbours.
+    /// Cost of the stretches on either side of a cut, and the least cost with the cut at every
+    /// `stride`-th place between its neighbours.
     pub(super) fn elsewhere(&self, cuts: &[usize], index: usize, stride: usize) -> (f64, f64) {
         let (before, after) = self.neighbours(cuts, index);
         let cost = |cut: usize| self.between(before, cut) + self.between(cut, after);
@@ -252,7 +255,7 @@ impl<'a> Stream<'a> {
         (before, after.unwrap_or(self.samples.len()))
     }
 
-    /// What all stretches and cuts cost; infinite where cuts leave no room.
+    /// Cost of all stretches and cuts; infinite where cuts are too close.
     pub(super) fn total(&self, events: &[Option<usize>], cuts: &[usize]) -> f64 {
         if !self.has_room(cuts) {
             return f64::INFINITY;
@@ -278,11 +281,10 @@ impl<'a> Stream<'a> {
             .collect()
     }
 
-    /// What each cut spares, over what a superfluous one would at the best of every `stride`-th
-    /// place.
+    /// [`Proposal::score`] of each cut; superfluous cuts are tried at every `stride`-th place.
     pub(super) fn scores(&self, cuts: &[usize], stride: usize) -> Vec<f64> {
         let spared = |before: usize, cut: usize, after: usize| {
-            // One flight over it, without the same samples.
+            // One flight through the whole stretch, with the same samples left out.
             let whole = self.between(before, after);
             whole - self.between(before, cut) - self.between(cut, after)
         };
@@ -310,8 +312,8 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// Largest distance between what should touch \[m\], where that is said by a plane and points,
-/// or by the body's size; zero where it is not.
+/// Largest distance between the features that should touch \[m\], for points and planes; for others
+/// a bound by the body's size, or zero.
 fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
     let body = &scene.bodies[collision.body];
     if collision.partner != Partner::World {

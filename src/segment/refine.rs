@@ -1,11 +1,18 @@
-//! Marks are late or early; the centre of mass tells where the kink is.
+//! Refines marks, which are late or early by reaction time, to the kink in the path of the centre
+//! of mass.
 //!
-//! For each collision the mark is tried at every sample within reach, and the stream is cut where
-//! two things together are likeliest: what the ballistic fits of all segments leave (`prefix.rs`), and how
-//! far that is from the mark. The hand wanders, so that residuals of neighbouring samples are alike:
-//! they are worth few independent ones, of a size that is not known, and the logarithm of their
-//! likelihood is `−½ n ln Σr²` with `n` so many. A mark is off by its standard deviation, and now and
-//! then by far more: Student's distribution.
+//! For each collision every sample within reach of the mark is tried as the cut `k`, and the one of
+//! greatest likelihood is taken:
+//!
+//! ```text
+//! min over k   ½ n ln Σ r²(k) + ½ (ν + 1) ln(1 + d²(k)/ν)
+//! ```
+//!
+//! The first term is that of the residuals `r` of the ballistic fits of all segments (`prefix.rs`),
+//! with an unknown variance; since the hand wanders, neighbouring residuals are correlated, and `n`
+//! is the number of independent ones. The second is Student's t distribution with `ν` degrees of
+//! freedom of the mark's error `d` in standard deviations: now and then a mark is off by far more
+//! than that.
 
 use std::ops::RangeInclusive;
 
@@ -13,30 +20,30 @@ use super::cut::median_interval_s;
 use super::prefix::PrefixSums;
 use crate::motion::{BodySketch, MarkTime, Scene, Sketch, Timing};
 
-/// Samples on either side of a mark that are tried.
+/// Reach in samples on either side of a mark.
 const REACH_SAMPLES: usize = 8;
-/// Acted time on either side that is tried where the tempo is unknown \[s\].
+/// Reach in acted time where the tempo is unknown \[s\].
 const REACH_S: f64 = 0.12;
-/// The same where times are physical \[s\]: 8 samples at 120 Hz.
+/// Reach where times are physical \[s\]: 8 samples at 120 Hz.
 const REACH_KNOWN_S: f64 = 8.0 / 120.0;
-/// Samples that must remain between two marks.
+/// Least number of samples between two marks.
 const KEEP_SAMPLES: usize = 5;
-/// Added to what a cut leaves \[m²\], a tenth of a millimetre at one sample: below, sums of clean
-/// data differ by rounding.
+/// Added to the residual sum of squares of a cut \[m²\], a tenth of a millimetre at one sample:
+/// below it, sums of clean data differ by rounding.
 const ROUNDING_M2: f64 = 1e-8;
-/// A mark moves for no less than this, in the logarithm of the likelihood.
+/// Least gain in the logarithm of the likelihood for which a mark moves.
 const GAIN_MIN: f64 = 1e-3;
-/// So many samples of a hand that wanders are worth one independent one.
+/// Number of correlated samples that carry the information of one independent one.
 const SAMPLES_ALIKE: f64 = 10.0;
 /// Degrees of freedom of Student's distribution of a mark's error.
 const MARK_FREEDOM: f64 = 2.0;
-/// A cut that is farther from its mark says that the mark is wrong.
+/// A mark that is farther from its cut, in standard deviations, is wrong.
 const FAR_DEVIATIONS: f64 = 4.0;
-/// Rounds over all marks at most.
+/// Greatest number of rounds over all marks.
 const ROUNDS_MAX: usize = 3;
 
-/// Moves the cuts at collisions in `sketch`; returns the number of rounds it took. The events of an
-/// edited sketch stand where its segments meet, and stay.
+/// Moves the cuts at collisions in `sketch`; returns the number of rounds. The events of an edited
+/// sketch are at the joints of its segments and stay.
 pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     if scene.timing == Timing::Edited {
         return 0;
@@ -65,7 +72,7 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     rounds
 }
 
-/// What the flights of a body leave in all, cut as the sketch is \[m²\].
+/// Residual sum of squares of all flights of a body, with the cuts of the sketch \[m²\].
 fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f64 {
     let samples = &sketch.bodies[body].samples;
     let (mut left_m2, mut begin) = (0.0, 0);
@@ -80,8 +87,9 @@ fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f6
     left_m2 + sums.cost(begin, samples.len())
 }
 
-/// Makes the deviations of marks as large as the cuts say that they are: a normal distribution then
-/// pulls at an event as much as Student's does at the cut. Marks that are far from the cut are none.
+/// Enlarges the standard deviations `σ` of marks to `σ √((ν + d²)/(ν + 1))`, at least `σ`: at the
+/// cut, the gradient of a normal distribution then equals that of Student's. Removes marks that are
+/// far from their cut.
 pub fn loosen(sketch: &mut Sketch) {
     for (mark, cut_s) in sketch.marks.iter_mut().zip(&sketch.marks_s) {
         *mark = mark.and_then(|mark| {
@@ -94,25 +102,27 @@ pub fn loosen(sketch: &mut Sketch) {
     }
 }
 
-/// Minus the logarithm of the likelihood of a mark whose event is at `acted_s`.
+/// Minus the logarithm of the likelihood of a mark whose event is at `acted_s`, up to a constant:
+/// `½ (ν + 1) ln(1 + d²/ν)`.
 pub(super) fn unlikely_mark(mark: &MarkTime, acted_s: f64) -> f64 {
     let deviations = (acted_s - mark.acted_s) / mark.sd_s;
     0.5 * (MARK_FREEDOM + 1.0) * (deviations * deviations / MARK_FREEDOM).ln_1p()
 }
 
-/// The same of residuals that leave that sum of squares, in any unit.
+/// Minus the logarithm of the likelihood of residuals with a sum of squares, in any unit, up to a
+/// constant: `½ n ln Σr²`.
 pub(super) fn unlikely_residuals(body: &BodySketch, square: f64) -> f64 {
     0.5 * body.samples.len() as f64 / SAMPLES_ALIKE * square.ln()
 }
 
-/// The standard deviation of the normal distribution that pulls as much as Student's does there, where
-/// that is more than one.
+/// Standard deviation of the normal distribution with the same gradient as Student's at `d`, at
+/// least one: `√((ν + d²)/(ν + 1))`.
 fn student_sd(deviations: f64) -> f64 {
     let square = (MARK_FREEDOM + deviations * deviations) / (MARK_FREEDOM + 1.0);
     square.max(1.0).sqrt()
 }
 
-/// What lies between the events of a body that come before and after one that it takes part in.
+/// The samples of a body between the events before and after a given one.
 struct Stretch {
     body: usize,
     begin: usize,
@@ -125,7 +135,7 @@ impl Stretch {
         let concerns = |other: &usize| scene.events[*other].kind.concerns(body);
         let index_at =
             |event: usize| samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
-        // What lies beside a neighbouring collision is left out, as it is in the cut.
+        // Samples beside a neighbouring collision are left out, as in the cut.
         let beside = |other: usize| usize::from(scene.events[other].kind.collision().is_some());
         let mut before = (0..event).rev();
         let mut after = event + 1..scene.events.len();
@@ -143,13 +153,13 @@ impl Stretch {
         self.begin + KEEP_SAMPLES..=self.end.saturating_sub(KEEP_SAMPLES)
     }
 
-    /// What a cut leaves \[m²\]: the samples beside it are left out, as they are in the cut.
+    /// Residual sum of squares with a cut \[m²\]; the samples beside it are left out.
     fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
         sums.cost(self.begin, cut - 1) + sums.cost(cut + 1, self.end)
     }
 }
 
-/// How far from the event a performer's mark may be \[s\].
+/// Greatest distance of a performer's mark from its event \[s\].
 pub(super) fn reach_s(scene: &Scene) -> f64 {
     match scene.timing {
         Timing::Known | Timing::Edited => REACH_KNOWN_S,
@@ -178,7 +188,7 @@ fn refine_one(
     let cuts = stretches[0].cuts();
     let least = now.saturating_sub(reach).max(*cuts.start());
     let most = (now + reach).min(*cuts.end());
-    // Between the last sample before and the first after.
+    // The middle between the last sample before the cut and the first after it.
     let time_s = |cut: usize| 0.5 * (samples[cut - 1].acted_s + samples[cut].acted_s);
     let mark = sketch.marks[event];
     let cost_m2 = |stretch: &Stretch, cut: usize| {
@@ -217,7 +227,7 @@ fn refine_one(
     let Some(best) = (least..=most).min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b))) else {
         return false;
     };
-    // A cut that leaves no room is no better than any other.
+    // Where no cut leaves enough samples, all are infinite and the mark stays.
     if best == now || !(unlikely(best) < unlikely(now) - GAIN_MIN) {
         return false;
     }

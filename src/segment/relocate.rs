@@ -1,24 +1,25 @@
-//! Marks that are too far off to be refined are put where the stream says.
+//! Moves marks that are too far off to be refined to the collisions that the stream suggests.
 //!
-//! A look at the refined marks is cheap: does any of them spare less than a cut would somewhere
-//! else? Only then are proposals made, and taken if they explain the stream clearly better.
+//! A cheap test first: does any refined mark reduce the cost less than a cut elsewhere would? Only
+//! then are proposals computed, and accepted if they explain the stream clearly better.
 
 use super::propose::{CLEAR_SCORE, Stream};
 use super::refine::{unlikely_mark, unlikely_residuals};
 use crate::motion::{Partner, Scene, Sketch, Timing};
 
-/// Marks are doubted if one of them is not worth as many times a superfluous cut.
+/// Marks are doubtful if the score of one of them is less than this,
 const DOUBT_SCORE: f64 = 4.0;
-/// Or if one of them leaves so much less elsewhere between its neighbours.
+/// or if the cost with one of them elsewhere between its neighbours is less than this share.
 const DOUBT_SHARE: f64 = 0.8;
-/// Places between which superfluous cuts are tried.
+/// Superfluous cuts are tried at every so many places.
 const DOUBT_STRIDE: usize = 3;
-/// Proposals must leave no more than this share of what the marks do.
+/// Proposals are accepted only if their cost is at most this share of that of the marks.
 const SHARE_MAX: f64 = 0.7;
 
 /// Moves refined marks of collisions that are far from any kink; returns the events that moved.
 ///
-/// All marks of a body or none: proposals are for all. Where bodies hit each other, none.
+/// Either all marks of a body move or none, since proposals are for all of them. Where bodies hit
+/// each other, none moves.
 pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     let collisions = || {
         let events = scene.events.iter().enumerate();
@@ -54,7 +55,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         if !is_clear || share > SHARE_MAX {
             continue;
         }
-        // What the stream gains must be worth what the marks would have to be off by.
+        // The gain in the stream's likelihood must exceed the loss in that of the marks.
         let off = |event: usize, acted_s: f64| {
             sketch.marks[event].map_or(0.0, |mark| unlikely_mark(&mark, acted_s))
         };
@@ -81,7 +82,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
 }
 
 impl Stream<'_> {
-    /// Whether cuts leave no room, or one of them spares little, or less than elsewhere.
+    /// Whether cuts are too close, or one of them gains little, or less than elsewhere.
     fn is_doubtful(&self, cuts: &[usize]) -> bool {
         !self.has_room(cuts)
             || (0..cuts.len()).any(|index| {

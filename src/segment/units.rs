@@ -1,18 +1,18 @@
-//! Positions that are not in metres.
+//! Detects positions that are not in metres.
 
 use super::error::SegmentError;
 use crate::motion::{Sample, SceneBody};
 
-/// Farthest that a performance goes, in sizes of its body: a die of a centimetre may cross a room
+/// Greatest extent of a performance in sizes of its body: a die of a centimetre may cross a room
 /// of five metres.
 const SIZES_MAX: f64 = 500.0;
-/// Fastest that anything is acted or thrown by hand, in the median over the take [m/s].
+/// Greatest median speed of an object moved or thrown by hand [m/s].
 const SPEED_MAX_M_S: f64 = 30.0;
-/// Speeds are taken over no less than this, for noise not to count \[s\].
+/// Least time over which speeds are computed \[s\], so that noise does not dominate them.
 const BASE_S: f64 = 0.05;
 
-/// Refuses a stream that goes too far or too fast for metres. The distance is the one from the
-/// middle sample that nine tenths of the samples keep within.
+/// Refuses a stream that is too far-reaching or too fast to be in metres. The reach is the distance
+/// from the middle sample within which nine tenths of the samples lie.
 pub(super) fn check_units(body: &SceneBody, samples: &[Sample]) -> Result<(), SegmentError> {
     let Some(middle) = samples.get(samples.len() / 2) else {
         return Ok(());

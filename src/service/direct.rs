@@ -1,4 +1,4 @@
-//! Directing a daemon from outside: one command, or one mark, and its answer.
+//! Sends one command or one mark to a running daemon and waits for its answer.
 
 use std::path::PathBuf;
 use std::thread;
@@ -12,32 +12,32 @@ use crate::ingest::live::{
 };
 use crate::write::TrackerPublisher;
 
-/// How often the answer is looked for.
+/// Interval of polling for the answer.
 const POLL: Duration = Duration::from_millis(1);
 
-/// How often a command is repeated that has no answer: what carries it may lose it, or lead nowhere
-/// yet. The daemon obeys once.
+/// Interval of repeating a command without an answer: it may be lost, or the daemon may not listen
+/// yet. The daemon executes it once.
 const REPEAT: Duration = Duration::from_millis(100);
 
-/// What is wanted.
+/// A command to the daemon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Begin a take.
     Start,
-    /// End it and estimate it.
+    /// End the take and estimate it.
     Stop,
-    /// End it and remove it.
+    /// End the take and remove it.
     Discard,
-    /// Say how it stands.
+    /// Report the state.
     Ask,
     /// An event of the scene happens now: this one, or the next one in order.
     Mark(Option<String>),
 }
 
-/// Whom to direct, and how.
+/// The input of [`direct`].
 #[derive(Clone, Debug)]
 pub struct DirectJob {
-    /// What is wanted.
+    /// The command.
     pub direction: Direction,
     /// Topic of marks.
     pub marks_topic: String,
@@ -47,26 +47,26 @@ pub struct DirectJob {
     pub patience: Duration,
 }
 
-/// What the daemon answers.
+/// The answer of the daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
     /// The take it concerns; 0: none.
     pub take: u64,
     /// Samples and marks in it.
     pub messages: u64,
-    /// Where it stands; `None` where a newer daemon says what we do not know.
+    /// Its state; `None` for a state of a newer daemon that is unknown here.
     pub state: Option<TakeState>,
 }
 
-/// Sends what is wanted and waits for the answer. A mark is stamped at once, and is with the
-/// daemon when the answer comes. Fails where none comes.
+/// Sends a command and waits for the answer. A mark is stamped at once, and has reached the daemon
+/// when the answer comes. Fails where no answer comes in time.
 pub fn direct(job: &DirectJob) -> anyhow::Result<Answer> {
     let at_ns = now_ns();
     let begun = Instant::now();
     let node = Node::join("enact take", job.iceoryx2.as_deref())?;
     let answers = TakeListener::open(&node)?;
     let publisher = TrackerPublisher::open(&node, &[], &job.marks_topic)?;
-    // Whoever asks at one time as another process is another process.
+    // Processes that ask at the same time differ by their ids.
     let session = std::process::id();
     let mut is_marked = false;
     let mut asked: Option<Instant> = None;
@@ -83,7 +83,7 @@ pub fn direct(job: &DirectJob) -> anyhow::Result<Answer> {
         {
             is_marked = publisher.mark(mark(event, at_ns, session))? > 0;
         }
-        // The mark first: what was sent before a command is there when the command is.
+        // The mark first: samples sent before a command have arrived when the command has.
         let is_due = asked.is_none_or(|at| at.elapsed() > REPEAT);
         if (is_marked || event.is_none()) && is_due {
             let hearers = publisher.control(command, session, at_ns as u64, at_ns)?;

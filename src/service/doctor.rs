@@ -1,4 +1,4 @@
-//! What stands between trackers and a take: services, processes, rights, room.
+//! Checks what a capture needs: services, processes, permissions, disk and memory.
 
 use std::path::{Path, PathBuf};
 
@@ -12,23 +12,23 @@ use crate::ingest::live::{
 use crate::motion::Scene;
 use crate::write::{abandoned, topics};
 
-/// Version of iceoryx2 that we are built with: others do not work with it.
+/// Version of iceoryx2 in this build; other versions are not compatible.
 const ICEORYX2: &str = "0.10";
 
-/// Room below which a recording is in danger \[bytes\].
+/// Free space below which a recording is in danger \[bytes\]: on disk, in shared memory.
 const DISK_BYTES: u64 = 1 << 30;
 const MEMORY_BYTES: u64 = 64 << 20;
 
-/// What to look at.
+/// The input of [`doctor`].
 #[derive(Clone, Debug, Default)]
 pub struct DoctorJob {
-    /// A scene whose services and folder are looked at too.
+    /// A scene whose services and folder are checked too.
     pub scene: Option<PathBuf>,
     /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
     pub iceoryx2: Option<PathBuf>,
 }
 
-/// How something is.
+/// The result of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Health {
@@ -40,18 +40,18 @@ pub enum Health {
     Bad,
 }
 
-/// Something that was looked at.
+/// One check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
-    /// What.
+    /// What was checked.
     pub subject: String,
-    /// How it is.
+    /// The result.
     pub health: Health,
-    /// In words with figures.
+    /// The result in words with figures.
     pub text: String,
 }
 
-/// Looks at everything without changing it. Fails where the scene is wrong.
+/// Runs all checks without changing anything. Fails where the scene is wrong.
 pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let mut say = |subject: &str, health, text: String| {
@@ -84,7 +84,7 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     Ok(findings)
 }
 
-/// Whether what a daemon of that scene wants is there, or can be made.
+/// Checks whether the services of the scene exist or can be made.
 fn look_for_services(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, Health, String)) {
     let is_hidden = |name: &String| found.hidden.iter().any(|h| h.name.as_ref() == Some(name));
     for (name, payload) in services_of(scene) {
@@ -108,7 +108,7 @@ fn look_for_services(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, H
     }
 }
 
-/// The services that a daemon of that scene has, with their payloads.
+/// The services of a daemon for the scene, with their payloads.
 fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
     let streams = stream_topics(scene).into_iter();
     let mut services: Vec<_> = streams

@@ -1,5 +1,4 @@
-//! What every driver does before the first event and after the last: find the scene, run the
-//! pipeline, write the file, report.
+//! What all drivers share: find the scene, run the pipeline, write the file, report.
 
 use std::path::{Path, PathBuf};
 
@@ -14,15 +13,15 @@ use crate::pipeline::{Outcome, Pipeline};
 use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
-/// A recording and the scene that it is to be read with.
+/// A recording and the scene with which it is read.
 pub(super) struct Opened {
     pub(super) recording: Recording,
     pub(super) scene: Scene,
-    /// The same as text, as it was written.
+    /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
 }
 
-/// Opens a recording. The scene is the file's, if there is one, otherwise the attached one.
+/// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
 pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
     let recording = Recording::open(input)?;
     let (scene, scene_toml) = match scene_file {
@@ -69,7 +68,7 @@ pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result
     Ok(folder.join(name))
 }
 
-/// Refuses to write over what is read, and over what is no file: before the work is done.
+/// Refuses an output that is the input or is no regular file, before the work is done.
 pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> {
     target_of(output)?;
     let same = input == output
@@ -86,7 +85,7 @@ pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Estimates what was pushed, writes it, and says what became of it.
+/// Estimates the events that were pushed, writes the estimate, and returns the report.
 pub(super) fn finish(
     opened: &Opened,
     pipeline: &Pipeline,
@@ -96,7 +95,7 @@ pub(super) fn finish(
     finished(opened, pipeline, take, output).map(|(report, _)| report)
 }
 
-/// [`finish`], for those who want the estimate too.
+/// [`finish`], which returns the estimate too.
 pub(super) fn finished(
     opened: &Opened,
     pipeline: &Pipeline,
@@ -161,7 +160,7 @@ fn world_frame(take: &TakeReport) -> &str {
     }
 }
 
-/// What of the recording could not be read.
+/// Parts of the recording that could not be read.
 pub(super) fn lost(take: &TakeReport) -> Vec<String> {
     let damages = &take.damages;
     let mut lost: Vec<String> = damages.first().iter().map(ToString::to_string).collect();
@@ -181,7 +180,7 @@ pub(super) fn lost(take: &TakeReport) -> Vec<String> {
     lost
 }
 
-/// What in the recording was read with reservations.
+/// Parts of the recording that were read with reservations.
 pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
     let mut warnings = Vec::new();
     for topic in take.topics.iter().filter(|t| t.stamped_by_log_time > 0) {
@@ -201,7 +200,7 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
     warnings
 }
 
-/// Where the marks are not the performer's.
+/// Notes on marks that are not the performer's.
 fn mark_notes(scene: &Scene, outcome: &Outcome) -> Vec<String> {
     let changes = &outcome.counts.marks;
     let placed = |events: &[usize]| {

@@ -1,4 +1,4 @@
-//! What is in a recording, without estimating anything.
+//! Lists the contents of a recording, without estimating anything.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,10 +10,10 @@ use super::words::words;
 use crate::ingest::Recording;
 use crate::motion::{Scene, Stamp, TakeEvent};
 
-/// A distance between messages longer than this many median ones is a gap.
+/// An interval between messages longer than this many median ones is a gap.
 const GAP_RATIO: f64 = 2.5;
 
-/// What is in a recording.
+/// The contents of a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inspection {
     /// The file.
@@ -28,15 +28,15 @@ pub struct Inspection {
     pub sorted: bool,
     /// Whether its end is missing.
     pub truncated: bool,
-    /// What could not be read.
+    /// Parts that could not be read.
     pub lost: Vec<String>,
-    /// What was read with reservations.
+    /// Parts that were read with reservations.
     pub warnings: Vec<String>,
-    /// In alphabetical order.
+    /// Topics in alphabetical order.
     pub topics: Vec<TopicLine>,
     /// Names of the attachments.
     pub attachments: Vec<String>,
-    /// Name of the attached scene, if it is one.
+    /// Name of the attached scene, if it is valid.
     pub scene: Option<String>,
     /// Why there is no scene, or why the recording does not match it.
     pub complaint: Option<String>,
@@ -44,7 +44,7 @@ pub struct Inspection {
     pub marks: Vec<MarkLine>,
 }
 
-/// What is on a topic.
+/// The messages of a topic.
 #[derive(Clone, Debug, Serialize)]
 pub struct TopicLine {
     /// The topic.
@@ -53,26 +53,26 @@ pub struct TopicLine {
     pub schema: String,
     /// Encoding of its messages.
     pub encoding: String,
-    /// How many.
+    /// Number of messages.
     pub messages: u64,
-    /// By the median distance of log times.
+    /// Rate by the median interval of log times.
     pub rate_hz: Option<f64>,
-    /// Distances longer than 2.5 times the median.
+    /// Number of intervals longer than 2.5 times the median.
     pub gaps: usize,
-    /// The longest distance.
+    /// The longest interval.
     pub longest_gap_s: Option<f64>,
 }
 
 /// A mark.
 #[derive(Clone, Debug, Serialize)]
 pub struct MarkLine {
-    /// Since the first sample.
+    /// Time since the first sample.
     pub time_s: f64,
     /// The event it names.
     pub event: Option<String>,
 }
 
-/// Looks at a recording. Damage is no error, and neither is a missing scene.
+/// Lists the contents of a recording. Damage or a missing scene is no error.
 pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
     let recording = Recording::open(input)?;
     let container = recording.container();

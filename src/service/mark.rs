@@ -1,4 +1,4 @@
-//! Marks for a recording, by what its streams suggest.
+//! Proposes marks for a recording from its streams.
 
 use std::path::PathBuf;
 
@@ -10,12 +10,12 @@ use crate::motion::{Mark, Stamp};
 use crate::pipeline::{MarkProposal, Pipeline};
 use crate::write::write_marks;
 
-/// What to look for marks in.
+/// The input of [`mark`].
 #[derive(Clone, Debug)]
 pub struct MarkJob {
     /// The recording.
     pub input: PathBuf,
-    /// Where a copy with the marks goes, if it is wanted.
+    /// File for a copy with the marks, if one is wanted.
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
@@ -23,44 +23,44 @@ pub struct MarkJob {
     pub count: Option<usize>,
 }
 
-/// What was found.
+/// The result of [`mark`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Marked {
     /// The file that was read.
     pub recording: String,
     /// Name of the scene.
     pub scene: String,
-    /// In order of time.
+    /// Proposed marks in order of time.
     pub proposals: Vec<ProposalLine>,
     /// Marks that were in the recording; the proposals do not depend on them.
     pub marks: usize,
-    /// What of the recording could not be read.
+    /// Parts of the recording that could not be read.
     pub lost: Vec<String>,
-    /// What in it was read with reservations.
+    /// Parts of it that were read with reservations.
     pub warnings: Vec<String>,
     /// The file that was written.
     pub output: Option<String>,
 }
 
-/// A mark as the streams suggest it.
+/// A proposed mark.
 #[derive(Clone, Debug, Serialize)]
 pub struct ProposalLine {
-    /// Since the first sample.
+    /// Time since the first sample.
     pub time_s: f64,
-    /// On the clock of the samples.
+    /// Time on the clock of the samples.
     pub stamp_ns: i64,
-    /// The event, unless another count was asked for than the scene has.
+    /// The event; `None` where another count was asked for than the scene has.
     pub event: Option<String>,
-    /// Whose kink; none for start and end.
+    /// The body whose motion has the kink; `None` for start and end.
     pub body: Option<String>,
-    /// How many times what a superfluous cut would spare: none for start and end.
+    /// Gain of the cut over that of a superfluous one; `None` for start and end.
     pub score: Option<f64>,
 }
 
 /// Proposes marks, and writes a copy of the recording with them.
 ///
-/// Fails where no proposal can be made: a stream is too short, or more are asked for than fit;
-/// and where a copy is asked of a recording that has marks already.
+/// Fails where no proposal can be made, because a stream is too short or more are asked for than
+/// fit, and where a copy is wanted of a recording that already has marks.
 pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     if let Some(output) = &job.output {
         check_distinct(&job.input, output)?;

@@ -1,11 +1,11 @@
-//! Drivers of the pipeline: [`replay`] plays one recording through it, event by event and, if
-//! asked to, at the pace of the performance; [`process`] takes many, as fast as they come.
-//! Both end in the same way, and the same recording gives the same bytes by both. [`mark()`]
-//! says where marks would be. [`capture`] drives it live, [`direct()`] tells that what to do, [`recover_all`] saves what a crash of
-//! that left, [`doctor()`] says what stands in its way.
+//! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
+//! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
+//! same recording gives the same bytes by both. [`capture`] runs it live. [`mark()`] proposes
+//! marks, [`direct()`] sends commands to a running [`capture`], [`recover_all`] recovers journals
+//! after a crash, [`doctor()`] checks what a capture needs.
 //!
-//! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
-//! in words and SI units, for whoever prints it.
+//! This room has the clock, the files and the threads. Results come back as a [`Report`], in words
+//! and SI units, to be printed by the caller.
 
 #[cfg(feature = "live")]
 pub mod capture;

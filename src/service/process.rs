@@ -1,4 +1,4 @@
-//! Many recordings, each on its own, as many at a time as there are cores.
+//! Estimates many recordings, each on its own, as many at a time as there are cores.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use super::finish::{check_distinct, finish, open, output_path};
 use super::report::Report;
 use crate::pipeline::Pipeline;
 
-/// What to process.
+/// The input of [`process`].
 #[derive(Clone, Debug)]
 pub struct ProcessJob {
     /// The recordings.
@@ -33,7 +33,7 @@ pub struct Failure {
     pub error: anyhow::Error,
 }
 
-/// Estimates every recording and hands over what became of each, in the order of the inputs, as
+/// Estimates every recording and passes each result to `each`, in the order of the inputs, as
 /// soon as it and those before it are done. One that fails does not stop the others.
 ///
 /// Progress goes to stderr, if that is a terminal. Fails as a whole only where the outputs
@@ -61,7 +61,7 @@ pub fn process(
                     progress.set_message(input.display().to_string());
                     let result = one(input, output, job.scene.as_deref());
                     progress.inc(1);
-                    // A receiver that has gone away has failed and says why itself.
+                    // A receiver that has gone away has failed and reports the reason itself.
                     let _ = sender.send((index, result));
                 });
         });
@@ -79,7 +79,7 @@ pub fn process(
     })
 }
 
-/// Where each estimate goes: no two to one place, none over a recording.
+/// The output file of each recording. Fails where two are equal or one is a recording.
 fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
     let mut outputs = Vec::new();

@@ -1,4 +1,4 @@
-//! A recording for those who listen: as its trackers and a daemon would have sent it.
+//! Publishes a recording over iceoryx2, as its trackers and a daemon would have.
 
 use std::path::Path;
 use std::thread;
@@ -12,13 +12,13 @@ use crate::pipeline::Outcome;
 use crate::write::live::EstimateOccasion;
 use crate::write::{EstimatePublisher, TakePublisher, TrackerPublisher};
 
-/// Subscribers poll: what is sent last must be fetched before we leave.
+/// Wait at the end, so that polling subscribers read the last samples before the publishers end.
 const LINGER: Duration = Duration::from_millis(50);
 
 /// Bit 0 of the flags: valid.
 const VALID: u32 = 1;
 
-/// The services of a scene, open to publish on.
+/// Publishers of the services of a scene.
 pub(super) struct Publication {
     _node: Node,
     trackers: TrackerPublisher,
@@ -32,7 +32,7 @@ pub(super) struct Publication {
 }
 
 impl Publication {
-    /// Opens them, and says that a take begins: number 0, which no daemon's is.
+    /// Opens the publishers and announces the take, with the number 0, which no daemon uses.
     pub(super) fn begin(scene: &Scene, iceoryx2: Option<&Path>) -> anyhow::Result<Self> {
         let node = Node::join("enact replay", iceoryx2)?;
         let topics = stream_topics(scene);
@@ -94,7 +94,7 @@ impl Publication {
         Ok(())
     }
 
-    /// Sends the estimate, and says that the take is over.
+    /// Sends the estimate, and announces that the take is over.
     pub(super) fn end(mut self, outcome: &Outcome) -> anyhow::Result<()> {
         let occasion = EstimateOccasion {
             take: 0,

@@ -1,4 +1,4 @@
-//! Journals that a crash left.
+//! Recovers journals that a crash left.
 
 use std::path::{Path, PathBuf};
 
@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use crate::write::{Recovered, abandoned, recover};
 
-/// What was saved of a journal.
+/// The result for one journal.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecoveredLine {
     /// The journal.
     pub journal: String,
-    /// The recording that was made of it.
+    /// The recording that was made from it.
     pub recording: String,
     /// Messages in it.
     pub messages: u64,
@@ -21,21 +21,21 @@ pub struct RecoveredLine {
     pub duration_s: f64,
     /// Bytes of the journal.
     pub bytes: u64,
-    /// How many of them were not read into the recording.
+    /// Number of bytes that were not read into the recording.
     pub unread_bytes: u64,
-    /// Where those are: offsets of the first, and of the one after the last.
+    /// Ranges of those bytes: offsets of the first, and of the one after the last.
     pub unread: Vec<(u64, u64)>,
-    /// What is wrong with the journal, where it cost something.
+    /// Damage of the journal by which data were lost.
     pub lost: Vec<String>,
-    /// What is wrong with it where it cost nothing.
+    /// Damage without loss of data.
     pub notes: Vec<String>,
-    /// Whether everything in it is in the recording.
+    /// Whether all data of the journal are in the recording.
     pub whole: bool,
-    /// What the journal is called now.
+    /// New name of the journal.
     pub kept: String,
 }
 
-/// Recovers journals, or all abandoned ones in a folder, and hands over what became of each.
+/// Recovers journals, or all abandoned ones in a folder, and passes each result to `each`.
 /// One that fails does not stop the others; fails where `each` does or a folder cannot be read.
 pub fn recover_all(
     paths: &[PathBuf],

@@ -1,4 +1,4 @@
-//! One recording through the pipeline, event by event, as if it came in now.
+//! Plays one recording through the pipeline, event by event.
 
 use std::path::PathBuf;
 use std::thread;
@@ -11,23 +11,23 @@ use crate::ingest::Source;
 use crate::motion::Stamp;
 use crate::pipeline::Pipeline;
 
-/// What to replay, and how.
+/// The input of [`replay`].
 #[derive(Clone, Debug)]
 pub struct ReplayJob {
     /// The recording.
     pub input: PathBuf,
-    /// Where the estimate goes; beside the recording by default.
+    /// File of the estimate; beside the recording by default.
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// 1 is the pace of the performance; as fast as possible by default.
+    /// Pace relative to that of the performance; as fast as possible by default.
     pub rate: Option<f64>,
-    /// Send it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
-    /// performance unless `rate` says otherwise.
+    /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
+    /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
 }
 
-/// Where to send a recording.
+/// Settings for publishing a recording.
 #[derive(Clone, Debug, Default)]
 pub struct PublishJob {
     /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
@@ -65,7 +65,7 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
     Ok(report)
 }
 
-/// Keeps the distances of log times, divided by a rate.
+/// Waits for the intervals of log times, divided by a rate.
 struct Pace {
     rate: f64,
     begun: Option<(Instant, Stamp)>,
@@ -80,7 +80,7 @@ impl Pace {
         let (begun, first) = *self.begun.get_or_insert((Instant::now(), log_time));
         let due_s = i128::from(log_time.0) - i128::from(first.0);
         let due_s = due_s as f64 * 1e-9 / self.rate;
-        // Messages of the past, and those of a clock gone wild, are due at once.
+        // Messages of the past, and those with senseless log times, are due at once.
         let Ok(due) = Duration::try_from_secs_f64(due_s) else {
             return;
         };

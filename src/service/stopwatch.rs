@@ -1,10 +1,10 @@
-//! How long each phase of a run took: the clock that the core does not have.
+//! Measures how long each phase of a run takes; the core itself has no clock.
 
 use std::time::{Duration, Instant};
 
 use crate::motion::{Observer, Phase};
 
-/// Measures phases as they begin. A phase that comes again is added to.
+/// Wall time by phase. Times of a phase that begins several times are added.
 pub(super) struct Stopwatch {
     begun: Instant,
     current: Option<(Phase, Instant)>,
@@ -20,7 +20,7 @@ impl Stopwatch {
         }
     }
 
-    /// Seconds since the start, and by phase in the order in which they first began.
+    /// Seconds since the start, in all and by phase in the order in which phases first began.
     pub(super) fn stop(mut self) -> (f64, Vec<(Phase, f64)>) {
         let now = Instant::now();
         self.close(now);

@@ -1,4 +1,4 @@
-//! The daemon: who runs, who tells whom, and how it ends.
+//! The daemon: starts the threads, connects their queues, and ends them in order.
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -29,22 +29,22 @@ use crate::ingest::live::{StreamTopic, stream_topics};
 use crate::motion::Scene;
 use crate::write::abandoned;
 
-/// Bounds of the queues, but for the publisher's; the policy of each is in the documentation of this
-/// room.
+/// Bounds of the queues except the publisher's; what happens when one is full is in the
+/// documentation of this module.
 const BATCHES: usize = 1024;
 const SO_FAR: usize = 1;
 const FINALS: usize = 8;
 const SAID: usize = 1024;
 
-/// How often the status is shown.
+/// Interval of showing the status.
 const SHOWN: Duration = Duration::from_millis(500);
 
-/// What to capture, and how.
+/// The input of [`capture`].
 #[derive(Clone, Debug)]
 pub struct CaptureJob {
     /// The scene file, with its `[capture]`.
     pub scene: PathBuf,
-    /// Where takes go; the scene's by default.
+    /// Folder of the takes; the scene's by default.
     pub folder: Option<PathBuf>,
     /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
     pub iceoryx2: Option<PathBuf>,
@@ -56,9 +56,9 @@ pub struct CaptureJob {
     pub metrics_port: Option<u16>,
 }
 
-/// Captures until it is told to end by SIGTERM or SIGINT, or by an error of `each`, which is
-/// handed what happens; `show` is handed how it is, now and then. The take that runs is closed
-/// properly and all estimates are waited for; a second signal does not wait.
+/// Captures until SIGTERM or SIGINT, or until `each` fails. `each` is called with every event,
+/// `show` with the status at intervals. At the end the running take is closed and all estimates are
+/// completed; a second signal does not wait for them.
 ///
 /// Fails before it listens where the scene is wrong, the folder cannot be made or the services
 /// cannot be opened.
@@ -73,7 +73,7 @@ pub fn capture(
         .build()
         .context("no tokio runtime")?;
     runtime.block_on(async {
-        // Before anything is opened: a signal shall find us listening.
+        // Before anything is opened, so that no signal is missed.
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut running = Running::start(job).await?;
@@ -87,7 +87,8 @@ pub fn capture(
                         if result.is_ok() {
                             result = each(&said);
                         }
-                        // Whoever reads the account has gone: nobody would see what follows.
+                        // The reader of the account has gone, so nothing that follows would be
+                        // seen.
                         if result.is_err() {
                             running.stop.store(true, Ordering::Relaxed);
                         }
@@ -114,7 +115,7 @@ pub fn capture(
     })
 }
 
-/// The threads, and the ends of their queues that are ours.
+/// The threads, and the daemon's ends of their queues.
 struct Running {
     said: tokio::sync::mpsc::Receiver<CaptureEvent>,
     status: watch::Receiver<Status>,
@@ -176,7 +177,7 @@ impl Running {
             metrics: &metrics,
             stop: &stop,
         };
-        // Nothing has begun that would have to be ended, but for threads that wait.
+        // Nothing has started yet except threads that wait on their queues.
         let served = match doors.open(status.clone(), shown).await {
             Ok(served) => served,
             Err(error) => {
@@ -222,7 +223,7 @@ impl Running {
         })
     }
 
-    /// All queues are closed: waits for those who emptied them.
+    /// Waits for the threads, once all queues are closed.
     fn join(self) -> anyhow::Result<()> {
         for thread in self.threads {
             let name = thread.thread().name().unwrap_or_default().to_owned();
@@ -234,7 +235,7 @@ impl Running {
     }
 }
 
-/// What the sockets need to be opened.
+/// The inputs of the servers for viewers and metrics.
 struct Doors<'a> {
     scene: &'a Scene,
     settings: &'a CaptureSettings,
@@ -243,7 +244,7 @@ struct Doors<'a> {
     stop: &'a Arc<AtomicBool>,
 }
 
-/// Where is listened, and the recorder's end of what viewers are shown.
+/// Addresses of the servers, and the recorder's end of the viewers' queue.
 struct Served {
     viewer: Option<String>,
     metrics: Option<String>,
@@ -251,7 +252,7 @@ struct Served {
 }
 
 impl Doors<'_> {
-    /// Opens those that are wanted.
+    /// Opens the servers that are wanted.
     async fn open(
         &self,
         status: watch::Receiver<Status>,
@@ -324,7 +325,7 @@ fn spawn_syncer(
     speaker: &Speaker,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<std::fs::File>> {
-    // One waits at most: while a sync takes long, the next one is for both.
+    // At most one sync waits: while one takes long, the next one serves both.
     let (sender, queue) = mpsc::sync_channel(1);
     let speaker = speaker.clone();
     threads.push(spawn("sync", move || sync_all(&queue, &speaker))?);

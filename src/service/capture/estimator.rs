@@ -1,4 +1,4 @@
-//! The thread that estimates takes that are over. It is never waited for by those that record.
+//! The thread that estimates takes that are over. The recording threads never wait for it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -19,9 +19,9 @@ use crate::service::finish::{finished, open, output_path};
 use crate::service::words;
 use crate::write::live::EstimateOccasion;
 
-/// A take whose file has its name.
+/// A take whose file is complete.
 pub(super) struct Finished {
-    /// Which.
+    /// Number of the take.
     pub(super) take: u64,
     /// The file.
     pub(super) path: PathBuf,
@@ -71,7 +71,7 @@ fn estimate_file(path: &std::path::Path) -> anyhow::Result<(Report, Outcome, u64
     Ok((report, outcome, pipeline.marks() as u64))
 }
 
-/// A bug in an estimation shall not end a recording.
+/// Runs an estimation and turns a panic into an error, so that a bug does not end a recording.
 pub(super) fn guarded<T>(estimate: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
     catch_unwind(AssertUnwindSafe(estimate))
         .unwrap_or_else(|_| Err(anyhow!("the estimation panicked, which is a bug")))

@@ -1,4 +1,4 @@
-//! What the daemon says: to the terminal, to a log, over iceoryx2.
+//! Events and status of the daemon, for the terminal, the log and iceoryx2.
 
 use serde::Serialize;
 
@@ -9,120 +9,120 @@ use crate::ingest::live::{TakeRecord, TakeState};
 use crate::motion::Verdict;
 use crate::service::Report;
 
-/// Something that happened.
+/// An event of the daemon.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub enum CaptureEvent {
-    /// Services are open: samples are heard.
+    /// Services are open: samples are received.
     Ready {
         /// Topics of the streams.
         topics: Vec<String>,
-        /// In what services that others made fall short.
+        /// Where services made by other processes have less quality than wanted.
         shortcomings: Vec<String>,
         /// Journals that a crash left.
         abandoned: Vec<String>,
-        /// Where viewers are served: a WebSocket's address.
+        /// Address of the WebSocket for viewers.
         viewer: Option<String>,
-        /// Where health and metrics are: an HTTP server's address.
+        /// Address of the HTTP server for health and metrics.
         metrics: Option<String>,
     },
     /// A take has begun.
     Started {
-        /// Which.
+        /// Number of the take.
         take: u64,
-        /// The file that it will be.
+        /// File of the take.
         recording: String,
     },
-    /// A take is over and its file has its name.
+    /// A take is over and its file has its final name.
     Closed {
-        /// Which.
+        /// Number of the take.
         take: u64,
         /// The file.
         recording: String,
         /// Samples and marks in it.
         messages: u64,
-        /// What became of them.
+        /// Counts of its samples and marks.
         counts: CountsLine,
     },
-    /// A take was thrown away.
+    /// A take was discarded.
     Discarded {
-        /// Which.
+        /// Number of the take.
         take: u64,
     },
     /// Recording stopped by an error; the file so far is kept.
     Broken {
-        /// Which.
+        /// Number of the take.
         take: u64,
         /// The file.
         recording: String,
         /// Samples and marks in it, at most.
         messages: u64,
-        /// Why.
+        /// The error.
         error: String,
     },
-    /// An estimate from what came so far; whether bodies run into something was not looked at.
+    /// A preview: an estimate from the events so far. Overlaps of bodies were not checked.
     SoFar {
-        /// Of which take.
+        /// Number of the take.
         take: u64,
-        /// Marks that it rests on.
+        /// Number of marks that it uses.
         marks: u64,
-        /// What it is.
+        /// Its verdict.
         verdict: &'static str,
-        /// What speaks against it most, if that takes the verdict `physical` back.
+        /// The strongest doubt, if it revokes the verdict `physical`.
         #[serde(skip_serializing_if = "Option::is_none")]
         doubt: Option<String>,
-        /// Wall time that it took.
+        /// Wall time of the estimation.
         seconds: f64,
     },
     /// A take's estimate is written.
     Estimated {
-        /// Of which take.
+        /// Number of the take.
         take: u64,
-        /// It.
+        /// Report of the estimate.
         report: Box<Report>,
     },
     /// A take has no estimate.
     NotEstimated {
-        /// Which.
+        /// Number of the take.
         take: u64,
         /// Its file.
         recording: String,
-        /// Why.
+        /// The error.
         error: String,
     },
-    /// Somebody wants to know how things stand.
+    /// The answer to a request for the state.
     Asked {
-        /// The take that runs, if one does.
+        /// Number of the running take, if there is one.
         take: Option<u64>,
         /// Samples and marks in it.
         messages: u64,
     },
-    /// A control message makes no sense.
+    /// A control message was refused.
     Refused {
         /// Its command.
         command: u32,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// Something is not as it should be, and goes on.
+    /// A problem that does not stop the daemon.
     Warning {
-        /// What.
+        /// The problem in words.
         text: String,
     },
 }
 
-/// What became of a take's samples and marks.
+/// Counts of a take's samples and marks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CountsLine {
-    /// Stream by stream.
+    /// Counts of samples, stream by stream.
     pub trackers: Vec<TrackerLine>,
-    /// Of the marks.
+    /// Counts of marks.
     pub marks: MarkCounts,
-    /// From arrival to journal.
+    /// Latency from arrival to journal.
     pub latency_ms: LatencyLine,
 }
 
-/// What became of a stream's samples.
+/// Counts of a stream's samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackerLine {
     /// Its topic.
@@ -133,17 +133,18 @@ pub struct TrackerLine {
     pub clock: ClockQuality,
 }
 
-/// What became of the marks.
+/// Counts of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MarkCounts {
-    /// All.
+    /// All marks that arrived.
     pub received: u64,
-    /// Of no time or no name that a message can say.
+    /// Marks with a time or name that no message can hold.
     pub refused: u64,
 }
 
 impl CountsLine {
-    /// Adds those of a later take of the same streams, whose clocks are the later ones.
+    /// Adds the counts of a later take of the same streams; clock qualities are those of the later
+    /// take.
     pub(super) fn add(&mut self, other: &Self) {
         for (line, of) in self.trackers.iter_mut().zip(&other.trackers) {
             line.counts.add(&of.counts);
@@ -166,28 +167,29 @@ impl CountsLine {
     }
 }
 
-/// How the daemon is, now.
+/// The current status of the daemon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Status {
-    /// The take that runs, if one does.
+    /// Number of the running take, if there is one.
     pub take: Option<u64>,
     /// Its file.
     pub recording: Option<String>,
     /// Samples and marks in it.
     pub messages: u64,
-    /// What became of them.
+    /// Counts of its samples and marks.
     pub counts: CountsLine,
-    /// Samples and marks that came while no take ran, since the start: they are not kept.
+    /// Samples and marks that came while no take ran, since the start; they are not kept.
     pub outside: u64,
-    /// Counts of all takes since the start, this one too; clocks are as they are in it.
+    /// Counts of all takes since the start, including the running one, whose clock qualities are
+    /// used.
     pub totals: CountsLine,
-    /// From arrival to journal, in all of them.
+    /// Latencies from arrival to journal in all takes.
     #[serde(skip)]
     pub(super) latency: Latencies,
 }
 
 impl CaptureEvent {
-    /// Whether it tells of data lost or of a motion that is not physical.
+    /// False if it reports lost data or a motion that is not physical.
     pub fn is_whole(&self) -> bool {
         match self {
             CaptureEvent::Broken { .. } | CaptureEvent::NotEstimated { .. } => false,
@@ -197,7 +199,7 @@ impl CaptureEvent {
         }
     }
 
-    /// The same for subscribers of `enact/take`, if it concerns them.
+    /// The event as a record for `enact/take`; `None` where it has none.
     pub(super) fn record(
         &self,
         asked: Option<(u32, u64)>,

@@ -1,13 +1,13 @@
-//! Health and metrics by HTTP/1: two pages, one request a connection.
+//! Health and metrics by HTTP/1: two pages, one request per connection.
 //!
 //! | path | answer |
 //! |---|---|
 //! | `/health` | 200 `ready`, or 503 `draining` once the daemon is told to end |
 //! | `/metrics` | 200, the text that Prometheus reads |
 //!
-//! Anything else is refused: another path with 404, another method with 405, what is no request
-//! with 400, more than 8 KiB of head with 431. A peer has two seconds for its request; of more
-//! than 32 at a time the next wait to be accepted.
+//! Anything else is refused: another path with 404, another method with 405, a malformed request
+//! with 400, more than 8 KiB of head with 431. A peer has two seconds for its request; at most 32
+//! connections are open at a time, further ones wait to be accepted.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ const HEADERS: usize = 64;
 const PATIENCE: Duration = Duration::from_secs(2);
 const CONNECTIONS: usize = 32;
 
-/// What the pages are made of.
+/// The contents of the pages.
 pub(super) struct Pages {
     pub(super) metrics: Arc<Metrics>,
     pub(super) status: watch::Receiver<Status>,
@@ -34,7 +34,7 @@ pub(super) struct Pages {
     pub(super) stop: Arc<AtomicBool>,
 }
 
-/// Listens there and answers in a task of its own; where it listens.
+/// Listens on an address and answers in a task of its own; returns the bound address.
 pub(super) async fn serve(address: SocketAddr, pages: Pages) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind(address).await?;
     let address = listener.local_addr()?;
@@ -56,7 +56,7 @@ pub(super) async fn serve(address: SocketAddr, pages: Pages) -> std::io::Result<
                         drop(place);
                     });
                 }
-                // Such as too many open files: it passes.
+                // A temporary error, such as too many open files.
                 Err(error) => {
                     tracing::warn!(%error, "a connection was not accepted");
                     tokio::time::sleep(Duration::from_millis(100)).await;
@@ -67,7 +67,7 @@ pub(super) async fn serve(address: SocketAddr, pages: Pages) -> std::io::Result<
     Ok(address)
 }
 
-/// What a request is told.
+/// The reply to a request.
 struct Reply {
     status: &'static str,
     body: String,
@@ -100,7 +100,7 @@ impl Pages {
         stream.shutdown().await
     }
 
-    /// The answer to a request; `None` while its head is not whole.
+    /// The reply to a request; `None` while its head is incomplete.
     fn reply(&self, head: &[u8]) -> Option<Reply> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);

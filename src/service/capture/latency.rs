@@ -1,4 +1,4 @@
-//! How long samples take, without keeping them.
+//! Statistics of latencies by a histogram.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 const BIN_MS: f64 = 0.05;
 const BINS: usize = 2000;
 
-/// A histogram of latencies up to 100 ms; what is longer is in the last bin.
+/// A histogram of latencies up to 100 ms; longer ones are in the last bin.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Latencies {
     bins: Vec<u64>,
@@ -14,14 +14,14 @@ pub(super) struct Latencies {
     max_ms: f64,
 }
 
-/// What is said of them. Quantiles are the upper ends of their bins of 0.05 ms.
+/// A summary of latencies \[ms\]. Quantiles are the upper ends of their bins of 0.05 ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LatencyLine {
-    /// Half are no greater.
+    /// The median.
     pub p50: f64,
-    /// 99 of 100 are no greater.
+    /// The 99th percentile.
     pub p99: f64,
-    /// The greatest.
+    /// The maximum.
     pub max: f64,
 }
 
@@ -43,7 +43,7 @@ impl Latencies {
         self.max_ms = self.max_ms.max(latency_ms);
     }
 
-    /// Adds those of another.
+    /// Adds the latencies of another histogram.
     pub(super) fn merge(&mut self, other: &Self) {
         for (bin, count) in self.bins.iter_mut().zip(&other.bins) {
             *bin += count;
@@ -52,7 +52,7 @@ impl Latencies {
         self.max_ms = self.max_ms.max(other.max_ms);
     }
 
-    /// Bins that hold something: their upper end \[s\] and how many; the last ends at the greatest.
+    /// The bins that are not empty: upper end \[s\] and count; the last bin ends at the maximum.
     pub(super) fn bins_s(&self) -> impl Iterator<Item = (f64, u64)> {
         let held = self
             .bins

@@ -1,4 +1,4 @@
-//! The thread that listens: it waits for nothing but the journal's queue.
+//! The thread that polls iceoryx2. It waits only for the recorder's queue.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,34 +12,34 @@ use crate::ingest::live::{Arrival, Arrived, Listening};
 use crate::ingest::live::{Command, LiveError, Node};
 use crate::motion::Scene;
 
-/// How often services are polled while samples come, and when none came for a while.
+/// Polling intervals while samples come, and after none came for [`IDLE_AFTER`].
 const POLL: Duration = Duration::from_millis(1);
 const POLL_IDLE: Duration = Duration::from_millis(5);
 const IDLE_AFTER: Duration = Duration::from_secs(1);
 
-/// What the thread is given.
+/// The inputs of the thread.
 pub(super) struct Listen {
     pub(super) scene: Scene,
     pub(super) iceoryx2: Option<PathBuf>,
-    /// Where arrivals go; while it is full they wait in the subscribers' buffers.
+    /// Queue to the recorder; while it is full arrivals wait in the subscribers' buffers.
     pub(super) queue: SyncSender<Vec<Arrival>>,
     pub(super) metrics: Arc<Metrics>,
     /// Set to end.
     pub(super) stop: Arc<AtomicBool>,
-    /// Told once whether the services are open, and in what they fall short.
+    /// Receives once whether the services are open, with their shortcomings.
     pub(super) opened: Sender<Result<Vec<String>, LiveError>>,
 }
 
 impl Listen {
-    /// Opens the services and listens until it is told to stop; takes what is there before it
-    /// goes.
+    /// Opens the services and polls them until it is told to stop; takes the last arrivals before
+    /// it ends.
     pub(super) fn run(self) {
         let open = || {
             let node = Node::join("enact capture", self.iceoryx2.as_deref())?;
             let listening = Listening::open(&node, &self.scene)?;
             Ok((node, listening))
         };
-        // Nobody to tell: the daemon has given up.
+        // Where sending fails the daemon has given up already.
         let (_node, listening) = match open() {
             Ok((node, listening)) => {
                 let shortcomings = listening.shortcomings().to_vec();
@@ -77,8 +77,8 @@ impl Listen {
     }
 }
 
-/// What has come. A take that starts begins with the samples that came by the same time, one
-/// that stops has all that were sent before the command.
+/// The arrivals of one poll. A take that starts begins with the samples of the same poll; one that
+/// stops has all samples sent before the command.
 fn poll(listening: &Listening) -> (Vec<Arrival>, Result<(), LiveError>) {
     let (mut samples, mut control) = (Vec::new(), Vec::new());
     let result = listening

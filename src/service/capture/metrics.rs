@@ -1,4 +1,4 @@
-//! What the daemon counts, as Prometheus reads it: text format 0.0.4.
+//! Counters of the daemon in the text format 0.0.4 of Prometheus.
 
 use std::fmt::Write;
 use std::sync::Mutex;
@@ -13,7 +13,7 @@ pub(super) const BOUNDS_S: [f64; 13] = [
     0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.004, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0, 10.0,
 ];
 
-/// How often something happened.
+/// A counter.
 #[derive(Debug, Default)]
 pub(super) struct Count(AtomicU64);
 
@@ -27,7 +27,7 @@ impl Count {
     }
 }
 
-/// How much waits in a queue.
+/// A gauge of the entries in a queue.
 #[derive(Debug, Default)]
 pub(super) struct Depth(AtomicI64);
 
@@ -41,12 +41,12 @@ impl Depth {
     }
 
     fn get(&self) -> i64 {
-        // Who takes may count before who has put.
+        // The receiver may count before the sender has counted.
         self.0.load(Ordering::Relaxed).max(0)
     }
 }
 
-/// How long something takes.
+/// A histogram of durations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Histogram {
     bins: [u64; BOUNDS_S.len() + 1],
@@ -73,17 +73,17 @@ impl Histogram {
     }
 }
 
-/// Everything that is counted beside [`Status`].
+/// All counters beside those in [`Status`].
 #[derive(Debug, Default)]
 pub(super) struct Metrics {
     pub(super) batches_waiting: Depth,
     pub(super) previews_waiting: Depth,
     pub(super) finals_waiting: Depth,
     pub(super) notices_waiting: Depth,
-    /// Samples that the viewer's queue had no room for.
+    /// Samples dropped because the viewers' queue was full.
     pub(super) not_shown: Count,
     pub(super) requests_refused: Count,
-    /// By what became of them: see [`TAKES`].
+    /// Takes by their outcome: see [`TAKES`].
     takes: [Count; TAKES.len()],
     not_previewed: Count,
     so_far: Count,
@@ -101,26 +101,26 @@ const TAKES: [&str; 6] = [
 ];
 
 impl Metrics {
-    /// A preview is made, from the one before or anew.
+    /// Counts a preview, started from the previous one or from nothing.
     pub(super) fn preview(&self, is_warm: bool, took: Duration) {
         if let Ok(mut previews) = self.previews.lock() {
             previews[usize::from(is_warm)].add(took);
         }
     }
 
-    /// There was not enough for a preview.
+    /// Counts a preview that was not possible with the events so far.
     pub(super) fn no_preview(&self) {
         self.not_previewed.add();
     }
 
-    /// A whole take is estimated, checked and written.
+    /// Counts a take that was estimated, checked and written.
     pub(super) fn estimated(&self, took: Duration) {
         if let Ok(mut finals) = self.finals.lock() {
             finals.add(took);
         }
     }
 
-    /// Counts what is said.
+    /// Counts an event.
     pub(super) fn said(&self, said: &CaptureEvent) {
         let kind = match said {
             CaptureEvent::Started { .. } => 0,
@@ -135,7 +135,7 @@ impl Metrics {
         self.takes[kind].add();
     }
 
-    /// All of it, with how the recorder is.
+    /// The text of all metrics, with the status of the recorder.
     pub(super) fn text(&self, status: &Status) -> String {
         let mut text = String::new();
         trackers(&mut text, &status.totals.trackers);
@@ -281,7 +281,8 @@ fn escaped(value: &str) -> String {
 }
 
 impl Latencies {
-    /// In the bins of [`BOUNDS_S`], each latency at the upper end of its own finer bin.
+    /// The histogram in the bins of [`BOUNDS_S`]; each latency counts as the upper end of its finer
+    /// bin.
     fn histogram(&self) -> Histogram {
         let mut histogram = Histogram::default();
         for (upper_s, count) in self.bins_s() {

@@ -1,4 +1,4 @@
-//! The live daemon: takes from trackers that run now, journalled, estimated, published.
+//! The live daemon: takes of running trackers are journalled, estimated and published.
 //!
 //! ```text
 //! iceoryx2 ──> listen ──> record ──> journal (a recording, when the take is over)
@@ -8,10 +8,9 @@
 //!                            └────────────────────────────────────────────┘       └──> the account
 //! ```
 //!
-//! Each is a thread, each arrow a queue with a bound. tokio has the signals, the timer, the
-//! account, and whatever is served to others: a WebSocket for viewers, health and metrics by
-//! HTTP. Both are off unless they are given a port, and on loopback unless another address is
-//! asked for.
+//! Each node is a thread, each arrow a bounded queue. tokio handles the signals, the timer, the
+//! account and the servers: a WebSocket for viewers, health and metrics by HTTP. Both servers are
+//! off unless they are given a port, and on loopback unless another address is configured.
 //!
 //! | queue | bound | when it is full |
 //! |---|---|---|
@@ -22,26 +21,26 @@
 //! | record → finals | 8 takes | the take is not estimated, and the account says so |
 //! | record → viewers | 256 poses, 60 a second and stream | not shown, and counted |
 //! | preview, finals → viewers | 1 estimate | the newest replaces it |
-//! | server → one viewer | 1024 messages | the oldest go |
+//! | server → one viewer | 1024 messages | the oldest are dropped |
 //! | → publisher | 256 | recorder: dropped and logged; estimators wait |
 //! | publisher → account | 1024 | dropped and logged |
 //!
-//! What comes while no take runs is counted ([`Status::outside`]) and not kept: a take begins with
-//! what came by the same poll as its start, at most 1 ms before it while samples come, and ends
-//! with what was sent before its stop. There is no pre-roll: who wants what led up to a motion
-//! starts the take before it, and discards the take if nothing follows.
+//! Samples that come while no take runs are counted ([`Status::outside`]) and not kept. A take
+//! begins with the samples of the same poll as its start, at most 1 ms before it while samples
+//! come, and ends with those sent before its stop. There is no pre-roll: to record what leads up to
+//! a motion, start the take before it, and discard the take if nothing follows.
 //!
 //! A process that is killed loses at most what came in the last `chunk_ms`, a machine that fails what
-//! came in the last `chunk_ms + sync_ms`. What was being written is left as `….mcap.part`; `enact
-//! recover` makes a recording of all that can be read in it, whatever happened to its bytes, and keeps
-//! it as `….mcap.part.recovered`: journals are removed by hand only.
+//! came in the last `chunk_ms + sync_ms`. The journal being written is left as `….mcap.part`;
+//! `enact recover` makes a recording of everything readable in it, even if it is damaged, and keeps
+//! the journal as `….mcap.part.recovered`: journals are removed by hand only.
 //!
 //! Take after take can be recorded while earlier ones are estimated. A journal of more than two
 //! million messages is left to `enact process`.
 //!
-//! Previews follow the performance ([`Preview`](crate::pipeline::Preview)): one after every mark
-//! goes out on iceoryx2 and into the account, those in between to viewers alone. The thread rests
-//! as long as it works, or longer.
+//! Previews are estimated during the performance ([`Preview`](crate::pipeline::Preview)): one after
+//! every mark is published on iceoryx2 and in the account, those in between are shown to viewers
+//! only. The thread rests as long as it works, or longer.
 //!
 //! # Watching
 //!
@@ -52,10 +51,11 @@
 //! listen = "127.0.0.1"   # the default; others only reach what is opened to them here
 //! ```
 //!
-//! There is neither encryption nor a password: off loopback everybody who reaches the port sees
-//! what is acted, and on loopback every page in a browser on this machine, for no origin is refused;
-//! nobody can do more than look. A port that is taken is an error at the start. Lichtblick speaks
-//! `foxglove.sdk.v1` since the end of 2025 (its pull request 819); earlier ones are refused.
+//! There is neither encryption nor a password. Off loopback, everybody who reaches the port sees
+//! the performance; on loopback, every page in a browser on this machine does, since no origin is
+//! refused. Clients can only read. A port that is in use is an error at the start. Lichtblick
+//! supports `foxglove.sdk.v1` since the end of 2025 (its pull request 819); earlier versions are
+//! refused.
 //!
 //! # As a service
 //!
@@ -72,9 +72,9 @@
 //!
 //! iceoryx2 keeps its shared memory under `/dev/shm` and its files under `/tmp/iceoryx2`, as the
 //! user of the process: trackers' drivers must run as the same user. `RemoveIPC=no` must be set
-//! in `logind.conf`, or the shared memory goes when that user logs out; `PrivateTmp=` must be
-//! off. Started first, the daemon makes the services with its own quality; `enact doctor` shows
-//! what is there.
+//! in `logind.conf`, or the shared memory is removed when that user logs out; `PrivateTmp=` must be
+//! off. Started first, the daemon makes the services with its own quality; `enact doctor` lists
+//! existing ones.
 
 mod daemon;
 mod estimator;

@@ -1,4 +1,4 @@
-//! What takes are called.
+//! Names of the takes' files.
 
 use std::path::{Path, PathBuf};
 
@@ -7,8 +7,8 @@ use crate::write::recover::PART_SUFFIX;
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 const SECONDS_PER_DAY: i64 = 86_400;
 
-/// `take-20261121T171000Z.mcap` in that folder, with `-2`, `-3`, … where that is taken by a
-/// recording or a journal.
+/// `take-20261121T171000Z.mcap` in the folder, with `-2`, `-3`, … where a recording or a journal
+/// of that name exists.
 pub(super) fn take_path(folder: &Path, now_ns: i64) -> PathBuf {
     let stem = format!("take-{}", utc(now_ns));
     let names = std::iter::once(format!("{stem}.mcap"))
@@ -21,7 +21,7 @@ pub(super) fn take_path(folder: &Path, now_ns: i64) -> PathBuf {
     folder.join(free.expect("there are names without end"))
 }
 
-/// ISO 8601, basic, in UTC.
+/// The time in ISO 8601 basic format, in UTC.
 fn utc(now_ns: i64) -> String {
     let seconds = now_ns.div_euclid(NANOSECONDS_PER_SECOND);
     let (days, of_day) = (
@@ -33,8 +33,8 @@ fn utc(now_ns: i64) -> String {
     format!("{year:04}{month:02}{day:02}T{hour:02}{minute:02}{second:02}Z")
 }
 
-/// Year, month and day of the Gregorian calendar that many days after 1970-01-01: 400 years are
-/// 146097 days, and a year that begins in March has its leap day last.
+/// Year, month and day of the Gregorian calendar, given the days since 1970-01-01. 400 years are
+/// 146097 days; in a year that begins in March the leap day is the last.
 fn civil(days: i64) -> (i64, i64, i64) {
     let since = days + 719_468;
     let era = since.div_euclid(146_097);

@@ -1,4 +1,4 @@
-//! What the other threads give the publisher, and the queue to it.
+//! The queue to the publisher thread, and its entries.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -9,20 +9,20 @@ use crate::ingest::live::ControlRecord;
 use crate::pipeline::Outcome;
 use crate::write::live::EstimateOccasion;
 
-/// Notices that may wait.
+/// Greatest number of notices in the queue.
 const NOTICES: usize = 256;
 
-/// The last estimate, for those who show it.
+/// The last estimate, for viewers.
 pub(super) type Shown = Option<Arc<Outcome>>;
 
-/// Something to say, and to publish.
+/// An event to report and to publish.
 pub(super) struct Notice {
     pub(super) said: CaptureEvent,
-    /// Publisher and number of the command that brought it about, to answer it by.
+    /// Session and sequence number of the command that it answers.
     pub(super) asked: Option<(u32, u64)>,
     /// An estimate to publish with it.
     pub(super) outcome: Option<(EstimateOccasion, Box<Outcome>)>,
-    /// Whether it was said before, and whoever asked has not heard it.
+    /// Whether it repeats an earlier answer that the client did not receive.
     pub(super) is_repeated: bool,
 }
 
@@ -55,7 +55,7 @@ impl Notice {
     }
 }
 
-/// The speakers' end of the queue.
+/// The sending end of the queue.
 #[derive(Clone)]
 pub(super) struct Speaker {
     queue: SyncSender<Notice>,
@@ -70,14 +70,14 @@ pub(super) fn queue(metrics: &Arc<Metrics>) -> (Speaker, Receiver<Notice>) {
 }
 
 impl Speaker {
-    /// Says it; waits where the queue is full. A publisher that is gone has nobody left to tell.
+    /// Sends a notice; waits while the queue is full. Does nothing once the publisher has ended.
     pub(super) fn say(&self, notice: Notice) {
         if self.queue.send(notice).is_ok() {
             self.metrics.notices_waiting.put();
         }
     }
 
-    /// The same for whoever must not wait: what has no room is dropped and logged.
+    /// Sends a notice without waiting: where the queue is full it is dropped and logged.
     pub(super) fn say_at_once(&self, notice: Notice) {
         match self.queue.try_send(notice) {
             Ok(()) => self.metrics.notices_waiting.put(),

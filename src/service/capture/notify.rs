@@ -1,8 +1,8 @@
-//! Telling the service manager: `sd_notify` by a datagram.
+//! Notifies the service manager: `sd_notify` by a datagram.
 
 use std::os::unix::net::UnixDatagram;
 
-/// Tells the service manager that is named in the environment, if there is one.
+/// Sends a state to the service manager that the environment names, if there is one.
 pub(super) fn tell(state: &str) {
     let Some(socket) = std::env::var_os("NOTIFY_SOCKET") else {
         return;

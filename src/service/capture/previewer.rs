@@ -1,9 +1,9 @@
-//! The thread that follows the performance: what the estimate so far is.
+//! The thread that estimates the running take: previews.
 //!
-//! One message waits at most; what comes meanwhile is in the next one, and of all that it brings
-//! one estimate is made. After a mark that is at once; between marks the thread rests as long as
-//! the last estimate took, so that it never has more than half a core, and four times as long
-//! where that is no longer a preview but a burden.
+//! At most one message waits; events that come meanwhile are in the next message, and one estimate
+//! is made of all of them. After a mark it is made at once. Between marks the thread rests as long
+//! as the last estimate took, so that it never uses more than half a core, and four times as long
+//! where the estimate took longer than [`BURDEN`].
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -20,14 +20,14 @@ use crate::pipeline::Preview;
 use crate::service::doubts::gravest;
 use crate::service::words;
 
-/// An estimate that takes longer is a burden.
+/// After an estimate that takes longer than this, the thread rests four times as long.
 const BURDEN: Duration = Duration::from_millis(50);
 
-/// How the performance goes on.
+/// A message to the thread.
 pub(super) enum PreviewInput {
-    /// What came since the last message.
+    /// Events since the last message.
     Events {
-        /// In which take; one with another number begins.
+        /// The take; another number begins another take.
         take: u64,
         /// Marks in it so far.
         marks: u64,
@@ -38,7 +38,7 @@ pub(super) enum PreviewInput {
     Over,
 }
 
-/// What the thread is given.
+/// The inputs of the thread.
 pub(super) struct Previewer {
     pub(super) scene: Scene,
     pub(super) publisher: Speaker,
@@ -51,14 +51,14 @@ struct Following {
     take: u64,
     preview: Preview,
     marks: u64,
-    /// Marks that the last estimate knew of.
+    /// Number of marks in the last estimate.
     told: u64,
-    /// Something came that no estimate knows of.
+    /// Whether there are events that no estimate contains.
     is_due: bool,
 }
 
 impl Previewer {
-    /// Follows takes until nobody sends any more.
+    /// Follows takes until the queue is closed.
     pub(super) fn run(self, queue: &Receiver<PreviewInput>) {
         let mut following: Option<Following> = None;
         let mut rested = Instant::now();
@@ -114,7 +114,7 @@ impl Previewer {
         }
     }
 
-    /// Estimates, shows it, and after a mark says it; how long the estimation took.
+    /// Makes an estimate, shows it, and publishes it after a mark; returns how long it took.
     fn estimate(&self, following: &mut Following) -> Duration {
         let (take, marks) = (following.take, following.marks);
         following.is_due = false;
@@ -143,7 +143,7 @@ impl Previewer {
                 }
             }
             Ok(None) => {}
-            // So it is with the first samples, and with those after a mark.
+            // Expected with the first samples, and with those right after a mark.
             Err(error) => {
                 self.metrics.no_preview();
                 tracing::debug!(take, marks, error = %words(&error), "no estimate so far");

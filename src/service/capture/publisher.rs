@@ -1,5 +1,5 @@
-//! The thread that tells: it publishes on iceoryx2, passes on what is said, and clears away
-//! what killed peers left.
+//! The thread that publishes on iceoryx2, forwards events to the account, and removes resources of
+//! killed peers.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,21 +16,21 @@ use crate::ingest::live::{LiveError, Node};
 use crate::motion::Scene;
 use crate::write::{EstimatePublisher, TakePublisher};
 
-/// How often killed peers are looked for: until then their publishers hold their places.
+/// Interval of searching for killed peers: until then their publishers occupy places.
 const BURY: Duration = Duration::from_secs(1);
 
-/// What the thread is given.
+/// The inputs of the thread.
 pub(super) struct Publisher {
     pub(super) scene: Scene,
     pub(super) iceoryx2: Option<PathBuf>,
     pub(super) said: tokio::sync::mpsc::Sender<CaptureEvent>,
     pub(super) metrics: Arc<Metrics>,
-    /// Told once whether the services are open.
+    /// Receives once whether the services are open.
     pub(super) opened: Sender<Result<(), LiveError>>,
 }
 
 impl Publisher {
-    /// Opens the services and tells what it is told, until nobody tells it anything.
+    /// Opens the services and publishes notices until the queue is closed.
     pub(super) fn run(self, queue: &Receiver<Notice>) {
         let open = || {
             let node = Node::join("enact capture, out", self.iceoryx2.as_deref())?;

@@ -1,4 +1,4 @@
-//! The thread that journals: whatever it does not do itself it hands on without waiting.
+//! The thread that journals. It hands all other work to other threads without waiting.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -24,19 +24,20 @@ use crate::ingest::live::{Command, ControlRecord};
 use crate::motion::{Scene, Stamp};
 use crate::write::WriteError;
 
-/// How often the status is renewed.
+/// Interval of updating the status.
 const STATUS: Duration = Duration::from_millis(200);
 
-/// Events of a take that are kept for estimates so far; longer takes have none.
+/// Greatest number of events of a take with previews; longer takes have none.
 const SO_FAR_EVENTS: usize = 200_000;
 
-/// Journals with more samples are not estimated while recording may go on: `enact process` does.
+/// Greatest number of messages of a take that the daemon estimates; `enact process` estimates
+/// larger ones.
 const FINAL_MESSAGES: u64 = 2_000_000;
 
-/// Commands whose answers are kept for those who did not hear them.
+/// Number of commands whose answers are kept to be repeated.
 const ANSWERS: usize = 16;
 
-/// What the thread is given.
+/// The inputs of the thread.
 pub(super) struct Recorder {
     pub(super) scene: Scene,
     pub(super) scene_toml: Vec<u8>,
@@ -48,28 +49,28 @@ pub(super) struct Recorder {
     pub(super) syncer: SyncSender<File>,
     pub(super) status: watch::Sender<Status>,
     pub(super) metrics: Arc<Metrics>,
-    /// For viewers, if there may be any.
+    /// Queue to the viewers, if they are served.
     pub(super) feed: Option<Feed>,
 }
 
-/// What it knows.
+/// The state of the thread.
 struct State {
     take: Option<Take>,
     takes: u64,
     outside: u64,
-    /// Events of the take that runs that the previewer was given, if it follows.
+    /// Number of events of the running take that the previewer was given; `None` without previews.
     followed: Option<usize>,
-    /// The previewer is to be told that a take need not be followed any more.
+    /// Whether the previewer must be told that the take is over.
     is_over: bool,
-    /// The last commands that were obeyed, and what was said to each.
+    /// The last commands that were executed, with their answers.
     answered: VecDeque<(ControlRecord, CaptureEvent)>,
-    /// Of takes that are over.
+    /// Sums over the takes that are over.
     totals: (CountsLine, Latencies),
     said: Instant,
 }
 
 impl Recorder {
-    /// Journals what comes until nobody sends any more, then closes the take.
+    /// Journals arrivals until the queue is closed, then closes the take.
     pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
         let mut state = State::new();
         if start_now {
@@ -95,7 +96,7 @@ impl Recorder {
         }
     }
 
-    /// Shows it to viewers, in a take or not.
+    /// Shows an arrival to viewers, in a take or not.
     fn show(&mut self, arrival: &Arrival) {
         let Some(feed) = &mut self.feed else {
             return;
@@ -136,8 +137,8 @@ impl Recorder {
         }
     }
 
-    /// Obeys. A command that comes again was not heard to be answered: it is answered as it was,
-    /// and not obeyed twice.
+    /// Executes a command. One that is repeated gets the same answer again and is not executed
+    /// twice.
     fn control(&self, state: &mut State, record: &ControlRecord) {
         let asked = Some(record);
         let mut answered = state.answered.iter();
@@ -273,7 +274,7 @@ impl Recorder {
         self.answer(state, CaptureEvent::Discarded { take: number }, asked);
     }
 
-    /// Says what became of a command that was obeyed, and keeps it.
+    /// Answers a command that was executed, and keeps the answer.
     fn answer(&self, state: &mut State, said: CaptureEvent, asked: Option<&ControlRecord>) {
         if let Some(command) = asked {
             state.answered.truncate(ANSWERS - 1);
@@ -282,7 +283,7 @@ impl Recorder {
         self.publisher.say_at_once(Notice::asked(said, asked));
     }
 
-    /// Recording stops: what was journalled so far becomes a file, if that is possible.
+    /// Stops recording after an error: the journal so far becomes a file, if possible.
     fn give_up(&self, state: &mut State, error: &WriteError) {
         let Some(take) = state.take.take() else {
             return;
@@ -303,7 +304,7 @@ impl Recorder {
         }));
     }
 
-    /// Everything that is done by time.
+    /// Everything that is done at intervals.
     fn tick(&self, state: &mut State, now: Instant) {
         if let Some(mut take) = state.take.take() {
             let ticked = take.tick(now, &self.settings);
@@ -326,7 +327,7 @@ impl Recorder {
         }
     }
 
-    /// Has the journal synced by another thread. While that is still at the last time, not.
+    /// Asks the syncer to sync the journal, unless a sync is still waiting.
     fn sync(&self, take: &mut Take, now: Instant) {
         if now.duration_since(take.synced) < self.settings.sync {
             return;
@@ -342,8 +343,8 @@ impl Recorder {
         }
     }
 
-    /// Hands new events to the previewer. What it cannot take now waits until the next time and
-    /// goes with what comes then; takes that grow too long are no longer followed.
+    /// Hands new events to the previewer. While its queue is full they wait and go with later ones;
+    /// takes that grow too long get no more previews.
     fn follow(&self, state: &mut State, take: &mut Take) {
         if let Some(count) = &mut state.followed {
             *count += take.pending.len();
@@ -388,12 +389,12 @@ impl State {
         }
     }
 
-    /// What is followed needs no more previews.
+    /// Ends the previews of the take.
     fn unfollow(&mut self) {
         self.is_over |= self.followed.take().is_some();
     }
 
-    /// A take is over: its counts go into the totals.
+    /// Adds the counts of a take that is over to the totals.
     fn end_of(&mut self, take: &Take) {
         self.unfollow();
         self.totals.0.add(&take.counts());

@@ -1,4 +1,4 @@
-//! The thread that makes journals durable, on its own because the disk may take long.
+//! The thread that syncs journals to disk, separate because a sync may take long.
 
 use std::fs::File;
 use std::sync::mpsc::Receiver;
@@ -6,7 +6,7 @@ use std::sync::mpsc::Receiver;
 use super::event::CaptureEvent;
 use super::notice::{Notice, Speaker};
 
-/// Syncs every file that comes, until nobody sends any more; says what fails.
+/// Syncs every file from the queue until it is closed; reports errors.
 pub(super) fn sync_all(queue: &Receiver<File>, speaker: &Speaker) {
     for file in queue {
         if let Err(error) = file.sync_data() {

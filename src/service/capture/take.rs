@@ -1,4 +1,4 @@
-//! A take that runs: its journal, its streams, what of it is not handed on yet.
+//! A running take: its journal, its streams, and the events that were not handed on yet.
 
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -11,8 +11,8 @@ use crate::ingest::live::{Stream, StreamTopic, Streamed, stamp_mark};
 use crate::motion::{Scene, Stamp, TakeEvent};
 use crate::write::{Journal, WriteError};
 
-/// Of the time that samples may be in an open chunk, how much the chunk is kept open: the rest
-/// is for polling, queueing and writing, all of which a kill cuts short too.
+/// A chunk is closed after this share of the time that samples may be in an open one: the rest is
+/// for polling, queueing and writing, during which a kill loses them too.
 const CHUNK_SHARE: f64 = 0.75;
 
 /// Now on the system clock [ns since 1970].
@@ -23,8 +23,7 @@ pub(in crate::service) fn now_ns() -> i64 {
     })
 }
 
-/// Our clock during a take: the system's at its beginning, and from then on one that is never
-/// set.
+/// The clock of a take: the system clock at its beginning, continued by a monotonic clock.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Anchor {
     wall_ns: i64,
@@ -39,7 +38,7 @@ impl Anchor {
         }
     }
 
-    /// What that instant is on our clock.
+    /// The time of an instant on this clock.
     pub(super) fn stamp(&self, at: Instant) -> Stamp {
         let nanos = |span: Duration| i64::try_from(span.as_nanos()).unwrap_or(i64::MAX);
         let since_ns = match at.checked_duration_since(self.at) {
@@ -50,7 +49,7 @@ impl Anchor {
     }
 }
 
-/// A take that runs.
+/// A running take.
 pub(super) struct Take {
     pub(super) number: u64,
     pub(super) journal: Journal,
@@ -59,17 +58,17 @@ pub(super) struct Take {
     streams: Vec<Stream>,
     marks: MarkCounts,
     pub(super) latencies: Latencies,
-    /// Events that the estimator has not been given.
+    /// Events that were not yet handed to the previewer.
     pub(super) pending: Vec<TakeEvent>,
     pub(super) chunk_begun: Instant,
     pub(super) synced: Instant,
     pub(super) counted: Instant,
-    /// When the last sample or mark came.
+    /// Arrival of the last sample or mark.
     latest: Instant,
 }
 
 impl Take {
-    /// Begins the journal at that path.
+    /// Begins a take with its journal at a path.
     pub(super) fn begin(
         number: u64,
         path: &Path,
@@ -135,13 +134,13 @@ impl Take {
         Ok(())
     }
 
-    /// When something came, on our clock.
+    /// Arrival on the take's clock.
     fn receipt(&mut self, at: Instant) -> Stamp {
         self.latest = self.latest.max(at);
         self.anchor.stamp(at)
     }
 
-    /// Closes the chunk and notes the counts, where it is time.
+    /// Closes the chunk and writes the counts, when they are due.
     pub(super) fn tick(
         &mut self,
         now: Instant,
@@ -158,19 +157,19 @@ impl Take {
         Ok(())
     }
 
-    /// Writes the counts so far into the journal, at the time of the last thing that came: what
-    /// waits in the queue came before now, and a journal is in order.
+    /// Writes the counts so far into the journal, stamped with the last arrival: entries in the
+    /// queue arrived before now, and a journal is in order of time.
     pub(super) fn note_counts(&mut self) -> Result<(), WriteError> {
         let json = serde_json::to_vec(&self.counts()).expect("names and numbers are JSON");
         self.journal.counts(self.anchor.stamp(self.latest), &json)
     }
 
-    /// Marks that count.
+    /// Number of accepted marks.
     pub(super) fn marks(&self) -> u64 {
         self.marks.received - self.marks.refused
     }
 
-    /// What became of the samples so far.
+    /// The counts so far.
     pub(super) fn counts(&self) -> CountsLine {
         let lines = self.topics.iter().zip(&self.streams);
         CountsLine {

@@ -1,17 +1,17 @@
-//! What Foxglove and Lichtblick are shown while a performer acts, by WebSocket.
+//! Serves Foxglove and Lichtblick by WebSocket while a performer acts.
 //!
 //! | topic | what |
 //! |---|---|
-//! | `/tracker/<body>/pose` | what the tracker says, at 60 Hz at most, take or no take |
+//! | `/tracker/<body>/pose` | poses of the tracker, at 60 Hz at most, take or no take |
 //! | `/marks` | marks as they come |
-//! | `/estimate/<body>/pose`, `/sketch/<body>/pose` | the last estimate and the performance at its physical times, played over and over in real time |
+//! | `/estimate/<body>/pose`, `/sketch/<body>/pose` | the last estimate and the performance at its physical times, repeated in real time |
 //! | `/tf` | frames `<body>_live`, `<body>_estimate`, `<body>_sketch` |
-//! | `/scene` | bodies, ghosts, the static world; again every second, for those who come late |
+//! | `/scene` | bodies, ghosts, the static world; again every second, for late viewers |
 //! | `/estimate/report`, `/estimate/time_map` | the last estimate in numbers; again every second |
 //!
-//! The protocol is the `foxglove` crate's, which serves `foxglove.sdk.v1` and `v1.1`, refuses
-//! whoever does not ask for one of them, and keeps a queue of 1024 messages for every client, of
-//! which the oldest go first. Clients may look and do no more: no capability is offered.
+//! The protocol is that of the `foxglove` crate, which serves `foxglove.sdk.v1` and `v1.1`, refuses
+//! clients that ask for neither, and keeps a queue of 1024 messages for every client, of which the
+//! oldest are dropped first. Clients can only read: no capability is offered.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -31,27 +31,27 @@ use crate::write::report::Reported;
 use crate::write::show::{self, Showing, ShownTopic};
 use crate::write::topics;
 
-/// Live samples that may wait to be shown.
+/// Greatest number of live samples in the queue.
 const FEED: usize = 256;
 
-/// How often the motion moves, and a tracker's pose is shown at most.
+/// Interval of frames of the motion, and least interval of a tracker's poses.
 const FRAME: Duration = Duration::from_micros(16_667);
 
-/// How often what stands still is sent again.
+/// Interval at which static contents are sent again.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// How long the motion stands at its end before it begins again \[s\].
+/// Pause at the end of the motion before it begins again \[s\].
 const PAUSE_S: f64 = 0.5;
 
-/// What the recorder shows.
+/// A live sample for viewers.
 pub(super) enum Live {
-    /// A tracker's reading, of the stream of that number.
+    /// The index of a stream and its reading.
     Pose(usize, PoseSample),
     /// A mark.
     Mark(Mark),
 }
 
-/// The recorder's end: it never waits.
+/// The recorder's end of the queue; it never waits.
 pub(super) struct Feed {
     sender: mpsc::Sender<Live>,
     shown: Vec<Option<Instant>>,
@@ -77,7 +77,7 @@ impl Feed {
         self.send(Live::Pose(stream, sample));
     }
 
-    /// Shows a mark, at the time when it comes.
+    /// Shows a mark at the time of its arrival.
     pub(super) fn mark(&self, mark: Mark) {
         self.send(Live::Mark(mark));
     }
@@ -89,14 +89,14 @@ impl Feed {
     }
 }
 
-/// What viewers are shown, and where it comes from.
+/// The state of the server and its sources.
 pub(super) struct Viewer {
     scene: Scene,
     streams: Vec<StreamTopic>,
     feed: mpsc::Receiver<Live>,
     estimates: watch::Receiver<Shown>,
     channels: Channels,
-    /// The estimate that is played, and since when.
+    /// The estimate that is played, and its start.
     showing: Option<Showing>,
     begun: Instant,
 }
@@ -112,7 +112,8 @@ struct Channels {
     time_map: Arc<RawChannel>,
 }
 
-/// Serves viewers there, in a task of its own; the recorder's end, and where it listens.
+/// Serves viewers on an address, in a task of its own; returns the recorder's end of the queue and
+/// the bound address.
 pub(super) async fn serve(
     address: SocketAddr,
     (scene, streams): (&Scene, &[StreamTopic]),
@@ -137,7 +138,7 @@ pub(super) async fn serve(
     let handle = server.start().await?;
     let address = SocketAddr::new(address.ip(), handle.port());
     tokio::spawn(async move {
-        // The server has a weak hold of its channels: they live as long as this.
+        // The server holds its channels weakly; this keeps them alive.
         let _context = context;
         viewer.run().await
     });
@@ -177,7 +178,7 @@ impl Channels {
         })
     }
 
-    /// Whether somebody has subscribed to anything of an estimate.
+    /// Whether a client has subscribed to a topic of the estimate.
     fn are_watched(&self) -> bool {
         let alone = [&self.transforms, &self.report, &self.time_map];
         let all = alone.into_iter().chain(self.bodies.iter().flatten());
@@ -186,21 +187,21 @@ impl Channels {
 }
 
 fn log(channel: &RawChannel, message: Option<Vec<u8>>) {
-    // Before 1970 or after 2106 nothing can be said.
+    // Stamps before 1970 or after 2106 cannot be encoded.
     if let Some(message) = message {
         channel.log(&message);
     }
 }
 
 impl Viewer {
-    /// Shows what comes for as long as the runtime lives.
+    /// Shows arrivals and the motion until the runtime ends.
     async fn run(mut self) -> std::convert::Infallible {
         let mut frames = tokio::time::interval(FRAME);
         frames.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
         let mut again = tokio::time::interval(AGAIN);
         loop {
             tokio::select! {
-                // Closed once the recorder is done: there may be estimates still.
+                // Closed once the recorder has ended; estimates may still come.
                 Some(live) = self.feed.recv() => self.live(live),
                 _ = frames.tick() => self.frame(),
                 _ = again.tick() => self.again(),
@@ -222,8 +223,8 @@ impl Viewer {
         }
     }
 
-    /// Another estimate, if there is one: it goes on where the one before was being played. One
-    /// that failed is no motion.
+    /// Switches to a new estimate, if there is one, at the same phase of playing. A failed estimate
+    /// has no motion.
     fn estimate(&mut self) {
         if !self.estimates.has_changed().unwrap_or(false) {
             return;
@@ -251,7 +252,7 @@ impl Viewer {
         }
     }
 
-    /// The motion where it is now, if somebody sees it.
+    /// Sends the current frame of the motion, if a client watches.
     fn frame(&mut self) {
         if !self.channels.are_watched() {
             return;
