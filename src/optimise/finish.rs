@@ -49,6 +49,8 @@ impl Default for Tolerances {
 pub struct Finished {
     /// Within tolerances.
     pub converged: bool,
+    /// Those tolerances.
+    pub tolerances: Tolerances,
     /// Largest violation left, in units.
     pub violation: f64,
     /// Decrease that a further step would promise, relative to the objective, as far as the last
@@ -89,6 +91,7 @@ impl<P: Program> Finish<'_, P> {
         let mut trial = (self.point.clone(), self.system.clone());
         let mut finished = Finished {
             converged: false,
+            tolerances: *tolerances,
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };

@@ -225,10 +225,11 @@ pub fn solve<P: Program>(
 
 impl<P: Program> Descent<'_, P> {
     /// Where it ended, without a finish.
-    fn given_up(self, multipliers: Vec<f64>) -> Solution<P::Point> {
+    fn given_up(self, multipliers: Vec<f64>, tolerances: Tolerances) -> Solution<P::Point> {
         Solution {
             finished: Finished {
                 converged: false,
+                tolerances,
                 violation: self.system.violation(),
                 decrease: f64::INFINITY,
             },
@@ -253,7 +254,7 @@ fn conclude<P: Program>(
     // Conditions that the greatest weight leaves broken by a whole unit contradict each other, and
     // steps that meet them exactly would only lead astray.
     if descent.system.violation() > HOPELESS && lagrangian.weight >= schedule.weight_max() {
-        return descent.given_up(multipliers);
+        return descent.given_up(multipliers, schedule.tolerances);
     }
     watch.begins(Stage::Finish);
     let mut finish = Finish {

@@ -4,14 +4,12 @@
 //! says where marks would be. [`capture`] drives it live, [`direct()`] tells that what to do, [`recover_all`] saves what a crash of
 //! that left, [`doctor()`] says what stands in its way.
 //!
-//! Here are the clock, the files and the threads. What happened comes back as a [`Report`],
-//! in words and SI units, for whoever prints it.
+//! Here are the clock, the files and the threads. What happened comes back as a
+//! [`RecordingReport`](crate::report::RecordingReport).
 
 pub mod capture;
-mod checks;
 mod direct;
 mod doctor;
-mod doubts;
 mod finish;
 mod inspect;
 mod mark;
@@ -19,21 +17,16 @@ mod process;
 mod publish;
 mod recover;
 mod replay;
-mod report;
 mod stopwatch;
 mod words;
 
-pub use crate::write::lines::{Ordered, SampleLine, SettledLine};
-pub use checks::{CheckLine, OverlapLine, ShotLine, WrongLine};
 pub use direct::{Answer, DirectJob, Direction, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
-pub use doubts::DoubtLine;
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
 pub use recover::{RecoveredLine, recover_all};
 pub use replay::{PublishJob, ReplayJob, replay};
-pub use report::{EventLine, ParameterLine, Report, SegmentLine};
 pub use words::words;
 
 pub use crate::ingest::live::TakeState;

@@ -9,13 +9,11 @@
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
-mod checks;
 mod dialect;
 mod drawing;
 pub mod error;
 pub mod estimate;
 pub mod journal;
-pub mod lines;
 pub mod live;
 pub mod marks;
 mod merge;
@@ -23,7 +21,6 @@ mod motion;
 mod options;
 pub mod recording;
 pub mod recover;
-pub mod report;
 pub mod show;
 pub mod topics;
 mod urdf;

@@ -11,10 +11,10 @@ use super::drawing;
 use super::error::WriteError;
 use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, surface_side_m};
 use super::motion;
-use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::topics;
 use crate::math::Pose;
 use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
+use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
@@ -119,7 +119,7 @@ impl Showing {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
             sketches: sketches.collect(),
-            report: json(&EstimateReport::new(of, zero)),
+            report: json(&EstimateMessage::new(of, zero)),
             time_map: json(&TimeMap::new(scene, sketch, estimate, zero)),
             estimates,
         })
@@ -201,6 +201,7 @@ mod tests {
         let (scene, sketch, estimate) = (samples::scene(), samples::sketch(), samples::estimate());
         let showing = Showing::new(&Reported {
             scene: &scene,
+            inferred: &[],
             sketch: &sketch,
             counts: &SampleCounts::default(),
             estimate: &estimate,
