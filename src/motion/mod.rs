@@ -5,6 +5,8 @@
 
 pub mod doubt;
 pub mod estimate;
+#[cfg(test)]
+pub(crate) mod fixture;
 pub mod guess;
 pub mod observe;
 pub mod open;

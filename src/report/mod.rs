@@ -18,6 +18,8 @@ pub mod reason;
 pub mod recording;
 pub mod reported;
 pub mod samples;
+#[cfg(test)]
+mod tests;
 pub mod time_map;
 
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};

@@ -318,6 +318,4 @@ pub(super) fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f6
 }
 
 #[cfg(test)]
-pub(super) mod samples;
-#[cfg(test)]
 mod tests;

@@ -193,12 +193,11 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::SampleCounts;
-    use crate::write::estimate::samples;
+    use crate::motion::{SampleCounts, fixture};
 
     #[test]
     fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {
-        let (scene, sketch, estimate) = (samples::scene(), samples::sketch(), samples::estimate());
+        let (scene, sketch, estimate) = (fixture::scene(), fixture::sketch(), fixture::estimate());
         let showing = Showing::new(&Reported {
             scene: &scene,
             inferred: &[],
@@ -223,7 +222,7 @@ mod tests {
 
     #[test]
     fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
-        let mut scene = samples::scene();
+        let mut scene = fixture::scene();
         let body = &mut scene.bodies[0];
         body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample {

@@ -11,8 +11,8 @@ use tempfile::TempDir;
 mod skip;
 
 use self::skip::skip;
-use super::samples::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use super::*;
+use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use crate::motion::{Against, Mark, Penetration, Settled, Verification};
 use crate::settle::settle;
 use crate::verify::verify;

@@ -1,13 +1,13 @@
-//! A scene, its estimate and its sketch, as the tests of this room want them.
+//! A scene, its estimate and its sketch, for the tests of rooms that say, sample and write them.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::config::scene_from_toml;
-use crate::motion::{
+use super::{
     ArcEstimate, BodySketch, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
     ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch,
     Stamp, Undetermined, Verdict,
 };
+use crate::config::scene_from_toml;
 use crate::physics::State;
 
 pub(crate) const SCENE_TOML: &str = r#"
