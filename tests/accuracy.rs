@@ -44,7 +44,7 @@ fn assert_recovered(acting: &Acting, limit: f64) {
         assert_eq!(
             estimate.verdict,
             Verdict::Physical,
-            "{name}: {}",
+            "{name}: {:?}",
             estimate.reason
         );
         let errors = Errors::of(&case, &outcome);

@@ -30,7 +30,7 @@ fn of(scene: &Scene, events: &[TakeEvent]) -> Preview {
 const WEIGHED: (f64, f64) = (0.02, 0.002);
 
 fn assert_same(a: &Estimate, b: &Estimate, at: &str) {
-    assert_eq!(a.verdict, b.verdict, "{at}: {}; {}", a.reason, b.reason);
+    assert_eq!(a.verdict, b.verdict, "{at}: {:?}; {:?}", a.reason, b.reason);
     let apart = (a.objective - b.objective).abs() / b.objective.max(1e-3);
     assert!(
         apart <= WEIGHED.0,

@@ -21,7 +21,7 @@ fn what_the_first_finish_does_not_meet_is_met_by_another() {
         let outcome = case.estimated(&mut ()).expect("an estimate");
         let estimate = &outcome.estimate;
         let why = &estimate.reason;
-        assert_eq!(estimate.verdict, Verdict::Physical, "seed {seed}: {why}");
+        assert_eq!(estimate.verdict, Verdict::Physical, "seed {seed}: {why:?}");
     }
 }
 

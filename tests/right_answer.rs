@@ -21,7 +21,7 @@ fn assert_right(style: Style, acting: &Acting, seeds: std::ops::Range<u64>) {
         assert_eq!(
             estimate.verdict,
             Verdict::Physical,
-            "{at}: {}",
+            "{at}: {:?}",
             estimate.reason
         );
         let (gap_m, gap_rad) = goal_gap(&case, estimate);

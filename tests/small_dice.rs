@@ -81,7 +81,7 @@ fn many_bounces_of_a_small_die_are_physical_and_the_best_known() {
             assert_eq!(
                 estimate.verdict,
                 Verdict::Physical,
-                "{at}: {}",
+                "{at}: {:?}",
                 estimate.reason
             );
             assert_eq!(outside(estimate), (0, 0.0), "{at}");

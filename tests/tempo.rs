@@ -26,7 +26,7 @@ fn a_faster_tracker_takes_no_more_iterations_and_no_more_memory() {
         let case = sampled(count);
         let outcome = case.estimated(&mut ()).unwrap();
         let estimate = &outcome.estimate;
-        assert_eq!(estimate.verdict, Verdict::Physical, "{}", estimate.reason);
+        assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.reason);
         assert_eq!(estimate.sample_times.len(), outcome.counts.used);
         let times_s = || estimate.sample_times.iter().map(|sample| sample.time_s);
         assert!(times_s().zip(times_s().skip(1)).all(|(a, b)| a < b));

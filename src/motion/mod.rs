@@ -1,14 +1,17 @@
 //! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
 //! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), what comes
-//! out ([`estimate`]), what checks say of it ([`verification`]) and what speaks against it
+//! out ([`estimate`]) and why the estimation ended ([`reason`]), what checks say of it ([`verification`]) and what speaks against it
 //! ([`doubt`]), how it goes on ([`settled`]), and who watches meanwhile ([`observe`]).
 
 pub mod doubt;
 pub mod estimate;
+#[cfg(test)]
+pub(crate) mod fixture;
 pub mod guess;
 pub mod observe;
 pub mod open;
 pub mod partial;
+pub mod reason;
 pub mod scene;
 pub mod settled;
 pub mod sketch;
@@ -21,11 +24,12 @@ pub mod verification;
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    SampleTime, SegmentResidual,
+    SampleTime, SegmentResidual, Undetermined,
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
+pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
     Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal,
     GoalTarget, Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching,

@@ -274,7 +274,7 @@ mod tests {
     use foxglove::Decode;
 
     use super::*;
-    use crate::write::estimate::samples::scene;
+    use crate::motion::fixture::scene;
 
     #[test]
     fn bodies_move_with_their_frames_and_the_world_stands_still() {

@@ -9,14 +9,12 @@
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
-mod checks;
 mod dialect;
 mod drawing;
 pub mod error;
 pub mod estimate;
 #[cfg(feature = "live")]
 pub mod journal;
-pub mod lines;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod marks;
@@ -25,7 +23,6 @@ mod motion;
 mod options;
 pub mod recording;
 pub mod recover;
-pub mod report;
 #[cfg(feature = "live")]
 pub mod show;
 pub mod topics;

@@ -3,7 +3,7 @@
 //! Tests include this file too, beside `mod case;`.
 
 use enact::math::so3;
-use enact::motion::{Estimate, GoalTarget};
+use enact::motion::{End, Estimate, GoalTarget};
 use enact::physics::{State, flow};
 use enact::pipeline::Outcome;
 
@@ -87,7 +87,7 @@ impl Errors {
 /// Whether the solver stopped because it was done, and not because it got no further: its verdict
 /// is about the gaps alone.
 pub fn has_converged(estimate: &Estimate) -> bool {
-    estimate.reason.starts_with("converged")
+    matches!(estimate.reason.end, End::Converged(_))
 }
 
 /// Sample times against the hidden ones: rms as they are, and with the best constant taken

@@ -14,6 +14,7 @@ use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::TakeEvent;
 use enact::pipeline::Pipeline;
+use enact::report::Reported;
 use enact::write::{
     DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, RecordingWriter, write_estimate,
 };
@@ -54,13 +55,16 @@ fn main() -> Result<()> {
         &EstimateFile {
             input: recording.container(),
             input_path: Some(recording.path()),
-            scene: &scene,
+            of: Reported {
+                scene: &scene,
+                inferred: &outcome.inferred,
+                sketch: &outcome.sketch,
+                counts: &outcome.counts,
+                estimate: &outcome.estimate,
+                verification: outcome.verification.as_ref(),
+                settled: outcome.settled.as_ref(),
+            },
             scene_toml: scene_toml.as_bytes(),
-            sketch: &outcome.sketch,
-            counts: &outcome.counts,
-            estimate: &outcome.estimate,
-            verification: outcome.verification.as_ref(),
-            settled: outcome.settled.as_ref(),
             world_frame: world_frame.map_or(DEFAULT_WORLD_FRAME, String::as_str),
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

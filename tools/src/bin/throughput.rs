@@ -17,10 +17,11 @@ use anyhow::{Context, Result, ensure};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{
-    ArcEstimate, Counters, DurationEstimate, Estimate, Mark, PoseSample, SampleCounts, Sketch,
-    Stamp, Verdict,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, Mark, PoseSample, Progress,
+    SampleCounts, Sketch, Stamp, Verdict,
 };
 use enact::physics::State;
+use enact::report::Reported;
 use enact::write::{DEFAULT_FRAME_RATE_HZ, EstimateFile, RecordingWriter, write_estimate};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -44,7 +45,7 @@ kind = "end"
 fn estimate() -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
-        reason: String::new(),
+        reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
@@ -127,13 +128,16 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
         &EstimateFile {
             input: recording.container(),
             input_path: Some(input),
-            scene: &scene,
+            of: Reported {
+                scene: &scene,
+                inferred: &[],
+                sketch: &sketch,
+                counts: &SampleCounts::default(),
+                estimate: &estimate(),
+                verification: None,
+                settled: None,
+            },
             scene_toml: recording.scene_toml().context("a scene")?,
-            sketch: &sketch,
-            counts: &SampleCounts::default(),
-            estimate: &estimate(),
-            verification: None,
-            settled: None,
             world_frame: "world",
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use enact::motion::{Estimate, Verdict};
 use enact::pipeline::{Outcome, PipelineError};
+use enact::report::reason_text;
 
 use super::check::{Finding, check};
 use crate::case::{Case, Posed};
@@ -114,7 +115,7 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
         }
         Answer::Outcome(outcome) => {
             let estimate = &outcome.estimate;
-            judged.reason.clone_from(&estimate.reason);
+            judged.reason = reason_text(&outcome.scene, &estimate.reason);
             judged.objective = estimate.objective;
             judged.has_nan = has_nan(outcome);
             judged.undetermined = estimate.undetermined.len();
@@ -126,7 +127,7 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
                 judged.finding = Some(finding);
                 estimate.verdict.as_str().to_owned()
             } else {
-                let reason = estimate.reason.split(": largest violation").next();
+                let reason = judged.reason.split(": largest violation").next();
                 let reason = reason.unwrap_or_default();
                 format!("{}: {}", estimate.verdict.as_str(), without_numbers(reason))
             };

@@ -104,7 +104,9 @@ fn row(
                 row.physical += 1;
                 row.errors.push(Errors::of(&case, &outcome));
                 if !has_converged(&outcome.estimate) {
-                    row.stalled.push((seed, outcome.estimate.reason));
+                    let (scene, reason) = (&outcome.scene, &outcome.estimate.reason);
+                    row.stalled
+                        .push((seed, enact::report::reason_text(scene, reason)));
                 }
             }
             _ => row.failed_seeds.push(seed),

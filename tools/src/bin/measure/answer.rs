@@ -168,7 +168,7 @@ fn one(style: Style, acting: &Acting, seed: u64) -> Seed {
     };
     let estimate = &outcome.estimate;
     result.verdict = estimate.verdict.as_str();
-    result.reason.clone_from(&estimate.reason);
+    result.reason = enact::report::reason_text(&outcome.scene, &estimate.reason);
     result.has_converged = has_converged(estimate);
     result.objective = estimate.objective;
     result.starts_tried = estimate.counters.starts;

@@ -233,7 +233,7 @@ fn judged(row: &Row, seed: u64) -> Option<Seed> {
     let estimate = &outcome.estimate;
     result.is_closed = estimate.verdict == Verdict::Physical;
     result.verdict = case.checked().map_or("refused", Verdict::as_str);
-    result.reason = estimate.reason.clone();
+    result.reason = enact::report::reason_text(&outcome.scene, &estimate.reason);
     result.objective = estimate.objective;
     result.iterations = estimate.counters.iterations;
 

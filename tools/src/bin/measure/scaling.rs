@@ -142,7 +142,7 @@ pub fn size(what: &'static str, case: &Case, runs: usize) -> Option<Size> {
         samples: outcome.counts.used,
         segments: estimate.arcs.len(),
         verdict: estimate.verdict.as_str(),
-        reason: estimate.reason.clone(),
+        reason: enact::report::reason_text(&outcome.scene, &estimate.reason),
         iterations,
         per_iteration_s: solver_s / iterations.max(1) as f64,
         solver_s,

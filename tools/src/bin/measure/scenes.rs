@@ -159,7 +159,7 @@ fn judged(scenario: &Scenario, seed: u64) -> Seed {
     result.time_ms = began.elapsed().as_secs_f64() * 1e3;
     let estimate = &outcome.estimate;
     result.verdict = estimate.verdict.as_str();
-    result.reason = estimate.reason.clone();
+    result.reason = enact::report::reason_text(&outcome.scene, &estimate.reason);
     result.objective = estimate.objective;
     result.iterations = estimate.counters.iterations;
 

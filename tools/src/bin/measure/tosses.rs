@@ -199,7 +199,7 @@ fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
         return Err(format!(
             "{}: {}",
             estimate.verdict.as_str(),
-            estimate.reason
+            enact::report::reason_text(&outcome.scene, &estimate.reason)
         ));
     }
     let residual = &estimate.residuals[0];

@@ -162,7 +162,7 @@ impl Setting {
             return Err(format!(
                 "{}: {}",
                 estimate.verdict.as_str(),
-                estimate.reason
+                enact::report::reason_text(&outcome.scene, &estimate.reason)
             ));
         }
         let parameter = |name: &str| {

@@ -1,13 +1,13 @@
-//! A scene, its estimate and its sketch, as the tests of this room want them.
+//! A scene, its estimate and its sketch, for the tests of rooms that say, sample and write them.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::config::scene_from_toml;
-use crate::motion::{
-    ArcEstimate, BodySketch, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
-    ParameterEstimate, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp,
-    Verdict,
+use super::{
+    ArcEstimate, BodySketch, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
+    ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch,
+    Stamp, Undetermined, Verdict,
 };
+use crate::config::scene_from_toml;
 use crate::physics::State;
 
 pub(crate) const SCENE_TOML: &str = r#"
@@ -95,7 +95,7 @@ pub(crate) fn estimate() -> Estimate {
     };
     Estimate {
         verdict: Verdict::Physical,
-        reason: "gaps 1e-12 < 1e-9".to_owned(),
+        reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
         objective: 1.5,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
@@ -131,7 +131,7 @@ pub(crate) fn estimate() -> Estimate {
             duration_s: 0.475,
             sd_s: Some(0.012),
         },
-        undetermined: vec!["bounce.restitution".to_owned()],
+        undetermined: vec![Undetermined::Parameter(0)],
         counters: Counters::default(),
     }
 }

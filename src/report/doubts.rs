@@ -3,35 +3,51 @@
 use serde::Serialize;
 
 use crate::motion::{About, Doubt, Place, Scene, Verdict};
-use crate::write::lines;
 
 /// One thing that speaks against a motion, in numbers and in words.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DoubtLine {
-    /// What was measured, and what it may be.
-    #[serde(flatten)]
-    pub measured: lines::DoubtLine,
+    /// What was measured; see [`About`].
+    pub quantity: &'static str,
+    /// What it is; `null` where the performance does not determine it.
+    pub value: f64,
+    /// What it may be.
+    pub bound: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// The body, event or parameter where it is; none where it is of the whole motion.
+    pub at: Option<String>,
+    /// Physical time, where it is at one: the beginning of a flight.
+    pub time_s: Option<f64>,
+    /// The best verdict that it leaves: `physical` where it is only to be known.
+    pub best: &'static str,
     /// All of that as a sentence.
     pub text: String,
 }
 
 impl DoubtLine {
-    pub(super) fn new(scene: &Scene, doubt: &Doubt) -> Self {
+    /// With the scene's names.
+    pub fn new(scene: &Scene, doubt: &Doubt) -> Self {
         Self {
-            measured: lines::DoubtLine::new(scene, doubt),
+            quantity: doubt.about.as_str(),
+            value: doubt.value,
+            bound: doubt.bound,
+            unit: doubt.about.unit(),
+            at: doubt.place.name(scene).map(str::to_owned),
+            time_s: doubt.place.time_s(),
+            best: doubt.about.best().as_str(),
             text: sentence(scene, doubt),
         }
     }
 
     /// Whether it takes the verdict `physical` back.
     pub fn is_grave(&self) -> bool {
-        self.measured.best != Verdict::Physical.as_str()
+        self.best != Verdict::Physical.as_str()
     }
 }
 
 /// The gravest doubt in words, if one takes the verdict `physical` back.
-#[cfg(feature = "live")]
-pub(super) fn gravest(scene: &Scene, doubts: &[Doubt]) -> Option<String> {
+pub fn gravest(scene: &Scene, doubts: &[Doubt]) -> Option<String> {
     let first = doubts.iter().max_by_key(|doubt| doubt.about.best())?;
     (first.about.best() != Verdict::Physical).then(|| sentence(scene, first))
 }

@@ -1,43 +1,9 @@
-//! What every report says alike: of doubts, samples and what follows the performance.
+//! The samples, the work done, and what follows the performance.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::motion::{Doubt, SampleCounts, Scene, Settled};
-
-/// One thing that speaks against a motion.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DoubtLine {
-    /// What was measured; see [`About`](crate::motion::About).
-    pub quantity: &'static str,
-    /// What it is; `null` where the performance does not determine it.
-    pub value: f64,
-    /// What it may be.
-    pub bound: f64,
-    /// Unit of both.
-    pub unit: &'static str,
-    /// The body, event or parameter where it is; none where it is of the whole motion.
-    pub at: Option<String>,
-    /// Physical time, where it is at one: the beginning of a flight.
-    pub time_s: Option<f64>,
-    /// The best verdict that it leaves: `physical` where it is only to be known.
-    pub best: &'static str,
-}
-
-impl DoubtLine {
-    /// With the scene's names.
-    pub fn new(scene: &Scene, doubt: &Doubt) -> Self {
-        Self {
-            quantity: doubt.about.as_str(),
-            value: doubt.value,
-            bound: doubt.bound,
-            unit: doubt.about.unit(),
-            at: doubt.place.name(scene).map(str::to_owned),
-            time_s: doubt.place.time_s(),
-            best: doubt.about.best().as_str(),
-        }
-    }
-}
+use crate::motion::{Counters, SampleCounts, Settled};
 
 /// What became of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -59,7 +25,7 @@ pub struct SampleLine {
 }
 
 impl SampleLine {
-    /// In words.
+    /// With words for the reasons.
     pub fn new(counts: &SampleCounts) -> Self {
         let dropped = counts.dropped.iter();
         let dropped = dropped.map(|(reason, count)| (reason.as_str().to_owned(), *count));
@@ -96,6 +62,37 @@ impl SettledLine {
             end_s: settled.end_s(),
             at_rest: settled.at_rest,
             largest_speed_m_s: settled.largest_speed_m_s,
+        }
+    }
+}
+
+/// Work done, by kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct CounterLine {
+    /// Evaluations with a factorisation.
+    pub iterations: usize,
+    /// Evaluations of all sample residuals.
+    pub evaluations: usize,
+    /// Matrix factorisations.
+    pub factorisations: usize,
+    /// Iterations of the arc fits.
+    pub fit_iterations: usize,
+    /// Rounds of mark refinement and of time assignment.
+    pub assignment_rounds: usize,
+    /// Starts tried.
+    pub starts: usize,
+}
+
+impl CounterLine {
+    /// Of an estimate's counters.
+    pub fn new(counters: &Counters) -> Self {
+        Self {
+            iterations: counters.iterations,
+            evaluations: counters.evaluations,
+            factorisations: counters.factorisations,
+            fit_iterations: counters.fit_iterations,
+            assignment_rounds: counters.assignment_rounds,
+            starts: counters.starts,
         }
     }
 }
