@@ -17,9 +17,9 @@ pub(super) struct Coulomb {
     normal: Vector3<f64>,
     velocity: Vector3<f64>,
     delassus: Matrix3<f64>,
-    inverse_mobility: Matrix3<f64>,
+    inverse_delassus: Matrix3<f64>,
     /// `n·W n`.
-    normal_mobility: f64,
+    normal_delassus: f64,
     /// `n·P_I` [N s].
     plastic: f64,
     /// `D = P_II − P_I`.
@@ -44,9 +44,9 @@ pub(super) struct CoulombChange<const C: usize> {
     pub(super) normal: Change<C>,
     pub(super) velocity: Change<C>,
     /// Change of `W`, times `n`.
-    pub(super) mobility_normal: Change<C>,
+    pub(super) delassus_normal: Change<C>,
     /// Change of `W`, times `P_II`.
-    pub(super) mobility_stuck: Change<C>,
+    pub(super) delassus_stuck: Change<C>,
 }
 
 impl Coulomb {
@@ -56,13 +56,13 @@ impl Coulomb {
         velocity: &Vector3<f64>,
         delassus: &Matrix3<f64>,
     ) -> Self {
-        let inverse_mobility = delassus
+        let inverse_delassus = delassus
             .cholesky()
             .expect("the delassus of a body is positive definite")
             .inverse();
-        let normal_mobility = normal.dot(&(delassus * normal));
-        let plastic = -normal.dot(velocity) / normal_mobility;
-        let to_stick = -(inverse_mobility * velocity) - normal * plastic;
+        let normal_delassus = normal.dot(&(delassus * normal));
+        let plastic = -normal.dot(velocity) / normal_delassus;
+        let to_stick = -(inverse_delassus * velocity) - normal * plastic;
         let pressed = normal.dot(&to_stick);
         let tangential = to_stick - normal * pressed;
         let size = tangential.norm();
@@ -83,8 +83,8 @@ impl Coulomb {
             normal: *normal,
             velocity: *velocity,
             delassus: *delassus,
-            inverse_mobility,
-            normal_mobility,
+            inverse_delassus,
+            normal_delassus,
             plastic,
             to_stick,
             share,
@@ -115,8 +115,8 @@ impl Coulomb {
         self.change(&CoulombChange {
             normal: Change::zeros(),
             velocity,
-            mobility_normal: Change::zeros(),
-            mobility_stuck: Change::zeros(),
+            delassus_normal: Change::zeros(),
+            delassus_stuck: Change::zeros(),
         })
     }
 
@@ -124,10 +124,10 @@ impl Coulomb {
     pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
         let (n, e) = (&self.normal, self.law.restitution);
         let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);
-        let delassus = (self.delassus * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.mobility_normal);
-        let plastic = -(speed + delassus * self.plastic) / self.normal_mobility;
+        let delassus = (self.delassus * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.delassus_normal);
+        let plastic = -(speed + delassus * self.plastic) / self.normal_delassus;
         let plastic_vector = n * plastic + by.normal * self.plastic;
-        let stuck = -(self.inverse_mobility * (by.velocity + by.mobility_stuck));
+        let stuck = -(self.inverse_delassus * (by.velocity + by.delassus_stuck));
         let to_stick = stuck - plastic_vector;
         let change = plastic_vector * (1.0 + e) + to_stick * self.share;
         let Slide::Slides(direction, margin) = &self.slide else {

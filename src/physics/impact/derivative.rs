@@ -83,7 +83,9 @@ impl Solution<'_> {
             self.after_by_pose(body, &normals, &poses, derivative);
             self.after_by_velocities(body, derivative);
         }
-        let by_law = self.rows.kicks_by(&self.impulses_by_law());
+        let by_law = self
+            .rows
+            .velocity_changes_by_impulses(&self.impulses_by_law());
         for body in 0..self.rows.bodies {
             derivative.after_by_restitution[body] = by_law[body].column(0).into();
             derivative.after_by_friction[body] = by_law[body].column(1).into();
@@ -130,7 +132,7 @@ impl Solution<'_> {
         let impulses = self.impulses_change(normals, &rows);
         let after = self
             .rows
-            .kicks_change(self.impulses(), Some(&impulses), &rows);
+            .velocity_changes_by(self.impulses(), Some(&impulses), &rows);
         for i in 0..self.rows.bodies {
             derivative.after[i][body]
                 .fixed_columns_mut::<6>(part::POSITION)
@@ -140,7 +142,7 @@ impl Solution<'_> {
 
     fn after_by_velocities(&self, body: usize, derivative: &mut ImpactDerivative) {
         let impulses = self.impulses_by_speeds(self.rows.of_body(body));
-        let mut after = self.rows.kicks_by(&impulses);
+        let mut after = self.rows.velocity_changes_by_impulses(&impulses);
         after[body] += SMatrix::<f64, 6, 6>::identity();
         for i in 0..self.rows.bodies {
             derivative.after[i][body]
@@ -166,7 +168,7 @@ impl Solution<'_> {
         let impulses = self.impulses_change(&normals, &rows);
         let after = self
             .rows
-            .kicks_change(self.impulses(), Some(&impulses), &rows);
+            .velocity_changes_by(self.impulses(), Some(&impulses), &rows);
         derivative.after_by_tilt[..self.rows.bodies].copy_from_slice(&after[..self.rows.bodies]);
     }
 }

@@ -11,6 +11,7 @@ mod contact_state;
 mod coulomb;
 mod derivative;
 mod error;
+mod inertia;
 mod law;
 mod newton;
 mod plane;

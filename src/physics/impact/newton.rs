@@ -63,8 +63,8 @@ impl Newton {
     pub(super) fn change<const C: usize>(
         &self,
         speeds: &Change<C>,
-        mobility_impulses: &Change<C>,
+        delassus_impulses: &Change<C>,
     ) -> Change<C> {
-        self.by_speeds(speeds) - self.inverse * mobility_impulses
+        self.by_speeds(speeds) - self.inverse * delassus_impulses
     }
 }

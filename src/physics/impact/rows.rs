@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
+use super::inertia::InverseInertia;
 use super::law::{Side, Velocities};
 
 /// Changes of a vector, one column for each variable.
@@ -15,6 +16,9 @@ pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;
 /// Number of rows; rows of absent contacts are zero.
 pub(super) const ROWS: usize = 3;
 
+/// Speeds are those of A relative to B.
+const SIGNS: [f64; 2] = [1.0, -1.0];
+
 /// `J` and `M⁻¹`. The static world is a body of infinite mass at rest.
 pub(super) struct Rows {
     /// Number of bodies that move: one or two.
@@ -22,8 +26,8 @@ pub(super) struct Rows {
     directions: [Vector3<f64>; ROWS],
     /// Levers `[body][row]`, those of B negated.
     levers: [[Vector3<f64>; ROWS]; 2],
-    inverse_mass: [f64; 2],
-    inverse_moments: [Vector3<f64>; 2],
+    /// By body.
+    inertia: [InverseInertia; 2],
 }
 
 /// Changes `δJ` of the rows.
@@ -37,18 +41,13 @@ pub(super) struct RowsChange<const C: usize> {
 impl Rows {
     /// The bodies, with all rows zero.
     pub(super) fn new(a: &Side, b: Option<&Side>) -> Self {
-        let inverse_moments = |side: &Side| side.body.moments_kg_m2().map(|moment| 1.0 / moment);
         Self {
             bodies: 1 + usize::from(b.is_some()),
             directions: [Vector3::zeros(); ROWS],
             levers: [[Vector3::zeros(); ROWS]; 2],
-            inverse_mass: [
-                1.0 / a.body.mass_kg(),
-                b.map_or(0.0, |b| 1.0 / b.body.mass_kg()),
-            ],
-            inverse_moments: [
-                inverse_moments(a),
-                b.map_or_else(Vector3::zeros, inverse_moments),
+            inertia: [
+                InverseInertia::of(a),
+                b.map_or_else(InverseInertia::default, InverseInertia::of),
             ],
         }
     }
@@ -72,12 +71,11 @@ impl Rows {
 
     /// The columns of `J` for `v` and `ω` of one body.
     pub(super) fn of_body(&self, body: usize) -> SMatrix<f64, ROWS, 6> {
-        let sign = [1.0, -1.0][body];
         let mut result = SMatrix::<f64, ROWS, 6>::zeros();
         for row in 0..ROWS {
             result
                 .fixed_view_mut::<1, 3>(row, 0)
-                .tr_copy_from(&(self.directions[row] * sign));
+                .tr_copy_from(&(self.directions[row] * SIGNS[body]));
             result
                 .fixed_view_mut::<1, 3>(row, 3)
                 .tr_copy_from(&self.levers[body][row]);
@@ -102,9 +100,8 @@ impl Rows {
         };
         let push = sum(&self.directions);
         [0, 1].map(|body| Velocities {
-            velocity_m_s: push * (self.inverse_mass[body] * [1.0, -1.0][body]),
-            angular_velocity_rad_s: self.inverse_moments[body]
-                .component_mul(&sum(&self.levers[body])),
+            velocity_m_s: self.inertia[body].velocity_changes(&(push * SIGNS[body])),
+            angular_velocity_rad_s: self.inertia[body].spin_change(&sum(&self.levers[body])),
         })
     }
 
@@ -132,13 +129,13 @@ impl Rows {
     }
 
     /// `δ(J M⁻¹ Jᵀ) p = δJ (M⁻¹ Jᵀ p) + J M⁻¹ (δJᵀ p)`.
-    pub(super) fn mobility_change<const C: usize>(
+    pub(super) fn delassus_change<const C: usize>(
         &self,
         impulses: &Vector3<f64>,
         by: &RowsChange<C>,
     ) -> Change<C> {
         let mut result = self.speeds_change(&self.velocity_changes(impulses), by);
-        let velocity_changes = self.kicks_change(impulses, None, by);
+        let velocity_changes = self.velocity_changes_by(impulses, None, by);
         for body in 0..self.bodies {
             result += self.of_body(body) * velocity_changes[body];
         }
@@ -147,7 +144,7 @@ impl Rows {
 
     /// `M⁻¹ (δJᵀ p + Jᵀ δp)`, the second term where the impulses change too: rows `v`, `ω` of each
     /// body, zero for the world.
-    pub(super) fn kicks_change<const C: usize>(
+    pub(super) fn velocity_changes_by<const C: usize>(
         &self,
         impulses: &Vector3<f64>,
         change: Option<&Change<C>>,
@@ -156,40 +153,36 @@ impl Rows {
         let turned = |rows: &[Change<C>; ROWS]| {
             rows[0] * impulses[0] + rows[1] * impulses[1] + rows[2] * impulses[2]
         };
-        let mut result = change.map_or_else(|| [SMatrix::zeros(); 2], |c| self.kicks_by(c));
+        let mut result = change.map_or_else(
+            || [SMatrix::zeros(); 2],
+            |c| self.velocity_changes_by_impulses(c),
+        );
         let push = by.directions.as_ref().map(turned);
         for body in 0..self.bodies {
             if let Some(push) = &push {
-                let scale = self.inverse_mass[body] * [1.0, -1.0][body];
                 let mut velocity = result[body].fixed_rows_mut::<3>(0);
-                velocity += push * scale;
-            }
-            let mut torque = turned(&by.levers[body]);
-            for mut column in torque.column_iter_mut() {
-                column.component_mul_assign(&self.inverse_moments[body]);
+                velocity += self.inertia[body].velocity_changes(&(push * SIGNS[body]));
             }
             let mut spin = result[body].fixed_rows_mut::<3>(3);
-            spin += torque;
+            spin += self.inertia[body].spin_changes(turned(&by.levers[body]));
         }
         result
     }
 
     /// `M⁻¹ Jᵀ δp`.
-    pub(super) fn kicks_by<const C: usize>(
+    pub(super) fn velocity_changes_by_impulses<const C: usize>(
         &self,
         change: &SMatrix<f64, ROWS, C>,
     ) -> [SMatrix<f64, 6, C>; 2] {
         let mut result = [SMatrix::<f64, 6, C>::zeros(); 2];
         let push = Matrix3::from_columns(&self.directions) * change;
         for body in 0..self.bodies {
-            let scale = self.inverse_mass[body] * [1.0, -1.0][body];
-            let inverse_moments = &self.inverse_moments[body];
-            let turns = self.levers[body].map(|lever| lever.component_mul(inverse_moments));
-            let turned = Matrix3::from_columns(&turns) * change;
-            result[body]
-                .fixed_rows_mut::<3>(0)
-                .copy_from(&(push * scale));
-            result[body].fixed_rows_mut::<3>(3).copy_from(&turned);
+            let inertia = &self.inertia[body];
+            let velocities = inertia.velocity_changes(&(push * SIGNS[body]));
+            let spins = self.levers[body].map(|lever| inertia.spin_change(&lever));
+            let spins = Matrix3::from_columns(&spins) * change;
+            result[body].fixed_rows_mut::<3>(0).copy_from(&velocities);
+            result[body].fixed_rows_mut::<3>(3).copy_from(&spins);
         }
         result
     }

@@ -135,11 +135,11 @@ impl<'a> Solution<'a> {
             Solved::Coulomb(law) => law.change(&CoulombChange {
                 normal: normals[0],
                 velocity,
-                mobility_normal: self.rows.mobility_change(law.normal(), by),
-                mobility_stuck: self.rows.mobility_change(&law.stuck(), by),
+                delassus_normal: self.rows.delassus_change(law.normal(), by),
+                delassus_stuck: self.rows.delassus_change(&law.stuck(), by),
             }),
             Solved::Newton(law) => {
-                law.change(&velocity, &self.rows.mobility_change(&self.impulses, by))
+                law.change(&velocity, &self.rows.delassus_change(&self.impulses, by))
             }
         }
     }
