@@ -1,4 +1,4 @@
-//! What the solver found, in the scene's words.
+//! The solver's result as an estimate of the scene: events, arcs, gaps, residuals and verdict.
 
 use super::context::SolveContext;
 use super::point::Point;
@@ -13,7 +13,7 @@ use crate::motion::{
 use crate::optimise::System;
 use crate::physics::flow;
 
-/// Gaps up to these are rounding: the motion is physical.
+/// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
     position_m: 1e-9,
     orientation_rad: 1e-9,
@@ -21,8 +21,8 @@ pub const PHYSICAL: Gap = Gap {
     angular_velocity_rad_s: 1e-7,
 };
 
-/// The estimate of a scene from where the solver ended, without standard deviations; `errors` are those
-/// of its samples ([`errors`]), `counters` the work.
+/// The estimate of a scene from the solver's solution, without standard deviations; `errors` are
+/// the residuals of its samples ([`errors`]), `counters` the work.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
@@ -83,7 +83,7 @@ fn events(
         .collect()
 }
 
-/// Largest of each kind that is left at an event.
+/// Largest remaining gap of each kind at an event.
 fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
     let rows = system.blocks.iter().zip(&system.priced);
     let constraints = problem.constraints().zip(rows);
@@ -93,7 +93,8 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .fold(Gap::default(), |a, b| a.max(&b))
 }
 
-/// The verdict and why the solver stopped.
+/// The verdict, and the reason why the solver stopped. A motion whose events or flights are not in
+/// order of time (paper eq. 7) fails.
 fn judge(
     (scene, problem): (&Scene, &Problem),
     solution: &Solution,
@@ -114,7 +115,7 @@ fn judge(
     if !finite || !solution.system.cost.is_finite() {
         return (Verdict::Failed, "the motion is not finite".into());
     }
-    // Bodies that have nothing to do with one another need not keep an order.
+    // Events of bodies that never meet need no order.
     let time_s = |event: Option<usize>| {
         let found = events.iter().find(|of| Some(of.event) == event)?;
         Some((found.event, found.time_s))
@@ -130,7 +131,7 @@ fn judge(
             return (Verdict::Failed, reason);
         }
     }
-    // A flight that no event begins or ends has its samples' extent.
+    // A flight without an event at an end extends to its samples.
     if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
         let reason = format!(
             "a flight of `{}` would end at {:.3} s, before it begins at {:.3} s: relax the physics \
@@ -153,7 +154,7 @@ fn judge(
     if events.iter().all(obeys) {
         return (Verdict::Physical, reason);
     }
-    // Gaps that nobody priced are what a solve that did not end has left.
+    // Without priced gaps, remaining ones mean that the solve did not converge.
     if !finished.converged || !is_bent {
         return (Verdict::Failed, reason);
     }
