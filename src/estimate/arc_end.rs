@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
-/// An arc's state at an event, with what its derivatives need.
+/// An arc's state at an event, with the blocks of the flow's derivative.
 pub(super) struct ArcEnd {
     pub(super) state: State,
     pub(super) duration_s: f64,
@@ -25,7 +25,7 @@ pub(super) struct ArcEnd {
     pub(super) turn_by_spin: Matrix3<f64>,
     /// `S`.
     pub(super) spin_by_spin: Matrix3<f64>,
-    /// By the event's time.
+    /// Derivative of the state by the event's time.
     pub(super) rate: StateTangent,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct ByState<const R: usize> {
 }
 
 impl<const R: usize> ByState<R> {
-    /// Some rows of a matrix by whole states.
+    /// `R` rows, from the row `first` on, of a matrix of derivatives by whole states.
     pub(super) fn of<const N: usize>(rows: &SMatrix<f64, N, 12>, first: usize) -> Self {
         let part = |at: usize| rows.fixed_view::<R, 3>(first, at).into_owned();
         Self {
@@ -101,7 +101,7 @@ impl ArcEnd {
         }
     }
 
-    /// The same to those by the event's time.
+    /// Chains derivatives by the arriving state to those by the event's time.
     pub(super) fn by_time<const R: usize>(&self, rows: &ByState<R>) -> SVector<f64, R> {
         let rate = |at: usize| self.rate.fixed_rows::<3>(at);
         rows.position * rate(part::POSITION)
@@ -110,7 +110,7 @@ impl ArcEnd {
             + rows.spin * rate(part::ANGULAR_VELOCITY)
     }
 
-    /// The same to those by a component of gravity.
+    /// Chains derivatives by the arriving state to those by a component of gravity.
     pub(super) fn by_gravity<const R: usize>(
         &self,
         rows: &ByState<R>,

@@ -1,20 +1,25 @@
-//! A lower bound of what a part of a performance costs at the least, for the search over
-//! collision sequences.
+//! A lower bound of the cost of a part of a performance, for the search over collision sequences
+//! (paper §5.1, §7).
 //!
-//! For any multipliers `ν` and weight `w` the least value of the augmented Lagrangian, less
-//! `½ Σ ν²/w`, is at most the constrained optimum: where the constraints hold, its terms
-//! `½ w dist²(v + ν/w)` are at most `½ ν²/w`. Multipliers from a round or two make it tight. It
-//! takes no finish, so it is cheap and never fails. Leaving out arcs, and the terms and conditions
-//! that tie them, lowers it further: what is left out is never negative.
+//! For any multipliers `ν` and weight `w`, weak duality gives
 //!
-//! Most bounds of a search only need to pass one that is lower, and pass it long before they are
-//! tight. So a bound is raised in legs of a few steps: at any time it is the value reached, less
-//! what may be gained beyond: twice what an undamped step promises or the last steps gained.
-//! Where some unknown is hardly determined promises are never kept: late, four times what the last
-//! leg gained is enough.
+//! ```text
+//! min over x  f(x) + Σ (½ w dist²(c(x) + ν/w, [lower, upper]) − ½ ν²/w)  ≤  constrained minimum of f
+//! ```
 //!
-//! As the descent finds a local minimum it is a bound for what the estimation would find from
-//! the same guess, and no proof beyond.
+//! since the terms of the sum are at most zero where the constraints hold. Multipliers from a round
+//! or two make it tight. No finish is needed, so it is cheap and never fails. Leaving out arcs, and
+//! the terms and constraints that tie them, lowers it further: omitted costs are never negative.
+//!
+//! Most bounds of a search only need to exceed another one, and do so long before they are tight.
+//! So a bound is raised in legs of a few steps: at any time it is the value reached, less an
+//! estimate of the decrease still possible: twice the prediction of an undamped step or twice the
+//! decrease over the last steps. Where an unknown is hardly determined, predictions stay large
+//! without a decrease; then, late in a round, four times the decrease over the last leg is
+//! subtracted instead.
+//!
+//! The descent finds a local minimum, so this bounds the result of an estimation from the same
+//! guess; it is no proof for other minima.
 
 use super::context::{Guidance, SolveContext};
 use super::layout::Layout;
@@ -28,24 +33,24 @@ use crate::optimise::descend::{DAMPING, Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
 use crate::optimise::schedule::{self, Schedule};
 
-/// Rounds of multipliers.
+/// Number of multiplier rounds.
 const ROUNDS: usize = 2;
-/// Steps of a round at most.
+/// Greatest number of steps of a round.
 const STEPS: usize = 32;
-/// Steps between two looks at what is reached.
+/// Number of steps of a leg.
 const LEG: usize = 4;
-/// So many times what a step promises may still be gained, or so many times what the last leg
-/// gained.
+/// The decrease still possible is so many times the predicted one, or so many times that of the
+/// last leg.
 const PROMISES: f64 = 2.0;
 const LEGS: f64 = 4.0;
-/// A round ends when what may still be gained is less than this share of its value, or after a
-/// step less than this share of the schedule's gain is left; a sweep earlier.
+/// A round ends when the decrease still possible is less than this share of the value, or when a
+/// step gains less than this share of the schedule's gain; a sweep ends earlier.
 const SHARE: f64 = 1e-3;
 const GAIN: f64 = 1e-3;
 const SWEEP_GAIN: f64 = 0.1;
 
-/// What is bounded: arcs of a performance, with those collisions that tie two of them and whose
-/// contacts the scene knows.
+/// A part of a performance: some arcs, with those collisions that tie two of them and whose
+/// contacts the scene names.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
     /// The scene.
@@ -58,16 +63,16 @@ pub struct Part<'a> {
     pub arcs: &'a [usize],
     /// Where to start; has an arc for each of `segments`.
     pub guess: &'a Guess,
-    /// Whether priors of parameters count: in a sum of bounds they may only once.
+    /// Whether priors of parameters are included; in a sum of bounds they may be only once.
     pub own_priors: bool,
 }
 
-/// A lower bound as good as the work that went into it.
+/// A lower bound that further work can raise.
 #[derive(Clone, Debug)]
 pub struct Bound {
-    /// Half the sum of squared residuals, at least.
+    /// Lower bound of half the sum of squared residuals.
     pub cost: f64,
-    /// By the rounds that are over.
+    /// The bound from completed rounds.
     floor: f64,
     stage: Progress,
     place: Option<Standing>,
@@ -80,7 +85,7 @@ enum Progress {
     Done,
 }
 
-/// Where a bound stands.
+/// The state of a bound between legs.
 #[derive(Clone, Debug)]
 struct Standing {
     point: Point,
@@ -100,13 +105,13 @@ impl Default for Bound {
 }
 
 impl Bound {
-    /// Whether no more work makes it better.
+    /// Whether further work cannot raise it.
     pub fn is_done(&self) -> bool {
         self.stage == Progress::Done
     }
 
-    /// Works on it, always with the same part and recipe, until it is above `ceiling` or can be no better;
-    /// the work done.
+    /// Raises it, always with the same part and recipe, until it is above `ceiling` or cannot be
+    /// raised; returns the work done.
     ///
     /// # Panics
     /// Where two of the arcs meet at a collision that is open, or without an arc; with a recipe that has no sweep.
@@ -164,7 +169,7 @@ impl Bound {
         let may_gain = run.may_gain(gained, false);
         let steps = steps + LEG;
         if leading.event_sd_s.is_none() {
-            // Beside the speeds of approach that lead it, this is a relaxed problem, too.
+            // Apart from the leading approach speeds, this is a relaxed problem, too.
             let mut lagrangian = run.lagrangian.clone();
             lagrangian.leading_weight = f64::MIN_POSITIVE;
             let value = lagrangian.merit(&run.descent.system) - may_gain;
@@ -220,7 +225,7 @@ impl Bound {
     }
 }
 
-/// A descent under way.
+/// A descent in progress.
 struct Tightening<'a> {
     descent: Descent<'a, SolveContext<'a>>,
     lagrangian: AugmentedLagrangian,
@@ -267,7 +272,7 @@ impl<'a> Tightening<'a> {
         }
     }
 
-    /// Steps taken, and what both halves of them gained.
+    /// Takes a leg; returns the number of steps, and the decrease over each half of them.
     fn leg(&mut self, guidance: &Guidance, gain: f64) -> (usize, [f64; 2]) {
         let steps = LEG / 2;
         let (mut taken, mut gained) = (0, [0.0; 2]);

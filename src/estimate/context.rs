@@ -1,18 +1,18 @@
-//! What stays fixed while one problem is solved, and what leads the way.
+//! Fixed data of a solve, and the guidance of its stages.
 
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::{Arc, Problem};
 use super::samples::ArcSums;
 
-/// What stays fixed while one problem is solved.
+/// The data that stay fixed while one problem is solved.
 #[derive(Clone, Debug)]
 pub struct SolveContext<'a> {
     /// The problem.
     pub problem: &'a Problem,
-    /// Where its unknowns sit.
+    /// Indices of its unknowns.
     pub layout: &'a Layout,
-    /// Physical times at which the arcs' states are held \[s\].
+    /// Epochs: physical times at which the arcs' states hold \[s\].
     pub epochs_s: Vec<f64>,
     /// Sums of each arc's samples; empty where times are unknown.
     pub sums: Vec<ArcSums>,
@@ -45,22 +45,22 @@ impl<'a> SolveContext<'a> {
     }
 }
 
-/// Terms that lead the way and are gone at the end.
+/// Temporary terms and bounds that lead a stage towards the optimum; none in the finish.
 #[derive(Clone, Debug)]
 pub struct Guidance {
-    /// Greatest normal speed on arrival at each of the scene's events [m/s]; empty: contacts do not
-    /// recede.
+    /// Upper bound of the normal speed before each of the scene's events [m/s]; empty: zero,
+    /// contacts do not recede.
     pub approach_limits_m_s: Vec<f64>,
-    /// Times towards which the events are pulled \[s\].
+    /// Mean of the prior of event times \[s\].
     pub event_times_s: Vec<f64>,
-    /// Standard deviation of that pull \[s\]; `None`: no pull.
+    /// Standard deviation of that prior \[s\]; `None`: no prior.
     pub event_sd_s: Option<f64>,
-    /// About so many orientations of an arc are read, evenly spread, and stand for all of them.
+    /// About so many orientations of an arc are used, evenly spread and weighted for all of them.
     pub orientations_per_arc: usize,
 }
 
 impl Guidance {
-    /// None, but that contacts do not recede.
+    /// No guidance; contacts do not recede.
     pub fn none() -> Self {
         Self {
             approach_limits_m_s: Vec::new(),
@@ -70,8 +70,8 @@ impl Guidance {
         }
     }
 
-    /// Of the samples of an arc whose times are unknown one in so many is read: no fewer than there
-    /// are orientations to read, nor than nodes.
+    /// Stride of the samples used of an arc whose times are unknown, so that at least the wanted
+    /// number of orientations and as many samples as nodes are used.
     pub(super) fn stride(&self, arc: &Arc) -> usize {
         let samples = &arc.samples;
         let nodes = match (samples.first(), samples.last()) {

@@ -1,11 +1,11 @@
-//! The curvature of the constraints: `Σ ν ∇²c`, which a Gauss–Newton step leaves out.
+//! The curvature of the constraints, `Σ_k ν_k ∇²c_k`, which a Gauss–Newton step omits.
 //!
-//! Where multipliers are large, or where a constraint is all that holds an unknown (the time at which
-//! something is highest), steps without it converge slowly or not at all. It is the derivative of the
-//! pull `Jᵀν`, taken block by block as central differences of the exact `J`: it shapes steps, while
-//! what is solved for has exact derivatives alone, so that its error of some 10⁻⁸ costs no digit of
-//! the result. With the pull taken along right perturbations its symmetric part is the
-//! second derivative along the retraction.
+//! Where multipliers are large, or where only a constraint determines an unknown (the time of an
+//! apex), steps without it converge slowly or not at all. It is the derivative of `Jᵀν`, computed
+//! block by block as central differences of the exact `J`. It only shapes steps, while the
+//! equations that are solved have exact derivatives, so that its error of some 10⁻⁸ costs no digit
+//! of the result. With right perturbations, the symmetric part of that derivative is the second
+//! derivative along the retraction.
 
 use super::constraint::At;
 use super::context::SolveContext;
@@ -19,13 +19,13 @@ use crate::physics::state::StateTangent;
 /// Steps of the differences: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s].
 const STEPS: [f64; 4] = [5e-6, 1e-5, 5e-5, 5e-5];
-/// The same of a time \[s\].
+/// Step of a time \[s\].
 const TIME_STEP_S: f64 = 1e-6;
-/// The same of a parameter, in its length.
+/// Step of a parameter, relative to its length.
 const PARAMETER_STEP: f64 = 1e-5;
 
-/// Adds the curvature of constraints under `multipliers`, row by row, and that of velocity gaps where these
-/// are priced.
+/// Adds the curvature of constraints with `multipliers`, row by row, and that of velocity gaps
+/// where these are priced.
 pub(super) fn add(
     context: &SolveContext,
     system: &System,
@@ -71,7 +71,7 @@ fn add_pull(pattern: &BlockPattern, block: &Block, pulls: &[f64], sum: &mut [f64
     }
 }
 
-/// What an unknown is.
+/// The part of the point to which an unknown belongs.
 #[derive(Clone, Copy)]
 enum Owner {
     State {
@@ -80,17 +80,17 @@ enum Owner {
     },
     Event(usize),
     Parameter(usize),
-    /// The time of a sample, which no constraint has.
+    /// The time of a node, on which no constraint depends.
     Node,
 }
 
-/// A point of which one unknown at a time is a little off.
+/// A point of which one unknown at a time is displaced.
 struct Nudged<'a> {
     context: &'a SolveContext<'a>,
     origin: &'a Point,
     point: Point,
     owners: Vec<Owner>,
-    /// Two pulls on all unknowns, zero between uses.
+    /// Two values of `Jᵀν` over all unknowns, zero between uses.
     pulls: [Vec<f64>; 2],
 }
 
@@ -130,7 +130,7 @@ impl<'a> Nudged<'a> {
         }
     }
 
-    /// Moves one unknown from where it is by as much; zero puts it back.
+    /// Displaces one unknown from the origin; zero restores it.
     fn nudge(&mut self, unknown: usize, by: f64) {
         match self.owners[unknown] {
             Owner::State { arc, entry } => {
@@ -153,7 +153,7 @@ impl<'a> Nudged<'a> {
         }
     }
 
-    /// Adds the symmetric part of what `pull` changes by with the unknowns of some patterns.
+    /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns.
     fn add_curvature(
         &mut self,
         patterns: &[&BlockPattern],
@@ -176,7 +176,7 @@ impl<'a> Nudged<'a> {
             for other in &unknowns {
                 let [after, before] = [0, 1].map(|side| self.pulls[side][*other]);
                 let value = 0.5 * (after - before) / (2.0 * step);
-                // Half of it here and half where the two change places; all of it on the diagonal.
+                // Half from (i, j) and half from (j, i); the diagonal entry counts in full.
                 let value = if other == unknown { 2.0 * value } else { value };
                 if value != 0.0 && value.is_finite() {
                     let (row, column) = (*unknown.max(other), *unknown.min(other));

@@ -1,4 +1,4 @@
-//! Standard deviations of an estimate, and what the performance does not determine.
+//! Standard deviations of an estimate, and quantities that the performance does not determine.
 
 use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
@@ -6,9 +6,9 @@ use super::recipe::Solution;
 use super::timing;
 use crate::motion::{Estimate, Scene, Undetermined};
 
-/// Gives events, duration and parameters of an estimate their deviations, `None` where the one is
-/// fixed or undetermined, and names what is undetermined.
-/// `errors` are those of the solution's samples.
+/// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
+/// or undetermined ones, and lists what is undetermined. `errors` are the residuals of the
+/// solution's samples.
 pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
@@ -42,7 +42,7 @@ pub fn fill(
     }
     estimate.undetermined.extend(undetermined_times);
     let (lasting, own_s) = each.next().expect("the last moment is the duration's");
-    // A time line that is fixed has no deviation.
+    // A fixed time line has no deviation.
     let own_s = if lasting.is_empty() { Some(0.0) } else { own_s };
     let contradiction_s = covariance.as_ref().map_or(0.0, |covariance| {
         timing::contradiction_s(context, &solution.system, covariance)

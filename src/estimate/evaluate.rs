@@ -1,4 +1,4 @@
-//! The estimation as a program: objective and constraints at a point, and how points move.
+//! The estimation as a [`Program`]: objective and constraints at a point, and the motion of points.
 
 use nalgebra::DVector;
 
@@ -10,7 +10,7 @@ use super::point::Point;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::{Program, Structure, System};
 
-/// Lengths `s` of the damping.
+/// Typical step lengths `s` of the damping `10/s²` ([`Program::damping`]).
 mod length {
     pub const POSITION_M: f64 = 0.05;
     pub const ORIENTATION_RAD: f64 = 1.0;
@@ -94,7 +94,7 @@ impl SolveContext<'_> {
         }
     }
 
-    /// Half the weighted squares of what velocities jump beyond their impacts.
+    /// Adds half the weighted squares of the velocity gaps to the cost.
     fn add_priced(&self, weight: f64, system: &mut System) {
         let structure = &self.layout.structure;
         for (block, pattern) in system.priced.iter().zip(&structure.priced) {

@@ -1,16 +1,17 @@
-//! Times of events to begin with, where bodies turn fast.
+//! Initial times of events where bodies rotate fast.
 //!
-//! A mark is right to a sample or two. Where a body turns by half a radian and more from one sample
-//! to the next, that is a radian or two between the mark and the event, and the sweep would rather
-//! turn the states than move the event: it leaves the performer's motion for another one. The arcs'
-//! own fits know better when they meet. Measured on a brick that flips four and eight times before
-//! its bounce (`tools/chart`, 24 performances each): from the marks 92 and 54 % ended at the best
-//! known optimum, after 33 and 140 iterations in the mean; from the times found here all do, after
-//! 12 and 14 (two of the eight-flip ones only since their arcs are fitted right).
+//! A mark is right to a sample or two. Where a body turns by half a radian or more from one sample
+//! to the next, that is a radian or two between the mark and the event, and the sweep would rotate
+//! the states instead of moving the event: it would leave the performer's motion for another one.
+//! The arcs' own fits determine better when they meet. Measured on a brick that flips four and
+//! eight times before its bounce (`tools/chart`, 24 performances each): from the marks 92 and 54 %
+//! ended at the best known optimum, after 33 and 140 iterations in the mean; from the times found
+//! here all do, after 12 and 14 (two of the eight-flip ones only since their arcs are fitted
+//! right).
 //!
-//! Slow bodies keep their marks. At eight times the usual distortion, where the fits meet late or
-//! early themselves, looking for the times of all events lost one in ten (a cube's six bounces) and
-//! one in twelve (a pencil) of those that marks find.
+//! Slow bodies keep their marks. At eight times the usual distortion, where the fits themselves
+//! meet late or early, searching the times of all events lost one in ten (a cube's six bounces) and
+//! one in twelve (a pencil) of the optima found from marks.
 
 use std::f64::consts::PI;
 
@@ -20,15 +21,15 @@ use super::point::Point;
 use super::problem::Problem;
 use crate::optimise::block::Block;
 
-/// A body that turns less than this between samples is slow \[rad\].
+/// Least angle that a fast body turns between samples \[rad\].
 const FAST_RAD: f64 = 0.5;
-/// Samples on either side of a mark between which events are looked for.
+/// Reach of the search on either side of a mark, in samples.
 const REACH_SAMPLES: f64 = 2.0;
-/// Between two times that are tried bodies turn by no more than this \[rad\].
+/// Greatest angle that a body turns between two times that are tried \[rad\].
 const STEP_RAD: f64 = 0.25;
 
-/// Moves the times of events at which bodies turn fast to where the arcs that `point` has, as they
-/// are, come nearest to what holds there: contact, one pose before and after, goals.
+/// Moves the times of events at which bodies turn fast to where the unchanged arcs of `point`
+/// violate the event's contacts, continuity of poses and goals the least.
 pub(super) fn align(context: &SolveContext, point: &mut Point) {
     for event in 0..context.problem.event_is_free.len() {
         let (interval_s, turned_rad) = between_samples(context.problem, point, event);
@@ -40,8 +41,8 @@ pub(super) fn align(context: &SolveContext, point: &mut Point) {
     }
 }
 
-/// Time between the samples of the arcs at an event \[s\], and by how much the fastest turns
-/// meanwhile \[rad\]. More than half a turn cannot be told from less.
+/// Longest sampling interval of the arcs at an event \[s\], and the largest angle that one turns in
+/// it \[rad\], at most π: larger angles look like smaller ones.
 fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64) {
     let arcs = problem.arcs.iter().zip(&point.arcs);
     let beside = arcs.filter(|(arc, _)| arc.start == Some(event) || arc.end == Some(event));
@@ -57,8 +58,8 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
     )
 }
 
-/// The best of so many times on either side of an event's, and where a parabola through it and its
-/// neighbours is least \[s\].
+/// The best of a grid of times about an event's, refined to the minimum of the parabola through it
+/// and its neighbours \[s\].
 fn nearest_s(
     context: &SolveContext,
     point: &Point,
@@ -85,7 +86,7 @@ fn nearest_s(
     }
 }
 
-/// Sum of squares of what an event's contacts, poses and goals leave, in units.
+/// Sum of squared violations of an event's contacts, poses and goals, in units.
 fn miss(context: &SolveContext, point: &Point, event: usize) -> f64 {
     let (problem, structure) = (context.problem, &context.layout.structure);
     let mut at = At::new(problem, point, &context.epochs_s);

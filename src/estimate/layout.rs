@@ -1,26 +1,27 @@
-//! Where each unknown sits: along time, so that the normal matrix is a narrow envelope.
+//! Order of the unknowns: along time, so that the normal matrix has a narrow envelope.
 //!
 //! Between two events come the sample times (where they are unknown), then the states of the
 //! arcs that end at the next event, then that event's time; parameters, which everything may
-//! share, come last. Bodies that never meet come one after the other: nothing couples them.
+//! share, come last. Bodies that never meet are not coupled and come one after the other.
 
 use super::problem::{Arc, EventMark, Problem, STATE};
 use crate::optimise::Structure;
 use crate::optimise::envelope::Pattern;
 
-/// Index of the first unknown of every part.
+/// Indices of the unknowns: the first of every part.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Of each arc's state.
+    /// Index of each arc's state: [`STATE`](super::problem::STATE) unknowns.
     pub arcs: Vec<usize>,
-    /// Of each event's time, where it is free.
+    /// Index of each event's time, where it is free.
     pub events: Vec<Option<usize>>,
-    /// Of each node's time, where it is unknown. The first node is fixed: it is time's zero.
+    /// Index of each node's time, where it is unknown. The first node is fixed: it is the zero of
+    /// time.
     pub nodes: Vec<Option<usize>>,
-    /// Of each parameter.
+    /// Index of each parameter.
     pub parameters: Vec<usize>,
-    /// Which unknowns meet in a residual, in the rows of every constraint ([`Problem::constraints`]) and
-    /// in those that it prices.
+    /// Which unknowns are coupled by a residual, by the rows of every constraint
+    /// ([`Problem::constraints`]) and by its priced rows.
     pub structure: Structure,
 }
 
@@ -38,7 +39,7 @@ impl Layout {
         let mut next_node = 1;
         let groups = groups(problem);
         let count = groups.iter().max().map_or(0, |last| last + 1);
-        // An event at which no flight ends is the first group's.
+        // An event at which no flight ends belongs to the first group.
         let owner = |event: usize| {
             let mut ending = problem.arcs.iter().filter(|arc| arc.end == Some(event));
             ending.next().map_or(0, |arc| groups[arc.body])
@@ -112,13 +113,13 @@ impl Layout {
             .collect()
     }
 
-    /// Unknowns that a mark's residual touches: its event's time and those of both nodes.
+    /// Unknowns of a mark's residual: its event's time and the times of both nodes.
     pub fn of_mark(&self, mark: &EventMark) -> [Option<usize>; 3] {
         let node = |side: usize| mark.nodes.and_then(|nodes| self.nodes[nodes[side]]);
         [self.events[mark.event], node(0), node(1)]
     }
 
-    /// Every pair that may meet, each row at least with its first column.
+    /// Every pair of coupled unknowns, or at least the first column of each row.
     fn couplings(&self, problem: &Problem) -> Vec<(usize, usize)> {
         let mut couplings = Vec::new();
         let mut clique = |members: &[usize]| {
@@ -164,8 +165,8 @@ impl Layout {
     }
 }
 
-/// For every body the group it is in, numbered from zero: bodies at one event are in one, and all are
-/// where the samples of all share their unknown times.
+/// For every body its group, numbered from zero: bodies at one event are in one group, and all
+/// bodies are where their samples share unknown times.
 fn groups(problem: &Problem) -> Vec<usize> {
     let mut groups: Vec<usize> = (0..problem.bodies.len()).collect();
     let mut join = |members: &[usize]| {

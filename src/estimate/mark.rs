@@ -1,9 +1,9 @@
 //! Marks as measurements of their events' times.
 //!
-//! A performer, or an annotator, says when an event was, with an error of standard deviation σ in
-//! acted time. Where stamps are physical times that is a pull of the event's time τ to the mark's.
-//! Where they are not, the event's acted time is read off the samples about it, between two nodes of
-//! which the time map is linear:
+//! A performer or an annotator marks an event with an error of standard deviation σ in acted time.
+//! Where stamps are physical times the residual is `r = (τ − mark)/σ` with the event's time `τ`.
+//! Where they are not, the time map is linear between two nodes about the event, with acted times
+//! `a` and physical times `t`, and gives the event's acted time:
 //!
 //! ```text
 //! r = (a₁ + (τ − t₁) (a₂ − a₁)/(t₂ − t₁) − mark) / σ
@@ -12,7 +12,7 @@
 use super::point::Point;
 use super::problem::{EventMark, Problem};
 
-/// The residual of a mark and its derivatives by the event's time and those of both nodes.
+/// The residual of a mark and its derivatives by the event's time and the times of both nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkTerm {
     /// The residual.
@@ -42,8 +42,8 @@ impl EventMark {
         }
     }
 
-    /// The nodes about an acted time: the last before and the first after, or the two that are
-    /// nearest at an end of the stream. `None` where there are fewer than two.
+    /// The nodes about an acted time: the last before and the first after, or the nearest two at an
+    /// end of the stream. `None` where there are fewer than two.
     pub fn nodes_about(nodes_acted_s: &[f64], acted_s: f64) -> Option<[usize; 2]> {
         let last = nodes_acted_s
             .len()

@@ -1,13 +1,16 @@
-//! Stage 4: the estimation (paper §4, DESIGN's eq. 1, 3, 6 to 8): a constrained least-squares
-//! problem over states of arcs, event times, sample times and parameters.
+//! Stage 4: the estimation (paper eq. 1, 3, 6 to 8): a constrained least-squares problem over
+//! states of arcs, event times, sample times and parameters.
 //!
-//! What is solved: [`problem`], with [`layout`] saying where each unknown sits, `nodes` at which
-//! sample times are unknowns and [`point`] holding a value of all. Its terms: [`samples`], [`tempo`],
-//! [`mark`], summed into an `objective`; what must hold is a [`constraint`]. `evaluate` puts them
-//! together for the [optimiser](crate::optimise), with a [`context`] that stays fixed and the constraints'
-//! `curvature`; [`events`] lets it begin, [`recipe`] says how it goes.
-//! What is said of it: [`outcome`], [`covariance`], `timing`, `deviation`. [`solve`] is the stage as the pipeline sees it,
-//! [`bound`] what its search over collision sequences rests on.
+//! - The problem: [`problem`], with the indices of the unknowns in [`layout`], the `nodes` at which
+//!   sample times are unknowns, and their values in a [`point`].
+//! - Its terms: [`samples`], [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
+//!   for each hard condition. `evaluate` joins them for the [optimiser](crate::optimise), with a
+//!   [`context`] that is fixed during a solve and the constraints' `curvature`.
+//! - The way to the solution: [`events`] gives the first event times, [`recipe`] the schedule.
+//! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`.
+//!
+//! [`solve`] is the stage as the pipeline calls it; [`bound`] gives lower bounds to the search over
+//! collision sequences.
 
 mod arc_end;
 pub mod bound;

@@ -1,27 +1,28 @@
-//! Nodes of the time map: the acted times whose physical times are unknowns.
+//! Nodes of the time map: the acted times whose physical times are unknowns (timing unknown, paper
+//! §4.3).
 //!
-//! Where a tracker is no faster than a hand every sample has its own. Of a faster stream samples
-//! between two nodes lie on the line between them: a performer's tempo does not change within
-//! milliseconds, and the unknowns follow what was acted, not how often it was read. Samples that
-//! share a node say the same of the hand as often; the tempo prior weighs as many times as much,
-//! so that the optimum does not depend on the tracker's rate either.
+//! In a slow stream every sample is a node. In a faster one, times of samples between two nodes are
+//! interpolated linearly: a performer's tempo does not change within milliseconds, so the number of
+//! unknowns follows the motion and not the sampling rate. The weight of the tempo prior is
+//! multiplied by the number of samples per node, so that the optimum does not depend on the
+//! sampling rate either.
 
 use crate::motion::{Sample, Segment, Sketch};
 
-/// Nodes are no nearer to one another but at the ends of flights \[s\]: 200 a second, and a
-/// tracker may be as fast.
+/// Least distance of nodes except at the ends of flights \[s\]: streams of up to 200 samples a
+/// second have a node at every sample.
 const SPACING_S: f64 = 0.0045;
 
-/// The nodes, and what one stands for.
+/// The nodes, and the number of samples per node.
 pub(super) struct Nodes {
     /// Acted times, distinct and increasing \[s\].
     pub(super) acted_s: Vec<f64>,
-    /// Distinct times of samples per node; one where every one has its own.
+    /// Number of distinct sample times per node; one where every sample is a node.
     pub(super) samples_each: f64,
 }
 
 impl Nodes {
-    /// At all samples of all segments.
+    /// Nodes at all samples of all segments.
     pub(super) fn everywhere(sketch: &Sketch, segments: &[Segment]) -> Self {
         let of_all = segments.iter().flat_map(|segment| samples(sketch, segment));
         Self {
@@ -30,8 +31,8 @@ impl Nodes {
         }
     }
 
-    /// No nearer to one another than a tempo changes. The first and the last sample of every
-    /// segment are nodes, so that no sample lies between two flights.
+    /// Nodes at least [`SPACING_S`] apart. The first and the last sample of every segment are
+    /// nodes, so that no interpolated sample lies between two flights.
     pub(super) fn spaced(sketch: &Sketch, segments: &[Segment]) -> Self {
         let all = Self::everywhere(sketch, segments);
         let ends = segments.iter().flat_map(|segment| {
@@ -60,7 +61,7 @@ impl Nodes {
         }
     }
 
-    /// The node at or before a time, and how far it is on the way to the next: zero at a node.
+    /// The node at or before a time, and the share of the interval to the next: zero at a node.
     pub(super) fn place(&self, acted_s: f64) -> (usize, f64) {
         let nodes = &self.acted_s;
         let node = nodes.partition_point(|node| *node <= acted_s) - 1;

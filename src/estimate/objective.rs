@@ -1,4 +1,9 @@
-//! The terms of the objective: samples, and priors of tempo, marks and parameters; guidance while it leads.
+//! The objective (paper eq. 1, 6): half the sum of squares of samples, tempo, marks and priors of
+//! parameters, with gradient and Gauss–Newton Hessian:
+//!
+//! ```text
+//! f = ½ Σ |r|²,   g = Σ Jᵀ r,   H = Σ JᵀJ
+//! ```
 
 use nalgebra::DVector;
 
@@ -10,7 +15,7 @@ use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::physics::state::part;
 
-/// The sum of all terms on its way: half their squares, its gradient and its Hessian (Gauss–Newton).
+/// The objective while its terms are being added: value, gradient and Gauss–Newton Hessian.
 pub(super) struct Objective<'a> {
     context: &'a SolveContext<'a>,
     guidance: &'a Guidance,
@@ -22,7 +27,7 @@ pub(super) struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// Begins with nothing.
+    /// An objective without terms.
     pub(super) fn new(
         context: &'a SolveContext,
         (guidance, point): (&'a Guidance, &'a Point),
@@ -42,7 +47,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// What the samples leave (paper eq. 1).
+    /// Adds the residuals of the samples (paper eq. 1).
     pub(super) fn add_samples(&mut self) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
@@ -135,7 +140,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Priors, and what leads the way.
+    /// Adds the priors of tempo, marks and parameters, and the guidance.
     pub(super) fn add_priors(&mut self) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         if let Some(sd) = problem.tempo_sd_per_sqrt_s {
@@ -164,7 +169,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Half the square of `offset/sd`, for one unknown.
+    /// Adds half the square of `offset/sd`, for one unknown.
     fn add_pull(&mut self, at: usize, offset: f64, sd: f64) {
         let weight = 1.0 / (sd * sd);
         *self.cost += 0.5 * weight * offset * offset;
@@ -183,7 +188,7 @@ impl<'a> Objective<'a> {
         self.add_residual(unknowns, term.residual, term.jacobian);
     }
 
-    /// Half the square of a residual of three unknowns, some of which may be fixed.
+    /// Adds half the square of a residual of three unknowns, some of which may be fixed.
     #[inline]
     fn add_residual(&mut self, unknowns: [Option<usize>; 3], residual: f64, jacobian: [f64; 3]) {
         *self.cost += 0.5 * residual * residual;

@@ -1,4 +1,4 @@
-//! What the solver found, in the scene's words.
+//! The solver's result as an estimate of the scene: events, arcs, gaps, residuals and verdict.
 
 use super::context::SolveContext;
 use super::point::Point;
@@ -14,7 +14,7 @@ use crate::motion::{
 use crate::optimise::System;
 use crate::physics::flow;
 
-/// Gaps up to these are rounding: the motion is physical.
+/// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
     position_m: 1e-9,
     orientation_rad: 1e-9,
@@ -22,8 +22,8 @@ pub const PHYSICAL: Gap = Gap {
     angular_velocity_rad_s: 1e-7,
 };
 
-/// The estimate of a scene from where the solver ended, without standard deviations; `errors` are those
-/// of its samples ([`errors`]), `counters` the work.
+/// The estimate of a scene from the solver's solution, without standard deviations; `errors` are
+/// the residuals of its samples ([`errors`]), `counters` the work.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
@@ -84,7 +84,7 @@ fn events(
         .collect()
 }
 
-/// Largest of each kind that is left at an event.
+/// Largest remaining gap of each kind at an event.
 fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
     let rows = system.blocks.iter().zip(&system.priced);
     let constraints = problem.constraints().zip(rows);
@@ -94,7 +94,8 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .fold(Gap::default(), |a, b| a.max(&b))
 }
 
-/// The verdict and how the estimation ended.
+/// The verdict and how the estimation ended. A motion whose events or flights are not in order of time
+/// (paper eq. 7) fails.
 fn judge(
     problem: &Problem,
     solution: &Solution,
@@ -121,7 +122,7 @@ fn judge(
     if !finite || !solution.system.cost.is_finite() {
         return (Verdict::Failed, End::NotFinite);
     }
-    // Bodies that have nothing to do with one another need not keep an order.
+    // Events of bodies that never meet need no order.
     let time_s = |event: Option<usize>| {
         let found = events.iter().find(|of| Some(of.event) == event)?;
         Some((found.event, found.time_s))
@@ -138,7 +139,7 @@ fn judge(
             return (Verdict::Failed, reversed);
         }
     }
-    // A flight that no event begins or ends has its samples' extent.
+    // A flight without an event at an end extends to its samples.
     if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
         let reversed = End::FlightReversed {
             body: arc.body,
@@ -161,7 +162,7 @@ fn judge(
     if events.iter().all(obeys) {
         return (Verdict::Physical, end);
     }
-    // Gaps that nobody priced are what a solve that did not end has left.
+    // Without priced gaps, remaining ones mean that the solve did not converge.
     if !finished.converged || !is_bent {
         return (Verdict::Failed, end);
     }

@@ -1,4 +1,4 @@
-//! A value of all unknowns, and how it moves.
+//! Values of all unknowns, and their retraction `point ⊞ step`.
 
 use nalgebra::DVector;
 
@@ -8,7 +8,7 @@ use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
 use crate::physics::state::StateTangent;
 
-/// A value of every unknown.
+/// Values of all unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// States of the arcs at their epochs.
@@ -22,7 +22,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// The guess.
+    /// The values of a guess.
     pub fn new(problem: &Problem, guess: &Guess) -> Self {
         let mut node_times_s = problem.nodes_acted_s.clone();
         for (arc, arc_guess) in problem.arcs.iter().zip(&guess.arcs) {
@@ -40,8 +40,7 @@ impl Point {
         }
     }
 
-    /// The point as a guess, with the epochs of the guess it came from. Parameters begin anew,
-    /// where that began.
+    /// The point as a guess, with the epochs and the initial parameters of the guess it came from.
     pub fn guess(&self, problem: &Problem, from: &Guess) -> Guess {
         let arcs = problem.arcs.iter().zip(&self.arcs).zip(&from.arcs);
         let arcs = arcs.map(|((arc, state), of)| ArcGuess {
@@ -60,12 +59,13 @@ impl Point {
         }
     }
 
-    /// Moves `origin` by `delta`, into `self`.
+    /// `self = origin ⊞ delta`.
     ///
-    /// Where times are unknown, the gap between neighbouring samples changes by a factor that
-    /// agrees with `delta` to first order and is positive: order holds by construction, and no
-    /// bound is needed. Events are not part of that chain: a sample beside a collision may come
-    /// to lie on its arc's continuation. Parameters stop at their bounds.
+    /// Where times are unknown, the interval `d` between neighbouring nodes is multiplied by
+    /// `e^{asinh(δ/d)}`, which agrees with `d + δ` to first order and is positive: the order of
+    /// times (paper eq. 7) holds by construction, without bounds. Events are not part of that
+    /// chain: a sample beside a collision may come to lie on its arc's continuation. Parameters
+    /// stop at their bounds.
     pub fn retract_from(
         &mut self,
         origin: &Point,
@@ -100,6 +100,6 @@ impl Point {
 /// `e^{asinh x}`: `1 + x` to first order, positive and smooth, and undone by `−x`.
 fn positive_factor(x: f64) -> f64 {
     let root = (1.0 + x * x).sqrt();
-    // The same without cancellation where x is negative.
+    // Written without cancellation where x is negative.
     if x >= 0.0 { root + x } else { 1.0 / (root - x) }
 }

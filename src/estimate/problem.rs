@@ -1,4 +1,4 @@
-//! The estimation problem in the solver's terms: arcs, events, constraints and what is free.
+//! The estimation problem in the solver's terms: arcs, events, constraints and free unknowns.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -10,7 +10,7 @@ use crate::motion::{
 use crate::physics::Body;
 use crate::physics::impact::{ContactSet, Law};
 
-/// Units in which constraints are weighed (METHOD's `u`): one of each is equally bad.
+/// Units of constraints: violations of one unit have equal weight.
 pub mod unit {
     /// Contact gap and position \[m\].
     pub const POSITION_M: f64 = 0.01;
@@ -22,9 +22,9 @@ pub mod unit {
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
 }
 
-/// Price of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
-/// near the performance; ten times as much takes a tenth off the gaps of a die that is asked for six
-/// faces, and leaves the performance by four times as far.
+/// Weight of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
+/// near the performance; ten times as much reduces the gaps of a die with six given faces by a
+/// tenth, and increases the distance from the performance to four times.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
 
 /// Number of unknowns of a free body's state.
@@ -39,7 +39,7 @@ pub struct ArcSample {
     pub orientation: UnitQuaternion<f64>,
     /// Index into [`Problem::nodes_acted_s`]: the node at or before it.
     pub node: usize,
-    /// How far it is on the way to the next node; zero at a node.
+    /// Its share of the interval to the next node; zero at a node.
     pub share: f64,
 }
 
@@ -85,11 +85,11 @@ pub struct ArcPair {
 pub struct ArcCollision {
     /// Event at which it happens.
     pub event: usize,
-    /// The body, and the other one where it does not hit the static world.
+    /// The body, and the other one unless it hits the static world.
     pub sides: Vec<ArcPair>,
-    /// Where they touch.
+    /// Its contacts.
     pub meeting: ContactSet,
-    /// Whether a goal holds the body in touch already, so that no row needs to.
+    /// Whether a goal fixes the body in contact, so that no row is needed for the gap.
     pub touches_by_goal: bool,
     /// Restitution, friction and tilt, where they are not free.
     pub law: Law,
@@ -102,7 +102,7 @@ pub struct ArcCollision {
 }
 
 impl ArcCollision {
-    /// Its law with what is free taken from `parameters`.
+    /// Its law with free quantities taken from `parameters`.
     pub fn law(&self, parameters: &[f64]) -> Law {
         let value = |index: Option<usize>, otherwise| index.map_or(otherwise, |p| parameters[p]);
         let mut tilt_rad = self.law.tilt_rad;
@@ -122,11 +122,11 @@ impl ArcCollision {
 pub struct EventMark {
     /// Index into [`Problem::event_is_free`].
     pub event: usize,
-    /// As it was made \[s, acted\].
+    /// Acted time of the mark \[s\].
     pub acted_s: f64,
-    /// The standard deviation that weighs it beside samples \[s, acted\].
+    /// Standard deviation with which it is weighted among the samples, in acted time \[s\].
     pub sd_s: f64,
-    /// Variance of the residual: how often it counts, as they do.
+    /// Multiplicity: the mark counts `counted` times, so that its residual has this variance.
     pub counted: f64,
     /// The nodes about the event, where sample times are unknown.
     pub nodes: Option<[usize; 2]>,
@@ -143,7 +143,7 @@ pub struct ArcGoal {
     pub target: ArcTarget,
 }
 
-/// What a goal asks of an arc.
+/// The target of a goal.
 #[derive(Clone, Debug)]
 pub enum ArcTarget {
     /// The body's pose.
@@ -162,7 +162,7 @@ pub enum ArcTarget {
 /// A parameter that has bounds of its own; its unit is its prior, or the width of its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounded {
-    /// Which of the problem's.
+    /// Index into [`Problem::parameters`].
     pub parameter: usize,
 }
 
@@ -181,26 +181,26 @@ pub struct Problem {
     pub event_is_free: Vec<bool>,
     /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
-    /// Marks of those whose time is an unknown.
+    /// Marks of the events whose time is an unknown.
     pub marks: Vec<EventMark>,
-    /// Bounces.
+    /// Collisions.
     pub collisions: Vec<ArcCollision>,
     /// Goals.
     pub goals: Vec<ArcGoal>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
-    /// Those of them that have a bound of their own.
+    /// Parameters with bounds of their own.
     pub bounded: Vec<Bounded>,
-    /// Pairs of them within a circle.
+    /// Pairs of parameters within a circle.
     pub cones: Vec<Cone>,
-    /// Price of a squared unit of velocity gap; `None` where velocities are continuous through
-    /// impacts.
+    /// Weight of a squared unit of velocity gap; `None` where velocities must follow the impact
+    /// law.
     pub velocity_gap_weight: Option<f64>,
     /// Acted times of the time map's nodes, distinct and increasing \[s\]: those of all samples, or
     /// of some where times are unknown and samples many.
     pub nodes_acted_s: Vec<f64>,
-    /// Strength of the tempo prior, for nodes that stand for several samples as many times as
-    /// heavy; `None` where physical times are the acted ones.
+    /// Strength `σ` of the tempo prior [1/√s], smaller where a node stands for several samples;
+    /// `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
     /// One unit of position residual \[m\].
     pub position_unit_m: f64,
@@ -212,7 +212,8 @@ impl Problem {
     /// The problem of a scene and a sketch cut into segments.
     ///
     /// # Panics
-    /// Where the scene leaves a contact open or pairs what never touches: stages before see to it.
+    /// Where the scene leaves a contact open or has an unsupported one: earlier stages exclude
+    /// this.
     pub fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Self {
         let nodes = match scene.timing {
             Timing::Known | Timing::Edited => Nodes::everywhere(sketch, segments),
@@ -267,22 +268,22 @@ impl Problem {
         self.tempo_sd_per_sqrt_s.is_some()
     }
 
-    /// How much the samples of an arc know, against 48 samples that are weighed in the units of
-    /// [`mod@unit`]. Prices of constraints and damping are multiples of it, so that the way to the
-    /// optimum depends neither on the number of samples nor on the weights' scale.
-    /// Of positions and orientations those that know more count.
+    /// Information of the samples of an arc, relative to 48 samples in the units of [`mod@unit`]:
+    /// `(n/48)(u_constraint/u_residual)²` with `n` samples per arc, the greater of positions' and
+    /// orientations'. Weights of constraints and damping are multiples of it, so that the way to
+    /// the optimum depends neither on the number of samples nor on the weights' scale.
     pub fn information(&self) -> f64 {
         let [position, orientation] = self.informations();
         position.max(orientation)
     }
 
-    /// The same of those that know less.
+    /// [`Problem::information`] with the lesser of positions' and orientations'.
     pub fn least_information(&self) -> f64 {
         let [position, orientation] = self.informations();
         position.min(orientation)
     }
 
-    /// Of positions and of orientations.
+    /// Information of positions and of orientations.
     fn informations(&self) -> [f64; 2] {
         const REFERENCE_SAMPLES: f64 = 48.0;
         let per_arc = self.sample_count() as f64 / self.arcs.len() as f64;
@@ -293,7 +294,7 @@ impl Problem {
         .map(|ratio| per_arc / REFERENCE_SAMPLES * ratio * ratio)
     }
 
-    /// The same with velocity gaps priced instead of closed.
+    /// The problem with velocity gaps priced instead of closed (overconstrained sketches).
     pub fn with_velocity_gaps(&self) -> Self {
         Self {
             velocity_gap_weight: Some(VELOCITY_GAP_WEIGHT * self.information()),
@@ -301,8 +302,8 @@ impl Problem {
         }
     }
 
-    /// Whether there are more equalities than unknowns besides sample times: then no motion meets
-    /// all of them, but by accident.
+    /// Whether there are more equalities than unknowns besides sample times: then, except by
+    /// coincidence, no motion satisfies all of them.
     pub fn is_overconstrained(&self) -> bool {
         let collisions = self.collisions.iter().map(|collision| {
             let contacts = collision.meeting.contacts().len();

@@ -1,4 +1,4 @@
-//! How an estimation is solved: the optimiser's schedule, and what leads the way meanwhile.
+//! The solution of an estimation: the optimiser's schedule, and the guidance of its stages.
 
 use super::constraint::collision;
 use super::context::{Guidance, SolveContext};
@@ -14,10 +14,10 @@ use crate::optimise::{self, Program, Schedule, Stage, Watch};
 pub struct Recipe {
     /// Sweep, multiplier rounds and finish.
     pub schedule: Schedule,
-    /// Standard deviation of the events' pull to where they begin while the sweep's weight is at most
-    /// one \[s\].
+    /// Standard deviation of the prior that holds events at their initial times, while the sweep's
+    /// weight is at most one \[s\].
     pub event_sd_s: f64,
-    /// Orientations of an arc that sweep and multiplier rounds read.
+    /// Number of orientations of an arc that sweep and multiplier rounds use.
     pub orientations_per_arc: usize,
 }
 
@@ -44,18 +44,19 @@ impl Recipe {
         }
     }
 
-    /// The recipe for a start that is near: multipliers at once, patiently, and no second try.
+    /// The recipe for a start near the optimum: multiplier rounds at once, with a smaller gain, and
+    /// no retries.
     pub fn without_sweep(&self) -> Self {
         self.with(self.schedule.without_sweep())
     }
 
-    /// The recipe for a start that solved the problem but for a few samples: the finish at once.
+    /// The recipe for a start that solved the problem without a few samples: the finish at once.
     pub fn from_the_last(&self) -> Self {
         self.with(self.schedule.from_the_last())
     }
 }
 
-/// Where a solve ended.
+/// The result of a solve.
 pub type Solution = optimise::Solution<Point>;
 
 /// Epochs of the guess, in the order of the arcs \[s\].
@@ -63,7 +64,7 @@ pub fn epochs_s(guess: &Guess) -> Vec<f64> {
     guess.arcs.iter().map(|arc| arc.epoch_s).collect()
 }
 
-/// Solves from a guess.
+/// Solves a problem from a guess.
 pub fn solve(
     problem: &Problem,
     layout: &Layout,
@@ -73,7 +74,7 @@ pub fn solve(
 ) -> Solution {
     let mut start = Point::new(problem, guess);
     let context = SolveContext::new(problem, layout, epochs_s(guess), &start);
-    // Without a sweep the start is near.
+    // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
         events::align(&context, &mut start);
     }
@@ -83,20 +84,22 @@ pub fn solve(
     optimise::solve(&context, start, &recipe.schedule, &guidance, watch)
 }
 
-/// What leads which stage.
+/// The guidance of each stage.
 #[derive(Clone, Debug)]
 pub struct Lead {
     approach_limits_m_s: Vec<f64>,
     event_times_s: Vec<f64>,
-    /// Of the pull at a weight of one information; `None`: no pull.
+    /// Standard deviation of the prior of event times at a weight of one information; `None`: no
+    /// prior.
     event_sd_s: Option<f64>,
     information: f64,
     orientations_per_arc: usize,
 }
 
 impl Lead {
-    /// Contacts approach at least at three tenths of the speed that the start has, or an impulse could die
-    /// while the penalty is loose. Events are pulled to where they begin, unless times are unknown.
+    /// Contacts must approach with at least three tenths of the start's speed, since otherwise an
+    /// impulse could vanish while the penalty is loose. Events have a prior at their initial times,
+    /// unless sample times are unknown.
     pub fn new(context: &SolveContext, start: &Point, recipe: &Recipe) -> Self {
         let problem = context.problem;
         let mut approach_limits_m_s = vec![0.0; problem.event_is_free.len()];
@@ -116,7 +119,7 @@ impl Lead {
         }
     }
 
-    /// What leads a stage: at the end, nothing.
+    /// The guidance of a stage; the finish has none.
     pub fn guidance(&self, stage: Stage) -> Guidance {
         match stage {
             Stage::Sweep { weight } => {
@@ -138,7 +141,7 @@ impl Lead {
     }
 }
 
-/// The observer, as the optimiser sees it.
+/// The observer as the optimiser's [`Watch`].
 struct Watched<'o>(&'o mut dyn Observer);
 
 impl Watch for Watched<'_> {

@@ -1,11 +1,15 @@
 //! The sample terms of the objective (paper eq. 1), summed into one small block per arc.
 //!
-//! Half the squared distance of a pose from its sample is `½|x(s) − x_i|²/u_x²` plus the turn's
-//! part ([`TurnTerms`]).
+//! The cost of one sample, `s` seconds from the arc's epoch, is
 //!
-//! With known times the position terms are an exact quadratic of the state, whatever the
-//! number of samples: [`ArcSums`] keeps their sums, relative to a reference near the optimum
-//! so that no digits cancel.
+//! ```text
+//! ½|x(s) − x_i|²/u_x² + ½|Log(R_iᵀ R(s))|²/u_R²,   x(s) = x + v s + ½ g s²
+//! ```
+//!
+//! with the units `u` of residuals; the second term is in [`TurnTerms`]. With known times the
+//! position terms are an exact quadratic in `x`, `v` and `g`, whatever the number of samples:
+//! [`ArcSums`] keeps its coefficients, relative to a reference near the optimum so that no digits
+//! cancel.
 
 use nalgebra::Vector3;
 
@@ -14,7 +18,7 @@ use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
 use crate::physics::{Body, State};
 
-/// Sums over the samples of an arc that the position terms need when times are known.
+/// Sums over the samples of an arc for the position terms when times are known.
 #[derive(Clone, Debug)]
 pub struct ArcSums {
     reference_position_m: Vector3<f64>,
@@ -39,25 +43,26 @@ pub struct ArcTerms {
     /// `Σ s^k` per squared unit, k = 0…4: the Hessian between position, velocity, gravity is
     /// `[p0, p1, p2/2; ·, p2, p3/2; ·, ·, p4/4]`, the same on every axis.
     pub powers: [f64; 5],
-    /// Terms of the turn, its cost included.
+    /// Terms of the rotation, its cost included.
     pub turn: TurnTerms,
 }
 
-/// Derivatives of terms that involve the time of a node.
+/// Derivatives of the cost by the time of a node.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TimeTerms {
-    /// By the time.
+    /// First derivative by the time.
     pub gradient: f64,
-    /// Second, by the time.
+    /// Second derivative by the time (Gauss–Newton).
     pub square: f64,
-    /// By the time and that of the next node.
+    /// Mixed derivative by the time and that of the next node.
     pub with_next: f64,
-    /// By the time and position, orientation, velocity, angular velocity, gravity.
+    /// Mixed derivatives by the time and position, orientation, velocity, angular velocity,
+    /// gravity.
     pub cross: [Vector3<f64>; 5],
 }
 
 impl TimeTerms {
-    /// Adds terms of a time that moves by that share of the node's.
+    /// Adds terms of a sample time that moves by `share` of the node's time.
     #[inline]
     fn add(&mut self, terms: &Self, share: f64) {
         self.gradient += share * terms.gradient;
@@ -68,12 +73,12 @@ impl TimeTerms {
     }
 }
 
-/// Terms of the samples from one node to the next, on their way to whoever sums them.
+/// Collects the terms of the samples between two nodes and hands them over node by node.
 struct Between<F> {
-    /// The node, its terms and those of the next.
+    /// The current node; `terms` are its terms and those of the next node.
     node: usize,
     terms: [TimeTerms; 2],
-    /// Whether a sample lies beyond the node.
+    /// Whether a sample lies after the node, so that the next node has terms.
     reaches: bool,
     each: F,
 }
@@ -110,7 +115,8 @@ impl<F: FnMut(usize, TimeTerms)> Between<F> {
 }
 
 impl ArcSums {
-    /// Sums over the samples of `arc` at `times_s` about the flight through `state`.
+    /// Sums over the samples of `arc` at `times_s`, of residuals of the reference flight through
+    /// `state`.
     pub fn new(
         arc: &Arc,
         times_s: &[f64],
@@ -166,7 +172,7 @@ impl ArcSums {
             cost += step[k].dot(&(self.moments[k] + change[k] * 0.5));
             terms.position_gradient[k] += (self.moments[k] + change[k]) * weight;
         }
-        // A sum of squares; rounding may leave a perfect fit just below zero.
+        // A sum of squares; rounding may make that of a perfect fit slightly negative.
         terms.cost += cost.max(0.0) * weight;
         for (entry, power) in terms.powers.iter_mut().zip(&self.powers) {
             *entry += power * weight;
@@ -174,7 +180,8 @@ impl ArcSums {
     }
 }
 
-/// Terms of an arc whose sample times are known; of the orientations every `stride`-th is read.
+/// Terms of an arc whose sample times are known. Every `stride`-th orientation is used, with the
+/// weight of `stride`.
 pub fn known_times(
     problem: &Problem,
     arc: &Arc,
@@ -197,8 +204,8 @@ pub fn known_times(
     terms
 }
 
-/// Terms of an arc whose sample times are unknowns; every `stride`-th sample is read, for as many.
-/// `each` gets its nodes in order and their terms.
+/// Terms of an arc whose sample times are unknowns. Every `stride`-th sample is used, with the
+/// weight of `stride`. `each` is called with its nodes in order and their terms.
 pub fn unknown_times(
     problem: &Problem,
     (arc, stride): (&Arc, usize),
@@ -241,7 +248,7 @@ pub fn unknown_times(
             *entry += power;
             power *= s;
         }
-        // The body's angular velocity at s, seen from the epoch's frame, is K ω.
+        // The body's angular velocity at s, in the epoch's frame, is K ω.
         let omega = k * state.angular_velocity_rad_s;
         let (pull, turn) = (velocity * weight, omega * turn_weight);
         let by_time = TimeTerms {

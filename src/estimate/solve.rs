@@ -1,5 +1,5 @@
-//! The stage as the pipeline sees it: guesses in, a motion out, and how certain that is where it is
-//! asked.
+//! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
+//! request.
 
 use super::context::{Guidance, SolveContext};
 use super::deviation;
@@ -13,20 +13,20 @@ use crate::motion::{
 };
 use crate::optimise::{Program, Work};
 
-/// A motion that was found, and where: what its deviations are made from.
+/// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]
 pub struct Solved {
-    /// It, without deviations.
+    /// The estimate without deviations.
     pub estimate: Estimate,
     posed: Posed,
     epochs_s: Vec<f64>,
     solution: Solution,
-    /// Of every sample, arc by arc, in units.
+    /// Residuals of every sample, arc by arc, in units.
     errors: Vec<Vec<[f64; 6]>>,
 }
 
 impl Solved {
-    /// The estimate with its deviations, and with what is undetermined.
+    /// The estimate with its standard deviations and the list of undetermined quantities.
     pub fn with_deviations(self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
         observer.phase(Phase::Covariance);
         let Self {
@@ -45,9 +45,9 @@ impl Solved {
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.
 ///
 /// There is one guess unless the arcs' own fits are ambiguous, so a clear performance costs one
-/// solve. Where that finds no motion, and the scene allows it, velocities may jump at collisions;
-/// from the motion found then it is tried once more to close the gaps. Fails never; what did not
-/// converge has the verdict that says so.
+/// solve. Where that finds no motion, and the scene allows it, velocity gaps at collisions are
+/// priced instead of closed; from the motion found then, closing them is tried once more. Never
+/// fails: an estimate that did not converge has a verdict that says so.
 ///
 /// # Panics
 /// Without a guess or without a segment.
@@ -106,7 +106,7 @@ pub fn estimate(
     }
 }
 
-/// A problem and where its unknowns sit.
+/// A problem with its layout.
 #[derive(Clone, Debug)]
 struct Posed {
     problem: Problem,
@@ -137,7 +137,7 @@ impl Posed {
     }
 }
 
-/// Adds the work of some starts.
+/// Adds the work of a number of starts to the counters.
 pub(super) fn add(counters: &mut Counters, work: &Work, starts: usize) {
     counters.iterations += work.iterations;
     counters.evaluations += work.evaluations;
@@ -145,8 +145,8 @@ pub(super) fn add(counters: &mut Counters, work: &Work, starts: usize) {
     counters.starts += starts;
 }
 
-/// The index of the guess that led to the best solution; that solution, with the work of all; and how many
-/// guesses were tried.
+/// The index of the guess that led to the best solution; that solution, with the work of all
+/// guesses; and the number of guesses tried.
 pub fn best(
     problem: &Problem,
     layout: &Layout,
@@ -177,7 +177,7 @@ pub fn best(
     (index, solution, starts)
 }
 
-/// Half the sum of squared residuals of a guess, priors included, whatever its constraints say.
+/// Half the sum of squared residuals of a guess, priors included, without regard to constraints.
 pub fn cost(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess: &Guess) -> f64 {
     let problem = Problem::new(scene, sketch, segments);
     let layout = Layout::new(&problem);

@@ -1,17 +1,18 @@
-//! The tempo prior: an actor's rate changes smoothly.
+//! The tempo prior (timing unknown, paper §4.3): a performer's rate changes smoothly.
 //!
-//! Between neighbouring samples the physical time advances at the rate `g/Δa`, gap over acted
-//! gap. Its logarithm is taken to wander as Brownian motion of strength σ [1/√s], so that
-//! slowing to a half and hurrying to double weigh the same whatever the tempo:
+//! Between neighbouring nodes the physical time advances at the rate `g/Δa`, physical over acted
+//! interval. Its logarithm is modelled as Brownian motion of strength σ [1/√s], so that half and
+//! double the rate have equal weight at any tempo:
 //!
 //! ```text
 //! r = (ln(g₂/Δa₂) − ln(g₁/Δa₁)) / (σ √½(Δa₁ + Δa₂))
 //! ```
 //!
-//! The prior is part of the objective to the end. It makes timing determined where the motion
-//! alone does not (a straight drop), and it is why order needs no constraint.
+//! The prior is part of the objective to the end. It determines timing where the motion alone does
+//! not (a straight drop), and keeps intervals positive, so that the order of times (paper eq. 7)
+//! needs no constraint.
 
-/// Cost and derivatives of one residual by the times of its three nodes.
+/// One residual and its derivatives by the times of its three nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TempoTerm {
     /// The residual.

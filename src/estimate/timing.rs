@@ -1,13 +1,19 @@
-//! When things happen on the physical time line, and how certain that is.
+//! Times of events and the duration on the physical time line, with their uncertainty.
 //!
-//! An event whose time is an unknown has that unknown's deviation. Every other event lies where its
-//! mark does between two nodes of the time map: its time is a sum of theirs, and so is how long the
-//! motion lasts. Zero of all is the first node.
+//! An event whose time is an unknown has that unknown's deviation. Every other event is
+//! interpolated at its mark between two nodes of the time map: its time, and the duration of the
+//! motion, are linear combinations of unknowns. The zero of time is the first node.
 //!
-//! Constraints are believed to the end, and covariances with them. Whether the samples agree is
-//! asked by what releasing all constraints would do to the time that the samples span: a Newton step
-//! on the objective alone, in deviations of what it leaves open (Hausman's test). Where that says
-//! that a contact, an impact or a goal bends the time line, the deviation covers both answers.
+//! Covariances take the constraints as exact. Whether the samples agree with them is tested by the
+//! change of the time `t_n` that the samples span when all constraints are released: the Newton
+//! step on the objective alone, compared with its standard deviation (Hausman's test),
+//!
+//! ```text
+//! |e_nᵀ H⁻¹ g| > sd(t_n without constraints)
+//! ```
+//!
+//! Where a contact, an impact or a goal distorts the time line so, the deviation covers both
+//! answers.
 
 use nalgebra::DVector;
 
@@ -18,13 +24,12 @@ use super::problem::Problem;
 use crate::optimise::System;
 use crate::optimise::kkt::DAMPING;
 
-/// Deviations of what samples alone leave open by which constraints may move the time they span
-/// before they are taken to contradict them. No performance of a pencil came near it, up to four
-/// times the distortion; every other one of 98 real tosses, told slowly, chose it.
+/// Greatest change of that time, in its standard deviations without constraints, before constraints
+/// count as contradicting the samples. No performance of a pencil came near it, up to four times
+/// the distortion; every second one of 98 real tosses, with stamps stretched in time, exceeds it.
 const CONTRADICTION: f64 = 1.0;
 
-/// Physical time of an event; of one that is not an unknown, where its mark lies on the time
-/// line of the samples.
+/// Physical time of an event \[s\]; for one that is no unknown, interpolated at its mark.
 pub(super) fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f64 {
     if problem.event_is_free[event] || !problem.times_are_unknown() {
         return point.event_times_s[event];
@@ -38,8 +43,8 @@ pub(super) fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f6
     }
 }
 
-/// The node at or before an event's mark and how far it is to the next; the first and the last
-/// node, where there is none.
+/// The node at or before an event's mark and the share of the interval to the next; the first or
+/// the last node where the mark lies outside of all.
 fn place(problem: &Problem, event: usize) -> (usize, f64) {
     let nodes = &problem.nodes_acted_s;
     let acted_s = problem.events_acted_s[event];
@@ -54,7 +59,7 @@ fn place(problem: &Problem, event: usize) -> (usize, f64) {
     }
 }
 
-/// What the time of an event is made of.
+/// The time of an event as a linear combination of unknowns.
 pub(super) fn event_moment(context: &SolveContext, event: usize) -> Moment {
     if let Some(at) = context.layout.events[event] {
         return vec![(at, 1.0)];
@@ -68,15 +73,15 @@ pub(super) fn event_moment(context: &SolveContext, event: usize) -> Moment {
     parts.into_iter().flatten().collect()
 }
 
-/// How long the motion lasts, and what that is made of.
+/// The duration of the motion.
 pub(super) struct Duration {
     /// From the beginning of its first flight to the end of its last \[s\].
     pub(super) duration_s: f64,
-    /// As a sum of unknowns.
+    /// The duration as a linear combination of unknowns.
     pub(super) moment: Moment,
 }
 
-/// How long the motion lasts.
+/// The duration of the motion at a point.
 pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
     let (problem, layout) = (context.problem, context.layout);
     let at_event = |event: usize| {
@@ -109,8 +114,8 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
     }
 }
 
-/// By how much the constraints have moved the time that the samples span \[s\]; zero where that is
-/// no more than the samples leave open, or where times are known.
+/// Change of the time that the samples span by the constraints \[s\]; zero where it is within
+/// [`CONTRADICTION`] deviations, or where times are known.
 pub(super) fn contradiction_s(
     context: &SolveContext,
     system: &System,

@@ -1,15 +1,17 @@
-//! Energy and momentum over flights and impacts.
+//! Balance of energy and momentum over flights and impacts.
 //!
-//! Of an impact it is checked, by what was before and after and where the contacts are, that
+//! Over a flight, energy, momentum less `m g s`, and angular momentum `R I ω` are constant. Over an
+//! impact the states before and after it and the contact points are checked for the following:
 //!
-//! - two bodies together keep their momentum; without friction, a body keeps what is across its
-//!   contacts' normals;
+//! - two bodies together keep their momentum; without friction, a body keeps the part of its
+//!   momentum perpendicular to the contacts' normals;
 //! - each body keeps its angular momentum about a single point of contact, whatever the impulse
-//!   there was; about the first of several, but for what the others' normals may turn;
-//! - energy goes as restitution says. With the contacts' relative speeds `u` along the normals
-//!   and Delassus' operator `W` (speeds per impulses) of all bodies, lost are `½ (1 − e²) uᵀ W⁻¹ u`;
-//!   friction at one contact takes up to `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, which is all that
-//!   slides there, and gives none back.
+//!   there; with several contacts, it keeps the part about the first that the impulses along the
+//!   others' normals cannot change;
+//! - the energy loss follows restitution. With the contacts' relative speeds `u` along the normals
+//!   and Delassus' operator `W` (speeds per impulses) of all bodies it is `½ (1 − e²) uᵀ W⁻¹ u`;
+//!   friction at one contact takes between zero and `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, the whole
+//!   energy of sliding there.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -21,7 +23,7 @@ use crate::motion::Balance;
 use crate::physics::contact::Frame;
 use crate::physics::{Body, State};
 
-/// Sines below which directions are one.
+/// Sine of an angle below which directions are parallel.
 const PARALLEL: f64 = 1e-9;
 
 pub(super) fn balance(world: &World) -> Balance {
@@ -87,7 +89,7 @@ struct Side<'a> {
     states: [State; 2],
 }
 
-/// An impact as both sides have it.
+/// An impact with its states and contact geometry.
 struct Impact<'a> {
     sides: Vec<Side<'a>>,
     /// Unit, tilted, towards the first side \[world\]; contact by contact.
@@ -157,8 +159,8 @@ impl<'a> Impact<'a> {
         balance.impact_energy = balance.impact_energy.max(relative(off_j, energy_j(0)));
     }
 
-    /// Change of a side's angular momentum about its first contact, beside what the others may
-    /// turn; relative.
+    /// Relative change of a side's angular momentum about its first contact, without the directions
+    /// that the other contacts can change.
     fn turned(&self, index: usize) -> f64 {
         let (side, arms_m) = (&self.sides[index], &self.arms_m[index]);
         let about = |state: &State| {
@@ -172,7 +174,7 @@ impl<'a> Impact<'a> {
         relative(across(&others, after - before).norm(), before.norm())
     }
 
-    /// The least and the most energy that an impact takes by the law \[J\]; `None` where the
+    /// The least and the greatest energy loss of the impact by the law \[J\]; `None` where the
     /// contacts depend on each other.
     fn taken_j(&self, law: &Law) -> Option<[f64; 2]> {
         let (count, elastic) = (self.normals.len(), law.law.restitution.powi(2));
@@ -212,7 +214,7 @@ impl<'a> Impact<'a> {
     }
 }
 
-/// What of a vector is across all of these.
+/// The part of a vector perpendicular to all directions.
 fn across(directions: &[Vector3<f64>], vector: Vector3<f64>) -> Vector3<f64> {
     let mut base: Vec<Vector3<f64>> = Vec::new();
     let reduced = |base: &[Vector3<f64>], vector: Vector3<f64>| {
@@ -238,7 +240,7 @@ fn spin_of(body: &Body, state: &State) -> Vector3<f64> {
     state.orientation * moments.component_mul(&state.angular_velocity_rad_s)
 }
 
-/// Of nothing, nothing can be missing.
+/// Ratio of a difference to a whole; zero where the whole is zero.
 fn relative(difference: f64, whole: f64) -> f64 {
     if whole > 0.0 { difference / whole } else { 0.0 }
 }

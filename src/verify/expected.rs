@@ -1,18 +1,18 @@
-//! What the scene expects to touch, and which feature a point of a body belongs to.
+//! Features that the scene expects to touch, and the feature to which a point of a body belongs.
 
 use nalgebra::Vector3;
 
 use crate::motion::{Against, Collision, Partner, Scene, SceneBody};
 use crate::physics::contact::Feature;
 
-/// A point belongs to a feature that is nearer than this part of the body's radius: by so much
-/// may a feature simplify the shape, as a pencil's tip stands for the rim about it.
+/// A point belongs to a feature that is nearer than this share of the body's radius: a feature may
+/// simplify the shape by so much, as a pencil's tip represents the rim around it.
 const NEAR: f64 = 0.1;
 
-/// A distance this small is none \[m\]: a corner lies on its faces.
+/// Distance below which a point lies on a feature \[m\]: a corner lies on its faces.
 const ON_M: f64 = 1e-6;
 
-/// What of `body` is expected to touch what at a collision: features by partner.
+/// The features of `body` that are expected to touch at a collision, by partner.
 pub(super) fn expected(
     scene: &Scene,
     collision: &Collision,
@@ -45,8 +45,8 @@ pub(super) fn expected(
     groups
 }
 
-/// The point of a feature's skeleton (centre, axis, circle, plane) that is nearest to a point,
-/// and the radius about it [m, body].
+/// The point nearest to `point_m` on a feature's skeleton (centre, axis, circle, plane), and the
+/// radius of the feature about it [m, body].
 pub(super) fn skeleton(feature: &Feature, point_m: &Vector3<f64>) -> (Vector3<f64>, f64) {
     match *feature {
         Feature::Point {
@@ -91,9 +91,9 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
     distance_m(feature, point_m) < ON_M
 }
 
-/// The feature that a point of the body's surface belongs to: the nearest of those that are
-/// declared or expected, else the nearest of the shape's own; an expected one where several are as
-/// near; `None` where none is near.
+/// The feature to which a point of the body's surface belongs: the nearest of those that are
+/// declared or expected, else the nearest of the shape's own; an expected one where several are
+/// equally near; `None` where none is within [`NEAR`].
 pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
     let near_m = NEAR * body.shape.radius_m();
     let declared = body.declared_features();

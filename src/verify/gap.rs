@@ -1,13 +1,13 @@
-//! How far apart the expected features of a collision are.
+//! Distances between the expected features of a collision.
 //!
-//! By parry's distances where they measure what the scene expects to touch, else by the gap
-//! function of the contact. What is measured is chosen contact by contact just before the
-//! collision, the first of these whose nearest points lie on the expected features:
+//! They are parry's distances where these measure the features that the scene expects to touch,
+//! else the gap function of the contact. The measure is chosen contact by contact just before the
+//! collision: the first of these whose nearest points lie on the expected features:
 //!
-//! - of a point, rounded or not, the ball that it is from the whole solid of the other side;
-//! - the two whole solids from each other;
-//! - the features themselves, endless as they are ([`Contact::touch`]): where a rim or an edge
-//!   is named that another part of the solid hides, or a face is met beyond its solid's edge.
+//! - for a point, rounded or not: from its ball to the whole solid of the other side;
+//! - between the two whole solids;
+//! - between the features themselves as infinite geometry ([`Contact::touch`]): where a rim or an
+//!   edge is named that another part of the solid hides, or a face is met beyond its solid's edge.
 
 use nalgebra::{Point3, Vector3};
 
@@ -31,15 +31,15 @@ struct Gap<'w> {
     measure: Measure,
 }
 
-/// What is measured.
+/// The pair whose distance is measured.
 enum Measure {
-    /// The body's point, from the partner's solid.
+    /// The body's point and the partner's solid.
     Ball(Ball),
-    /// The partner's point, from the body's solid.
+    /// The partner's point and the body's solid.
     BallOfPartner(Ball),
-    /// The body's solid from the partner's.
+    /// The body's solid and the partner's.
     Solids,
-    /// The features.
+    /// The two features.
     Features,
 }
 
@@ -50,8 +50,8 @@ struct Ball {
 }
 
 impl<'w> Gaps<'w> {
-    /// Those of a collision; what measures them is chosen in these poses. `None` where the
-    /// other body does not fly up to the event.
+    /// The gaps of a collision; the measures are chosen in these poses. `None` where the
+    /// other body has no arc that ends at the event.
     pub(super) fn new(
         world: &'w World<'w>,
         law: &Law,
@@ -131,7 +131,7 @@ impl Measure {
         body: &Pose,
         other: Option<&Pose>,
     ) -> Self {
-        // Points are of the body's axes, of the world's.
+        // The first point is in the body's axes, the second in those of the world.
         let is_on_body = |point_m: &Vector3<f64>| expected::is_on(contact.a(), point_m);
         let is_on_partner = |point_m: &Vector3<f64>| {
             let to_partner = other.map_or(Pose::identity(), Pose::inverse);
@@ -162,7 +162,7 @@ impl Measure {
 }
 
 impl Ball {
-    /// Of a point.
+    /// The ball of a point feature; `None` for other features.
     fn of(feature: &Feature) -> Option<Self> {
         let Feature::Point { point_m, radius_m } = *feature else {
             return None;
@@ -173,7 +173,7 @@ impl Ball {
         })
     }
 
-    /// Where it is when its body is there; of the world's, without.
+    /// Its pose, given that of its body; without a body, its pose in the world.
     fn placed(&self, body: Option<&Pose>) -> Pose {
         let centre_m = Point3::from(self.centre_m);
         let centre_m = body.map_or(centre_m, |pose| pose * centre_m);

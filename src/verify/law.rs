@@ -4,7 +4,7 @@ use crate::motion::{Estimate, Partner, Quantity, Scene};
 use crate::physics::State;
 use crate::physics::impact::{self, ContactSet, Side, Velocities};
 
-/// Who meets whom at a collision, where, and by which law.
+/// The bodies and contacts of a collision, and its law.
 pub(super) struct Law<'a> {
     scene: &'a Scene,
     pub(super) meeting: ContactSet,
@@ -15,7 +15,7 @@ pub(super) struct Law<'a> {
 
 impl<'a> Law<'a> {
     /// The law at an event; `None` where it is no collision, where the scene leaves a feature
-    /// open, and where no impact is known for the contacts.
+    /// open, and where the contacts are not supported.
     pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
         let meeting = scene.meeting(event).ok()??;
@@ -42,8 +42,8 @@ impl<'a> Law<'a> {
         })
     }
 
-    /// The states after it, of the body and of the other one if it hits one; `None` where the
-    /// contacts are degenerate in these poses, or a state is missing.
+    /// The states after the impact, of the body and of the other body if there is one; `None` where
+    /// the contacts are degenerate in these poses, or a state is missing.
     pub(super) fn after(
         &self,
         body: &State,

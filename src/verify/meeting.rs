@@ -1,4 +1,4 @@
-//! A body on an arc and something that it may run into.
+//! Pairs of a body on an arc and something with which it may collide.
 
 use nalgebra::{Point3, Vector3};
 
@@ -9,7 +9,7 @@ use crate::motion::{Against, ArcEstimate, Estimate, Scene};
 use crate::physics::contact::Feature;
 use crate::physics::shape::{Closest, Solid};
 
-/// Why a distance between solids of an estimate exists.
+/// Message of a failed assertion: distances exist because the arcs are finite.
 pub(super) const FINITE: &str = "the arcs are finite";
 
 /// The scene as solids, with the estimated motion.
@@ -27,7 +27,7 @@ pub(super) struct Fixed {
     radius_m: f64,
 }
 
-/// What a body may run into, where it is.
+/// Something with which a body may collide, with its place.
 #[derive(Clone, Copy)]
 pub(super) enum Partner<'w> {
     Plane {
@@ -123,8 +123,8 @@ impl<'a> World<'a> {
         }
     }
 
-    /// That partner; a body on the arc that ends at that time. `None` where it has none, and
-    /// for surfaces that are no planes.
+    /// The partner that `against` names; a body is taken on its arc that ends at `end_s`. `None`
+    /// where it has no such arc, and for surfaces that are no planes.
     pub(super) fn partner(&'a self, against: Against, end_s: Option<f64>) -> Option<Partner<'a>> {
         match against {
             Against::Surface(surface) => {
@@ -146,7 +146,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The features of a body that are expected to touch a partner at an event at that time.
+    /// The features of a body that are expected to touch a partner at an event at a time.
     pub(super) fn expected_at(&self, body: usize, against: Against, time_s: f64) -> Vec<usize> {
         let mut features = Vec::new();
         for event in &self.estimate.events {
@@ -177,7 +177,7 @@ impl Partner<'_> {
         }
     }
 
-    /// Nearest points of a placed solid and this one; a body's at that pose.
+    /// Nearest points of a placed solid and this partner; a body is placed at `pose`.
     fn closest(&self, solid: &Solid, world_from_solid: &Pose, pose: &Pose) -> Closest {
         match self {
             Partner::Plane {
@@ -189,8 +189,8 @@ impl Partner<'_> {
         .expect(FINITE)
     }
 
-    /// Nearest points of a placed solid and this one; a body's at that pose, or at the end of
-    /// its arc.
+    /// Nearest points of a placed solid and this partner; a body is placed at the given pose, or at
+    /// the end of its arc.
     pub(super) fn closest_to(&self, solid: &Solid, at: &Pose, body_at: Option<&Pose>) -> Closest {
         let pose = match (self, body_at) {
             (Partner::Body { .. }, Some(pose)) => *pose,
@@ -210,7 +210,7 @@ impl Partner<'_> {
 }
 
 impl Meeting<'_> {
-    /// Speed at which the distance changes at most [m/s].
+    /// Upper bound of the rate of the distance [m/s].
     pub(super) fn speed_bound_m_s(&self) -> f64 {
         let own = self.track.speed_bound_m_s(self.arc, self.from_s, self.to_s);
         own + match self.partner {
@@ -219,7 +219,7 @@ impl Meeting<'_> {
         }
     }
 
-    /// A distance that the solids' is not less than, by the balls about them \[m\].
+    /// Lower bound of the solids' distance, by the balls about them \[m\].
     pub(super) fn least_gap_m(&self, time_s: f64) -> f64 {
         let centre_m = self.track.state(self.arc, time_s).position_m;
         let between_m = match self.partner {
@@ -244,8 +244,8 @@ impl Meeting<'_> {
             .closest(&self.track.solid, &world_from_body, &pose)
     }
 
-    /// Distance of the body's feature from the partner \[m\], where the feature is nearest to a
-    /// point of the body.
+    /// Distance of the body's feature from the partner \[m\], measured at the point of the feature
+    /// nearest to `near_m` [m, body].
     pub(super) fn feature_gap_m(&self, time_s: f64, feature: usize, near_m: &Vector3<f64>) -> f64 {
         let geometry = &self.track.of_scene.features[feature].geometry;
         let (centre_m, radius_m) = expected::skeleton(geometry, near_m);
@@ -258,8 +258,8 @@ impl Meeting<'_> {
             .gap_m
     }
 
-    /// The same of the partner, if that is a body, for the expected point of it that a place
-    /// \[world\] belongs to, if it belongs to one.
+    /// Distance of an expected point feature of the partner from the body \[m\]: of the one to
+    /// which a place \[world\] belongs. `None` where it belongs to none, or the partner is no body.
     pub(super) fn partner_point_gap_m(
         &self,
         time_s: f64,

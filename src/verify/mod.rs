@@ -1,11 +1,11 @@
-//! Stage 4b: is the estimated motion what it says? Checked by other means than it was found by.
+//! Stage 4b: checks an estimated motion by other means than those of the estimation.
 //!
-//! `overlap` looks for solids inside one another along the arcs, `touch` for another part of
+//! `overlap` searches for solids inside one another along the arcs, `touch` for another part of
 //! a body that would have touched before the expected one, both by parry's distances. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
-//! Euler's equations (`series`), collisions by distance. `balance` sums up energy and
-//! momentum. [`verify`](verify()) is that as the pipeline sees it. [`credible`] asks besides whether
-//! such a motion could be what was acted.
+//! Euler's equations (`series`), collisions by distance. `balance` checks energy and momentum.
+//! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
+//! be what was acted.
 
 mod balance;
 pub mod credible;

@@ -1,42 +1,43 @@
-//! Solids inside one another along the arcs, by conservative advancement.
+//! Overlaps of solids along the arcs, by conservative advancement.
 //!
 //! No point of a body moves faster than `|v| + |ω| r`. Where the distance is `d`, no overlap
-//! deeper than `D` comes before `(d + D)` has been travelled at that speed; the scan jumps
+//! deeper than `D` occurs before `(d + D)` has been travelled at that speed; the scan jumps
 //! there. Where the deepest point belongs to a feature that is expected to touch that partner
-//! before or after the flight, it is the feature's own depth that counts: by how much the shape
-//! goes deeper than a point that stands for it is told apart; edges, rims and faces are exact. It misses nothing deeper than the tolerance, on ways of up to 250 m inside of others.
+//! before or after the flight, the feature's own depth counts. By how much the shape goes deeper
+//! than a point that represents it is reported separately; edges, rims and faces are exact. The
+//! scan misses nothing deeper than the tolerance, on ways of up to 250 m inside of others.
 
 use super::expected;
 use super::meeting::{Meeting, Partner, World};
 use crate::motion::{Penetration, Touch};
 use crate::physics::contact::Feature;
 
-/// Overlaps up to this depth are the scene's inaccuracy \[m\]: sizes and places of bodies and
-/// obstacles are typed in tenths of a millimetre or measured with a ruler.
+/// Overlaps up to this depth are attributed to the scene's inaccuracy \[m\]: sizes and places of
+/// bodies and obstacles are typed in tenths of a millimetre or measured with a ruler.
 pub const TOLERANCE_M: f64 = 1e-3;
 
-/// Way travelled between two looks inside an overlap \[m\].
+/// Way travelled between two distance queries inside an overlap \[m\].
 const RESOLUTION_M: f64 = 2.5e-4;
 
-/// Most looks at one body and one partner on one arc.
+/// Greatest number of distance queries for one body and one partner on one arc.
 const LOOKS: f64 = 1e6;
 
 /// Steps of the golden section that refines the deepest overlap: to 1e-8 of the interval.
 const SECTIONS: usize = 40;
 
-/// The two solids at one time.
+/// The result of the distance query at one time.
 struct Look {
     /// Distance of the shapes \[m\].
     gap_m: f64,
-    /// How deep the overlap is that no expected contact explains \[m\]; negative outside.
+    /// Depth of the overlap that no expected contact explains \[m\]; negative outside.
     depth_m: f64,
     penetration: Penetration,
-    /// The expected feature that the body's deepest point belongs to, if it does.
+    /// The expected feature to which the body's deepest point belongs, if any.
     owner: Option<usize>,
 }
 
-/// The deepest overlap of all that no expected contact explains, if it is beyond the tolerance.
-/// Notes in the touches how deep their features' surroundings go.
+/// The deepest overlap that no expected contact explains, if it is above the tolerance.
+/// Records in the touches how deep the surroundings of their features go.
 pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetration> {
     let mut deepest: Option<Penetration> = None;
     for meeting in world.meetings() {
@@ -50,9 +51,9 @@ pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetratio
 
 struct Scan<'w, 'm> {
     meeting: &'m Meeting<'w>,
-    /// Features expected to touch the partner in a neighbouring event.
+    /// Features expected to touch the partner at a neighbouring event.
     expected: Vec<usize>,
-    /// Those of the partner, if it is a body.
+    /// Expected features of the partner, if it is a body.
     expected_of_partner: Vec<usize>,
 }
 
@@ -125,7 +126,7 @@ impl<'w, 'm> Scan<'w, 'm> {
                 &self.expected_of_partner,
                 &closest.other_point_m,
             );
-            // Where two points stand for the touching parts, the deeper one is to be believed.
+            // Where points represent both touching parts, the deeper of them counts.
             if let Some(of_feature) = of_body.into_iter().chain(of_partner).reduce(f64::min) {
                 gap_m = gap_m.max(of_feature);
             }
@@ -155,7 +156,7 @@ impl<'w, 'm> Scan<'w, 'm> {
         }
     }
 
-    /// The deepest overlap about a time, by golden section.
+    /// The deepest overlap near a time, by golden-section search.
     fn refined(&self, time_s: f64, reach_s: f64) -> Penetration {
         const RATIO: f64 = 0.618_033_988_749_894_9;
         let mut lower_s = (time_s - reach_s).max(self.meeting.from_s);

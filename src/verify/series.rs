@@ -1,24 +1,24 @@
-//! Free flight by Taylor series of Euler's equations: another way than [`crate::physics::flow`]'s.
+//! Free flight by Taylor series of Euler's equations, independent of [`crate::physics::flow`].
 //!
 //! ```text
 //! I ω' = (I ω) × ω,   q' = ½ q (0, ω)
 //! ```
 //!
-//! Both right sides are products of two series, so that every coefficient follows from those
-//! before it by one sum of products. Any three moments.
+//! Both right sides are products of two series, so that every coefficient follows from earlier
+//! ones by one sum of products. For any three moments.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::physics::{Body, State};
 
-/// Highest power kept.
+/// Order of the series.
 const ORDER: usize = 16;
 
-/// Angle turned in one step at most \[rad\]. The poles of a free turn are about π/2 away in the
-/// complex plane of angles, so that what is cut off is (0.2/1.57)¹⁷ = 6e-16.
+/// Greatest angle of one step \[rad\]. The poles of a free rotation are about π/2 away in the
+/// complex plane of angles, so that the truncation error is (0.2/1.57)¹⁷ = 6e-16.
 const STEP_RAD: f64 = 0.2;
 
-/// Most steps: a motion that turns farther, 30 000 times, is followed less exactly.
+/// Greatest number of steps: a longer rotation, of more than 30 000 turns, is less exact.
 const STEPS: f64 = 1e6;
 
 /// State after `duration_s` of free flight (negative: before).
@@ -52,7 +52,7 @@ pub(super) fn advance(
     now
 }
 
-/// One step of the turn.
+/// One step of the rotation.
 fn turn(body: &Body, state: &mut State, step_s: f64) {
     let moments = body.moments_kg_m2();
     let coupling = Vector3::from_fn(|axis, _| {

@@ -1,9 +1,9 @@
 //! The single shot: the whole motion simulated from the first states alone.
 //!
 //! All bodies fly at once, by [`super::series`]; collisions come in the scene's order. Each
-//! happens where the gap of one of its contacts ([`super::gap`]) becomes zero, and goes by the
+//! happens where the gap of one of its contacts ([`super::gap`]) becomes zero, and follows the
 //! law of impact with the estimated parameters. Where the estimate leaves a velocity gap, or a
-//! collision does not happen, the simulation goes on from the estimate's own state.
+//! collision does not happen, the simulation continues from the estimate's own state.
 
 use super::gap::Gaps;
 use super::law::Law;
@@ -12,21 +12,21 @@ use super::series;
 use crate::motion::{Deviation, EventEstimate, SingleShot};
 use crate::physics::State;
 
-/// Velocity gaps beyond these are bent physics, not rounding.
+/// Velocity gaps above these are violations of the law, not rounding.
 const GAP_M_S: f64 = 1e-6;
 const GAP_RAD_S: f64 = 1e-5;
 
-/// First half width of the interval in which a contact is looked for \[s\]; it grows.
+/// First half width of the interval in which a contact is searched \[s\], and its growth.
 const FIRST_REACH_S: f64 = 1e-9;
 const GROWTH: f64 = 8.0;
 
-/// Farther from its estimated time no contact is looked for \[s\].
+/// Greatest half width of that interval \[s\].
 const LAST_REACH_S: f64 = 0.05;
 
-/// Halvings of that interval at most.
+/// Greatest number of halvings of that interval.
 const HALVINGS: usize = 60;
 
-/// Where a body is in the simulation.
+/// The current state of a body in the simulation.
 #[derive(Clone, Copy)]
 struct Flight {
     time_s: f64,
@@ -102,7 +102,7 @@ impl Shot<'_> {
         }
     }
 
-    /// Changes the velocities of those who meet; `None` where the law has no answer.
+    /// Changes the velocities of the bodies that collide; `None` where the impact is undetermined.
     fn bounce(&mut self, law: &Law) -> Option<()> {
         let state = |body: usize| Some(self.flights[body]?.state);
         let other = match law.other {
@@ -139,7 +139,7 @@ impl Shot<'_> {
         }
     }
 
-    /// How much later than the flights' time the expected features touch \[s\].
+    /// Time of contact of the expected features less the flights' current time \[s\].
     fn contact_offset_s(&self, event: &EventEstimate, law: &Law) -> Option<f64> {
         let pose = |body: usize, offset_s: f64| {
             let flight = self.flights[body]?;
@@ -155,7 +155,7 @@ impl Shot<'_> {
             };
             Some((pose(law.body, offset_s)?, other))
         };
-        // Just before, so that nearest points are two.
+        // Just before contact, where the nearest points are distinct.
         let (body, other) = poses(-FIRST_REACH_S)?;
         let gaps = Gaps::new(self.world, law, event.event, &body, other.as_ref())?;
         let gap_m = |offset_s: f64| {
@@ -190,7 +190,7 @@ impl Shot<'_> {
                 continue;
             };
             let time_s = last.end_s;
-            // What ends with a collision was compared before it.
+            // A flight that ends with a collision was compared before it.
             let is_compared = self.world.estimate.events.iter().any(|event| {
                 let kind = &self.world.scene.events[event.event].kind;
                 let hits = kind.collision().is_some_and(|hit| hit.concerns(body));

@@ -1,18 +1,18 @@
-//! Does the expected part of a body touch first?
+//! Checks whether the expected part of a body touches first.
 
 use super::expected;
 use super::meeting::{Meeting, World};
 use super::overlap::TOLERANCE_M;
 use crate::motion::{Against, Touch};
 
-/// Halvings of the interval in which the first touch lies.
+/// Number of halvings of the interval in which the first touch lies.
 const HALVINGS: usize = 50;
 
-/// Least step back from an event in search of the first touch, as a way travelled \[m\].
+/// Least step back from an event in the search for the first touch, as a way travelled \[m\].
 const WAY_M: f64 = 1e-4;
 
-/// Every body at every collision, partner by partner, at the end of the flight before it.
-/// Collisions that leave the feature or the partner open are left out.
+/// The first touches of every body at every collision, partner by partner, at the end of the flight
+/// before it. Collisions that leave the feature or the partner open are left out.
 pub(super) fn touches(world: &World) -> Vec<Touch> {
     let mut touches = Vec::new();
     for event in &world.estimate.events {
@@ -70,7 +70,8 @@ fn touch(
     })
 }
 
-/// When the shape first touched what it is inside of at the end of the meeting \[s\].
+/// Time at which the shape first touched the partner in which it is at the end of the meeting
+/// \[s\].
 fn first_touch_s(meeting: &Meeting) -> f64 {
     let speed_m_s = meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
     let gap_m = |time_s: f64| meeting.closest(time_s).gap_m;

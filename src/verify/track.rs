@@ -1,4 +1,4 @@
-//! A body on its estimated arcs.
+//! The motion of one body: its estimated arcs, and bounds of its speeds.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use crate::motion::{ArcEstimate, Estimate, SceneBody};
 use crate::physics::shape::Solid;
 use crate::physics::{Body, State, flow};
 
-/// Moments closer than this, relative to the largest, bound no rate apart.
+/// Moments closer than this, relative to the largest, are treated as equal in the bound.
 const APART: f64 = 1e-6;
 
 /// A body of the scene, its solid, and its arcs in order of time.
@@ -43,17 +43,17 @@ impl<'a> Track<'a> {
         )
     }
 
-    /// The arc that ends at that time.
+    /// The arc that ends at a time.
     pub(super) fn ending_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
         self.arcs.iter().copied().find(|arc| arc.end_s == time_s)
     }
 
-    /// The arc that begins at that time.
+    /// The arc that begins at a time.
     pub(super) fn starting_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
         self.arcs.iter().copied().find(|arc| arc.start_s == time_s)
     }
 
-    /// Speed that no point of the body exceeds on that part of an arc [m/s].
+    /// Upper bound of the speed of all points of the body on a part of an arc [m/s]: `|v| + |ω| r`.
     pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
         // |v| is convex in time: largest at an end.
         let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
@@ -62,10 +62,11 @@ impl<'a> Track<'a> {
     }
 }
 
-/// Largest `|ω|` of a free turn that has this `ω` once.
+/// Largest `|ω|` of the free rotation through a given `ω`.
 ///
-/// Energy and angular momentum fix two weighted sums of `ω₁², ω₂², ω₃²`; their plain sum is
-/// largest where one of the three is zero, if not where it is.
+/// Energy and angular momentum fix the two sums `Σ I_i ω_i²` and `Σ I_i² ω_i²`; on the rest,
+/// `Σ ω_i²` is linear in one unknown and largest where one of the three is zero, or at the given
+/// `ω`.
 pub(super) fn spin_bound_rad_s(body: &Body, omega: &Vector3<f64>) -> f64 {
     let moments = body.moments_kg_m2();
     let squares = omega.component_mul(omega);

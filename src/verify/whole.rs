@@ -4,10 +4,10 @@ use super::meeting::World;
 use super::{balance, overlap, shot, touch};
 use crate::motion::{Estimate, Scene, Touch, Verification};
 
-/// Checks an estimated motion independently of how it was found.
+/// Checks an estimated motion independently of its estimation.
 ///
-/// The estimate's arcs must be finite and the scene valid; an estimation that failed is not
-/// worth a check. Costs about as much as an estimate: some hundred distances per arc and solid.
+/// The estimate's arcs must be finite and the scene valid; a failed estimate need not be checked.
+/// Costs about as much as an estimate: some hundred distances per arc and solid.
 pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
     let world = World::new(scene, estimate);
     let mut touches = touch::touches(&world);
@@ -21,8 +21,8 @@ pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
     }
 }
 
-/// What touches first at every collision, as [`verify`](verify()) finds it, without the other
-/// checks: for a search that must know of every motion it meets.
+/// The features that touch first at every collision, as in [`verify`](verify()), without the other
+/// checks: for the search, which needs them of every candidate.
 ///
 /// The estimate's arcs must be finite and the scene valid.
 pub fn touches(scene: &Scene, estimate: &Estimate) -> Vec<Touch> {

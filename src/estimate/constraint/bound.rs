@@ -1,4 +1,4 @@
-//! A parameter within its bounds.
+//! Bounds of one parameter, `lower ≤ u ≤ upper` (paper §6).
 
 use super::kind::{At, Constraint, Filled};
 use crate::estimate::layout::Layout;

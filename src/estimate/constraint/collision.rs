@@ -1,9 +1,9 @@
 //! A collision of one body with the static world, or of two bodies with each other (paper eq. 3, 8, §5.2).
 //!
-//! Rows come in this order: gaps of the contacts, their approach speeds (`contact`),
-//! then for every body what position, orientation, velocity and angular velocity after it differ from the
-//! impact's (`continuity`). Where velocity gaps are priced instead of closed, the
-//! last two are rows of their own. One evaluation of the impact serves them all.
+//! Rows come in this order: gaps of the contacts, their approach speeds (`contact`), then for every
+//! body the differences of position, orientation, velocity and angular velocity after it from the
+//! impact's (`continuity`). Where velocity gaps are priced instead of closed, the last two are in
+//! a block of their own. One evaluation of the impact serves all rows.
 
 use std::ops::Range;
 
@@ -69,7 +69,7 @@ impl Constraint for ArcCollision {
         [block, gaps]
     }
 
-    /// In poses in which the impact has no answer all rows are NaN.
+    /// In poses in which the impact is undetermined all rows are NaN.
     fn fill(&self, at: &mut At, [(pattern, block), (gap_pattern, gaps)]: [Filled; 2]) {
         let problem = at.problem;
         let places = Places::new(problem, self);
@@ -166,7 +166,7 @@ impl Constraint for ArcCollision {
     }
 }
 
-/// How states arrive at the collision's event: of a body, by the arc.
+/// The states of arcs at the collision's event, with their derivatives.
 fn arrivals<'a>(
     problem: &'a Problem,
     collision: &ArcCollision,
@@ -181,7 +181,7 @@ fn arrivals<'a>(
     }
 }
 
-/// How every body arrives.
+/// The states of all bodies before the collision.
 fn before(
     collision: &ArcCollision,
     arrive: &impl Fn(usize, usize) -> ArcEnd,
@@ -205,7 +205,7 @@ fn sides<'a>(
 }
 
 /// The fastest approach of the contacts, as a negative speed [m/s]; zero where none approaches or
-/// the impact has no answer.
+/// the impact is undetermined.
 pub fn fastest_approach_m_s(
     problem: &Problem,
     collision: &ArcCollision,

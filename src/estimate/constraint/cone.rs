@@ -1,4 +1,4 @@
-//! Two parameters within a circle: `(p₀² + p₁²)/limit² ≤ 1`.
+//! Two parameters, the tilts of a normal, within a circle (paper §6): `(p₀² + p₁²)/limit² ≤ 1`.
 
 use super::kind::{At, Constraint, Filled};
 use crate::estimate::layout::Layout;
@@ -25,7 +25,7 @@ impl Constraint for Cone {
         block.curvature = 2.0 * scale;
     }
 
-    /// Its row goes as the square of the distance from its middle.
+    /// The row is quadratic in the distance from the middle.
     fn half_width(&self, rows: &Block) -> Option<f64> {
         Some(2.0 * rows.bounds[0].1)
     }

@@ -1,5 +1,5 @@
-//! Contact and approach at a collision (paper eq. 3): gaps of the contacts, which vanish, and the speeds at
-//! which they close.
+//! Contact and approach at a collision (paper §5.2): `φ(Φ(q, τ)) = 0` for the gap of each contact,
+//! and `n·v ≤ limit` for its normal speed.
 
 use super::rows::CollisionRows;
 use crate::estimate::arc_end::{ArcEnd, ByState};

@@ -1,5 +1,11 @@
-//! Continuity through an impact (paper eq. 8, §5.2): a body goes on from the pose in which it arrives,
-//! with the velocities that the impact gives it.
+//! Continuity through an impact (paper eq. 3, 8, §5.2): a body continues from the pose in which it
+//! arrives, with the velocities after the impact:
+//!
+//! ```text
+//! x⁺ − x⁻ = 0,   Log(R⁻ᵀ R⁺) = 0,   (v⁺, ω⁺) − Impact(q⁻, u) = 0
+//! ```
+//!
+//! with `q⁻ = Φ(q_before, τ − epoch)` and `q⁺` likewise of the arc after.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +17,7 @@ use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;
 
 impl CollisionRows<'_> {
-    /// What the position of a body after differs from that before, and its derivatives.
+    /// The difference of a body's positions after and before, `gap`, and its derivatives.
     pub(super) fn fill_positions(
         &mut self,
         body: usize,
@@ -33,7 +39,8 @@ impl CollisionRows<'_> {
         }
     }
 
-    /// What the orientation of a body after is turned from that before, and its derivatives.
+    /// The rotation of a body from its orientation before to that after, `turn`, and its
+    /// derivatives.
     pub(super) fn fill_orientations(
         &mut self,
         body: usize,
@@ -64,8 +71,8 @@ impl CollisionRows<'_> {
         }
     }
 
-    /// What the velocity or the angular velocity of a body after differs from the impact's, and its
-    /// derivatives.
+    /// The difference of a body's velocity or angular velocity after from the impact's, `gap`, and
+    /// its derivatives.
     pub(super) fn fill_velocities(
         &mut self,
         body: usize,
@@ -125,7 +132,8 @@ impl CollisionRows<'_> {
     }
 }
 
-/// Derivatives of a velocity after by restitution, friction and tilts, where they are free.
+/// Derivatives of a velocity after the impact by restitution, friction and tilts, where they are
+/// free.
 fn by_law<'a>(
     collision: &'a ArcCollision,
     derivative: &'a ImpactDerivative,

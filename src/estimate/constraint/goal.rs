@@ -1,4 +1,9 @@
-//! What must hold of a body at an event: its pose, or a coordinate of its centre of mass within bounds.
+//! A goal (paper §3.1): a body's pose at an event, or a coordinate of its centre of mass within
+//! bounds:
+//!
+//! ```text
+//! x − x_goal = 0, Log(R_goalᵀ R) = 0      or      lower ≤ x_axis ≤ upper
+//! ```
 
 use super::kind::{At, Constraint, Filled};
 use crate::estimate::arc_end::ArcEnd;
@@ -10,8 +15,8 @@ use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::state::part;
 
 impl Constraint for ArcGoal {
-    /// Position and velocity along an axis, row by row, and for a pose orientation and angular velocity;
-    /// the event's time, where that is free; gravity.
+    /// Columns: position and velocity along an axis, row by row, and for a pose orientation and
+    /// angular velocity; the event's time, where that is free; gravity.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
         let state = layout.arcs[self.arc];
         let time = layout.events[self.event];
@@ -41,7 +46,7 @@ impl Constraint for ArcGoal {
         let time_s = at.point.event_times_s[self.event];
         let arrival = ArcEnd::new(body, &gravity, flight, time_s);
         block.reset(pattern);
-        // What is there besides the state: time, then gravity.
+        // Columns after the state: time, then gravity.
         let time = usize::from(problem.event_is_free[self.event]);
         let mut fill_position = |row: usize, axis: usize, offset_m: f64| {
             block.values[row] = offset_m / unit::POSITION_M;

@@ -1,4 +1,4 @@
-//! What every kind of constraint answers.
+//! The interface of all kinds of constraints.
 
 use std::ops::Range;
 
@@ -9,22 +9,23 @@ use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::impact::ImpactDerivative;
 
-/// Where constraints are asked for.
+/// The point at which constraints are evaluated, with its problem.
 pub struct At<'a> {
-    /// What they are of.
+    /// The problem.
     pub problem: &'a Problem,
-    /// The unknowns.
+    /// Values of the unknowns.
     pub point: &'a Point,
     /// Epochs of the arcs \[s\].
     pub epochs_s: &'a [f64],
-    /// Greatest normal speed on arrival at each event [m/s]; empty: contacts must not recede.
+    /// Upper bound of the normal speed before each event [m/s]; empty: zero, contacts do not
+    /// recede.
     pub approach_limits_m_s: &'a [f64],
-    /// Room for the derivatives of one impact.
+    /// Memory for the derivatives of one impact.
     pub impact: ImpactDerivative,
 }
 
 impl<'a> At<'a> {
-    /// At a point, with nothing that leads the way.
+    /// A point without guidance.
     pub fn new(problem: &'a Problem, point: &'a Point, epochs_s: &'a [f64]) -> Self {
         Self {
             problem,
@@ -36,45 +37,45 @@ impl<'a> At<'a> {
     }
 }
 
-/// Rows to fill, with what they touch.
+/// Rows to fill, with the unknowns that they depend on.
 pub type Filled<'a> = (&'a BlockPattern, &'a mut Block);
 
-/// A condition: rows that hold, and rows that are priced instead where the problem says so.
+/// A kind of constraint, with two blocks: hard rows, and rows whose squares are priced instead.
 pub trait Constraint {
-    /// What both touch.
+    /// The unknowns that the rows of both blocks depend on.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2];
 
-    /// Sets all of both: values, bounds and derivatives. Where there are none they are NaN.
+    /// Sets all values, bounds and derivatives of both blocks. Undefined values are NaN.
     fn fill(&self, at: &mut At, rows: [Filled; 2]);
 
-    /// Event at which it holds; `None` of one that holds for parameters.
+    /// Event at which it holds; `None` for constraints on parameters.
     fn event(&self) -> Option<usize> {
         None
     }
 
-    /// What both leave, in SI units.
+    /// The gap that the rows of both blocks leave, in SI units.
     fn gap(&self, _problem: &Problem, _rows: [&Block; 2]) -> Gap {
         Gap::default()
     }
 
-    /// Rows that say where bodies are at its event, and not how they move.
+    /// Hard rows that depend on poses only, not on velocities.
     fn places(&self, rows: &Block) -> Vec<Range<usize>> {
         std::iter::once(0..rows.values.len()).collect()
     }
 
-    /// Whether its rows are curved and do not say how ([`Block::curvature`]).
+    /// Whether its rows have a curvature that is not given by [`Block::curvature`].
     fn is_curved(&self) -> bool {
         false
     }
 
-    /// Of one that only keeps a parameter in its place: half the width of what it leaves, in units.
+    /// For bounds of parameters: half the width of the allowed range, in units.
     fn half_width(&self, _rows: &Block) -> Option<f64> {
         None
     }
 }
 
 impl Problem {
-    /// Everything that must hold, in the order of its blocks.
+    /// All constraints, in the order of their blocks.
     pub fn constraints(&self) -> impl Iterator<Item = &dyn Constraint> {
         let collisions = self.collisions.iter().map(|of| of as &dyn Constraint);
         let goals = self.goals.iter().map(|of| of as &dyn Constraint);

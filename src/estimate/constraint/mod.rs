@@ -1,8 +1,8 @@
-//! Hard conditions as rows `lower ≤ v ≤ upper` in the units of [`unit`](super::problem::unit), a kind to
-//! a file: what happens at a [`collision`] (`contact` and approach, then `continuity` through the
-//! impact), a `goal` (paper §3.1), the `bound` of a parameter, a `cone` of two.
+//! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](super::problem::unit), one kind
+//! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
+//! through the impact), a `goal` (§3.1), the `bound` of a parameter and a `cone` of two (§6).
 //!
-//! What every kind answers is the trait [`Constraint`]; what a row is, is said in [`crate::optimise::block`].
+//! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
 mod bound;
 pub mod collision;

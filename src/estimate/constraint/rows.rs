@@ -1,22 +1,22 @@
-//! Where rows and columns of a collision are.
+//! Indices of a collision's rows and columns.
 
 use super::kind::Filled;
 use crate::estimate::problem::{ArcCollision, Problem, STATE};
 use crate::physics::contact::Feature;
 use crate::physics::state::part;
 
-/// Rows of a body's pose, and of its velocities.
+/// Number of rows of a body's pose, and of its velocities.
 pub(super) const HALF: usize = STATE / 2;
 
-/// Where rows and columns of a collision are.
+/// Indices of a collision's rows and columns.
 pub(super) struct Places {
     pub(super) contacts: usize,
     pub(super) approaches: usize,
-    /// Rows of every body in the constraints.
+    /// Number of hard rows of every body.
     pub(super) rows_per_body: usize,
     pub(super) bodies: usize,
-    /// The first part of the states before that the velocities after hang on: one body bounces off
-    /// a face alike wherever it touches.
+    /// The first part of the states before on which the velocities after depend: the bounce of one
+    /// body off a face does not depend on its position.
     pub(super) first_part: usize,
 }
 
@@ -53,7 +53,7 @@ impl Places {
     }
 }
 
-/// The two blocks of a collision on their way.
+/// The two blocks of a collision while they are being filled.
 pub(super) struct CollisionRows<'a> {
     pub(super) problem: &'a Problem,
     pub(super) collision: &'a ArcCollision,
@@ -62,7 +62,7 @@ pub(super) struct CollisionRows<'a> {
     pub(super) gaps: Filled<'a>,
 }
 
-/// A body's velocities, by their first row among both.
+/// One of a body's two velocities; the value is its first row among both.
 #[derive(Clone, Copy)]
 pub(super) enum Half {
     Velocity = 0,

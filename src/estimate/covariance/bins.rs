@@ -1,4 +1,4 @@
-//! Samples of a body by the handful: what wanders slowly shows in their means.
+//! Bins of consecutive samples of a body, whose mean residuals show a slow wander.
 
 use crate::estimate::point::Point;
 use crate::estimate::problem::{Arc, ArcSample, Problem};
@@ -6,18 +6,18 @@ use crate::estimate::problem::{Arc, ArcSample, Problem};
 /// A residual, position then orientation in body axes, in the problem's units; or its change.
 pub type Six = [f64; 6];
 
-/// Bins of a body per flight, and at most.
+/// Number of bins of a body per flight, and its maximum.
 const PER_FLIGHT: usize = 4;
 const MOST: usize = 16;
 
-/// Samples in a row of one body.
+/// Consecutive samples of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
-    /// Whose they are.
+    /// Index of the body.
     pub body: usize,
-    /// Their mean time \[s\].
+    /// Mean time of the samples \[s\].
     pub time_s: f64,
-    /// How many.
+    /// Number of samples.
     pub samples: usize,
 }
 
@@ -48,8 +48,8 @@ pub struct Bins {
 }
 
 impl Bins {
-    /// Of every body's samples: four of one size to a flight, fewer where flights are many; of more
-    /// than sixteen flights, neighbours share one.
+    /// Bins of every body: four of equal size per flight, fewer with many flights; with more than
+    /// sixteen flights, neighbouring flights share one.
     pub fn new(problem: &Problem, point: &Point) -> Self {
         let mut bins: Vec<Bin> = Vec::new();
         let mut of_samples = vec![0; problem.sample_count()];

@@ -11,20 +11,20 @@ use crate::optimise::active::ActiveSet;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
 
-/// Share of an unknown's information that may come from the damping before it counts as
-/// undetermined.
+/// Greatest share of an unknown's information from the damping; above it, it is undetermined.
 const DAMPING_SHARE_MAX: f64 = 0.1;
-/// What samples and marks see of an answer, as a share of it, for the performance to determine it at
-/// all: less is rounding.
+/// Least share of a quantity's information from samples and marks, or the performance does not
+/// determine it: less is rounding.
 const SEEN_SHARE_MIN: f64 = 1e-4;
-/// Directions tried beyond those that the constraints leave free by count: rows may say the same.
+/// Directions tried beyond the number of unknowns less that of equalities: some rows may be
+/// dependent.
 const DIRECTIONS_MORE: usize = 2;
-/// Directions at most: with more, the residuals say nothing.
+/// Greatest number of directions: with more, residuals are not informative.
 const DIRECTIONS_MAX: usize = 64;
-/// Of a direction less than this is left by the others: it is none of its own.
+/// A direction of which less than this is orthogonal to the others depends on them.
 const DEPENDENT: f64 = 1e-6;
 
-/// A sum of unknowns, each with its factor; none where what it stands for is fixed.
+/// A linear combination of unknowns, as indices with factors; empty for a fixed quantity.
 pub type Moment = Vec<(usize, f64)>;
 
 /// Covariances at an optimum.
@@ -34,12 +34,12 @@ pub struct Covariance<'a> {
     point: &'a Point,
     kkt: Kkt,
     design: Design<'a>,
-    /// What the residuals are made of.
+    /// Covariance of the residuals.
     pub noise: Noise,
 }
 
 impl<'a> Covariance<'a> {
-    /// `None` where the matrix cannot be factorised.
+    /// The covariances at an optimum; `None` where the matrix cannot be factorised.
     ///
     /// `residuals` are those of every sample, arc by arc, in units.
     pub fn new(
@@ -68,8 +68,9 @@ impl<'a> Covariance<'a> {
         Some(covariance)
     }
 
-    /// Directions of the bins' means that the fit has absorbed, orthonormal: what they see of as many
-    /// random steps as are free; and where times are unknown, each bin along its own flight.
+    /// Directions of the bins' means that the fit has absorbed, orthonormal: the images of as many
+    /// random steps as there are free directions; and where times are unknown, each bin along its
+    /// flight.
     fn absorbed(&self, bins: &Bins, free: usize) -> Vec<Vec<Six>> {
         let layout = self.context.layout;
         let mut directions: Vec<Vec<Six>> = Vec::new();
@@ -96,7 +97,8 @@ impl<'a> Covariance<'a> {
         orthonormal(&directions)
     }
 
-    /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance, were the weights all there is to say.
+    /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance if the weights were those of the
+    /// errors.
     pub fn of(&self, at: &[usize]) -> DMatrix<f64> {
         let mut result = DMatrix::zeros(at.len(), at.len());
         for (column, unknown) in at.iter().enumerate() {
@@ -108,8 +110,8 @@ impl<'a> Covariance<'a> {
         result
     }
 
-    /// Standard deviations of some sums of unknowns, each with its factor; `None` where a sum is of
-    /// none, or where the performance does not determine it.
+    /// Standard deviations of linear combinations of unknowns; `None` where one is empty, or where
+    /// the performance does not determine it.
     pub fn sds(&self, sums: &[Moment]) -> Vec<Option<f64>> {
         let sd = |sum: &Moment| {
             let answer = self.answer(sum);
@@ -120,8 +122,8 @@ impl<'a> Covariance<'a> {
         each.map(Option::flatten).collect()
     }
 
-    /// Standard deviation of what answers to errors like `answer`, and to a pull at itself by `own`;
-    /// `None` where the performance does not determine it.
+    /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
+    /// where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
         let trace = self.design.trace(answer);
         let (marks, beyond) = self.marks(answer);
@@ -135,7 +137,7 @@ impl<'a> Covariance<'a> {
         Some((self.noise.variance(&trace) + priors).sqrt())
     }
 
-    /// `P m`: how all unknowns answer to a pull at a sum of some.
+    /// `P m` for a linear combination `m`.
     fn answer(&self, sum: &[(usize, f64)]) -> DVector<f64> {
         let mut x = DVector::zeros(self.context.layout.size());
         for (at, factor) in sum {
@@ -145,8 +147,9 @@ impl<'a> Covariance<'a> {
         x
     }
 
-    /// What marks see of an answer, squared, and what that adds to a variance beyond being a prior:
-    /// marks count as often as samples do, but are off by what they say.
+    /// Information of marks about an answer, `Σ (J_mark x)²`, and what it adds to the variance
+    /// beyond that of a prior: `Σ (counted − 1)(J_mark x)²`, since residuals of marks have the
+    /// variance `counted`.
     fn marks(&self, answer: &DVector<f64>) -> (f64, f64) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let (mut squares, mut beyond) = (0.0, 0.0);
@@ -161,9 +164,9 @@ impl<'a> Covariance<'a> {
     }
 }
 
-/// The factorised `H + w CᵀC`, in which what a parameter's bound keeps in place is not known for that: it
-/// weighs as half the width between the bounds for a standard deviation, or nothing where there is only
-/// one.
+/// The factorised `H + w CᵀC`, in which an active bound of a parameter has the weight of a prior
+/// with a standard deviation of half the width between the bounds, or none where there is only one
+/// bound.
 fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]) -> Option<Kkt> {
     let (_, information) = context.information();
     let active = ActiveSet::of(system, multipliers, information);
@@ -179,8 +182,8 @@ fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]
         }
         row += block.values.len();
     }
-    // Samples hold every time that the tempo relates to others; a damping in proportion to how
-    // stiffly neighbours are held together would hold all of them.
+    // Samples determine the times of nodes. Damping in proportion to the diagonal, which the tempo
+    // prior makes large, would fix all of them.
     let mut damping = vec![DAMPING; context.layout.size()];
     for node in context.layout.nodes.iter().flatten() {
         damping[*node] = 0.0;
@@ -190,13 +193,13 @@ fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]
     Kkt::weighed(context.structure(), at, multipliers, weighed, damping)
 }
 
-/// Rows that always hold.
+/// Number of equalities.
 fn equalities(system: &System) -> usize {
     let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
     bounds.filter(|(lower, upper)| lower == upper).count()
 }
 
-/// Orthonormal columns of the same span.
+/// An orthonormal basis of the span.
 fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
     let columns = directions.iter().filter_map(|direction| {
         let entries = direction.iter().flatten().copied();
@@ -216,7 +219,7 @@ fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
     axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
 }
 
-/// A repeatable stand-in for random numbers, uniform in ±1 (Marsaglia's xorshift).
+/// Pseudo-random numbers from a fixed seed, uniform in ±1 (Marsaglia's xorshift).
 struct Random(u64);
 
 impl Default for Random {

@@ -1,19 +1,19 @@
-//! How likely the residuals are under white noise and a wander of one size and shape.
+//! Likelihood of the residuals under white noise and a wander of given size and shape.
 //!
-//! The residuals' means `r` in the bins have the covariance `S = a² K + σ² N⁻¹`, `N` the numbers of
-//! samples, less what the fit has absorbed: `A`, the tangent directions as the bins see them. The
-//! restricted likelihood (REML; Patterson and Thompson, Biometrika 58, 1971) is that of all
-//! contrasts that the fit cannot touch:
+//! The residuals' means `r` in the bins have the covariance `S = a² K + σ² N⁻¹`, with the numbers
+//! of samples `N`, projected by the fit along the columns of `A`: the tangent directions of the
+//! free unknowns in the bins. The restricted likelihood (REML; Patterson and Thompson, Biometrika
+//! 58, 1971) is that of all contrasts that the fit cannot change:
 //!
 //! ```text
 //! −2 log L = log|S| + log|G| + rᵀS⁻¹r − hᵀG⁻¹h,    G = AᵀS⁻¹A,  h = AᵀS⁻¹r
 //! ```
 //!
-//! `S` is taken as diagonal in the cosine basis of each body's bins, as processes whose correlation
-//! falls with the distance nearly are (Whittle's likelihood, 1953): what sizes and shapes are
-//! compared by costs a sum over frequencies each. With `S` of block shape, positions and
-//! orientations by themselves and their axes alike, `G`, `h` and `rᵀS⁻¹r` are entries of one Gram
-//! matrix of `[A r]`, a sum over both kinds, whose Cholesky factor holds everything.
+//! `S` is taken as diagonal in the cosine basis of each body's bins, which is nearly true of
+//! processes whose correlation falls with the distance (Whittle's likelihood, 1953). Each size and
+//! shape then costs a sum over frequencies. `S` is block-diagonal, with positions and orientations
+//! independent and their axes equal, so that `G`, `h` and `rᵀS⁻¹r` are entries of one Gram matrix
+//! of `[A r]`, a sum over both kinds, and follow from its Cholesky factor.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -22,12 +22,12 @@ use super::bins::Bins;
 
 /// The cosine basis (DCT II) of the bins, body by body.
 pub struct Cosines {
-    /// Per frequency: the bins of its body, and its values there, of unit norm.
+    /// For every frequency: the bins of its body, and its values there, of unit norm.
     frequencies: Vec<(Range<usize>, Vec<f64>)>,
 }
 
 impl Cosines {
-    /// Of a body's bins in a row, as many as there are.
+    /// The basis of some bins, ordered by body.
     pub fn new(bins: &Bins) -> Self {
         let mut frequencies = Vec::with_capacity(bins.count());
         let mut first = 0;
@@ -44,7 +44,7 @@ impl Cosines {
         Self { frequencies }
     }
 
-    /// Variance at each frequency under a covariance of the bins, row by row.
+    /// Variance at each frequency under a covariance of the bins, given row by row.
     pub fn variances(&self, covariance: &[f64]) -> Vec<f64> {
         let count = self.frequencies.len();
         let each = self.frequencies.iter().map(|(bins, values)| {
@@ -66,7 +66,7 @@ pub struct Columns {
     squares: Vec<Vec<f64>>,
 }
 
-/// What the likelihood needs of one kind under one covariance.
+/// The Gram matrix of one kind of residual under one covariance.
 pub struct Gram {
     count: usize,
     /// Lower triangle of `[A r]ᵀ S⁻¹ [A r]`, row by row.
@@ -76,7 +76,7 @@ pub struct Gram {
 }
 
 impl Columns {
-    /// From columns that have three axes in every bin, the residual's last.
+    /// The columns of one kind, with three axes in every bin; the residual is the last.
     pub fn new(cosines: &Cosines, columns: &[&[[f64; 6]]], kind: usize) -> Self {
         let count = columns.len();
         let mut row = vec![0.0; count];
@@ -103,7 +103,7 @@ impl Columns {
         }
     }
 
-    /// Under these variances of the frequencies; `None` where one is not positive.
+    /// The Gram matrix under given variances of the frequencies; `None` where one is not positive.
     pub fn gram(&self, variances: impl Iterator<Item = f64>) -> Option<Gram> {
         let mut entries = vec![0.0; self.count * (self.count + 1) / 2];
         let mut log_determinant = 0.0;
@@ -131,7 +131,7 @@ pub fn log_likelihood(kinds: [&Gram; 2]) -> f64 {
     let pairs = a.entries.iter().zip(&b.entries);
     let mut sum: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
     let last = sum.len() - 1;
-    // The last pivot is what of the residual's square the fit leaves.
+    // The last pivot is `rᵀS⁻¹r − hᵀG⁻¹h`.
     sum[last] += 1e-12 * sum[last] + f64::MIN_POSITIVE;
     let Some(all) = factorise(&mut sum, a.count) else {
         return f64::NEG_INFINITY;

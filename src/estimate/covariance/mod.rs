@@ -1,28 +1,29 @@
-//! How certain the estimate is.
+//! Covariance of the estimate.
 //!
-//! At the optimum an estimate `u` answers to errors `n` of the samples as `−P Jᵀ n`, where `J` is the
-//! residuals' derivative, `P = Z (Zᵀ H Z)⁻¹ Zᵀ` with `H` the Hessian and `Z` spanning the directions
-//! that the constraints leave free: the limit of `(H + w CᵀC)⁻¹` for large `w`, `C` the constraints'
-//! derivative, and the finish has that matrix factorised. So of one unknown `u_k` with `x = P e_k`
+//! At the optimum the unknowns `u` respond to errors `n` of the samples by `−P Jᵀ n`. Here `J` is
+//! the residuals' derivative and `P = Z (Zᵀ H Z)⁻¹ Zᵀ`, with the Hessian `H` and a basis `Z` of the
+//! constraints' null space. `P` is the limit of `(H + w CᵀC)⁻¹` for large `w`, with the
+//! constraints' derivative `C`; that matrix is factorised as in the finish. For one unknown `u_k`,
+//! with `x = P e_k`,
 //!
 //! ```text
 //! var u_k = yᵀ Σ y + xᵀ H_p x,     y = J x,   xᵀ H_p x = x_k − |y|²
 //! ```
 //!
-//! the sandwich estimator (Huber 1967; White 1982): the weights `H` are made of, though not the
-//! errors' covariance `Σ`, say how errors arrive, and `Σ` how large they are. `H_p` is the share of
-//! priors (tempo, parameters, priced velocity gaps), whose standard deviations are stated and taken
-//! at their word.
+//! This is the sandwich estimator (Huber 1967; White 1982). The weights in `H` determine how errors
+//! propagate, although they are not the inverse of the errors' covariance `Σ`; `Σ` determines their
+//! size. `H_p` is the part of `H` from priors (tempo, parameters, priced velocity gaps), whose
+//! standard deviations are given and taken as they are.
 //!
-//! `Σ` is white noise and a hand's wander ([`noise`]), and the wander may be as slow as a flight. Then
-//! the flight's own fit absorbs most of it, and what is left of it looks small and short-lived. But
-//! the constraints hold the fit: of the twelve numbers of every flight few are free, so that a slow
-//! wander shows as contradiction to them, and a restricted likelihood ([`likelihood`]) over means of
-//! some samples each ([`bins`]) knows what the fit could take away ([`trace`]). Where times are
-//! unknown it takes away what lies along the flight in every bin.
+//! `Σ` is the sum of white noise and a hand's wander ([`noise`]), which may be as slow as a flight.
+//! Then the flight's own fit absorbs most of it, and the remaining residuals look small and
+//! short-lived. But the constraints restrict the fit: few of the twelve numbers of every flight are
+//! free, so that a slow wander contradicts them. A restricted likelihood ([`likelihood`]) over
+//! means of some samples each ([`bins`]) accounts for the directions that the fit can absorb
+//! ([`trace`]). Where times are unknown, it absorbs the component along the flight in every bin.
 //!
-//! What a bound keeps in place is no better known for it: the bounds of a parameter count as a
-//! standard deviation of half their width.
+//! A parameter at its bound is not better determined for that: bounds of a parameter count as a
+//! prior with a standard deviation of half their width.
 
 pub mod bins;
 pub mod certainty;

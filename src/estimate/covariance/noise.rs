@@ -1,11 +1,12 @@
-//! What the residuals are made of: white noise, and a hand that wanders.
+//! Covariance of the residuals: white noise, and the wander of a hand.
 //!
-//! White noise is read off the second differences of neighbouring residuals, which no slow wander
-//! reaches. The wander is a Gaussian process of unknown size, roughness and correlation time:
-//! Matérn's kernels of order ½ and 5⁄2 with times from a third of a flight to five flights (a hand's
-//! power falls with the third to fifth power of frequency, theirs with the second and sixth).
-//! Nothing picks one of them, for a take says little about it: each counts by its restricted
-//! likelihood, and `K̄`, the mean of their covariances, is what the variance of an estimate is made with.
+//! The variance of white noise is estimated from second differences of neighbouring residuals,
+//! `σ² = mean (r_{i−1} − 2 r_i + r_{i+1})²/6`, to which a slow wander contributes nothing. The
+//! wander is a Gaussian process of unknown size, roughness and correlation time: Matérn's kernels
+//! of order ½ and 5⁄2 with times from a third of a flight to five flights (a hand's power falls
+//! with the third to fifth power of frequency, theirs with the second and sixth). One take does not
+//! determine which, so none is selected: each is weighted by its restricted likelihood, and the
+//! variance of an estimate is computed with the mean covariance `K̄`.
 
 use super::bins::{Bins, Six};
 use super::likelihood::{Columns, Cosines, Gram, log_likelihood};
@@ -13,15 +14,16 @@ use super::trace::Trace;
 
 /// Correlation times, in flights.
 const TIMES: [f64; 3] = [0.3, 1.2, 5.0];
-/// Variances of the wander, in mean square residuals. What the fit absorbs of a slow wander is a
-/// multiple of what it leaves.
+/// Variances of the wander, in mean square residuals. Of a slow wander, the fit absorbs a multiple
+/// of what remains.
 const SIZES: [f64; 4] = [0.125, 1.0, 8.0, 64.0];
-/// Prior of a variance: as it to this power. Few contrasts tell of the slowest wander, and their
-/// likelihood leans to the small side; with a half 95 % intervals hold (see `tools/study/results`).
+/// Exponent of the prior of a variance. Few contrasts inform about the slowest wander, and their
+/// likelihood is biased to small sizes; with a half, 95 % intervals hold (see
+/// `tools/study/results`).
 const PRIOR_POWER: f64 = 0.5;
-/// Prior of no wander at all, as a logarithm.
+/// Logarithm of the prior of no wander.
 const PRIOR_NONE: f64 = 1.1;
-/// Contrasts that must be left after the fit, or the residuals say nothing.
+/// Least number of contrasts after the fit, or residuals are not informative.
 const CONTRASTS_MIN: usize = 6;
 
 /// Roughness of a wander: Matérn's order.
@@ -51,13 +53,13 @@ impl Order {
 pub struct Noise {
     /// Variance of the white part.
     pub white: [f64; 2],
-    /// Covariance of the bins' wander, row by row; nothing, where there is none.
+    /// Covariance of the bins' wander, row by row; empty without wander.
     wander: [Vec<f64>; 2],
 }
 
-/// One covariance of one kind, and what it makes of the residuals.
+/// One covariance of one kind, with the residuals' Gram matrix under it.
 struct Candidate {
-    /// Which correlation.
+    /// Index of the correlation.
     shape: usize,
     /// Variance of the wander.
     size: f64,
@@ -66,7 +68,7 @@ struct Candidate {
 }
 
 impl Noise {
-    /// White noise of one unit: what the weights say.
+    /// White noise of one unit, as the weights state.
     pub fn stated() -> Self {
         Self::white_only([1.0; 2])
     }
@@ -78,8 +80,8 @@ impl Noise {
         }
     }
 
-    /// As the residuals tell, of which the fit has absorbed the directions `absorbed`, orthonormal
-    /// columns over the bins.
+    /// The covariance estimated from the residuals, of which the fit has absorbed the directions
+    /// `absorbed`, orthonormal columns over the bins. [`Noise::stated`] where they are too few.
     pub fn of(bins: &Bins, residuals: &[Vec<Six>], absorbed: &[Vec<Six>]) -> Self {
         if absorbed.len() + CONTRASTS_MIN > 6 * bins.count() {
             return Self::stated();
@@ -113,7 +115,8 @@ impl Noise {
             each.map(|one| one.log_prior + log_likelihood([&one.gram, &other.gram]))
                 .collect()
         };
-        // The kinds share no more than what the fit absorbs: each against the other's best.
+        // Positions and orientations are coupled only by what the fit absorbs, so each is weighted
+        // with the best candidate of the other.
         let middle = &orientations[orientations.len() / 2];
         let of_positions = against(&positions, middle);
         let of_orientations = against(&orientations, &positions[largest(&of_positions)]);
@@ -133,7 +136,7 @@ impl Noise {
         }
     }
 
-    /// Variance of the sum of all residuals, each weighed as `trace` says.
+    /// `yᵀ Σ y`: variance of the sum of all residuals, weighted by `trace`.
     pub fn variance(&self, trace: &Trace) -> f64 {
         let sums = &trace.sums;
         let of_kind = |kind: usize| {
@@ -156,7 +159,7 @@ impl Noise {
     }
 }
 
-/// Correlations of the bins, row by row, for every roughness and time. Bodies wander by themselves.
+/// Correlations of the bins, row by row, for every roughness and time. Bodies wander independently.
 fn shapes(bins: &Bins) -> Vec<Vec<f64>> {
     let all = Order::ALL.iter().flat_map(|order| {
         let count = bins.count();
@@ -188,14 +191,14 @@ fn one_per_sample(bins: &Bins) -> Vec<f64> {
     covariance
 }
 
-/// Every size of every shape, and no wander.
+/// The candidates: every size of every shape, and no wander.
 fn candidates(
     spectra: &[Vec<f64>],
     per_sample: &[f64],
     columns: &Columns,
     (white, square): (f64, f64),
 ) -> Vec<Candidate> {
-    // Rounding, where there is no noise at all.
+    // Keeps variances positive where there is no noise at all.
     let floor = 1e-9 * square + 1e-300;
     let candidate = |shape: usize, size: f64, log_prior: f64| {
         let each = spectra[shape].iter().zip(per_sample);
@@ -214,7 +217,7 @@ fn candidates(
     wanders.chain(candidate(0, 0.0, none)).collect()
 }
 
-/// The mean of what the candidates say, each by its likelihood.
+/// The mean covariance of the candidates, weighted by prior and likelihood.
 fn mean_covariance(shapes: &[Vec<f64>], candidates: &[Candidate], logs: &[f64]) -> Vec<f64> {
     let most = logs[largest(logs)];
     let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
@@ -235,7 +238,7 @@ fn largest(values: &[f64]) -> usize {
         .map_or(0, |(at, _)| at)
 }
 
-/// Of positions and of orientations, per axis.
+/// Mean square residuals of positions and of orientations, per axis.
 fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
     let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
     let mut sums = [0.0; 2];

@@ -1,4 +1,4 @@
-//! What the samples see of a step of the unknowns: the residuals' derivative along it, bin by bin.
+//! Change `y = J x` of the residuals by a step `x` of the unknowns, summed over bins.
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
@@ -8,7 +8,7 @@ use crate::estimate::point::Point;
 use crate::physics::flow::Spin;
 use crate::physics::state::part;
 
-/// What the samples see of one step.
+/// The change of the residuals by one step.
 #[derive(Clone, Debug)]
 pub struct Trace {
     /// Sum over the samples of each bin.
@@ -24,10 +24,10 @@ pub struct Design<'a> {
     arcs: Vec<ArcDesign>,
 }
 
-/// That of one arc.
+/// The derivative of one arc's residuals.
 struct ArcDesign {
     samples: Vec<SampleDesign>,
-    /// Its bins, and what sums of samples need there.
+    /// Its bins, with the sums over their samples.
     pieces: Vec<(usize, Piece)>,
 }
 
@@ -36,29 +36,29 @@ struct SampleDesign {
     bin: usize,
     /// Time since the arc's epoch \[s\].
     since_s: f64,
-    /// By the state's orientation and by its angular velocity, in units.
+    /// Derivatives by the state's orientation and by its angular velocity, in units.
     turn: [Matrix3<f64>; 2],
-    /// By the sample's time, in units per second.
+    /// Derivative by the sample's time, in units per second.
     rate: Six,
-    /// Where its time lies: the node before it, and the share of the next.
+    /// The node before it, and its share of the interval to the next.
     time: (usize, f64),
 }
 
 /// Sums over the samples of one bin in one arc.
 #[derive(Default)]
 struct Piece {
-    /// Of powers of the time since the epoch, from the zeroth to the second.
+    /// Sums of powers of the time since the epoch, from the zeroth to the second.
     powers: [f64; 3],
     turn: [Matrix3<f64>; 2],
     rate: Six,
 }
 
-/// A step as one arc has it: by position, velocity and half the acceleration in units of positions,
-/// by orientation and angular velocity.
+/// A step in terms of one arc: position, velocity and half the acceleration in units of positions,
+/// orientation and angular velocity.
 type ArcStep = [Vector3<f64>; 5];
 
 impl<'a> Design<'a> {
-    /// At `point`.
+    /// The derivative at `point`.
     pub fn new(context: &'a SolveContext, point: &Point, bins: &Bins) -> Self {
         let problem = context.problem;
         let gravity_m_s2 = problem.gravity(&point.parameters);
@@ -96,7 +96,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// Sums over the samples of each bin of what they see of a step.
+    /// Changes of the residuals by a step, summed over the samples of each bin.
     pub fn sums(&self, step: &DVector<f64>) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
         let times_are_unknown = self.context.problem.times_are_unknown();
@@ -121,7 +121,7 @@ impl<'a> Design<'a> {
         sums
     }
 
-    /// The same of every sample's time going on by a second.
+    /// Derivatives of the residuals by a common shift of all sample times, summed over each bin.
     pub fn rates(&self) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
         for (bin, piece) in self.arcs.iter().flat_map(|arc| &arc.pieces) {
@@ -130,7 +130,7 @@ impl<'a> Design<'a> {
         sums
     }
 
-    /// What the samples see of a step.
+    /// The change of the residuals by a step, with sums of squares.
     pub fn trace(&self, step: &DVector<f64>) -> Trace {
         let mut squares = [0.0; 2];
         for (index, arc) in self.arcs.iter().enumerate() {
@@ -170,7 +170,7 @@ impl<'a> Design<'a> {
         ]
     }
 
-    /// By how much a step makes a sample later \[s\].
+    /// Change of a sample's time by a step \[s\].
     fn later_s(&self, sample: &SampleDesign, step: &DVector<f64>) -> f64 {
         let moved_s = |node: usize| {
             let at = self.context.layout.nodes.get(node).copied().flatten();

@@ -30,8 +30,8 @@ pub fn position(gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> 
     state.position_m + (state.velocity_m_s + gravity_m_s2 * (0.5 * duration_s)) * duration_s
 }
 
-/// Time derivative of the state in free flight, in its own tangent space: `(v, ω, g, I⁻¹((I ω) ×
-/// ω))`.
+/// Time derivative of the state in free flight, in its own tangent space:
+/// `(v, ω, g, I⁻¹((I ω) × ω))`.
 pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
     let omega = &state.angular_velocity_rad_s;
     let [a, b, c] = asymmetric::couplings(body);

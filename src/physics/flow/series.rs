@@ -1,7 +1,7 @@
 //! Taylor series in time of a free rotation. The right sides of Euler's equations, of the
 //! quaternion's kinematics and of their derivatives are products of two functions, so that each
-//! coefficient is one convolution of earlier ones: for `ḟ = a b`, `f_{n+1} = Σ_l a_l b_{n−l}/(n +
-//! 1)`.
+//! coefficient is one convolution of earlier ones: for `ḟ = a b`,
+//! `f_{n+1} = Σ_l a_l b_{n−l}/(n + 1)`.
 //!
 //! With `c_i = (I_j − I_k)/I_i` for `i, j, k` in cyclic order, `W = ∂ω(t)/∂ω(0)` and `η` the
 //! right perturbation of the rotation by `ω(0)`:

@@ -1,4 +1,9 @@
-//! What flights leave when each is fitted by itself: straight lines and parabolas by least squares.
+//! Residuals of flights when each is fitted by itself, by linear least squares:
+//!
+//! ```text
+//! free         min over x, v      Σ |p_i − x − v s_i − ½ g s_i²|²
+//! accelerated  min over x, v, a   Σ |p_i − x − v s_i − ½ a s_i²|²
+//! ```
 
 use nalgebra::Vector3;
 
@@ -7,25 +12,25 @@ use super::flights::Flight;
 /// Sums over flights that have enough samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Alone {
-    /// Readings.
+    /// Number of readings.
     pub(super) samples: f64,
-    /// Squares that the whole motion leaves \[m²\].
+    /// Residual sum of squares of the whole motion \[m²\].
     pub(super) joint_m2: f64,
-    /// That free flights alone leave \[m²\].
+    /// Residual sum of squares of free flights alone \[m²\].
     pub(super) alone_m2: f64,
-    /// That flights with a free acceleration leave \[m²\].
+    /// Residual sum of squares of flights with a free acceleration \[m²\].
     pub(super) pulled_m2: f64,
     /// Degrees of freedom of the last two.
     pub(super) alone_freedom: f64,
     pub(super) pulled_freedom: f64,
-    /// Product of each residual of a free flight alone with the next \[m²\].
+    /// Sum of products of successive residuals of free flights alone \[m²\].
     product_m2: f64,
-    /// Accelerations, weighed by how well they are known.
+    /// Sum of the accelerations `a`, each weighted by its information.
     pull: Vector3<f64>,
     pull_weight: f64,
 }
 
-/// Fewer tell nothing.
+/// Least number of readings of a flight.
 const LEAST: usize = 6;
 
 impl Alone {
@@ -37,24 +42,25 @@ impl Alone {
         sums
     }
 
-    /// Correlation of a residual of a free flight alone with the next: a tracker's noise has none.
+    /// Correlation of successive residuals of free flights alone: that of white noise is zero.
     pub(super) fn correlation(&self) -> f64 {
         self.product_m2 / self.alone_m2
     }
 
-    /// The acceleration that flights show [m/s²].
+    /// Weighted mean of the accelerations `a` [m/s²].
     pub(super) fn pull_m_s2(&self) -> Vector3<f64> {
         self.pull / self.pull_weight
     }
 
-    /// Takes position and velocity off by least squares, then an acceleration.
+    /// Adds a flight: fits position and velocity, then the acceleration, which is orthogonal to
+    /// them.
     fn add(&mut self, flight: &Flight, gravity_m_s2: &Vector3<f64>) {
         let readings = &flight.readings;
         let count = readings.len() as f64;
         let middle_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;
         let since_s: Vec<f64> = readings.iter().map(|r| r.time_s - middle_s).collect();
         let square_s2: f64 = since_s.iter().map(|s| s * s).sum();
-        // What a straight line leaves of a series of vectors.
+        // Residuals of a series of vectors from its best straight line.
         let straightened = |series: Vec<Vector3<f64>>| -> Vec<Vector3<f64>> {
             let mean = series.iter().sum::<Vector3<f64>>() / count;
             let slope = series

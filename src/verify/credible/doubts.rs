@@ -4,11 +4,11 @@ use super::flights::flights;
 use super::{fit, kinematics, marks, outside, parameters};
 use crate::motion::{Doubt, Estimate, Scene, Sketch};
 
-/// What speaks against an estimated motion, apart from what its shapes run into.
+/// All doubts about an estimated motion, except those from overlaps of its shapes.
 ///
 /// `marks_made_s` are the acted times of the scene's events as the performer marked them, `None`
-/// where nobody did. The estimate's arcs must be finite; it must be of this sketch. Costs a few sums per
-/// sample.
+/// for unmarked ones. The estimate's arcs must be finite and belong to this sketch. Costs a few
+/// sums per sample.
 pub fn doubts(
     scene: &Scene,
     sketch: &Sketch,

@@ -1,4 +1,5 @@
-//! Residuals against weights, against flights alone, and against a fall.
+//! Checks residuals: against the weights, against those of flights fitted alone ([`Alone`]), and
+//! against those of flights with a free acceleration.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
@@ -7,36 +8,37 @@ use super::flights::Flight;
 use super::kink::kinks;
 use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Timing};
 
-/// Residual of a flight, in weights.
+/// Greatest residual of a flight, in weights.
 const RESIDUAL: f64 = 30.0;
-/// Orientations of a flight from those acted \[rad\].
+/// Greatest rms angle between estimated and acted orientations of a flight \[rad\].
 const ORIENTATION_RAD: f64 = FRAC_PI_2;
-/// What free flights alone leave, in weights.
+/// Greatest rms residual of free flights alone, in weights.
 const ALONE: f64 = 8.0;
-/// Of the whole: beyond, several motions fit.
+/// Greatest residual of the whole motion, in weights: beyond it, several motions fit.
 const AMBIGUITY: f64 = 8.0;
-/// Joint residual over that of flights alone, where those leave white noise and where they leave a
-/// hand's wander.
+/// Greatest ratio of the joint residual to that of flights alone, where the residuals of these are
+/// white noise and where they are a hand's wander.
 const MISFIT: [f64; 2] = [1.5, 12.0];
-/// Where the motion leaves less than so many weights, noise has no say.
+/// Below this joint residual, in weights, the bound for a wander is used.
 const MISFIT_LEAST: f64 = 2.0;
-/// Correlations of what flights alone leave from which to which that goes.
+/// Correlations of successive residuals of flights alone between which the bound is interpolated.
 const WANDER: [f64; 2] = [0.15, 0.4];
-/// A hand's wander shows in what a flight alone leaves if it is acted for so long \[s\].
+/// Least acted duration of flights whose residuals show a hand's wander \[s\].
 const SHORT_S: f64 = 0.15;
-/// No usual hand leaves more, in weights.
+/// Greatest residual of the whole motion that a hand usually leaves, in weights.
 const HAND: f64 = 4.0;
-/// Where flights are shorter and less is left: change of slope of what is left at collisions, over that in
-/// flight.
+/// For shorter flights with smaller residuals: least ratio of the change of the residuals' slope at
+/// collisions to that in flight which rules out a wander.
 const KINKS: f64 = 3.0;
-/// Residual of free flights over that with a free acceleration.
+/// Greatest ratio of the residual of free flights to that with a free acceleration.
 const FALL: f64 = 4.0;
-/// Angle of that acceleration from gravity \[rad\], where it fits better by this.
+/// Greatest angle of that acceleration from gravity \[rad\], checked where the ratio is above
+/// [`DIRECTION_FALL`].
 const DIRECTION_RAD: f64 = FRAC_PI_6;
 const DIRECTION_FALL: f64 = 1.1;
-/// Residuals below this fit, whatever their shape \[m\].
+/// Residuals below this are not checked \[m\].
 const NOTHING_M: f64 = 1e-4;
-/// Gravity below this has no direction [m/s²].
+/// Gravity below this has no checked direction [m/s²].
 const WEIGHTLESS_M_S2: f64 = 0.1;
 
 pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
@@ -85,13 +87,14 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
     doubts
 }
 
-/// Whether flights fit by themselves and not together.
+/// Doubt where flights fit alone and not together: `√(joint/alone)` of the sums of squares is above
+/// its bound.
 fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
     if !is_something(alone.joint_m2, alone) {
         return None;
     }
     let joint_m = (alone.joint_m2 / alone.samples).sqrt();
-    // Where times are free they bend what is left, and its correlation says nothing.
+    // Free times distort the residuals, so that their correlation is not informative.
     let wander = match scene.timing {
         Timing::Unknown { .. } => 1.0,
         _ if joint_m < MISFIT_LEAST * scene.weights.position_m => 1.0,
@@ -105,7 +108,7 @@ fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
     Doubt::beyond(About::Misfit, Place::Motion, value, bound)
 }
 
-/// Whether what is left cannot be a hand that wanders too slowly to show in flights this short.
+/// Whether the residuals cannot be a hand's wander that is too slow to be visible in short flights.
 fn is_no_hand(flights: &[Flight]) -> bool {
     let acted_s = flights
         .iter()
@@ -117,13 +120,13 @@ fn is_no_hand(flights: &[Flight]) -> bool {
     mean_s >= SHORT_S || kinks(flights).is_some_and(|kinks| kinks > KINKS)
 }
 
-/// Whether flights fall as gravity says.
+/// Doubt where the flights do not fall with the estimate's gravity.
 fn fall(alone: &Alone) -> Option<Doubt> {
     let value = over_pulled(alone)?;
     Doubt::beyond(About::Fall, Place::Motion, value, FALL)
 }
 
-/// Whether they fall where it says.
+/// Doubt where the flights fall in another direction than gravity's.
 fn direction(estimate: &Estimate, alone: &Alone) -> Option<Doubt> {
     let is_telling = over_pulled(alone)? > DIRECTION_FALL;
     let gravity_m_s2 = &estimate.gravity_m_s2;
@@ -139,7 +142,8 @@ fn direction(estimate: &Estimate, alone: &Alone) -> Option<Doubt> {
     )
 }
 
-/// Residual of free flights over that with a free acceleration, per degree of freedom.
+/// Ratio of the residual of free flights to that with a free acceleration: the root of the ratio of
+/// mean squares per degree of freedom. `None` where residuals are too small.
 fn over_pulled(alone: &Alone) -> Option<f64> {
     let per_freedom = |squares_m2: f64, freedom: f64| squares_m2 / freedom;
     is_something(alone.alone_m2, alone).then(|| {

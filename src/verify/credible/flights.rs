@@ -1,4 +1,4 @@
-//! Estimated flights beside the samples that they explain.
+//! Estimated flights with their samples.
 
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ pub(super) struct Reading {
     pub(super) time_s: f64,
     /// Centre of mass as acted [m, world].
     pub(super) position_m: Vector3<f64>,
-    /// As estimated [m, world].
+    /// Centre of mass as estimated [m, world].
     pub(super) estimated_m: Vector3<f64>,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Flight<'a> {
 }
 
 impl Flight<'_> {
-    /// Where doubts about it are.
+    /// The place that doubts about it name.
     pub(super) fn place(&self) -> Place {
         Place::Flight {
             body: self.arc.body,

@@ -1,23 +1,23 @@
-//! Speeds, ways and tempo.
+//! Checks speeds, distances and tempo.
 
 use super::flights::{Flight, Reading};
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
 use crate::verify::track::spin_bound_rad_s;
 
-/// Fastest point of a body [m/s].
+/// Greatest speed of a point of a body [m/s].
 const SPEED_M_S: f64 = 80.0;
-/// Fastest spin [rad/s].
+/// Greatest angular speed [rad/s].
 const SPIN_RAD_S: f64 = 1000.0;
-/// Way of a flight over the way acted.
+/// Greatest ratio of the estimated to the acted way of a flight.
 const WAY: f64 = 5.0;
-/// Acted over physical duration of all.
+/// Greatest ratio of acted to physical duration of the motion,
 const SLOWNESS: f64 = 12.0;
-/// Its inverse.
+/// and greatest inverse of it.
 const HASTE: f64 = 2.5;
-/// The same of one flight.
+/// The same bounds for one flight.
 const FLIGHT_SLOWNESS: f64 = 16.0;
 const FLIGHT_HASTE: f64 = 3.0;
-/// Samples of a flight that tell its tempo.
+/// Least number of samples of a flight to check its tempo.
 const LEAST: usize = 4;
 
 pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
@@ -59,7 +59,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
     doubts
 }
 
-/// Estimated over acted way, a body's radius given.
+/// Ratio of estimated to acted way, for a body of the given radius.
 fn way(flight: &Flight, radius_m: f64) -> f64 {
     let length = |of: fn(&Reading) -> nalgebra::Vector3<f64>| -> f64 {
         let pairs = flight.readings.windows(2);

@@ -1,21 +1,21 @@
-//! Whether what a motion leaves has kinks where bodies hit.
+//! Kinks of the residuals at collisions.
 //!
-//! A hand that wanders does so through a bounce as anywhere else: what is left of its samples bends
-//! there no more than in flight. A wrong law of impact bends it just there. Short flights cannot be told from
-//! a wander by what each leaves alone, for a line follows any wander over a few samples; by their
-//! kinks they can.
+//! A hand wanders through a bounce as anywhere else: the slope of the residuals changes there no
+//! more than in flight. A wrong law of impact changes it just there. For short flights, residuals
+//! of flights alone do not distinguish the two, since a line follows any wander over a few samples;
+//! kinks do.
 
 use nalgebra::Vector3;
 
 use super::flights::{Flight, Reading};
 
-/// Longest stretch over which a slope is read \[s\].
+/// Longest stretch over which a slope is fitted \[s\].
 const WINDOW_S: f64 = 0.06;
-/// Samples that a slope needs.
+/// Least number of samples for a slope.
 const LEAST: usize = 2;
 
-/// Root mean square change of slope of what is left, from before a collision to after it, over that at any
-/// time in flight; `None` where flights are too short for that.
+/// Ratio of the root mean square changes of the residuals' slope: over collisions to within
+/// flights. `None` where flights are too short.
 pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
     let flies = |flight: &&Flight| flight.readings.len() >= LEAST;
     let all: Vec<&Flight> = flights.iter().filter(flies).collect();
@@ -26,7 +26,7 @@ pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
         .collect();
     let shortest = pairs.iter().flatten().map(|r| r.len()).min()?;
     let interval_s = mean_interval_s(&all)?;
-    // As far apart in flight as samples beside a collision are.
+    // In flight the two windows are as far apart as those on both sides of a collision.
     let apart = pairs.iter().map(|[before, after]| {
         let gap_s = after[0].time_s - before[before.len() - 1].time_s;
         (gap_s / interval_s).round().max(1.0) as usize - 1
@@ -56,7 +56,7 @@ fn mean_interval_s(flights: &[&Flight]) -> Option<f64> {
     (mean_s > 0.0).then_some(mean_s)
 }
 
-/// Slope of what is left, by least squares [m/s].
+/// Slope of the residuals by least squares [m/s].
 fn slope(readings: &[Reading]) -> Option<Vector3<f64>> {
     let count = readings.len() as f64;
     let mean_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;

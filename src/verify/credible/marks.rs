@@ -1,11 +1,10 @@
-//! Events against the marks that the performer made.
+//! Checks estimated events against the performer's marks.
 
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TimeMap, Timing};
 
-/// How much later than its mark, and how much earlier, an event may be where times are physical
-/// \[s\].
+/// Greatest time of an event after its mark, and before its mark, where times are physical \[s\].
 const KNOWN_S: [f64; 2] = [0.075, 0.075];
-/// The same in acted time, where the tempo is unknown: a reaction makes marks late.
+/// The same in acted time, where the tempo is unknown: reaction time makes marks late.
 const UNKNOWN_S: [f64; 2] = [0.12, 0.15];
 
 pub(super) fn doubts(

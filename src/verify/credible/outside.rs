@@ -1,13 +1,13 @@
-//! Samples that a flight is compared with although it is over, or has not begun.
+//! Checks for samples outside the time of the flight that they are compared with.
 
 use super::flights::Flight;
 use crate::motion::{About, Doubt, Scene, Timing};
 
-/// How far beyond an end of its flight a sample may be \[s\].
+/// Greatest time of a sample beyond an end of its flight \[s\].
 const BEYOND_S: f64 = 1e-3;
 
 pub(super) fn doubts(scene: &Scene, flights: &[Flight]) -> Vec<Doubt> {
-    // The flights of an edited sketch are what its samples say.
+    // In an edited sketch the samples themselves define the flights.
     if scene.timing == Timing::Edited {
         return Vec::new();
     }
@@ -18,7 +18,7 @@ pub(super) fn doubts(scene: &Scene, flights: &[Flight]) -> Vec<Doubt> {
     each.collect()
 }
 
-/// The farthest \[s\].
+/// Greatest time of a sample beyond an end of the flight \[s\].
 fn beyond_s(flight: &Flight) -> f64 {
     let beyond_s = flight.readings.iter().map(|reading| {
         let before_s = flight.arc.start_s - reading.time_s;

@@ -1,12 +1,12 @@
-//! What the estimation was free to change.
+//! Checks estimated free parameters.
 
 use crate::motion::{About, Doubt, Estimate, Place, Quantity, Scene};
 
-/// Estimated gravity from the scene's, as a part of that.
+/// Greatest deviation of estimated gravity from the scene's, relative to it.
 const GRAVITY: f64 = 0.08;
-/// Its standard deviation, as a part of the scene's.
+/// Greatest standard deviation of estimated gravity, relative to the scene's.
 const SPREAD: f64 = 0.05;
-/// Nearer to an end of its range than this part of it a parameter is there.
+/// A parameter is at an end of its range if it is nearer to it than this share of the range.
 const NEAR: f64 = 1e-6;
 
 pub(super) fn doubts(scene: &Scene, estimate: &Estimate) -> Vec<Doubt> {
@@ -43,7 +43,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate) -> Vec<Doubt> {
     doubts
 }
 
-/// A gravity that was freed and went far, or is not known.
+/// Doubts about a free gravity that is far from the scene's, or undetermined.
 fn gravity(scene: &Scene, estimate: &Estimate) -> Vec<Doubt> {
     let is_gravity = |index: &usize| {
         let quantity = scene.parameters[*index].quantity;
