@@ -50,7 +50,11 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("wire", &["motion", "math"]),
     ("ingest", &["wire", "motion"]),
     ("report", &["motion"]),
-    ("write", &["report", "wire", "motion", "physics", "math"]),
+    ("sampling", &["motion", "physics", "math"]),
+    (
+        "write",
+        &["report", "sampling", "wire", "motion", "physics", "math"],
+    ),
     ("config", &["motion", "physics", "math"]),
     (
         "service",

@@ -17,7 +17,6 @@ pub mod journal;
 pub mod live;
 pub mod marks;
 mod merge;
-mod motion;
 mod options;
 pub mod recording;
 pub mod recover;
