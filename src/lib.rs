@@ -38,7 +38,8 @@
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`report`] | what an estimate says of itself, with the scene's names: lines, sentences, the JSON of files and recordings | `motion` |
 //! | [`sampling`] | a motion becomes frames: stamped poses of every body at a rate | `motion` and below |
-//! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `wire`, `motion` and below |
+//! | [`visual`] | what of a scene is drawn: shapes as primitives and as triangles, with colours | `motion` and below |
+//! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `visual`, `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
@@ -101,5 +102,6 @@ pub mod segment;
 pub mod service;
 pub mod settle;
 pub mod verify;
+pub mod visual;
 pub mod wire;
 pub mod write;

@@ -51,9 +51,12 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("ingest", &["wire", "motion"]),
     ("report", &["motion"]),
     ("sampling", &["motion", "physics", "math"]),
+    ("visual", &["motion", "physics", "math"]),
     (
         "write",
-        &["report", "sampling", "wire", "motion", "physics", "math"],
+        &[
+            "report", "sampling", "visual", "wire", "motion", "physics", "math",
+        ],
     ),
     ("config", &["motion", "physics", "math"]),
     (

@@ -8,9 +8,10 @@ use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::{drawing, topics, urdf};
-use crate::motion::{PoseSample, Scene, Stamp, Surface};
+use crate::motion::{PoseSample, Stamp};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::sampling::{self, SampledMotion};
+use crate::visual::surface_side_m;
 use crate::wire::ros2;
 use crate::wire::{Container, Transform};
 
@@ -25,9 +26,6 @@ const SCENE_NAME: &str = "scene.toml";
 
 /// Attachment that holds the scene of the estimate where the recording has another one.
 const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
-
-/// Surfaces are drawn at least this wide \[m\].
-const SURFACE_SIDE_M: f64 = 0.5;
 
 /// Everything an output file is made of.
 #[derive(Clone, Copy)]
@@ -284,19 +282,6 @@ impl<'a> Composer<'a> {
             data,
         });
     }
-}
-
-/// How wide surfaces are drawn for the motion to stay above them \[m\].
-pub(super) fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
-    let mut side_m = SURFACE_SIDE_M;
-    for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
-        for sample in estimates.iter().flatten() {
-            let offset_m = sample.position_m - point_m;
-            let along_m = offset_m - normal * offset_m.dot(&normal);
-            side_m = side_m.max(2.2 * along_m.norm());
-        }
-    }
-    side_m
 }
 
 #[cfg(test)]

@@ -9,12 +9,13 @@ use std::path::Path;
 
 use super::drawing;
 use super::error::WriteError;
-use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, surface_side_m};
+use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME};
 use super::topics;
 use crate::math::Pose;
 use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::sampling::{self, SampledMotion};
+use crate::visual::surface_side_m;
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
