@@ -37,7 +37,9 @@
 //! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy; could it be what was acted | `motion` and below |
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
 //! | [`report`] | what an estimate says of itself, with the scene's names: lines, sentences, the JSON of files and recordings | `motion` |
-//! | [`mod@write`] | 5 estimates become files | `report`, `wire`, `motion` and below |
+//! | [`sampling`] | a motion becomes frames: stamped poses of every body at a rate | `motion` and below |
+//! | [`visual`] | what of a scene is drawn: shapes as primitives and as triangles, with colours | `motion` and below |
+//! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `visual`, `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
@@ -95,9 +97,11 @@ pub mod optimise;
 pub mod physics;
 pub mod pipeline;
 pub mod report;
+pub mod sampling;
 pub mod segment;
 pub mod service;
 pub mod settle;
 pub mod verify;
+pub mod visual;
 pub mod wire;
 pub mod write;

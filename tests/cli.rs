@@ -499,12 +499,25 @@ fn one_json_object_per_recording_says_everything() {
     for (pointer, is_right) in [
         ("/verdict", serde_json::Value::is_string as fn(&_) -> bool),
         ("/reason", serde_json::Value::is_string),
+        ("/termination/kind", serde_json::Value::is_string),
+        (
+            "/termination/measured/0/value",
+            serde_json::Value::is_number,
+        ),
+        (
+            "/termination/measured/0/bound",
+            serde_json::Value::is_number,
+        ),
         ("/objective", serde_json::Value::is_number),
         ("/iterations", serde_json::Value::is_u64),
         ("/assignment_rounds", serde_json::Value::is_u64),
         ("/solve_seconds", serde_json::Value::is_f64),
         ("/phase_seconds/clean", serde_json::Value::is_f64),
         ("/events/1/time_s", serde_json::Value::is_f64),
+        (
+            "/events/1/time_is_determined",
+            serde_json::Value::is_boolean,
+        ),
         ("/events/1/gap_m", serde_json::Value::is_number),
         ("/events/1/gap_rad", serde_json::Value::is_number),
         ("/events/1/gap_m_s", serde_json::Value::is_number),

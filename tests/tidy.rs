@@ -50,7 +50,14 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("wire", &["motion", "math"]),
     ("ingest", &["wire", "motion"]),
     ("report", &["motion"]),
-    ("write", &["report", "wire", "motion", "physics", "math"]),
+    ("sampling", &["motion", "physics", "math"]),
+    ("visual", &["motion", "physics", "math"]),
+    (
+        "write",
+        &[
+            "report", "sampling", "visual", "wire", "motion", "physics", "math",
+        ],
+    ),
     ("config", &["motion", "physics", "math"]),
     (
         "service",

@@ -7,29 +7,24 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as PoseMessage, Quaternion, SceneEntity,
     SceneUpdate, SpherePrimitive, Timestamp, TriangleListPrimitive, Vector3 as VectorMessage,
 };
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::error::WriteError;
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{GoalTarget, Scene, Stamp};
+use crate::motion::{Scene, Stamp};
 use crate::physics::Shape;
-use crate::physics::shape::hull_triangles;
+use crate::visual::{Form, Subject, primitives, visuals};
 use crate::wire::encode;
 
-const BODY: Color = color(0.95, 0.65, 0.20, 1.0);
+/// A body in the frame of its performance, beside its estimate.
 #[cfg(feature = "live")]
-const GHOST: Color = color(0.95, 0.65, 0.20, 0.35);
+const GHOST: Color = color([0.95, 0.65, 0.20, 0.35]);
+/// A body in the frame of its tracker.
 #[cfg(feature = "live")]
-const LIVE: Color = color(0.30, 0.60, 0.95, 0.35);
-const OBSTACLE: Color = color(0.45, 0.55, 0.65, 0.5);
-const SURFACE: Color = color(0.75, 0.75, 0.75, 0.5);
-const GOAL: Color = color(0.25, 0.80, 0.35, 0.3);
+const LIVE: Color = color([0.30, 0.60, 0.95, 0.35]);
 
-/// How thick a surface is drawn \[m\]; it lies below the plane.
-const SURFACE_THICKNESS_M: f64 = 1e-3;
-
-const fn color(r: f64, g: f64, b: f64, a: f64) -> Color {
+const fn color([r, g, b, a]: [f64; 4]) -> Color {
     Color { r, g, b, a }
 }
 
@@ -84,66 +79,34 @@ fn entities(
     surface_side_m: f64,
 ) -> Result<Vec<SceneEntity>, WriteError> {
     let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
-    let mut entities = Vec::new();
-    for body in &scene.bodies {
-        let frame = topics::estimate_frame(&body.name);
-        let mut entity = entity(at, &frame, format!("body/{}", body.name));
-        add_shape(&mut entity, &body.shape, &Pose::identity(), BODY);
-        entities.push(entity);
-    }
-    for obstacle in &scene.obstacles {
-        let mut entity = entity(at, world_frame, format!("obstacle/{}", obstacle.name));
-        add_shape(
-            &mut entity,
-            &obstacle.shape,
-            &obstacle.world_from_shape,
-            OBSTACLE,
-        );
-        entities.push(entity);
-    }
-    for surface in &scene.surfaces {
-        let Some(plane) = surface.plane() else {
-            continue;
-        };
-        let mut entity = entity(at, world_frame, format!("surface/{}", surface.name));
-        let slab = Vector3::new(surface_side_m, surface_side_m, SURFACE_THICKNESS_M);
-        entity
-            .cubes
-            .push(cube(&world_from_slab(plane), &slab, SURFACE));
-        entities.push(entity);
-    }
-    for (index, goal) in scene.goals.iter().enumerate() {
-        let (event, body) = (&scene.events[goal.event], &scene.bodies[goal.body]);
-        let id = format!("goal/{index}/{}/{}", event.name, body.name);
-        let mut entity = entity(at, world_frame, id);
-        match &goal.target {
-            GoalTarget::Pose { world_from_body } => {
-                add_shape(&mut entity, &body.shape, world_from_body, GOAL);
-            }
-            GoalTarget::PositionWithin { lower_m, upper_m } => {
-                let size = upper_m - lower_m;
-                if size.iter().all(|side| side.is_finite()) {
-                    let centre = Translation3::from(0.5 * (upper_m + lower_m));
-                    let pose = Pose::from_parts(centre, UnitQuaternion::identity());
-                    // A side of no length would not be seen.
-                    entity
-                        .cubes
-                        .push(cube(&pose, &size.map(|s| s.max(SURFACE_THICKNESS_M)), GOAL));
-                }
-            }
+    let entities = visuals(scene, surface_side_m).into_iter().map(|visual| {
+        let (frame, id) = names(scene, world_frame, visual.subject);
+        let mut entity = entity(at, &frame, id);
+        if let Some(shape) = &visual.shape {
+            let color = color(visual.subject.rgba());
+            add_shape(&mut entity, shape, &visual.frame_from_shape, color);
         }
-        entities.push(entity);
-    }
-    Ok(entities)
+        entity
+    });
+    Ok(entities.collect())
 }
 
-/// Pose of a slab whose upper side is the plane of that point and normal.
-pub(super) fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
-    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &normal).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    });
-    let centre_m = point_m - 0.5 * SURFACE_THICKNESS_M * normal;
-    Pose::from_parts(centre_m.into(), rotation)
+/// The frame in which something is drawn, and its entity's id.
+fn names(scene: &Scene, world_frame: &str, subject: Subject) -> (String, String) {
+    let world = world_frame.to_owned();
+    match subject {
+        Subject::Body(index) => {
+            let name = &scene.bodies[index].name;
+            (topics::estimate_frame(name), format!("body/{name}"))
+        }
+        Subject::Obstacle(index) => (world, format!("obstacle/{}", scene.obstacles[index].name)),
+        Subject::Surface(index) => (world, format!("surface/{}", scene.surfaces[index].name)),
+        Subject::Goal(index) => {
+            let goal = &scene.goals[index];
+            let (event, body) = (&scene.events[goal.event], &scene.bodies[goal.body]);
+            (world, format!("goal/{index}/{}/{}", event.name, body.name))
+        }
+    }
 }
 
 fn entity(at: Timestamp, frame: &str, id: String) -> SceneEntity {
@@ -157,57 +120,34 @@ fn entity(at: Timestamp, frame: &str, id: String) -> SceneEntity {
 }
 
 fn add_shape(entity: &mut SceneEntity, shape: &Shape, pose: &Pose, color: Color) {
-    match shape {
-        // Viewers know no rounded boxes: its outer sides are drawn.
-        Shape::Cuboid { half_extents_m } | Shape::RoundedCuboid { half_extents_m, .. } => {
-            entity
-                .cubes
-                .push(cube(pose, &(2.0 * half_extents_m), color));
-        }
-        Shape::Sphere { radius_m } => entity.spheres.push(sphere(pose, *radius_m, color)),
-        Shape::Cylinder {
-            half_length_m,
-            radius_m,
-        } => entity
-            .cylinders
-            .push(cylinder(pose, *half_length_m, *radius_m, 1.0, color)),
-        Shape::Capsule {
-            half_length_m,
-            radius_m,
-        } => {
-            entity
-                .cylinders
-                .push(cylinder(pose, *half_length_m, *radius_m, 1.0, color));
-            for z in [-*half_length_m, *half_length_m] {
-                let cap = pose * Translation3::new(0.0, 0.0, z);
-                entity.spheres.push(sphere(&cap, *radius_m, color));
+    for primitive in primitives(shape) {
+        let pose = primitive.pose(pose);
+        match primitive.form {
+            Form::Cuboid { sides_m } => entity.cubes.push(cube(&pose, &sides_m, color)),
+            Form::Sphere { radius_m } => entity.spheres.push(sphere(&pose, radius_m, color)),
+            Form::Frustum {
+                half_length_m,
+                radius_m,
+                top_scale,
+            } => {
+                let frustum = cylinder(&pose, half_length_m, radius_m, top_scale, color);
+                entity.cylinders.push(frustum);
             }
+            Form::Triangles(triangles) => entity.triangles.push(TriangleListPrimitive {
+                pose: Some(pose_message(&pose)),
+                points: triangles
+                    .iter()
+                    .flatten()
+                    .map(|point| Point3 {
+                        x: point.x,
+                        y: point.y,
+                        z: point.z,
+                    })
+                    .collect(),
+                color: Some(color),
+                ..TriangleListPrimitive::default()
+            }),
         }
-        Shape::Cone {
-            half_height_m,
-            radius_m,
-        } => {
-            // The origin is a quarter of the height above the base.
-            let middle = pose * Translation3::new(0.0, 0.0, 0.5 * half_height_m);
-            entity
-                .cylinders
-                .push(cylinder(&middle, *half_height_m, *radius_m, 0.0, color));
-        }
-        Shape::Hull { points_m } => entity.triangles.push(TriangleListPrimitive {
-            pose: Some(pose_message(pose)),
-            points: hull_triangles(points_m)
-                .unwrap_or_default()
-                .iter()
-                .flatten()
-                .map(|point| Point3 {
-                    x: point.x,
-                    y: point.y,
-                    z: point.z,
-                })
-                .collect(),
-            color: Some(color),
-            ..TriangleListPrimitive::default()
-        }),
     }
 }
 
@@ -300,7 +240,7 @@ mod tests {
         // The slab's upper side is the table.
         let table = update.entities[2].cubes[0];
         let z = table.pose.and_then(|pose| pose.position).map(|p| p.z);
-        assert_eq!(z, Some(-0.5 * SURFACE_THICKNESS_M));
+        assert_eq!(z, Some(-0.5e-3));
     }
 
     #[test]
@@ -334,7 +274,7 @@ mod tests {
         ];
         for (shape, counts) in shapes {
             let mut entity = SceneEntity::default();
-            add_shape(&mut entity, &shape, &Pose::identity(), BODY);
+            add_shape(&mut entity, &shape, &Pose::identity(), GHOST);
             let found = [
                 entity.cubes.len(),
                 entity.spheres.len(),

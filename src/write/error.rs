@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::sampling::SamplingError;
 #[cfg(feature = "live")]
 use crate::wire::live::LiveError;
 use crate::wire::{ContainerError, EncodeError};
@@ -94,28 +95,13 @@ pub enum WriteError {
     #[cfg(feature = "live")]
     #[error(transparent)]
     Live(#[from] LiveError),
-    /// No frames can be made at this rate.
-    #[error("{}: frame rate {frame_rate_hz} Hz, expected 0.001 to 100000", path.display())]
-    FrameRate {
+    /// The motion cannot be sampled.
+    #[error("{}: {source}", path.display())]
+    Sampling {
         /// The final name.
         path: PathBuf,
-        /// As given.
-        frame_rate_hz: f64,
-    },
-    /// The estimated motion is absurdly long.
-    #[error(
-        "{}: the motion of body {body:?} reaches from {start_s} s to {end_s} s: too many frames to write",
-        path.display()
-    )]
-    Span {
-        /// The final name.
-        path: PathBuf,
-        /// The body.
-        body: String,
-        /// Where its first arc begins.
-        start_s: f64,
-        /// Where its last arc ends.
-        end_s: f64,
+        /// Why.
+        source: SamplingError,
     },
 }
 
@@ -128,6 +114,12 @@ impl WriteError {
             action,
             source,
         }
+    }
+
+    /// For `map_err`: the motion cannot be sampled.
+    pub(super) fn sampling(path: &Path) -> impl FnOnce(SamplingError) -> Self {
+        let path = path.to_owned();
+        move |source| WriteError::Sampling { path, source }
     }
 
     /// For `map_err`: a message on `topic` cannot be encoded.

@@ -7,10 +7,11 @@ use std::path::Path;
 use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
-use super::motion;
 use super::{drawing, topics, urdf};
-use crate::motion::{PoseSample, Scene, Stamp, Surface};
+use crate::motion::{PoseSample, Stamp};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
+use crate::sampling::{self, SampledMotion};
+use crate::visual::surface_side_m;
 use crate::wire::ros2;
 use crate::wire::{Container, Transform};
 
@@ -25,9 +26,6 @@ const SCENE_NAME: &str = "scene.toml";
 
 /// Attachment that holds the scene of the estimate where the recording has another one.
 const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
-
-/// Surfaces are drawn at least this wide \[m\].
-const SURFACE_SIDE_M: f64 = 0.5;
 
 /// Everything an output file is made of.
 #[derive(Clone, Copy)]
@@ -68,7 +66,16 @@ pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, Write
             path: path.to_owned(),
         });
     }
-    let additions = Composer::new(path, file).compose()?;
+    let Reported {
+        scene,
+        sketch,
+        estimate,
+        settled,
+        ..
+    } = file.of;
+    let motion = SampledMotion::new((scene, sketch), estimate, settled, file.frame_rate_hz)
+        .map_err(WriteError::sampling(path))?;
+    let additions = Composer::new(path, file, &motion).compose()?;
     let added = additions.messages.len() as u64;
     let copied = merge::write(path, file.input, Some(ESTIMATE_SCENE_NAME), additions)?;
     Ok(Written { copied, added })
@@ -94,59 +101,34 @@ struct Composer<'a> {
     path: &'a Path,
     file: &'a EstimateFile<'a>,
     dialect: Dialect,
-    zero: Stamp,
+    motion: &'a SampledMotion,
     additions: Additions,
 }
 
 impl<'a> Composer<'a> {
-    fn new(path: &'a Path, file: &'a EstimateFile<'a>) -> Self {
+    fn new(path: &'a Path, file: &'a EstimateFile<'a>, motion: &'a SampledMotion) -> Self {
         Self {
             path,
             file,
             dialect: Dialect::of(file.input),
-            zero: motion::zero(file.of.estimate, file.of.sketch),
+            motion,
             additions: Additions::default(),
         }
     }
 
     fn compose(mut self) -> Result<Additions, WriteError> {
-        let Reported {
-            scene,
-            estimate,
-            sketch,
-            ..
-        } = self.file.of;
-        let mut estimates = Vec::new();
-        let mut sketches = Vec::new();
-        for (index, body) in scene.bodies.iter().enumerate() {
-            let samples = self.estimate_samples(index)?;
-            self.add_poses(&topics::estimate_pose(&body.name), &samples)?;
-            estimates.push(samples);
-            let samples = motion::sketch_samples(estimate, sketch, index, self.zero);
-            self.add_poses(&topics::sketch_pose(&body.name), &samples)?;
-            sketches.push(samples);
+        for (index, body) in self.file.of.scene.bodies.iter().enumerate() {
+            let (topic, samples) = (topics::estimate_pose(&body.name), &self.motion.estimates);
+            self.add_poses(&topic, &samples[index])?;
+            let (topic, samples) = (topics::sketch_pose(&body.name), &self.motion.sketches);
+            self.add_poses(&topic, &samples[index])?;
         }
-        self.add_transforms(&estimates, &sketches)?;
-        self.add_drawings(&estimates)?;
+        self.add_transforms()?;
+        self.add_drawings()?;
         self.add_events()?;
         self.add_reports();
         self.add_scene();
         Ok(self.additions)
-    }
-
-    fn estimate_samples(&self, body: usize) -> Result<Vec<PoseSample>, WriteError> {
-        let mut samples = motion::estimate_samples(
-            self.path,
-            self.file.of.scene,
-            self.file.of.estimate,
-            body,
-            self.zero,
-            self.file.frame_rate_hz,
-        )?;
-        if let Some(settled) = self.file.of.settled {
-            motion::append_settled(&mut samples, settled, body, self.zero);
-        }
-        Ok(samples)
     }
 
     fn add_poses(&mut self, topic: &str, samples: &[PoseSample]) -> Result<(), WriteError> {
@@ -162,11 +144,7 @@ impl<'a> Composer<'a> {
     }
 
     /// One message per instant, of all frames that have a pose there.
-    fn add_transforms(
-        &mut self,
-        estimates: &[Vec<PoseSample>],
-        sketches: &[Vec<PoseSample>],
-    ) -> Result<(), WriteError> {
+    fn add_transforms(&mut self) -> Result<(), WriteError> {
         let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
         let bodies = &self.file.of.scene.bodies;
         let frames: Vec<String> = bodies
@@ -174,8 +152,9 @@ impl<'a> Composer<'a> {
             .map(|body| topics::estimate_frame(&body.name))
             .chain(bodies.iter().map(|body| topics::sketch_frame(&body.name)))
             .collect();
+        let samples = self.motion.estimates.iter().chain(&self.motion.sketches);
         let mut instants: BTreeMap<Stamp, Vec<Transform>> = BTreeMap::new();
-        for (child, samples) in frames.iter().zip(estimates.iter().chain(sketches)) {
+        for (child, samples) in frames.iter().zip(samples) {
             for &sample in samples {
                 instants.entry(sample.stamp).or_default().push(Transform {
                     parent: self.file.world_frame,
@@ -194,17 +173,18 @@ impl<'a> Composer<'a> {
         Ok(())
     }
 
-    fn add_drawings(&mut self, estimates: &[Vec<PoseSample>]) -> Result<(), WriteError> {
+    fn add_drawings(&mut self) -> Result<(), WriteError> {
         let (scene, world_frame) = (self.file.of.scene, self.file.world_frame);
-        let side_m = surface_side_m(scene, estimates);
+        let side_m = surface_side_m(scene, &self.motion.estimates);
         if let Some(format) = self.dialect.drawings() {
             let channel = self.channel(topics::SCENE, format);
-            let data = drawing::scene_update(self.path, scene, world_frame, self.zero, side_m)?;
-            self.push(channel, self.zero, data);
+            let data =
+                drawing::scene_update(self.path, scene, world_frame, self.motion.zero, side_m)?;
+            self.push(channel, self.motion.zero, data);
         }
         let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
         let data = ros2::string(&urdf::robot(scene, world_frame, side_m));
-        self.push(channel, self.zero, data);
+        self.push(channel, self.motion.zero, data);
         Ok(())
     }
 
@@ -217,7 +197,7 @@ impl<'a> Composer<'a> {
         let settled = self.file.of.settled.iter();
         let simulated = settled.map(|s| (s.from_s, "simulated from here", "simulation"));
         for (time_s, name, kind) in events.chain(simulated) {
-            let stamp = motion::stamp(self.zero, time_s);
+            let stamp = sampling::stamp(self.motion.zero, time_s);
             if stamp.0 < 0 {
                 continue;
             }
@@ -237,8 +217,8 @@ impl<'a> Composer<'a> {
             estimate,
             ..
         } = self.file.of;
-        let time_map = TimeMap::new(scene, sketch, estimate, self.zero);
-        let report = EstimateMessage::new(&self.file.of, self.zero);
+        let time_map = TimeMap::new(scene, sketch, estimate, self.motion.zero);
+        let report = EstimateMessage::new(&self.file.of, self.motion.zero);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,
@@ -254,7 +234,7 @@ impl<'a> Composer<'a> {
             ),
         ] {
             let channel = self.channel(topic, self.dialect.json(name, schema));
-            self.push(channel, self.zero, self.dialect.json_of(data));
+            self.push(channel, self.motion.zero, self.dialect.json_of(data));
         }
     }
 
@@ -302,19 +282,6 @@ impl<'a> Composer<'a> {
             data,
         });
     }
-}
-
-/// How wide surfaces are drawn for the motion to stay above them \[m\].
-pub(super) fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
-    let mut side_m = SURFACE_SIDE_M;
-    for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
-        for sample in estimates.iter().flatten() {
-            let offset_m = sample.position_m - point_m;
-            let along_m = offset_m - normal * offset_m.dot(&normal);
-            side_m = side_m.max(2.2 * along_m.norm());
-        }
-    }
-    side_m
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use super::error::WriteError;
 use super::estimate::DEFAULT_FRAME_RATE_HZ;
-use super::motion;
 use crate::motion::{Estimate, Scene, Sketch, Verdict};
 use crate::report::residual_rms;
+use crate::sampling::{estimate_frames, zero};
 use crate::wire::live::{
     CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, EstimateRecord, EstimatedPoseRecord,
     LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord,
@@ -162,13 +162,11 @@ impl EstimatePublisher {
         sketch: &Sketch,
         estimate: &Estimate,
     ) -> Result<(), WriteError> {
-        let zero = motion::zero(estimate, sketch);
+        let zero = zero(estimate, sketch);
         let mut bodies = Vec::new();
         for body in 0..self.frames.len() {
             let rate_hz = DEFAULT_FRAME_RATE_HZ;
-            let path = std::path::Path::new(ESTIMATE_SERVICE);
-            let samples = motion::estimate_samples(path, scene, estimate, body, zero, rate_hz)
-                .unwrap_or_default();
+            let samples = estimate_frames(scene, estimate, body, zero, rate_hz).unwrap_or_default();
             let fits = samples.len() <= Quality::FRAMES.buffer;
             bodies.push(if fits { samples } else { Vec::new() });
         }

@@ -5,7 +5,9 @@
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
 //! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording.
 //! [`journal`] keeps a live take as it comes, and [`mod@recover`] makes a recording of what a
-//! crash left of it; [`live`] publishes on iceoryx2, and [`show`] is what viewers are shown. Bytes depend on what is written and on
+//! crash left of it; [`live`] publishes on iceoryx2, and [`show`] is what viewers are shown. Poses are those of
+//! [`sampling`](crate::sampling), drawings those of [`visual`](crate::visual), words and numbers those of
+//! [`report`](crate::report). Bytes depend on what is written and on
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
@@ -19,7 +21,6 @@ pub mod journal;
 pub mod live;
 pub mod marks;
 mod merge;
-mod motion;
 mod options;
 pub mod recording;
 pub mod recover;

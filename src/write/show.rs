@@ -9,12 +9,13 @@ use std::path::Path;
 
 use super::drawing;
 use super::error::WriteError;
-use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, surface_side_m};
-use super::motion;
+use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME};
 use super::topics;
 use crate::math::Pose;
 use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
+use crate::sampling::{self, SampledMotion};
+use crate::visual::surface_side_m;
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
@@ -89,8 +90,7 @@ impl ShownTopic {
 /// An estimate that is played.
 #[derive(Clone, Debug)]
 pub struct Showing {
-    estimates: Vec<Vec<PoseSample>>,
-    sketches: Vec<Vec<PoseSample>>,
+    motion: SampledMotion,
     from: Stamp,
     until: Stamp,
     /// The message of [`ShownTopic::report`].
@@ -103,25 +103,16 @@ impl Showing {
     /// Samples the motion at [`DEFAULT_FRAME_RATE_HZ`]. Fails where it is too long for that.
     pub fn new(of: &Reported) -> Result<Self, WriteError> {
         let (scene, sketch, estimate) = (of.scene, of.sketch, of.estimate);
-        let zero = motion::zero(estimate, sketch);
-        let bodies = 0..scene.bodies.len();
-        let rate_hz = DEFAULT_FRAME_RATE_HZ;
-        let estimates: Vec<Vec<PoseSample>> = bodies
-            .clone()
-            .map(|body| {
-                let path = Path::new(VIEWER);
-                motion::estimate_samples(path, scene, estimate, body, zero, rate_hz)
-            })
-            .collect::<Result<_, _>>()?;
-        let sketches = bodies.map(|body| motion::sketch_samples(estimate, sketch, body, zero));
-        let stamps = || estimates.iter().flatten().map(|sample| sample.stamp);
+        let motion = SampledMotion::new((scene, sketch), estimate, None, DEFAULT_FRAME_RATE_HZ)
+            .map_err(WriteError::sampling(Path::new(VIEWER)))?;
+        let zero = motion.zero;
+        let stamps = || motion.estimates.iter().flatten().map(|sample| sample.stamp);
         Ok(Self {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
-            sketches: sketches.collect(),
             report: json(&EstimateMessage::new(of, zero)),
             time_map: json(&TimeMap::new(scene, sketch, estimate, zero)),
-            estimates,
+            motion,
         })
     }
 
@@ -133,8 +124,9 @@ impl Showing {
     /// Where a body's estimate and its performance are so long after the beginning, stamped
     /// `now`; none of a body without samples.
     pub fn at(&self, body: usize, time_s: f64, now: Stamp) -> [Option<PoseSample>; 2] {
-        let stamp = motion::stamp(self.from, time_s);
-        [&self.estimates[body], &self.sketches[body]].map(|samples| {
+        let stamp = sampling::stamp(self.from, time_s);
+        let motion = &self.motion;
+        [&motion.estimates[body], &motion.sketches[body]].map(|samples| {
             let after = samples.partition_point(|sample| sample.stamp <= stamp);
             let sample = samples.get(after.saturating_sub(1))?;
             Some(PoseSample {

@@ -9,18 +9,15 @@ use std::fmt::Write;
 
 use nalgebra::{Translation3, Vector3};
 
-use super::drawing::world_from_slab;
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{Scene, Surface};
+use crate::motion::Scene;
 use crate::physics::Shape;
+use crate::visual::{Form, Primitive, Subject, Visual, bounding_box, cone_slices};
+use crate::visual::{primitives, visuals};
 
 /// How many cylinders make a cone.
 const CONE_SLICES: usize = 12;
-
-const BODY_RGBA: &str = "0.95 0.65 0.2 1";
-const OBSTACLE_RGBA: &str = "0.45 0.55 0.65 0.5";
-const SURFACE_RGBA: &str = "0.75 0.75 0.75 0.5";
 
 /// The description; surfaces are `surface_side_m` wide.
 pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> String {
@@ -35,24 +32,19 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         .join("_");
     let _ = writeln!(text, "<robot name=\"{name}\">");
     let _ = writeln!(text, "  <link name=\"{world}\">");
-    for obstacle in &scene.obstacles {
-        add_shape(
-            &mut text,
-            &obstacle.shape,
-            &obstacle.world_from_shape,
-            OBSTACLE_RGBA,
-        );
-    }
-    for plane in scene.surfaces.iter().filter_map(Surface::plane) {
-        let half_extents_m = Vector3::new(0.5 * surface_side_m, 0.5 * surface_side_m, 5e-4);
-        let slab = Shape::Cuboid { half_extents_m };
-        add_shape(&mut text, &slab, &world_from_slab(plane), SURFACE_RGBA);
+    let visuals = visuals(scene, surface_side_m);
+    let is_fixed = |of: &&Visual| matches!(of.subject, Subject::Obstacle(_) | Subject::Surface(_));
+    for visual in visuals.iter().filter(is_fixed) {
+        add_visual(&mut text, visual);
     }
     text.push_str("  </link>\n");
-    for body in &scene.bodies {
-        let link = escaped(&topics::estimate_frame(&body.name));
+    for visual in &visuals {
+        let Subject::Body(body) = visual.subject else {
+            continue;
+        };
+        let link = escaped(&topics::estimate_frame(&scene.bodies[body].name));
         let _ = writeln!(text, "  <link name=\"{link}\">");
-        add_shape(&mut text, &body.shape, &Pose::identity(), BODY_RGBA);
+        add_visual(&mut text, visual);
         let _ = write!(
             text,
             "  </link>\n  <joint name=\"{link}_joint\" type=\"floating\">\n    \
@@ -63,71 +55,64 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
     text
 }
 
+fn add_visual(text: &mut String, visual: &Visual) {
+    if let Some(shape) = &visual.shape {
+        let rgba = visual.subject.rgba().map(|part| part.to_string());
+        add_shape(text, shape, &visual.frame_from_shape, &rgba.join(" "));
+    }
+}
+
 fn add_shape(text: &mut String, shape: &Shape, pose: &Pose, rgba: &str) {
-    let along_z = |z: f64| pose * Translation3::new(0.0, 0.0, z);
     match shape {
-        Shape::Cuboid { half_extents_m } | Shape::RoundedCuboid { half_extents_m, .. } => {
-            add_box(text, pose, &(2.0 * half_extents_m), rgba);
-        }
-        Shape::Sphere { radius_m } => add_sphere(text, pose, *radius_m, rgba),
-        Shape::Cylinder {
-            half_length_m,
-            radius_m,
-        } => add_cylinder(text, pose, 2.0 * half_length_m, *radius_m, rgba),
-        Shape::Capsule {
-            half_length_m,
-            radius_m,
-        } => {
-            add_cylinder(text, pose, 2.0 * half_length_m, *radius_m, rgba);
-            for z in [-*half_length_m, *half_length_m] {
-                add_sphere(text, &along_z(z), *radius_m, rgba);
-            }
-        }
         Shape::Cone {
             half_height_m,
             radius_m,
         } => {
-            let slice_m = 2.0 * half_height_m / CONE_SLICES as f64;
-            for slice in 0..CONE_SLICES {
-                let middle = (slice as f64 + 0.5) / CONE_SLICES as f64;
-                // The base is a quarter of the height below the origin.
-                let z = half_height_m * (2.0 * middle - 0.5);
-                add_cylinder(text, &along_z(z), slice_m, radius_m * (1.0 - middle), rgba);
+            for [z_m, length_m, radius_m] in cone_slices(*half_height_m, *radius_m, CONE_SLICES) {
+                let pose = pose * Translation3::new(0.0, 0.0, z_m);
+                add_geometry(text, &pose, &cylinder(length_m, radius_m), rgba);
             }
         }
         Shape::Hull { points_m } => {
-            let Some(first) = points_m.first() else {
-                return;
-            };
-            let (lower, upper) = points_m
-                .iter()
-                .fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
-            let centre = pose * Translation3::from(0.5 * (lower + upper));
-            add_box(text, &centre, &(upper - lower), rgba);
+            if let Some((centre_m, sides_m)) = bounding_box(points_m) {
+                let pose = pose * Translation3::from(centre_m);
+                add_geometry(text, &pose, &cuboid(&sides_m), rgba);
+            }
+        }
+        _ => {
+            for primitive in primitives(shape) {
+                if let Some(geometry) = geometry(&primitive) {
+                    add_geometry(text, &primitive.pose(pose), &geometry, rgba);
+                }
+            }
         }
     }
 }
 
-fn add_box(text: &mut String, pose: &Pose, size_m: &Vector3<f64>, rgba: &str) {
-    let (x, y, z) = (size_m.x, size_m.y, size_m.z);
-    add_visual(text, pose, &format!("<box size=\"{x} {y} {z}\"/>"), rgba);
+/// A primitive in URDF's words; `None` of one that it does not know.
+fn geometry(primitive: &Primitive) -> Option<String> {
+    match &primitive.form {
+        Form::Cuboid { sides_m } => Some(cuboid(sides_m)),
+        Form::Sphere { radius_m } => Some(format!("<sphere radius=\"{radius_m}\"/>")),
+        Form::Frustum {
+            half_length_m,
+            radius_m,
+            ..
+        } => Some(cylinder(2.0 * half_length_m, *radius_m)),
+        Form::Triangles(_) => None,
+    }
 }
 
-fn add_sphere(text: &mut String, pose: &Pose, radius_m: f64, rgba: &str) {
-    add_visual(
-        text,
-        pose,
-        &format!("<sphere radius=\"{radius_m}\"/>"),
-        rgba,
-    );
+fn cuboid(sides_m: &Vector3<f64>) -> String {
+    let (x, y, z) = (sides_m.x, sides_m.y, sides_m.z);
+    format!("<box size=\"{x} {y} {z}\"/>")
 }
 
-fn add_cylinder(text: &mut String, pose: &Pose, length_m: f64, radius_m: f64, rgba: &str) {
-    let geometry = format!("<cylinder radius=\"{radius_m}\" length=\"{length_m}\"/>");
-    add_visual(text, pose, &geometry, rgba);
+fn cylinder(length_m: f64, radius_m: f64) -> String {
+    format!("<cylinder radius=\"{radius_m}\" length=\"{length_m}\"/>")
 }
 
-fn add_visual(text: &mut String, pose: &Pose, geometry: &str, rgba: &str) {
+fn add_geometry(text: &mut String, pose: &Pose, geometry: &str, rgba: &str) {
     let p = pose.translation.vector;
     // URDF's roll, pitch, yaw are nalgebra's: about fixed x, then y, then z.
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
@@ -185,7 +170,7 @@ mod tests {
             half_height_m: 1.0,
             radius_m: 1.0,
         };
-        add_shape(&mut text, &cone, &Pose::identity(), BODY_RGBA);
+        add_shape(&mut text, &cone, &Pose::identity(), "1 1 1 1");
         let heights: Vec<f64> = text
             .split("xyz=\"0 0 ")
             .skip(1)

@@ -14,6 +14,7 @@ use self::skip::skip;
 use super::*;
 use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use crate::motion::{Against, Mark, Penetration, Settled, Verification};
+use crate::sampling::SamplingError;
 use crate::settle::settle;
 use crate::verify::verify;
 use crate::wire::{FramedPose, PoseFormat};
@@ -536,13 +537,21 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
     let out = directory.path().join("out.mcap");
     file.frame_rate_hz = f64::NAN;
     let error = write_estimate(&out, &file).expect_err("no frame rate");
-    assert!(matches!(error, WriteError::FrameRate { .. }), "{error}");
+    let is_rate = |source: &_| matches!(source, SamplingError::FrameRate { .. });
+    assert!(
+        matches!(&error, WriteError::Sampling { source, .. } if is_rate(source)),
+        "{error}"
+    );
     file.frame_rate_hz = 240.0;
     let mut endless = estimate.clone();
     endless.arcs[1].end_s = 1e9;
     file.of.estimate = &endless;
     let error = write_estimate(&out, &file).expect_err("thirty years");
-    assert!(matches!(error, WriteError::Span { .. }), "{error}");
+    let is_span = |source: &_| matches!(source, SamplingError::Span { .. });
+    assert!(
+        matches!(&error, WriteError::Sampling { source, .. } if is_span(source)),
+        "{error}"
+    );
     file.of.estimate = &estimate;
     let nowhere = directory.path().join("none").join("out.mcap");
     let error = write_estimate(&nowhere, &file).expect_err("no directory");

@@ -1,24 +1,23 @@
-//! The estimated motion and the performance as streams of stamped poses.
+//! The estimated motion and the performance of one body as stamped poses.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::error::WriteError;
+use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
 use crate::physics::flow::{self, Spin};
 
-/// Most frames that are written: a day at 240 Hz. More is no motion but the trace of an
+/// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
 /// estimation that ran away, and would fill the disk.
 const FRAME_LIMIT: f64 = 86_400.0 * 240.0;
 
-/// Frame rates that are written \[Hz\].
+/// Frame rates at which frames are made \[Hz\].
 const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
 /// Physical time zero: the stamp of the first sample used.
-pub(super) fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
+pub fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
     estimate
         .sample_times
         .iter()
@@ -28,7 +27,7 @@ pub(super) fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
 }
 
 /// The stamp of a physical time \[s\].
-pub(super) fn stamp(zero: Stamp, time_s: f64) -> Stamp {
+pub fn stamp(zero: Stamp, time_s: f64) -> Stamp {
     // A float converts to the nearest integer in range.
     Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))
 }
@@ -36,20 +35,17 @@ pub(super) fn stamp(zero: Stamp, time_s: f64) -> Stamp {
 /// A body's estimated poses at every frame of a grid that holds time zero, at the beginning
 /// and end of its motion, and at every event in between. At a collision, whose sides may differ
 /// by a gap, the pose is the one before it. Stamps increase strictly; what would be stamped
-/// before zero, which messages cannot say, is left out.
-pub(super) fn estimate_samples(
-    path: &Path,
+/// before 1970, which messages cannot say, is left out. Fails where the rate is not of 0.001 to 100 000 Hz, or
+/// the motion has more frames than a day at 240 Hz.
+pub fn estimate_frames(
     scene: &Scene,
     estimate: &Estimate,
     body: usize,
     zero: Stamp,
     frame_rate_hz: f64,
-) -> Result<Vec<PoseSample>, WriteError> {
+) -> Result<Vec<PoseSample>, SamplingError> {
     if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
-        return Err(WriteError::FrameRate {
-            path: path.to_owned(),
-            frame_rate_hz,
-        });
+        return Err(SamplingError::FrameRate { frame_rate_hz });
     }
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
@@ -65,8 +61,7 @@ pub(super) fn estimate_samples(
     // Not so of numbers that are not finite either.
     let is_sane = frames <= FRAME_LIMIT && farthest <= FRAME_LIMIT;
     if !is_sane {
-        return Err(WriteError::Span {
-            path: path.to_owned(),
+        return Err(SamplingError::Span {
             body: scene.bodies[body].name.clone(),
             start_s,
             end_s,
@@ -127,7 +122,7 @@ pub(super) fn append_settled(
 }
 
 /// A body's used samples at their physical times, in body axes.
-pub(super) fn sketch_samples(
+pub fn sketch_frames(
     estimate: &Estimate,
     sketch: &Sketch,
     body: usize,
@@ -165,7 +160,7 @@ fn pose_at(flights: &mut [(&ArcEstimate, Spin)], gravity_m_s2: &Vector3<f64>, ti
     )
 }
 
-/// Quaternions q and −q are one rotation, but not to whoever interpolates them.
+/// Quaternions q and −q are one rotation, but not to a viewer that interpolates them.
 fn make_signs_continuous(samples: &mut Vec<PoseSample>) {
     let mut last = UnitQuaternion::identity().coords;
     for sample in samples {

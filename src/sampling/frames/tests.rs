@@ -1,5 +1,3 @@
-use std::path::Path;
-
 use super::*;
 use crate::motion::fixture::{FIRST_NS, estimate, scene, sketch};
 
@@ -20,8 +18,8 @@ fn signs_are_continuous_whatever_those_of_the_estimate_and_the_sketch_are() {
         sample.orientation = opposite(sample.orientation);
     }
     let zero = Stamp(FIRST_NS);
-    assert_continuous(&sketch_samples(&estimate, &sketch, 0, zero));
+    assert_continuous(&sketch_frames(&estimate, &sketch, 0, zero));
     estimate.arcs[1].state.orientation = opposite(estimate.arcs[1].state.orientation);
-    let moved = estimate_samples(Path::new("x"), &scene, &estimate, 0, zero, 240.0);
+    let moved = estimate_frames(&scene, &estimate, 0, zero, 240.0);
     assert_continuous(&moved.expect("samples"));
 }

@@ -1,0 +1,66 @@
+//! What independent checks found, and how the motion goes on.
+
+use std::fmt::Write;
+
+use super::units::{angle, length, seconds};
+use crate::report::EstimateReport;
+
+/// What independent checks found, and how the motion goes on.
+pub(super) fn checks(report: &EstimateReport) -> String {
+    let mut text = String::new();
+    if let Some(checked) = &report.verification {
+        let overlap = match &checked.deepest {
+            Some(deepest) => format!(
+                "{} is {} inside {} at {}",
+                deepest.body,
+                length(deepest.depth_m),
+                deepest.against,
+                seconds(deepest.time_s)
+            ),
+            None => format!("no overlap beyond {}", length(checked.tolerance_m)),
+        };
+        let _ = write!(text, "  checked   {overlap}");
+        for wrong in &checked.wrong_features {
+            let _ = write!(
+                text,
+                "; at {} {} leads {} by {}",
+                wrong.event,
+                wrong.found.as_deref().unwrap_or("an unnamed part"),
+                wrong.expected.join(", "),
+                length(wrong.lead_m)
+            );
+        }
+        if checked.simplified_m > checked.tolerance_m {
+            let deep = length(checked.simplified_m);
+            let _ = write!(text, "; about touching features shapes go {deep} deeper");
+        }
+        text.push('\n');
+        if let Some(shot) = &checked.single_shot {
+            let _ = write!(
+                text,
+                "            simulated from its first state it ends within {}, {}",
+                length(shot.position_m),
+                angle(shot.orientation_rad)
+            );
+            if !checked.restarts.is_empty() {
+                let _ = write!(text, ", begun anew after {}", checked.restarts.join(", "));
+            }
+            text.push('\n');
+        }
+    }
+    if let Some(settled) = &report.settled {
+        let took = seconds(settled.end_s - settled.from_s);
+        let _ = if settled.at_rest {
+            writeln!(
+                text,
+                "  settled   at rest {took} after the end, by simulation"
+            )
+        } else {
+            writeln!(
+                text,
+                "  settled   still moving {took} after the end, by simulation"
+            )
+        };
+    }
+    text
+}

@@ -1,0 +1,140 @@
+//! Events, flights and parameters, a table of each.
+
+use std::fmt::Write;
+
+use super::units::{angle, bound, decimals, deviation_ms, length, seconds};
+use crate::cli::table::table;
+use crate::report::{EstimateReport, EventLine};
+
+pub(super) fn events(report: &EstimateReport) -> String {
+    let rows: Vec<Vec<String>> = report
+        .events
+        .iter()
+        .map(|event| {
+            vec![
+                event.name.clone(),
+                event.kind.to_owned(),
+                seconds(event.acted_s),
+                seconds(event.time_s),
+                deviation(event),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    table("  ", &["event", "kind", "acted", "physical", ""], &rows)
+        + &inferred(report)
+        + &largest_gaps(report)
+}
+
+/// How certain an event's time is.
+fn deviation(event: &EventLine) -> String {
+    match event.time_sd_s {
+        Some(sd_s) => deviation_ms(sd_s),
+        None if !event.time_is_determined => "undetermined".into(),
+        None => "fixed".into(),
+    }
+}
+
+/// What touches where the scene leaves that open.
+fn inferred(report: &EstimateReport) -> String {
+    let words: Vec<String> = report
+        .events
+        .iter()
+        .filter(|event| event.contact_inferred)
+        .filter_map(|event| Some(format!("{} {}", event.name, event.contact.as_ref()?)))
+        .collect();
+    if words.is_empty() {
+        return String::new();
+    }
+    format!("  inferred  {}\n", words.join(", "))
+}
+
+/// The largest gap of each kind, with the event where it is.
+fn largest_gaps(report: &EstimateReport) -> String {
+    type Kind = (fn(&EventLine) -> f64, fn(f64) -> String);
+    let kinds: [Kind; 4] = [
+        (|e| e.gap_m, length),
+        (|e| e.gap_rad, angle),
+        (|e| e.gap_m_s, |v| format!("{}/s", length(v))),
+        (|e| e.gap_rad_s, |w| format!("{}/s", angle(w))),
+    ];
+    let mut words = Vec::new();
+    for (of, shown) in kinds {
+        let largest = report.events.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+        if let Some(event) = largest {
+            let value = shown(of(event));
+            words.push(if value.starts_with('<') {
+                value
+            } else {
+                format!("{value} at {}", event.name)
+            });
+        }
+    }
+    format!("  largest gaps  {}\n", words.join(", "))
+}
+
+pub(super) fn segments(report: &EstimateReport) -> String {
+    let rows: Vec<Vec<String>> = report
+        .segments
+        .iter()
+        .map(|segment| {
+            vec![
+                segment.body.clone(),
+                seconds(segment.start_s),
+                seconds(segment.end_s),
+                segment.samples.to_string(),
+                format!("{:.2} mm", segment.residual_mm),
+                format!("{:.2}°", segment.residual_deg),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    table(
+        "  ",
+        &["flight", "from", "to", "samples", "residual", ""],
+        &rows,
+    )
+}
+
+pub(super) fn parameters(report: &EstimateReport) -> String {
+    let rows: Vec<Vec<String>> = report
+        .parameters
+        .0
+        .iter()
+        .map(|(name, parameter)| {
+            // Radians are for machines.
+            let (factor, unit) = match parameter.unit {
+                "rad" => (1f64.to_degrees(), "°"),
+                other => (1.0, other),
+            };
+            let [lower, upper] = parameter.bounds.map(|bound| bound * factor);
+            let decimals = decimals(parameter.sd.map(|sd| sd * factor));
+            vec![
+                name.clone(),
+                format!("{:.decimals$}", parameter.value * factor),
+                parameter.sd.map_or_else(
+                    || "undetermined".into(),
+                    |sd| format!("± {:.decimals$}", sd * factor),
+                ),
+                unit.to_owned(),
+                format!("[{}, {}]", bound(lower), bound(upper)),
+            ]
+        })
+        .collect();
+    let mut text = String::new();
+    if !rows.is_empty() {
+        text = table("  ", &["parameter", "value", "", "", "bounds"], &rows);
+    }
+    if !report.undetermined.is_empty() {
+        let _ = writeln!(
+            text,
+            "  not determined by the performance: {}",
+            report.undetermined.join(", ")
+        );
+    }
+    text
+}

@@ -1,0 +1,173 @@
+//! What there is to draw: the shapes of a scene with their frames and colours.
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use crate::math::Pose;
+use crate::motion::{GoalTarget, PoseSample, Scene, Surface};
+use crate::physics::Shape;
+
+/// How thick a surface is drawn \[m\]; it lies below the plane. No side of a goal is drawn thinner.
+const SURFACE_THICKNESS_M: f64 = 1e-3;
+
+/// Surfaces are drawn at least this wide \[m\].
+const SURFACE_SIDE_M: f64 = 0.5;
+
+/// Something to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visual {
+    /// What it stands for.
+    pub subject: Subject,
+    /// Where its shape is in its frame: the body's own frame for a body, the world for all others.
+    pub frame_from_shape: Pose,
+    /// What is drawn; `None` of a goal without ends.
+    pub shape: Option<Shape>,
+}
+
+/// What a visual stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Index into `Scene::bodies`.
+    Body(usize),
+    /// Index into `Scene::obstacles`.
+    Obstacle(usize),
+    /// Index into `Scene::surfaces`.
+    Surface(usize),
+    /// Index into `Scene::goals`.
+    Goal(usize),
+}
+
+impl Subject {
+    /// Red, green, blue and opacity, from 0 to 1.
+    pub fn rgba(self) -> [f64; 4] {
+        match self {
+            Subject::Body(_) => [0.95, 0.65, 0.20, 1.0],
+            Subject::Obstacle(_) => [0.45, 0.55, 0.65, 0.5],
+            Subject::Surface(_) => [0.75, 0.75, 0.75, 0.5],
+            Subject::Goal(_) => [0.25, 0.80, 0.35, 0.3],
+        }
+    }
+}
+
+/// Bodies, obstacles, flat surfaces and goals, in this order; surfaces are `surface_side_m` wide.
+pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
+    let bodies = scene.bodies.iter().enumerate().map(|(index, body)| Visual {
+        subject: Subject::Body(index),
+        frame_from_shape: Pose::identity(),
+        shape: Some(body.shape.clone()),
+    });
+    let obstacles = scene.obstacles.iter().enumerate();
+    let obstacles = obstacles.map(|(index, obstacle)| Visual {
+        subject: Subject::Obstacle(index),
+        frame_from_shape: obstacle.world_from_shape,
+        shape: Some(obstacle.shape.clone()),
+    });
+    let surfaces = scene.surfaces.iter().enumerate();
+    let surfaces = surfaces.filter_map(|(index, surface)| {
+        let sides_m = Vector3::new(surface_side_m, surface_side_m, SURFACE_THICKNESS_M);
+        Some(Visual {
+            subject: Subject::Surface(index),
+            frame_from_shape: world_from_slab(surface.plane()?),
+            shape: Some(cuboid(&sides_m)),
+        })
+    });
+    let goals = (0..scene.goals.len()).map(|goal| goal_visual(scene, goal));
+    let fixed = obstacles.chain(surfaces);
+    bodies.chain(fixed).chain(goals).collect()
+}
+
+/// The body where it is to be, or the box in which its centre is to be.
+fn goal_visual(scene: &Scene, index: usize) -> Visual {
+    let goal = &scene.goals[index];
+    let (frame_from_shape, shape) = match &goal.target {
+        GoalTarget::Pose { world_from_body } => {
+            let shape = scene.bodies[goal.body].shape.clone();
+            (*world_from_body, Some(shape))
+        }
+        GoalTarget::PositionWithin { lower_m, upper_m } => {
+            let sides_m = upper_m - lower_m;
+            let centre = Translation3::from(0.5 * (upper_m + lower_m));
+            let is_finite = sides_m.iter().all(|side_m| side_m.is_finite());
+            // A side of no length would not be seen.
+            let seen_m = sides_m.map(|side_m| side_m.max(SURFACE_THICKNESS_M));
+            (
+                Pose::from_parts(centre, UnitQuaternion::identity()),
+                is_finite.then(|| cuboid(&seen_m)),
+            )
+        }
+    };
+    Visual {
+        subject: Subject::Goal(index),
+        frame_from_shape,
+        shape,
+    }
+}
+
+fn cuboid(sides_m: &Vector3<f64>) -> Shape {
+    Shape::Cuboid {
+        half_extents_m: 0.5 * sides_m,
+    }
+}
+
+/// Pose of a slab whose upper side is the plane of that point and normal.
+fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
+    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &normal).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    });
+    let centre_m = point_m - 0.5 * SURFACE_THICKNESS_M * normal;
+    Pose::from_parts(centre_m.into(), rotation)
+}
+
+/// How wide surfaces are drawn for the motion, body by body, to stay above them \[m\].
+pub fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
+    let mut side_m = SURFACE_SIDE_M;
+    for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
+        for sample in estimates.iter().flatten() {
+            let offset_m = sample.position_m - point_m;
+            let along_m = offset_m - normal * offset_m.dot(&normal);
+            side_m = side_m.max(2.2 * along_m.norm());
+        }
+    }
+    side_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::fixture::scene;
+
+    #[test]
+    fn everything_is_listed_and_slabs_lie_below_their_planes() {
+        let visuals = visuals(&scene(), 2.0);
+        let subjects: Vec<Subject> = visuals.iter().map(|visual| visual.subject).collect();
+        let expected = [
+            Subject::Body(0),
+            Subject::Obstacle(0),
+            Subject::Surface(0),
+            Subject::Goal(0),
+        ];
+        assert_eq!(subjects, expected);
+        let slab = &visuals[2];
+        assert_eq!(
+            slab.frame_from_shape.translation.z,
+            -0.5 * SURFACE_THICKNESS_M
+        );
+        let half_extents_m = Vector3::new(1.0, 1.0, 0.5 * SURFACE_THICKNESS_M);
+        assert_eq!(slab.shape, Some(Shape::Cuboid { half_extents_m }));
+        assert_eq!(visuals[3].frame_from_shape.translation.z, 0.1);
+    }
+
+    #[test]
+    fn goals_without_ends_have_no_shape_and_flat_ones_are_seen() {
+        let mut scene = scene();
+        let within = |upper_m| GoalTarget::PositionWithin {
+            lower_m: Vector3::zeros(),
+            upper_m,
+        };
+        let shape = |scene: &Scene| visuals(scene, 1.0).pop().and_then(|visual| visual.shape);
+        scene.goals[0].target = within(Vector3::new(1.0, f64::INFINITY, 1.0));
+        assert_eq!(shape(&scene), None);
+        scene.goals[0].target = within(Vector3::new(1.0, 2.0, 0.0));
+        let half_extents_m = Vector3::new(0.5, 1.0, 0.5 * SURFACE_THICKNESS_M);
+        assert_eq!(shape(&scene), Some(Shape::Cuboid { half_extents_m }));
+    }
+}
