@@ -94,8 +94,8 @@ fn faces_of_bodies_come_after_their_corners() {
         )
     };
     let scene = scene_from_toml(&PENCIL.replace("[[surface]]", &face("end"))).unwrap();
-    let [_, _, end, ..] = &scene.bodies[0].features[..] else {
-        panic!("{:?}", scene.bodies[0].features);
+    let [_, _, end, ..] = &scene.links[0].features[..] else {
+        panic!("{:?}", scene.links[0].features);
     };
     let point_m = Vector3::new(0.0, 0.003, 0.095);
     assert_eq!(end.name, "end");
@@ -119,7 +119,7 @@ fn the_example_becomes_a_scene_in_si_units() {
     );
     assert_eq!(scene.weights.position_m, 0.005);
     assert_eq!(scene.weights.orientation_rad, 3.0_f64.to_radians());
-    let body = &scene.bodies[0];
+    let body = &scene.links[0];
     assert_eq!(body.topic, "/tracker/pencil/pose");
     assert_eq!(
         body.shape,
@@ -209,14 +209,14 @@ fn box_goals_and_defaults() {
 fn density_and_moments_may_be_given() {
     let scene = scene_from_toml(&with("mass_g = 6.0", "density_kg_m3 = 700")).unwrap();
     let volume_m3 = std::f64::consts::PI * 0.00375_f64.powi(2) * 0.19;
-    assert!((scene.bodies[0].body.mass_kg() / (700.0 * volume_m3) - 1.0).abs() < 1e-12);
+    assert!((scene.links[0].body.mass_kg() / (700.0 * volume_m3) - 1.0).abs() < 1e-12);
     let scene = scene_from_toml(&with(
         "mass_g = 6.0",
         "mass_kg = 0.006\nmoments_kg_m2 = [1e-5, 1e-5, 5e-8]",
     ))
     .unwrap();
     assert_eq!(
-        scene.bodies[0].body.moments_kg_m2(),
+        scene.links[0].body.moments_kg_m2(),
         Vector3::new(1e-5, 1e-5, 5e-8)
     );
 }
@@ -234,7 +234,7 @@ fn three_different_moments_make_an_asymmetric_body() {
         ),
     ] {
         let scene = scene_from_toml(&with(old, new)).unwrap();
-        assert_eq!(scene.bodies[0].body.symmetry(), Symmetry::Asymmetric);
+        assert_eq!(scene.links[0].body.symmetry(), Symmetry::Asymmetric);
     }
 }
 
@@ -315,7 +315,7 @@ proptest! {
         let kept = if target.ends_with(']') { "]" } else { "" };
         let text = PENCIL.replacen(target, &format!("{value:e}{kept}"), 1);
         if let Ok(scene) = scene_from_toml(&text) {
-            prop_assert!(scene.bodies[0].body.mass_kg() > 0.0);
+            prop_assert!(scene.links[0].body.mass_kg() > 0.0);
             prop_assert!((scene.surfaces[0].plane().unwrap().1.norm() - 1.0).abs() < 1e-12);
         }
     }

@@ -140,7 +140,7 @@ mod tests {
                 velocity_m_s: velocities_m_s[arc],
                 angular_velocity_rad_s: spins[arc].normalize() * speed_rad_s,
             };
-            let (body, gravity) = (&scene.bodies[0].body, &scene.gravity_m_s2);
+            let (body, gravity) = (&scene.links[0].body, &scene.gravity_m_s2);
             of.state = flow::advance(body, gravity, &touching, EPOCHS_S[arc] - EVENT_S);
         }
         guess.event_times_s[0] = from_s;

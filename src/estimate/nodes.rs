@@ -75,7 +75,7 @@ impl Nodes {
 }
 
 fn samples<'s>(sketch: &'s Sketch, segment: &Segment) -> &'s [Sample] {
-    &sketch.bodies[segment.body].samples[segment.samples.clone()]
+    sketch.samples_of(segment)
 }
 
 fn distinct(mut times_s: Vec<f64>) -> Vec<f64> {
@@ -89,7 +89,7 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::motion::{BodySketch, Stamp};
+    use crate::motion::{Stamp, TrackSketch};
 
     /// Two flights at `rate_hz`, of 0.4 s each, parted by 20 ms.
     fn two_flights(rate_hz: f64) -> (Sketch, Vec<Segment>) {
@@ -103,7 +103,7 @@ mod tests {
         let flight = |from_s: f64| (0..count).map(move |i| sample(from_s + i as f64 / rate_hz));
         let sketch = Sketch {
             origin: Stamp(0),
-            bodies: vec![BodySketch {
+            bodies: vec![TrackSketch {
                 samples: flight(0.0).chain(flight(0.42)).collect(),
             }],
             marks_s: vec![0.41],

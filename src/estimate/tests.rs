@@ -10,9 +10,9 @@ use super::problem::Problem;
 use super::recipe::{self, Recipe};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
-    ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
-    GoalTarget, Guess, MarkTime, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch,
-    Stamp, Surface, Timing, Touching, VelocityGaps, Weights,
+    ArcGuess, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal, GoalTarget, Guess,
+    Link, MarkTime, Partner, Quantity, Sample, Scene, Segment, Sketch, Stamp, Surface, Timing,
+    Touching, TrackSketch, VelocityGaps, Weights,
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
@@ -46,7 +46,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
         timing,
         mark_sd_s: None,
         marks_topic: "/marks".into(),
-        bodies: vec![SceneBody {
+        bodies: vec![Link {
             name: "rod".into(),
             topic: "/rod".into(),
             body: Body::new(0.01, Vector3::new(3e-5, 3e-5, 1e-6)).unwrap(),
@@ -145,7 +145,7 @@ fn meeting(timing: Timing, friction: f64) -> Scene {
         Vector3::new(0.01, 0.0, 0.02),
         Vector3::new(-0.1, 0.2, 1.0).normalize(),
     );
-    scene.bodies.push(SceneBody {
+    scene.links.push(Link {
         name: "board".into(),
         topic: "/board".into(),
         body: Body::new(0.02, Vector3::new(4e-5, 4e-5, 7e-5)).unwrap(),
@@ -153,10 +153,10 @@ fn meeting(timing: Timing, friction: f64) -> Scene {
             name: "top".into(),
             geometry: face,
         }],
-        ..scene.bodies[0].clone()
+        ..scene.links[0].clone()
     });
     let bounce = Collision {
-        partner: Partner::Body(1),
+        partner: Partner::Link(1),
         friction,
         ..Collision::bounce(0, 0, 0, 0.6)
     };
@@ -180,7 +180,7 @@ fn landing(timing: Timing) -> Scene {
         geometry: contact::Feature::corner(Vector3::new(x, y, -0.1)),
     };
     let features = [point("east", 0.05, 0.0), point("west", -0.05, 0.01)];
-    scene.bodies[0].features.extend(features);
+    scene.links[0].features.extend(features);
     let mut bounce = Collision::bounce(0, 0, 0, 0.6);
     bounce.contacts = (0..3)
         .map(|feature| Touching {
@@ -199,7 +199,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
     let mut bodies = Vec::new();
     let mut segments = Vec::new();
     let mut arcs = Vec::new();
-    for (body, of_scene) in scene.bodies.iter().enumerate() {
+    for (body, of_scene) in scene.links.iter().enumerate() {
         let mut samples = Vec::new();
         for (arc, mut state) in states().into_iter().enumerate() {
             // The second body flies below the first and turns otherwise.
@@ -234,11 +234,11 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 sample_times_s: times_s,
             });
         }
-        bodies.push(BodySketch { samples });
+        bodies.push(TrackSketch { samples });
     }
     // Segments come in order of their ends, and so do the guesses of their arcs.
     let order = |arc: usize| {
-        if scene.bodies.len() == 1 {
+        if scene.links.len() == 1 {
             arc
         } else {
             [0, 2, 1, 3][arc]
@@ -321,7 +321,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             scene.parameters[0].initial = GRAVITY.z;
         }
         let (mut sketch, segments, guess) = sketch(&scene, offset);
-        let samples = sketch.bodies.iter_mut().flat_map(|body| &mut body.samples);
+        let samples = sketch.tracks.iter_mut().flat_map(|body| &mut body.samples);
         samples.for_each(|sample| sample.acted_s *= pace);
         let mut problem = Problem::new(&scene, &sketch, &segments);
         let mut shares = problem.arcs.iter().flat_map(|arc| &arc.samples);

@@ -1,4 +1,4 @@
-//! Sources of takes, one event at a time.
+//! Takes, one event at a time.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::motion::{Stamp, TakeEvent};
 use crate::wire::FramedPose;
 use crate::wire::container::Walk;
 
-/// A source of the events of a take.
+/// Where a take comes from.
 pub trait Source {
     /// The next event and its log time, in the order of the source; `None` at its end.
     fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError>;
@@ -43,7 +43,7 @@ pub struct RecordingSource {
     walk: Walk,
     routes: Vec<Route>,
     feeds: BTreeMap<u16, Feed>,
-    /// Events of the last message that were not yet returned.
+    /// What the last message gave and has not been handed out.
     ready: VecDeque<(Stamp, TakeEvent)>,
     poses: Vec<FramedPose>,
     report: TakeReport,
@@ -75,7 +75,7 @@ impl RecordingSource {
         }
     }
 
-    /// Counts of what was found so far; complete once the source has ended.
+    /// What was found so far; complete once the source has ended.
     pub fn report(&self) -> &TakeReport {
         &self.report
     }
@@ -121,10 +121,13 @@ impl RecordingSource {
         Ok(true)
     }
 
-    /// Hands the poses of the last message that belong to a route to its body's stream.
+    /// Hands the poses of the last message that belong to a route to its track's stream.
     fn route_poses(&mut self, route: usize, log_time: Stamp) -> Result<(), IngestError> {
         let topic = &mut self.report.topics[route];
         let route = &mut self.routes[route];
+        let Some(track) = route.track else {
+            return Ok(());
+        };
         for pose in &self.poses {
             if !route.seen.contains(&pose.child) {
                 route.seen.insert(pose.child.clone());
@@ -153,7 +156,7 @@ impl RecordingSource {
             let least = self.report.log_offset_ns.get_or_insert(offset_ns);
             *least = offset_ns.min(*least);
             let event = TakeEvent::Pose {
-                body: route.body,
+                track,
                 stream: route.stream,
                 sample,
             };
@@ -162,7 +165,7 @@ impl RecordingSource {
         Ok(())
     }
 
-    /// Fails at the end where a child frame that the scene names never came.
+    /// At the end: every child that the scene names must have come.
     fn check_children(&self) -> Result<(), IngestError> {
         for (route, topic) in self.routes.iter().zip(&self.report.topics) {
             if let Some(child) = &route.child

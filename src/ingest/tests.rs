@@ -219,10 +219,10 @@ fn a_child_of_many_is_picked_by_name_and_several_bodies_share_a_topic() {
     ];
     let recording = opened(&messages);
     let mut scene = scene("/tf#pencil");
-    let mut hat = scene.bodies[0].clone();
+    let mut hat = scene.links[0].clone();
     hat.name = "hat".to_owned();
     hat.topic = "/tf#hat".to_owned();
-    scene.bodies.push(hat);
+    scene.links.push(hat);
     let take = recording.take(&scene).expect("take");
     let bodies: Vec<_> = take
         .events

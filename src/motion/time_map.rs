@@ -71,7 +71,7 @@ mod tests {
         let samples: Vec<SampleTime> = times_s
             .iter()
             .map(|(acted_s, time_s)| SampleTime {
-                body: 0,
+                track: TrackIndex(0),
                 stamp: Stamp((acted_s * 1e9).round() as i64),
                 time_s: *time_s,
             })

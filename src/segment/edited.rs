@@ -1,21 +1,23 @@
 //! The segments of an edited sketch, one after the other on one time line.
 //!
 //! Every segment comes with physical times of its own, from any zero. The first segment of every
-//! body begins at zero of the line. At a collision the segments of all bodies that take part end,
+//! track begins at zero of the line. At a collision the segments of all mechanisms that take part end,
 //! half a median interval before the mark or, where another's is longer, earlier; their next
-//! ones begin half a median interval after it. So with one body the next segment's first sample
+//! ones begin half a median interval after it. So with one track the next segment's first sample
 //! is one median interval after the last one's last, and the mark is in the middle. Marks keep
 //! the order of the scene's events.
 
+use typed_index_collections::{TiSlice, TiVec};
+
 use super::error::SegmentError;
 use super::marks::seconds;
-use crate::motion::{EventKind, PoseSample, Scene, Stamp};
+use crate::motion::{EventKind, PoseSample, Scene, Stamp, TrackIndex};
 
-/// Interval of a body whose segments have one sample each \[ns\]; the cut refuses them.
+/// Interval of a track whose segments have one sample each \[ns\]; the cut refuses them.
 const INTERVAL_NS: i64 = 1_000_000;
 
-/// One body's way along the line \[ns\].
-struct Track<'a> {
+/// One track's way along the line \[ns\].
+struct Joined<'a> {
     segments: std::slice::Iter<'a, Vec<PoseSample>>,
     /// Where the next segment begins.
     begin_ns: i64,
@@ -24,21 +26,22 @@ struct Track<'a> {
     joined: Vec<PoseSample>,
 }
 
-/// The streams of all bodies and the stamps of all events on one line, whose zero is the least
-/// stamp of any first segment. `segments` are by body, as many as [`Scene::streams`] says, sorted,
+/// The streams of all tracks and the stamps of all events on one line, whose zero is the least
+/// stamp of any first segment. `segments` are by track, as many as [`Scene::streams`] says, sorted,
 /// none empty. Fails where they are longer than `limit_s`, each or together.
 pub(super) fn join(
     scene: &Scene,
-    segments: &[Vec<Vec<PoseSample>>],
+    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
     limit_s: f64,
-) -> Result<(Vec<Vec<PoseSample>>, Vec<Stamp>), SegmentError> {
+) -> Result<(TiVec<TrackIndex, Vec<PoseSample>>, Vec<Stamp>), SegmentError> {
     check_spans(segments, limit_s)?;
     let limit_ns = (limit_s * 1e9) as i64;
-    let firsts = segments.iter().filter_map(|body| body.first()?.first());
+    let firsts = segments.iter().filter_map(|track| track.first()?.first());
     let zero = firsts.map(|sample| sample.stamp.0).min().unwrap_or(0);
     // All of the line is within a few limits of its zero.
     let zero = zero.min(i64::MAX - 4 * limit_ns);
-    let mut tracks: Vec<Track> = segments.iter().map(|body| Track::new(body, zero)).collect();
+    let joined = segments.iter().map(|track| Joined::new(track, zero));
+    let mut tracks: TiVec<TrackIndex, Joined> = joined.collect();
     let mut stamps = Vec::new();
     let mut last_ns = zero;
     for event in &scene.events {
@@ -46,13 +49,13 @@ pub(super) fn join(
             EventKind::Start => stamps.push(Stamp(zero)),
             EventKind::Collision(collision) => {
                 let mut mark_ns = last_ns;
-                for body in collision.bodies() {
-                    let track = &mut tracks[body];
+                for index in scene.tracks_in(collision) {
+                    let track = &mut tracks[index];
                     mark_ns = mark_ns.max(last_ns + track.interval_ns);
                     mark_ns = mark_ns.max(track.place() + track.interval_ns / 2);
                 }
-                for body in collision.bodies() {
-                    let track = &mut tracks[body];
+                for index in scene.tracks_in(collision) {
+                    let track = &mut tracks[index];
                     track.begin_ns = mark_ns + (track.interval_ns - track.interval_ns / 2);
                 }
                 check_span(Stamp(mark_ns), Stamp(zero), limit_s)?;
@@ -72,7 +75,10 @@ pub(super) fn join(
     Ok((streams, stamps))
 }
 
-fn check_spans(segments: &[Vec<Vec<PoseSample>>], limit_s: f64) -> Result<(), SegmentError> {
+fn check_spans(
+    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
+    limit_s: f64,
+) -> Result<(), SegmentError> {
     for segment in segments.iter().flatten() {
         if let (Some(first), Some(last)) = (segment.first(), segment.last()) {
             check_span(last.stamp, first.stamp, limit_s)?;
@@ -89,7 +95,7 @@ fn check_span(last: Stamp, first: Stamp, limit_s: f64) -> Result<(), SegmentErro
     Ok(())
 }
 
-impl<'a> Track<'a> {
+impl<'a> Joined<'a> {
     fn new(segments: &'a [Vec<PoseSample>], zero_ns: i64) -> Self {
         let mut intervals: Vec<i64> = segments
             .iter()

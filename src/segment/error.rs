@@ -23,13 +23,13 @@ pub enum SegmentError {
         /// Why they were left out: `, 3 not_finite`.
         dropped: String,
     },
-    /// A sample of a body that the scene does not have.
-    #[error("a sample of body number {body}, expected one of {bodies}")]
-    NoSuchBody {
+    /// A sample of a track that the scene does not have.
+    #[error("a sample of track number {track}, expected one of {tracks}")]
+    NoSuchTrack {
         /// As delivered.
-        body: usize,
+        track: usize,
         /// How many the scene has.
-        bodies: usize,
+        tracks: usize,
     },
     /// A sample on a stream that the scene's events do not make.
     #[error("a sample on stream {stream} of body {body:?}, expected 1 to {streams}")]

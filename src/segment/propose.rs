@@ -6,7 +6,7 @@
 //! programming over all places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
-use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch, Stamp};
+use crate::motion::{Collision, Partner, Sample, Scene, Sketch, Stamp, TrackIndex, TrackSketch};
 use crate::physics::contact::Feature;
 
 /// Places for cuts that are tried at once, evenly over the stream, for few cuts,
@@ -27,8 +27,8 @@ const SCORE_MAX: f64 = 1e6;
 /// A collision that the stream suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// Index into `Scene::links`.
+    pub track: TrackIndex,
     /// The collision it would be (index into `Scene::events`), if as many were looked for as
     /// the scene has.
     pub event: Option<usize>,
@@ -46,18 +46,19 @@ impl Proposal {
     }
 }
 
-/// Proposals for all collisions of the scene, in its order; for each body those that concern
-/// it. A collision of two bodies is proposed by its first. `count`, if given, is how many are
-/// looked for on each body in place of what the scene says.
+/// Proposals for all collisions of the scene, in its order; for each track those of its
+/// mechanism. A collision of two mechanisms is proposed by its first. `count`, if given, is how many are
+/// looked for on each track in place of what the scene says.
 ///
 /// Empty where a stream is too short, or where there are more than sixty.
 pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Proposal> {
     let mut proposals = Vec::new();
-    for (index, body) in sketch.bodies.iter().enumerate() {
+    for (index, track) in sketch.tracks.iter_enumerated() {
+        let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = (0..scene.events.len())
             .filter(|event| {
                 let collision = scene.events[*event].kind.collision();
-                collision.is_some_and(|collision| collision.concerns(index))
+                collision.is_some_and(|collision| scene.takes_part(mechanism, collision))
             })
             .collect();
         let collisions = if count.is_none_or(|count| count == events.len()) {
@@ -65,7 +66,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         } else {
             vec![None; count.unwrap_or(0)]
         };
-        let stream = Stream::new(scene, index, body);
+        let stream = Stream::new(scene, index, track);
         let Some(cuts) = stream.best_cuts(&collisions) else {
             continue;
         };
@@ -73,10 +74,10 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
             let is_of_first = event
                 .and_then(|event| scene.events[event].kind.collision())
-                .is_none_or(|collision| collision.body == index);
+                .is_none_or(|collision| scene.tracks_in(collision).next() == Some(index));
             if is_of_first {
                 proposals.push(Proposal {
-                    body: index,
+                    track: index,
                     event,
                     acted_s: stream.time_s(*cut),
                     score,
@@ -91,7 +92,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
     proposals
 }
 
-/// One body's samples, and the costs of its stretches.
+/// One track's samples, and the costs of its stretches.
 pub(super) struct Stream<'a> {
     scene: &'a Scene,
     samples: &'a [Sample],
@@ -100,19 +101,19 @@ pub(super) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    pub(super) fn new(scene: &'a Scene, index: usize, body: &'a BodySketch) -> Self {
+    pub(super) fn new(scene: &'a Scene, index: TrackIndex, track: &'a TrackSketch) -> Self {
         Self {
-            turns: Some(PrefixSums::of_turns(scene, index, body)),
-            ..Self::of_positions(scene, body)
+            turns: Some(PrefixSums::of_turns(scene, index, track)),
+            ..Self::of_positions(scene, track)
         }
     }
 
     /// The same blind to turns, for half the price.
-    pub(super) fn of_positions(scene: &'a Scene, body: &'a BodySketch) -> Self {
+    pub(super) fn of_positions(scene: &'a Scene, track: &'a TrackSketch) -> Self {
         Self {
             scene,
-            samples: &body.samples,
-            positions: PrefixSums::of_positions(scene, body),
+            samples: &track.samples,
+            positions: PrefixSums::of_positions(scene, track),
             turns: None,
         }
     }
@@ -311,9 +312,9 @@ impl<'a> Stream<'a> {
 }
 
 /// Largest distance between what should touch \[m\], where that is said by a plane and points,
-/// or by the body's size; zero where it is not.
+/// or by the link's size; zero where it is not.
 fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
-    let body = &scene.bodies[collision.body];
+    let link = &scene.links[collision.link];
     if collision.partner != Partner::World {
         return 0.0;
     }
@@ -326,10 +327,10 @@ fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
             }
             _ => None,
         };
-        let named = touching.feature.map(|feature| &body.features[feature]);
+        let named = touching.feature.map(|feature| &link.features[feature]);
         let height_m = match named {
             Some(feature) => height_m(&feature.geometry),
-            None => body
+            None => link
                 .features
                 .iter()
                 .filter_map(|feature| height_m(&feature.geometry))
@@ -337,7 +338,7 @@ fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
         };
         Some(
             height_m
-                .unwrap_or_else(|| (centre_m - body.shape.radius_m()).max(0.0))
+                .unwrap_or_else(|| (centre_m - link.shape.radius_m()).max(0.0))
                 .abs(),
         )
     });

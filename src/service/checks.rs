@@ -76,7 +76,7 @@ impl CheckLine {
         let balance = &verification.balance;
         let event = |event: &usize| scene.events[*event].name.clone();
         let wrong = verification.wrong_features().map(|touch| {
-            let body = &scene.bodies[touch.body];
+            let body = &scene.links[touch.link];
             let feature = |feature: &usize| body.features[*feature].name.clone();
             WrongLine {
                 event: event(&touch.event),
@@ -91,7 +91,7 @@ impl CheckLine {
         Self {
             tolerance_m: verification.tolerance_m,
             deepest: verification.deepest.as_ref().map(|deepest| OverlapLine {
-                body: scene.bodies[deepest.body].name.clone(),
+                body: scene.links[deepest.link].name.clone(),
                 against: scene.name_of(deepest.against).to_owned(),
                 time_s: deepest.time_s,
                 depth_m: deepest.depth_m,

@@ -191,7 +191,7 @@ impl Report {
 }
 
 fn acted_s(sketch: &Sketch) -> f64 {
-    let last = sketch.bodies.iter().filter_map(|b| b.samples.last());
+    let last = sketch.tracks.iter().filter_map(|b| b.samples.last());
     last.map(|sample| sample.acted_s).fold(0.0, f64::max)
 }
 
@@ -215,7 +215,7 @@ fn event_lines(outcome: &Outcome) -> Vec<EventLine> {
     let Outcome {
         scene, estimate, ..
     } = outcome;
-    let all = || scene.bodies.iter().map(|b| b.name.clone()).collect();
+    let all = || scene.links.iter().map(|b| b.name.clone()).collect();
     estimate
         .events
         .iter()
@@ -229,8 +229,8 @@ fn event_lines(outcome: &Outcome) -> Vec<EventLine> {
                 acted_s: event.acted_s,
                 bodies: match of_scene.kind.collision() {
                     Some(collision) => collision
-                        .bodies()
-                        .map(|body| scene.bodies[body].name.clone())
+                        .links()
+                        .map(|link| scene.links[link].name.clone())
                         .collect(),
                     None => all(),
                 },
@@ -277,7 +277,7 @@ fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
         .iter()
         .zip(&estimate.arcs)
         .map(|(residual, arc)| SegmentLine {
-            body: scene.bodies[residual.body].name.clone(),
+            body: scene.link_seen_by(residual.track).name.clone(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             samples: residual.samples,

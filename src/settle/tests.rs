@@ -66,7 +66,7 @@ fn a_brick_comes_to_rest_flat_on_the_table() {
     assert!(settled.at_rest && settled.end_s() < 5.0, "{settled:?}");
     let last = settled.bodies[0].poses.last().unwrap();
     // On one of its faces: the height of its centre is half a side, less rapier's slop.
-    let lowest = scene.bodies[0].shape.solid().unwrap();
+    let lowest = scene.links[0].shape.solid().unwrap();
     let closest = lowest
         .lowest(last, &Vector3::zeros(), &Vector3::z())
         .unwrap();
@@ -94,7 +94,7 @@ fn the_seam_is_continuous() {
     for (step, pose) in poses.iter().enumerate().take(12) {
         let duration_s = step as f64 * INTERVAL_S;
         let free = flow::advance(
-            &scene.bodies[0].body,
+            &scene.links[0].body,
             &scene.gravity_m_s2,
             &state,
             duration_s,
@@ -119,7 +119,7 @@ fn bodies_have_the_mass_and_moments_of_the_scene() {
     let properties = &body.mass_properties().local_mprops;
     assert!((properties.mass() - 0.3).abs() < 1e-15);
     let moments = from_rapier(properties.principal_inertia());
-    let expected = scene.bodies[0].body.moments_kg_m2();
+    let expected = scene.links[0].body.moments_kg_m2();
     assert!((moments - expected).norm() < 1e-18, "{moments}");
     assert_eq!(from_rapier(properties.local_com), Vector3::zeros());
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{Against, Collision, Partner, Scene, SceneBody};
+use crate::motion::{Against, Collision, Link, LinkIndex, Partner, Scene};
 use crate::physics::contact::Feature;
 
 /// A point belongs to a feature that is nearer than this part of the body's radius: by so much
@@ -12,11 +12,11 @@ const NEAR: f64 = 0.1;
 /// A distance this small is none \[m\]: a corner lies on its faces.
 const ON_M: f64 = 1e-6;
 
-/// What of `body` is expected to touch what at a collision: features by partner.
+/// What of a link is expected to touch what at a collision: features by partner.
 pub(super) fn expected(
     scene: &Scene,
     collision: &Collision,
-    body: usize,
+    link: LinkIndex,
 ) -> Vec<(Against, Vec<usize>)> {
     let mut groups: Vec<(Against, Vec<usize>)> = Vec::new();
     for contact in &collision.contacts {
@@ -31,10 +31,10 @@ pub(super) fn expected(
                 };
                 (against, contact.feature)
             }
-            Partner::Body(other) if collision.body == body => {
-                (Against::Body(other), contact.feature)
+            Partner::Link(other) if collision.link == link => {
+                (Against::Link(other), contact.feature)
             }
-            Partner::Body(_) => (Against::Body(collision.body), contact.other),
+            Partner::Link(_) => (Against::Link(collision.link), contact.other),
         };
         let Some(feature) = feature else { continue };
         match groups.iter_mut().find(|(known, _)| *known == against) {
@@ -94,7 +94,7 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
 /// The feature that a point of the body's surface belongs to: the nearest of those that are
 /// declared or expected, else the nearest of the shape's own; an expected one where several are as
 /// near; `None` where none is near.
-pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
+pub(super) fn owner(body: &Link, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
     let near_m = NEAR * body.shape.radius_m();
     let declared = body.declared_features();
     (0..body.features.len())

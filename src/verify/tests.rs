@@ -147,7 +147,7 @@ fn a_flight_through_a_thin_wall_and_through_another_body_is_found() {
     let mut crossing = at_rest(0.3, -0.3, 0.0);
     crossing.velocity_m_s.y = 3.0;
     let found = deepest_of(&scene, &[state, crossing]).unwrap();
-    assert_eq!((found.body, found.against), (0, Against::Body(1)));
+    assert_eq!((found.body, found.against), (0, Against::Link(1)));
     assert!((found.depth_m - 0.03).abs() < 1e-9, "{found:?}");
     assert!((found.time_s - 0.1).abs() < 1e-6, "{found:?}");
 }
@@ -172,7 +172,7 @@ proptest! {
         };
         // Up to where the whole pencil is below the table at most.
         let end_s = 0.35;
-        let (body, gravity) = (&scene.bodies[0], &scene.gravity_m_s2);
+        let (body, gravity) = (&scene.links[0], &scene.gravity_m_s2);
         let (solid, post) = (body.shape.solid().unwrap(), &scene.obstacles[0]);
         let post_solid = post.shape.solid().unwrap();
         let looks = (0..=10_000).map(|k| {
@@ -197,7 +197,7 @@ fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
     let time_s = 0.4;
     let mut before = before;
     before.position_m.z = -(before.orientation * tip).z;
-    let body = &scene.bodies[0].body;
+    let body = &scene.links[0].body;
     let start = flow::advance(body, &scene.gravity_m_s2, &before, -time_s);
     let after = struck(scene, 0, &Law::frictionless(0.6), &[before]).remove(0);
     let arcs = vec![arc(0, start, 0.0, time_s), arc(0, after, time_s, 0.7)];
@@ -211,7 +211,7 @@ fn struck(scene: &Scene, event: usize, law: &Law, before: &[State]) -> Vec<State
     let bodies = collision.bodies().zip(before);
     let sides: Vec<Side> = bodies
         .map(|(body, state)| Side {
-            body: &scene.bodies[body].body,
+            body: &scene.links[body].body,
             state,
         })
         .collect();
@@ -302,7 +302,7 @@ fn a_part_that_is_not_declared_is_wrong_too() {
     let touch = checked.wrong_features().next().unwrap();
     let found = touch
         .found
-        .map(|found| scene.bodies[0].features[found].name.as_str());
+        .map(|found| scene.links[0].features[found].name.as_str());
     assert_eq!(found, Some("corner +x -y -z"));
     assert!((touch.found_point_m.y + 0.05).abs() < 1e-12, "{touch:?}");
 }
@@ -408,18 +408,13 @@ fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
         panic!("{:?}", touching.touches)
     };
     assert!((of_pencil.lead_m - rim_m).abs() < 1e-6, "{of_pencil:?}");
-    assert_eq!((of_box.body, of_box.against), (1, Against::Body(0)));
+    assert_eq!((of_box.body, of_box.against), (1, Against::Link(0)));
     // Twenty millimetres on, the tip is inside, though it was expected at the lid.
     let through = motion(0.0, 0.42).deepest.unwrap();
     assert!((through.depth_m - 0.02).abs() < rim_m, "{through:?}");
-    assert_eq!(through.against, Against::Body(1));
+    assert_eq!(through.against, Against::Link(1));
 }
 
 fn flow_by(scene: &Scene, state: &State, duration_s: f64) -> State {
-    flow::advance(
-        &scene.bodies[0].body,
-        &scene.gravity_m_s2,
-        state,
-        duration_s,
-    )
+    flow::advance(&scene.links[0].body, &scene.gravity_m_s2, state, duration_s)
 }

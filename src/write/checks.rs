@@ -91,7 +91,7 @@ impl VerificationLine {
 impl PenetrationLine {
     fn new(scene: &Scene, deepest: &Penetration) -> Self {
         Self {
-            body: scene.bodies[deepest.body].name.clone(),
+            body: scene.links[deepest.link].name.clone(),
             against: scene.name_of(deepest.against).to_owned(),
             time_s: deepest.time_s,
             depth_m: deepest.depth_m,
@@ -102,7 +102,7 @@ impl PenetrationLine {
 
 impl TouchLine {
     fn new(scene: &Scene, touch: &Touch) -> Self {
-        let body = &scene.bodies[touch.body];
+        let body = &scene.links[touch.link];
         let name = |feature: &usize| body.features[*feature].name.clone();
         Self {
             event: scene.events[touch.event].name.clone(),
@@ -123,7 +123,7 @@ impl ShotLine {
     fn new(scene: &Scene, shot: &SingleShot) -> Self {
         let name = |event: &usize| scene.events[*event].name.clone();
         let line = |deviation: &Deviation| DeviationLine {
-            body: scene.bodies[deviation.body].name.clone(),
+            body: scene.links[deviation.link].name.clone(),
             event: deviation.event.as_ref().map(name),
             time_s: deviation.time_s,
             position_m: deviation.position_m,

@@ -54,7 +54,7 @@ pub(super) fn live_scene_update(
     let path = Path::new(topics::SCENE);
     let mut entities = entities(path, scene, world_frame, at, surface_side_m)?;
     let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
-    for body in &scene.bodies {
+    for body in &scene.links {
         let sketch = (topics::sketch_frame(&body.name), "sketch", GHOST);
         let live = (topics::live_frame(&body.name), "live", LIVE);
         for (frame, word, color) in [sketch, live] {
@@ -82,7 +82,7 @@ fn entities(
 ) -> Result<Vec<SceneEntity>, WriteError> {
     let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
     let mut entities = Vec::new();
-    for body in &scene.bodies {
+    for body in &scene.links {
         let frame = topics::estimate_frame(&body.name);
         let mut entity = entity(at, &frame, format!("body/{}", body.name));
         add_shape(&mut entity, &body.shape, &Pose::identity(), BODY);
@@ -110,7 +110,7 @@ fn entities(
         entities.push(entity);
     }
     for (index, goal) in scene.goals.iter().enumerate() {
-        let (event, body) = (&scene.events[goal.event], &scene.bodies[goal.body]);
+        let (event, body) = (&scene.events[goal.event], &scene.links[goal.link]);
         let id = format!("goal/{index}/{}/{}", event.name, body.name);
         let mut entity = entity(at, world_frame, id);
         match &goal.target {

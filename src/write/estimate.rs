@@ -11,7 +11,8 @@ use super::motion;
 use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::{drawing, topics, urdf};
 use crate::motion::{
-    Estimate, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface, Verification,
+    Estimate, LinkIndex, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface,
+    Verification,
 };
 use crate::wire::ros2;
 use crate::wire::{Container, Transform};
@@ -139,15 +140,15 @@ impl<'a> Composer<'a> {
         let EstimateFile { scene, .. } = *self.file;
         let mut estimates = Vec::new();
         let mut sketches = Vec::new();
-        for (index, body) in scene.bodies.iter().enumerate() {
+        for (index, link) in scene.links.iter_enumerated() {
             let samples = self.estimate_samples(index)?;
-            self.add_poses(&topics::estimate_pose(&body.name), &samples)?;
+            self.add_poses(&topics::estimate_pose(&link.name), &samples)?;
             estimates.push(samples);
             let EstimateFile {
                 estimate, sketch, ..
             } = *self.file;
-            let samples = motion::sketch_samples(estimate, sketch, index, self.zero);
-            self.add_poses(&topics::sketch_pose(&body.name), &samples)?;
+            let samples = motion::sketch_samples(scene, estimate, sketch, index, self.zero);
+            self.add_poses(&topics::sketch_pose(&link.name), &samples)?;
             sketches.push(samples);
         }
         self.add_transforms(&estimates, &sketches)?;
@@ -158,17 +159,17 @@ impl<'a> Composer<'a> {
         Ok(self.additions)
     }
 
-    fn estimate_samples(&self, body: usize) -> Result<Vec<PoseSample>, WriteError> {
+    fn estimate_samples(&self, link: LinkIndex) -> Result<Vec<PoseSample>, WriteError> {
         let mut samples = motion::estimate_samples(
             self.path,
             self.file.scene,
             self.file.estimate,
-            body,
+            link,
             self.zero,
             self.file.frame_rate_hz,
         )?;
         if let Some(settled) = self.file.settled {
-            motion::append_settled(&mut samples, settled, body, self.zero);
+            motion::append_settled(&mut samples, settled, link, self.zero);
         }
         Ok(samples)
     }
@@ -192,7 +193,7 @@ impl<'a> Composer<'a> {
         sketches: &[Vec<PoseSample>],
     ) -> Result<(), WriteError> {
         let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
-        let bodies = &self.file.scene.bodies;
+        let bodies = &self.file.scene.links;
         let frames: Vec<String> = bodies
             .iter()
             .map(|body| topics::estimate_frame(&body.name))

@@ -7,7 +7,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::WriteError;
 use crate::math::Pose;
-use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::motion::{ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 
 /// Most frames that are written: a day at 240 Hz. More is no motion but the trace of an
@@ -41,7 +42,7 @@ pub(super) fn estimate_samples(
     path: &Path,
     scene: &Scene,
     estimate: &Estimate,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
     frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, WriteError> {
@@ -51,10 +52,11 @@ pub(super) fn estimate_samples(
             frame_rate_hz,
         });
     }
+    let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
         .iter()
-        .filter(|arc| arc.body == body && arc.end_s >= arc.start_s)
+        .filter(|arc| arc.mechanism == mechanism && arc.end_s >= arc.start_s)
         .collect();
     let (Some(first), Some(last)) = (arcs.first(), arcs.last()) else {
         return Ok(Vec::new());
@@ -67,7 +69,7 @@ pub(super) fn estimate_samples(
     if !is_sane {
         return Err(WriteError::Span {
             path: path.to_owned(),
-            body: scene.bodies[body].name.clone(),
+            body: scene.links[link].name.clone(),
             start_s,
             end_s,
         });
@@ -89,10 +91,10 @@ pub(super) fn estimate_samples(
             times_s.insert(stamp(zero, time_s), time_s);
         }
     }
-    let of_scene = &scene.bodies[body].body;
+    let Dynamics::Free(body) = scene.dynamics(mechanism);
     let mut flights: Vec<(&ArcEstimate, Spin)> = arcs
         .into_iter()
-        .map(|arc| (arc, Spin::new(of_scene, &arc.state.angular_velocity_rad_s)))
+        .map(|arc| (arc, Spin::new(&body, &arc.state.angular_velocity_rad_s)))
         .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let mut samples = poses
@@ -105,17 +107,17 @@ pub(super) fn estimate_samples(
     Ok(samples)
 }
 
-/// Appends a body's simulated poses: those stamped after its estimated ones.
+/// Appends a link's simulated poses: those stamped after its estimated ones.
 pub(super) fn append_settled(
     samples: &mut Vec<PoseSample>,
     settled: &Settled,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
 ) {
     let Some(last) = samples.last().map(|sample| sample.stamp) else {
         return;
     };
-    let poses = settled.bodies.get(body).map_or(&[][..], |body| &body.poses);
+    let poses = settled.links.get(link).map_or(&[][..], |link| &link.poses);
     for (step, pose) in poses.iter().enumerate() {
         let time_s = settled.from_s + step as f64 * settled.interval_s;
         let stamp = stamp(zero, time_s);
@@ -126,19 +128,20 @@ pub(super) fn append_settled(
     make_signs_continuous(samples);
 }
 
-/// A body's used samples at their physical times, in body axes.
+/// The used samples of what sees a link, at their physical times, in the link's axes.
 pub(super) fn sketch_samples(
+    scene: &Scene,
     estimate: &Estimate,
     sketch: &Sketch,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
 ) -> Vec<PoseSample> {
     let mut samples: Vec<PoseSample> = estimate
         .sample_times
         .iter()
-        .filter(|time| time.body == body)
+        .filter(|time| scene.tracks[time.track].link == link)
         .filter_map(|time| {
-            let samples = &sketch.bodies.get(body)?.samples;
+            let samples = &sketch.tracks.get(time.track)?.samples;
             let at = samples
                 .binary_search_by_key(&time.stamp, |sample| sample.stamp)
                 .ok()?;

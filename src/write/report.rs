@@ -60,16 +60,16 @@ struct EventTime {
 impl TimeMap {
     /// The map of an estimate, body by body and event by event.
     pub fn new(scene: &Scene, sketch: &Sketch, estimate: &Estimate, zero: Stamp) -> Self {
-        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| {
+        let bodies = scene.tracks.keys().map(|track| {
             let times = estimate
                 .sample_times
                 .iter()
-                .filter(|time| time.body == index);
+                .filter(|time| time.track == track);
             let (acted_s, physical_s) = times
                 .map(|time| (time.stamp.seconds_since(sketch.origin), time.time_s))
                 .unzip();
             BodyTimes {
-                body: body.name.clone(),
+                body: scene.link_seen_by(track).name.clone(),
                 acted_s,
                 physical_s,
             }
@@ -269,7 +269,7 @@ impl ArcLine {
         let state = &arc.state;
         let q = state.orientation.quaternion();
         Self {
-            body: scene.bodies[arc.body].name.clone(),
+            body: scene.name_of_mechanism(arc.mechanism).to_owned(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             epoch_s: arc.epoch_s,
@@ -304,7 +304,7 @@ impl EventLine {
 impl ResidualLine {
     fn new(scene: &Scene, residual: &SegmentResidual) -> Self {
         Self {
-            body: scene.bodies[residual.body].name.clone(),
+            body: scene.link_seen_by(residual.track).name.clone(),
             samples: residual.samples,
             position_rms_m: residual.position_rms_m,
             orientation_rms_rad: residual.orientation_rms_rad,

@@ -14,7 +14,7 @@ use super::motion;
 use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
+use crate::motion::{Mark, PoseSample, Scene, Stamp, Track};
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
@@ -104,16 +104,17 @@ impl Showing {
     pub fn new(of: &Reported) -> Result<Self, WriteError> {
         let (scene, sketch, estimate) = (of.scene, of.sketch, of.estimate);
         let zero = motion::zero(estimate, sketch);
-        let bodies = 0..scene.bodies.len();
+        let links = scene.links.keys();
         let rate_hz = DEFAULT_FRAME_RATE_HZ;
-        let estimates: Vec<Vec<PoseSample>> = bodies
+        let estimates: Vec<Vec<PoseSample>> = links
             .clone()
-            .map(|body| {
+            .map(|link| {
                 let path = Path::new(VIEWER);
-                motion::estimate_samples(path, scene, estimate, body, zero, rate_hz)
+                motion::estimate_samples(path, scene, estimate, link, zero, rate_hz)
             })
             .collect::<Result<_, _>>()?;
-        let sketches = bodies.map(|body| motion::sketch_samples(estimate, sketch, body, zero));
+        let sketches =
+            links.map(|link| motion::sketch_samples(scene, estimate, sketch, link, zero));
         let stamps = || estimates.iter().flatten().map(|sample| sample.stamp);
         Ok(Self {
             from: stamps().min().unwrap_or(zero),
@@ -145,8 +146,8 @@ impl Showing {
     }
 }
 
-/// The pose of a body whose tracker reads that; `None` of numbers that make no pose.
-pub fn body_pose(body: &SceneBody, reading: &PoseSample) -> Option<PoseSample> {
+/// The pose of the link whose tracker reads that; `None` of numbers that make no pose.
+pub fn link_pose(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
     let [x, y, z, w] = reading.quaternion_xyzw;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let is_pose = (quaternion.norm() - 1.0).abs() <= 0.01;
@@ -155,7 +156,7 @@ pub fn body_pose(body: &SceneBody, reading: &PoseSample) -> Option<PoseSample> {
     }
     let rotation = nalgebra::UnitQuaternion::from_quaternion(quaternion);
     let world_from_tracker = Pose::from_parts(reading.position_m.into(), rotation);
-    let world_from_body = world_from_tracker * body.body_from_tracker.inverse();
+    let world_from_body = world_from_tracker * track.link_from_tracker.inverse();
     Some(PoseSample::from_pose(reading.stamp, &world_from_body))
 }
 
@@ -223,7 +224,7 @@ mod tests {
     #[test]
     fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
         let mut scene = samples::scene();
-        let body = &mut scene.bodies[0];
+        let body = &mut scene.links[0];
         body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample {
             stamp: Stamp(1),

@@ -49,7 +49,7 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         add_shape(&mut text, &slab, &world_from_slab(plane), SURFACE_RGBA);
     }
     text.push_str("  </link>\n");
-    for body in &scene.bodies {
+    for body in &scene.links {
         let link = escaped(&topics::estimate_frame(&body.name));
         let _ = writeln!(text, "  <link name=\"{link}\">");
         add_shape(&mut text, &body.shape, &Pose::identity(), BODY_RGBA);

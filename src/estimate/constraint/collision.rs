@@ -10,16 +10,16 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::kind::{At, Constraint, Filled};
-use super::rows::{CollisionRows, HALF, Half, Places};
+use super::rows::{CollisionRows, HALF, Half, Places, STATE};
 use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
-use crate::estimate::problem::{ArcCollision, Problem, STATE, unit};
+use crate::estimate::problem::{ArcCollision, Problem, unit};
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
-use crate::physics::State;
 use crate::physics::impact;
 use crate::physics::state::part;
+use crate::physics::{Dynamics, State};
 
 impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
@@ -102,7 +102,7 @@ impl Constraint for ArcCollision {
             let Some(arrival) = &before[body] else {
                 continue;
             };
-            let after = arrive(side.body, side.after);
+            let after = arrive(side.after);
             let bounced = State {
                 velocity_m_s: impact.after[body].velocity_m_s,
                 angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
@@ -166,29 +166,27 @@ impl Constraint for ArcCollision {
     }
 }
 
-/// How states arrive at the collision's event: of a body, by the arc.
+/// How states arrive at the collision's event, by the arc.
 fn arrivals<'a>(
     problem: &'a Problem,
     collision: &ArcCollision,
     point: &'a Point,
     epochs_s: &'a [f64],
-) -> impl Fn(usize, usize) -> ArcEnd + use<'a> {
+) -> impl Fn(usize) -> ArcEnd + use<'a> {
     let gravity = problem.gravity(&point.parameters);
     let time_s = point.event_times_s[collision.event];
-    move |body, arc| {
+    move |arc| {
+        let Dynamics::Free(body) = problem.dynamics_of(arc);
         let flight = (&point.arcs[arc], epochs_s[arc]);
-        ArcEnd::new(&problem.bodies[body], &gravity, flight, time_s)
+        ArcEnd::new(body, &gravity, flight, time_s)
     }
 }
 
 /// How every body arrives.
-fn before(
-    collision: &ArcCollision,
-    arrive: &impl Fn(usize, usize) -> ArcEnd,
-) -> [Option<ArcEnd>; 2] {
+fn before(collision: &ArcCollision, arrive: &impl Fn(usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
     [0, 1].map(|side| {
         let side = collision.sides.get(side);
-        side.map(|side| arrive(side.body, side.before))
+        side.map(|side| arrive(side.before))
     })
 }
 
@@ -199,7 +197,7 @@ fn sides<'a>(
 ) -> [Option<impact::Side<'a>>; 2] {
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
-        let body = &problem.bodies[collision.sides[side].body];
+        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
         Some(impact::Side { body, state })
     })
 }

@@ -1,9 +1,9 @@
 //! Contact and approach at a collision (paper eq. 3): gaps of the contacts, which vanish, and the speeds at
 //! which they close.
 
-use super::rows::CollisionRows;
+use super::rows::{CollisionRows, STATE};
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::problem::{STATE, unit};
+use crate::estimate::problem::unit;
 use crate::physics::impact::{Impact, ImpactDerivative};
 use crate::physics::state::part;
 

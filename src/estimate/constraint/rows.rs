@@ -1,9 +1,12 @@
 //! Where rows and columns of a collision are.
 
 use super::kind::Filled;
-use crate::estimate::problem::{ArcCollision, Problem, STATE};
+use crate::estimate::problem::{ArcCollision, Problem};
 use crate::physics::contact::Feature;
-use crate::physics::state::part;
+use crate::physics::state::{self, part};
+
+/// Unknowns of the state of a free body: these are the rows of free bodies' collisions.
+pub(super) const STATE: usize = state::DIMENSION;
 
 /// Rows of a body's pose, and of its velocities.
 pub(super) const HALF: usize = STATE / 2;

@@ -5,75 +5,77 @@ use std::time::Instant;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::motion::Scene;
+use crate::motion::{Scene, TrackIndex};
 use crate::wire::live::{
     CONTROL_SERVICE, ControlRecord, LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality,
     TAKE_SERVICE, TakeRecord, service_name,
 };
 
-/// Greatest number of samples taken from one service at a time: the rest stays in its buffer until
-/// the other services were read.
+/// Most samples that are taken from one service at a time: what a flood holds longer than that
+/// stays in its buffer while the others have their turn.
 const AT_ONCE: usize = 4096;
 
-/// A record that arrived.
+/// What came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Arrived {
     /// A reading on one of the scene's streams, in the order of [`stream_topics`].
     Pose {
-        /// Index of the stream.
+        /// Which.
         stream: usize,
         /// As sent.
         record: PoseRecord,
-        /// The buffer was full, or nearly: missing sequence numbers were likely lost there.
+        /// The buffer was full, or nearly: what the sequence lacks was likely lost there.
         is_overflow: bool,
     },
     /// A mark.
     Mark(MarkRecord),
-    /// A command.
+    /// Somebody wants something.
     Control(ControlRecord),
 }
 
-/// A record with its arrival.
+/// What came, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// When it was taken from iceoryx2.
     pub at: Instant,
-    /// The record.
+    /// What it was.
     pub what: Arrived,
 }
 
 /// A stream of poses of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamTopic {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
-    /// Index of the stream among the body's.
+    /// The track.
+    pub track: TrackIndex,
+    /// Index of the stream among the track's.
     pub stream: usize,
     /// The topic.
     pub topic: String,
 }
 
-/// All streams of a scene, body by body.
+/// All streams of a scene, track by track.
 pub fn stream_topics(scene: &Scene) -> Vec<StreamTopic> {
-    let streams = |body| (0..scene.streams(body)).map(move |stream| (body, stream));
-    (0..scene.bodies.len())
+    let streams = |track| (0..scene.streams(track)).map(move |stream| (track, stream));
+    scene
+        .tracks
+        .keys()
         .flat_map(streams)
-        .map(|(body, stream)| StreamTopic {
-            body,
+        .map(|(track, stream)| StreamTopic {
+            track,
             stream,
-            topic: scene.stream_topic(body, stream),
+            topic: scene.stream_topic(track, stream),
         })
         .collect()
 }
 
-/// One subscriber and the size of its buffer.
+/// One subscriber, and how far it may fall behind.
 struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
     name: String,
     subscriber: Subscriber<LiveService, T, ()>,
     buffer: usize,
 }
 
-/// The subscribers of a scene. They stay on the thread that opened them.
+/// Subscribers of all that a scene wants. They stay on the thread that opened them.
 pub struct Listening {
     poses: Vec<Port<PoseRecord>>,
     marks: Port<MarkRecord>,
@@ -99,12 +101,12 @@ impl Listening {
         })
     }
 
-    /// Where services made by other processes have less quality than wanted, in words with figures.
+    /// In what services that others made fall short, in words with figures.
     pub fn shortcomings(&self) -> &[String] {
         &self.shortcomings
     }
 
-    /// Takes the poses and marks that have arrived. Those of one service are in order.
+    /// Takes the poses and marks that have come. Those of one service are in order.
     pub fn take(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
         for (stream, port) in self.poses.iter().enumerate() {
             let before = into.len();
@@ -125,14 +127,14 @@ impl Listening {
         self.marks.take(into, Arrived::Mark)
     }
 
-    /// Takes the commands that have arrived. Samples sent before a command have arrived when the
-    /// command has: take the samples after it.
+    /// Takes what was commanded. Whatever was sent before a command is there when the command
+    /// is: take the samples after it.
     pub fn take_control(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
         self.control.take(into, Arrived::Control)
     }
 }
 
-/// Subscriber to the states of takes.
+/// Hears what becomes of takes.
 pub struct TakeListener {
     takes: Port<TakeRecord>,
 }

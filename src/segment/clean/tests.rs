@@ -12,7 +12,7 @@ const STEP: i64 = 10_000_000;
 fn scene() -> Scene {
     let ball = |name: &str, body_from_tracker: Pose| {
         let shape = Shape::Sphere { radius_m: 0.02 };
-        SceneBody {
+        Link {
             name: name.into(),
             topic: format!("/tracker/{name}/pose"),
             body: shape.body_of_mass_kg(0.1).unwrap(),
@@ -74,7 +74,7 @@ fn body_pose(index: i64) -> Pose {
 }
 
 fn sample(scene: &Scene, body: usize, index: i64) -> PoseSample {
-    let world_from_tracker = body_pose(index) * scene.bodies[body].body_from_tracker;
+    let world_from_tracker = body_pose(index) * scene.links[body].body_from_tracker;
     PoseSample::from_pose(Stamp(START + index * STEP), &world_from_tracker)
 }
 
@@ -151,7 +151,7 @@ fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
     let scene = scene();
     let (sketch, counts) = clean(&scene, &take(&scene)).unwrap();
     assert_eq!(sketch.origin, Stamp(START + 5 * STEP));
-    for body in &sketch.bodies {
+    for body in &sketch.tracks {
         assert_eq!(body.samples.len(), 31);
         for (index, sample) in body.samples.iter().enumerate() {
             let expected = body_pose(index as i64 + 5);
@@ -224,7 +224,7 @@ fn each_fault_is_dropped_once_and_counted() {
     assert_eq!(counts.gaps, 3);
     assert_eq!(counts.read, 81);
     assert_eq!(counts.used + counts.dropped.values().sum::<usize>(), 81);
-    let samples = sketch.bodies.iter().flat_map(|b| &b.samples);
+    let samples = sketch.tracks.iter().flat_map(|b| &b.samples);
     for sample in samples {
         assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-15);
     }
@@ -255,7 +255,7 @@ fn signs_are_made_continuous() {
     }
     let (sketch, counts) = clean(&scene, &take).unwrap();
     assert_eq!(counts.flipped, 3);
-    for body in &sketch.bodies {
+    for body in &sketch.tracks {
         for pair in body.samples.windows(2) {
             assert!(pair[0].orientation.coords.dot(&pair[1].orientation.coords) > 0.9);
         }
@@ -485,7 +485,7 @@ proptest! {
         let mut take = readings;
         take.extend([2.0, 20.0, 37.0].map(|index| mark(index, None)));
         if let Ok((sketch, _)) = clean(&scene(), &take) {
-            for body in &sketch.bodies {
+            for body in &sketch.tracks {
                 for pair in body.samples.windows(2) {
                     prop_assert!(pair[0].stamp < pair[1].stamp);
                     prop_assert!(pair[0].acted_s < pair[1].acted_s);

@@ -7,7 +7,7 @@ use crate::motion::{Sample, Stamp};
 const TEMPO: &str = include_str!("../../../config/hat_box.toml");
 
 /// Ten samples, a tenth of a second apart.
-fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> BodySketch {
+fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> TrackSketch {
     let sample = |i: i64| {
         let acted_s = 0.1 * i as f64;
         let (position_m, orientation) = pose(acted_s);
@@ -18,7 +18,7 @@ fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> BodySke
             orientation,
         }
     };
-    BodySketch {
+    TrackSketch {
         samples: (0..10).map(sample).collect(),
     }
 }
@@ -42,7 +42,7 @@ fn where_the_tempo_is_unknown_all_falls_are_one_and_no_rise_is() {
 #[test]
 fn turns_are_radians_of_the_largest_moment() {
     let scene = scene_from_toml(TEMPO).expect("a scene");
-    let moments = scene.bodies[0].body.moments_kg_m2();
+    let moments = scene.links[0].body.moments_kg_m2();
     let axis = Vector3::ith(moments.imax(), 1.0);
     let turned = |angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
     let body = samples(|t| (Vector3::zeros(), turned(if t < 0.45 { 0.0 } else { 1.0 })));

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::math::Pose;
-use crate::motion::{Event, EventKind, SceneBody, Stamp, Surface, Timing, VelocityGaps, Weights};
+use crate::motion::{Event, EventKind, Link, Stamp, Surface, Timing, VelocityGaps, Weights};
 use crate::physics::Shape;
 use crate::segment::{refine, relocate_marks};
 
@@ -16,7 +16,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
         timing,
         mark_sd_s: None,
         marks_topic: "/marks".into(),
-        bodies: vec![SceneBody {
+        bodies: vec![Link {
             name: "ball".into(),
             topic: "/ball".into(),
             body: shape.body_of_mass_kg(0.1).unwrap(),
@@ -54,7 +54,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
 fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
     Sketch {
         origin: Stamp(0),
-        bodies: vec![BodySketch { samples }],
+        bodies: vec![TrackSketch { samples }],
         marks_s: vec![0.0; bounces],
         marks: vec![None; bounces],
     }

@@ -165,7 +165,7 @@ impl Channels {
             Ok([estimate, poses(&topics::sketch_pose(name))?])
         };
         let trackers = streams.iter().map(|stream| poses(&stream.topic));
-        let bodies = scene.bodies.iter().map(|of| body(&of.name));
+        let bodies = scene.links.iter().map(|of| body(&of.name));
         Ok(Self {
             trackers: trackers.collect::<Result<_, _>>()?,
             marks: open(ShownTopic::marks(&scene.marks_topic))?,
@@ -211,10 +211,13 @@ impl Viewer {
     fn live(&self, live: Live) {
         match live {
             Live::Pose(stream, sample) => {
-                let body = &self.scene.bodies[self.streams[stream].body];
+                let track = self.streams[stream].track;
                 log(&self.channels.trackers[stream], show::pose(&sample));
-                if let Some(sample) = show::body_pose(body, &sample) {
-                    let frames = [(topics::live_frame(&body.name), sample)];
+                if let Some(sample) = show::link_pose(&self.scene.tracks[track], &sample) {
+                    let frames = [(
+                        topics::live_frame(&self.scene.link_seen_by(track).name),
+                        sample,
+                    )];
                     log(&self.channels.transforms, show::transforms(&frames));
                 }
             }
@@ -264,7 +267,7 @@ impl Viewer {
         let time_s = self.begun.elapsed().as_secs_f64() % period_s;
         let now = Stamp(now_ns());
         let mut frames = Vec::new();
-        for (index, body) in self.scene.bodies.iter().enumerate() {
+        for (index, body) in self.scene.links.iter().enumerate() {
             let names = [
                 topics::estimate_frame(&body.name),
                 topics::sketch_frame(&body.name),

@@ -21,7 +21,7 @@ pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
     let all: Vec<&Flight> = flights.iter().filter(flies).collect();
     let pairs: Vec<[&[Reading]; 2]> = all
         .windows(2)
-        .filter(|pair| pair[0].arc.body == pair[1].arc.body)
+        .filter(|pair| pair[0].arc.mechanism == pair[1].arc.mechanism)
         .map(|pair| [pair[0].readings.as_slice(), pair[1].readings.as_slice()])
         .collect();
     let shortest = pairs.iter().flatten().map(|r| r.len()).min()?;

@@ -4,9 +4,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::config::scene_from_toml;
 use crate::motion::{
-    ArcEstimate, BodySketch, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
-    ParameterEstimate, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp,
-    Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
+    Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp, TrackSketch, Verdict,
 };
 use crate::physics::State;
 
@@ -72,7 +71,7 @@ pub(crate) fn sketch() -> Sketch {
         .collect();
     Sketch {
         origin: Stamp(FIRST_NS),
-        bodies: vec![BodySketch { samples }],
+        bodies: vec![TrackSketch { samples }],
         marks_s: vec![0.8, 1.9],
         marks: vec![None; 2],
     }

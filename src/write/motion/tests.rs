@@ -16,7 +16,7 @@ fn assert_continuous(samples: &[PoseSample]) {
 fn signs_are_continuous_whatever_those_of_the_estimate_and_the_sketch_are() {
     let (scene, mut estimate, mut sketch) = (scene(), estimate(), sketch());
     let opposite = |q: UnitQuaternion<f64>| UnitQuaternion::new_unchecked(-q.into_inner());
-    for sample in sketch.bodies[0].samples.iter_mut().step_by(3) {
+    for sample in sketch.tracks[0].samples.iter_mut().step_by(3) {
         sample.orientation = opposite(sample.orientation);
     }
     let zero = Stamp(FIRST_NS);
