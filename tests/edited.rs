@@ -68,9 +68,9 @@ fn segments_follow_one_another_with_their_marks_in_the_middle() {
         (counts.used, counts.read),
         (take.events.len(), take.events.len())
     );
-    let lengths = lengths(&take.events, &scene, 0);
+    let lengths = lengths(&take.events, &scene, TrackIndex(0));
     let samples = &sketch.tracks[TrackIndex(0)].samples;
-    let interval = interval_ns(&take.events, 0);
+    let interval = interval_ns(&take.events, TrackIndex(0));
     let mut end = 0;
     for (length, mark_s) in lengths.iter().zip(&sketch.marks_s) {
         end += length;

@@ -170,7 +170,7 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
 fn they_touch_nothing_but_what_they_should() {
     let truth = hat_box::truth();
     let scene = &truth.scene;
-    let solids = [HAT, BOX].map(|link| scene.links[link].shape.solid().unwrap());
+    let [hat_solid, box_solid] = [HAT, BOX].map(|link| scene.links[link].shape.solid().unwrap());
     let (board_m, board) = scene.surfaces[1].plane().unwrap();
     let (bounce_s, meeting_s) = (truth.event_times_s[0], truth.event_times_s[1]);
     for time_s in moments(&truth) {
@@ -181,7 +181,7 @@ fn they_touch_nothing_but_what_they_should() {
                 .abs()
                 .min((truth.duration_s - time_s).abs())
         };
-        let distance_m = solids[HAT].distance_m(&hat, &solids[BOX], &cube).unwrap();
+        let distance_m = hat_solid.distance_m(&hat, &box_solid, &cube).unwrap();
         let least_m = if apart(meeting_s) < 0.01 { -1e-7 } else { 1e-4 };
         assert!(distance_m > least_m, "{distance_m} m at {time_s} s");
         for corner in corners(scene, BOX) {
@@ -206,10 +206,8 @@ fn they_touch_nothing_but_what_they_should() {
             assert!(board.dot(&(centre.coords - board_m)) > lowest(&board));
         }
     }
-    let last = [HAT, BOX].map(|link| truth.world_from_body(link, truth.duration_s));
-    let gap_m = solids[HAT]
-        .distance_m(&last[HAT], &solids[BOX], &last[BOX])
-        .unwrap();
+    let [hat, cube] = [HAT, BOX].map(|link| truth.world_from_body(link, truth.duration_s));
+    let gap_m = hat_solid.distance_m(&hat, &box_solid, &cube).unwrap();
     assert!(
         (gap_m - 2e-4).abs() < 1e-6,
         "the box ends {gap_m} m above the crown"
@@ -327,7 +325,7 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
         shown.push(top.0);
         // The named corner is the lowest, and exactly on the table.
         let encounter = Encounter::of(scene, &reference.parameters, goal.event).unwrap();
-        let mut heights: Vec<f64> = corners(scene, 0)
+        let mut heights: Vec<f64> = corners(scene, LinkIndex(0))
             .iter()
             .map(|c| (world_from_body * c).z)
             .collect();
@@ -335,7 +333,7 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
         let touching = (world_from_body * Point3::from(encounter.point_m)).z;
         assert!(touching.abs() < 1e-16 && heights[0] == touching && heights[1] > 0.015);
         // It comes down and goes up.
-        let (before, after) = around(&reference, 0, goal.event);
+        let (before, after) = around(&reference, LinkIndex(0), goal.event);
         assert!(encounter.speed_m_s(&before, &still()) < -0.8);
         assert!(encounter.speed_m_s(&after, &still()) > 0.5);
         assert!(after.angular_velocity_rad_s.norm() < TAU * 4.0);
@@ -419,18 +417,18 @@ fn the_estimators_law_agrees_on_the_meeting() {
 fn a_brick_flips_as_often_as_asked_and_lands_on_a_corner() {
     for (count, seed) in [(1, 0), (2, 1), (4, 2), (8, 3)] {
         let truth = flips(count, seed).unwrap();
-        let (before, after) = around(&truth, 0, 0);
+        let (before, after) = around(&truth, LinkIndex(0), 0);
         let arc = &truth.arcs[0];
         let about_middle: Vec<f64> = (0..=1000)
             .map(|step| arc.end_s * f64::from(step) / 1e3)
-            .map(|time_s| advance(&truth, 0, &arc.state, time_s))
+            .map(|time_s| advance(&truth, LinkIndex(0), &arc.state, time_s))
             .map(|state| state.angular_velocity_rad_s.y)
             .collect();
         let flipped = about_middle.windows(2).filter(|w| w[0] * w[1] < 0.0);
         assert_eq!(flipped.count(), count, "{count} flips, seed {seed}");
 
         let lowest_m = |state: &State| {
-            let heights = corners(&truth.scene, 0).into_iter();
+            let heights = corners(&truth.scene, LinkIndex(0)).into_iter();
             let heights = heights.map(|corner| (state.world_from_body() * corner).z);
             heights.fold(f64::INFINITY, f64::min)
         };
@@ -439,8 +437,8 @@ fn a_brick_flips_as_often_as_asked_and_lands_on_a_corner() {
             let height_m = lowest_m(&truth.state(LinkIndex(0), time_s));
             assert!(height_m > -1e-9, "{height_m} m at {time_s} s");
         }
-        let (energy_j, momentum, _) = balance(&truth, 0, &before);
-        let (energy_after_j, momentum_after, _) = balance(&truth, 0, &after);
+        let (energy_j, momentum, _) = balance(&truth, LinkIndex(0), &before);
+        let (energy_after_j, momentum_after, _) = balance(&truth, LinkIndex(0), &after);
         assert!(energy_after_j < energy_j);
         // The table has no friction: the impulse is vertical.
         let impulse = momentum_after - momentum;

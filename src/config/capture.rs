@@ -174,7 +174,7 @@ mass_g = 6.0
         assert_eq!(settings.folder, PathBuf::from("takes"));
         assert_eq!(settings.chunk, Duration::from_millis(100));
         assert_eq!(settings.sync, Duration::from_secs(1));
-        assert_eq!(settings.stamps, [None]);
+        assert_eq!(settings.stamps.raw, [None]);
         assert_eq!((settings.viewer_port, settings.metrics_port), (None, None));
     }
 
@@ -203,7 +203,10 @@ mass_g = 6.0
             ),
         ] {
             let table = format!("[[capture.tracker]]\nbody = \"ball\"\n{line}\n");
-            assert_eq!(settings(&table).expect("valid").stamps, [Some(expected)]);
+            assert_eq!(
+                settings(&table).expect("valid").stamps.raw,
+                [Some(expected)]
+            );
         }
     }
 

@@ -66,6 +66,7 @@ impl TimeMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::TrackIndex;
 
     fn map(times_s: &[(f64, f64)]) -> Option<TimeMap> {
         let samples: Vec<SampleTime> = times_s

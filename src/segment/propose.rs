@@ -27,7 +27,7 @@ const SCORE_MAX: f64 = 1e6;
 /// A collision that the stream suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
-    /// Index into `Scene::links`.
+    /// What shows it.
     pub track: TrackIndex,
     /// The collision it would be (index into `Scene::events`), if as many were looked for as
     /// the scene has.

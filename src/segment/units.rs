@@ -58,18 +58,17 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::math::Pose;
-    use crate::motion::Stamp;
+    use crate::motion::{MechanismIndex, Stamp};
     use crate::physics::Shape;
 
     fn die() -> Link {
         let shape = Shape::Sphere { radius_m: 0.01 };
         Link {
             name: "die".into(),
-            topic: "/die".into(),
             body: shape.body_of_mass_kg(0.01).unwrap(),
             shape,
             features: Vec::new(),
+            mechanism: MechanismIndex(0),
         }
     }
 

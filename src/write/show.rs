@@ -194,7 +194,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::SampleCounts;
+    use crate::motion::{SampleCounts, TrackIndex};
     use crate::write::estimate::samples;
 
     #[test]
@@ -224,15 +224,15 @@ mod tests {
     #[test]
     fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
         let mut scene = samples::scene();
-        let body = &mut scene.links[0];
-        body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
+        let track = &mut scene.tracks[TrackIndex(0)];
+        track.link_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample {
             stamp: Stamp(1),
             position_m: Vector3::new(1.0, 2.0, 3.0),
             quaternion_xyzw: [1.0, 0.0, 0.0, 0.0],
         };
         // Upside down, the tracker's z is the world's −z.
-        let pose = body_pose(body, &reading).expect("a pose");
+        let pose = link_pose(track, &reading).expect("a pose");
         assert!((pose.position_m - Vector3::new(1.0, 2.0, 3.1)).norm() < 1e-12);
         for (position_m, quaternion_xyzw) in [
             (Vector3::repeat(f64::NAN), [0.0, 0.0, 0.0, 1.0]),
@@ -244,7 +244,7 @@ mod tests {
                 position_m,
                 quaternion_xyzw,
             };
-            assert_eq!(body_pose(body, &wrong), None);
+            assert_eq!(link_pose(track, &wrong), None);
         }
     }
 }

@@ -2,7 +2,7 @@ use nalgebra::UnitQuaternion;
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{Sample, Stamp};
+use crate::motion::{LinkIndex, Sample, Stamp};
 
 const TEMPO: &str = include_str!("../../../config/hat_box.toml");
 
@@ -42,11 +42,11 @@ fn where_the_tempo_is_unknown_all_falls_are_one_and_no_rise_is() {
 #[test]
 fn turns_are_radians_of_the_largest_moment() {
     let scene = scene_from_toml(TEMPO).expect("a scene");
-    let moments = scene.links[0].body.moments_kg_m2();
+    let moments = scene.links[LinkIndex(0)].body.moments_kg_m2();
     let axis = Vector3::ith(moments.imax(), 1.0);
     let turned = |angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
     let body = samples(|t| (Vector3::zeros(), turned(if t < 0.45 { 0.0 } else { 1.0 })));
-    let cost = PrefixSums::of_turns(&scene, 0, &body).cost(0, 10);
+    let cost = PrefixSums::of_turns(&scene, TrackIndex(0), &body).cost(0, 10);
     // A step of one, about its best line: 5/2 − 12.5²/82.5.
     assert!((cost - (2.5 - 12.5 * 12.5 / 82.5)).abs() < 1e-9, "{cost}");
     // A quaternion's sign is no turn.
@@ -54,5 +54,5 @@ fn turns_are_radians_of_the_largest_moment() {
     for sample in signs.samples.iter_mut().step_by(2) {
         sample.orientation = UnitQuaternion::new_unchecked(-sample.orientation.into_inner());
     }
-    assert!((PrefixSums::of_turns(&scene, 0, &signs).cost(0, 10) - cost).abs() < 1e-9);
+    assert!((PrefixSums::of_turns(&scene, TrackIndex(0), &signs).cost(0, 10) - cost).abs() < 1e-9);
 }

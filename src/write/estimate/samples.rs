@@ -4,8 +4,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::config::scene_from_toml;
 use crate::motion::{
-    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp, TrackSketch, Verdict,
+    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MechanismIndex,
+    ParameterEstimate, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch, Stamp,
+    TrackIndex, TrackSketch, Verdict,
 };
 use crate::physics::State;
 
@@ -71,7 +72,7 @@ pub(crate) fn sketch() -> Sketch {
         .collect();
     Sketch {
         origin: Stamp(FIRST_NS),
-        bodies: vec![TrackSketch { samples }],
+        tracks: [TrackSketch { samples }].into_iter().collect(),
         marks_s: vec![0.8, 1.9],
         marks: vec![None; 2],
     }
@@ -79,7 +80,7 @@ pub(crate) fn sketch() -> Sketch {
 
 pub(crate) fn estimate() -> Estimate {
     let arc = |epoch_s, state, start_s, end_s| ArcEstimate {
-        body: 0,
+        mechanism: MechanismIndex(0),
         epoch_s,
         state,
         start_s,
@@ -112,7 +113,7 @@ pub(crate) fn estimate() -> Estimate {
         }],
         residuals: vec![
             SegmentResidual {
-                body: 0,
+                track: TrackIndex(0),
                 samples: 8,
                 position_rms_m: 0.01,
                 orientation_rms_rad: 0.02,
@@ -121,7 +122,7 @@ pub(crate) fn estimate() -> Estimate {
         ],
         sample_times: (0..20)
             .map(|k| SampleTime {
-                body: 0,
+                track: TrackIndex(0),
                 stamp: Stamp(FIRST_NS + k * 100_000_000),
                 time_s: k as f64 * 0.025,
             })

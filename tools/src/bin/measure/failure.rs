@@ -11,8 +11,8 @@ use anyhow::Result;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Sketch;
 use enact::optimise::finish::Tolerances;
+use enact::physics::Dynamics;
 use enact::physics::body::Symmetry;
-use enact::physics::{Body, Dynamics};
 use rayon::prelude::*;
 
 use crate::figure::{Axis, Curve, Figure, Mark};
