@@ -26,6 +26,9 @@ struct Joined<'a> {
     joined: Vec<PoseSample>,
 }
 
+/// One stream per track.
+type Streams = TiVec<TrackIndex, Vec<PoseSample>>;
+
 /// The streams of all tracks and the stamps of all events on one line, whose zero is the least
 /// stamp of any first segment. `segments` are by track, as many as [`Scene::streams`] says, sorted,
 /// none empty. Fails where they are longer than `limit_s`, each or together.
@@ -33,7 +36,7 @@ pub(super) fn join(
     scene: &Scene,
     segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
     limit_s: f64,
-) -> Result<(TiVec<TrackIndex, Vec<PoseSample>>, Vec<Stamp>), SegmentError> {
+) -> Result<(Streams, Vec<Stamp>), SegmentError> {
     check_spans(segments, limit_s)?;
     let limit_ns = (limit_s * 1e9) as i64;
     let firsts = segments.iter().filter_map(|track| track.first()?.first());
