@@ -1,4 +1,4 @@
-//! Which channels of a recording feed what of a scene.
+//! Assigns the channels of a recording to the bodies and marks of a scene.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -8,10 +8,10 @@ use crate::motion::{Scene, Timing, TrackIndex};
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 
-/// Parts a topic from the frame or pose on it that is meant.
+/// Separates a topic from the name of a frame or pose on it.
 const CHILD_SEPARATOR: char = '#';
 
-/// What a channel's messages are to the scene.
+/// The use of a channel's messages for the scene.
 #[derive(Clone, Debug)]
 pub(super) struct Feed {
     pub(super) format: Format,
@@ -84,14 +84,14 @@ pub(super) fn routes(
         return Ok((routes, feeds));
     }
     let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
-    // Marks on another topic are likely the scene's mistake; a recording may also have none.
+    // Marks on another topic suggest a mistake in the scene; a recording may also have no marks.
     let is_marks = |channel: &Channel| {
         let schema = container
             .schema_of(channel)
             .map_or("", |schema| schema.name.as_str());
         format(schema, &channel.message_encoding).is_some()
     };
-    // An earlier estimate's events are no marks.
+    // The events of an earlier estimate in the recording are no marks.
     let mut theirs = container
         .channels()
         .values()
@@ -122,7 +122,7 @@ pub(super) fn routes(
     Ok((routes, feeds))
 }
 
-/// The segments of an edited sketch must be as many as the scene's events make.
+/// Fails where an edited sketch does not have as many segments as the scene's events require.
 fn check_streams(
     path: &Path,
     container: &Container,
@@ -157,7 +157,7 @@ fn check_streams(
     })
 }
 
-/// The recording's topic and the child on it that a scene's topic means.
+/// The recording's topic, and the child on it, to which a scene's topic refers.
 fn resolve<'a>(container: &Container, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
     let present = container.topics();
     if present.contains(topic) {
@@ -167,7 +167,7 @@ fn resolve<'a>(container: &Container, topic: &'a str) -> Option<(&'a str, Option
     present.contains(base).then_some((base, Some(child)))
 }
 
-/// The channels of a topic that can be read. It is an error if there are only others.
+/// The channels of a topic that can be read. Fails if the topic has channels, but none of these.
 fn formats(
     path: &Path,
     container: &Container,

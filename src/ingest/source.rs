@@ -1,4 +1,4 @@
-//! Takes, one event at a time.
+//! Sources of takes, one event at a time.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::motion::{Stamp, TakeEvent};
 use crate::wire::FramedPose;
 use crate::wire::container::Walk;
 
-/// Where a take comes from.
+/// A source of the events of a take.
 pub trait Source {
     /// The next event and its log time, in the order of the source; `None` at its end.
     fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError>;
@@ -43,7 +43,7 @@ pub struct RecordingSource {
     walk: Walk,
     routes: Vec<Route>,
     feeds: BTreeMap<u16, Feed>,
-    /// What the last message gave and has not been handed out.
+    /// Events of the last message that were not yet returned.
     ready: VecDeque<(Stamp, TakeEvent)>,
     poses: Vec<FramedPose>,
     report: TakeReport,
@@ -75,7 +75,7 @@ impl RecordingSource {
         }
     }
 
-    /// What was found so far; complete once the source has ended.
+    /// Counts of what was found so far; complete once the source has ended.
     pub fn report(&self) -> &TakeReport {
         &self.report
     }
@@ -165,7 +165,7 @@ impl RecordingSource {
         Ok(())
     }
 
-    /// At the end: every child that the scene names must have come.
+    /// Fails at the end where a child frame that the scene names never came.
     fn check_children(&self) -> Result<(), IngestError> {
         for (route, topic) in self.routes.iter().zip(&self.report.topics) {
             if let Some(child) = &route.child

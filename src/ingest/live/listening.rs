@@ -11,34 +11,34 @@ use crate::wire::live::{
     TAKE_SERVICE, TakeRecord, service_name,
 };
 
-/// Most samples that are taken from one service at a time: what a flood holds longer than that
-/// stays in its buffer while the others have their turn.
+/// Greatest number of samples taken from one service at a time: the rest stays in its buffer until
+/// the other services were read.
 const AT_ONCE: usize = 4096;
 
-/// What came.
+/// A record that arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Arrived {
     /// A reading on one of the scene's streams, in the order of [`stream_topics`].
     Pose {
-        /// Which.
+        /// Index of the stream.
         stream: usize,
         /// As sent.
         record: PoseRecord,
-        /// The buffer was full, or nearly: what the sequence lacks was likely lost there.
+        /// The buffer was full, or nearly: missing sequence numbers were likely lost there.
         is_overflow: bool,
     },
     /// A mark.
     Mark(MarkRecord),
-    /// Somebody wants something.
+    /// A command.
     Control(ControlRecord),
 }
 
-/// What came, and when.
+/// A record with its arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// When it was taken from iceoryx2.
     pub at: Instant,
-    /// What it was.
+    /// The record.
     pub what: Arrived,
 }
 
@@ -68,14 +68,14 @@ pub fn stream_topics(scene: &Scene) -> Vec<StreamTopic> {
         .collect()
 }
 
-/// One subscriber, and how far it may fall behind.
+/// One subscriber and the size of its buffer.
 struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
     name: String,
     subscriber: Subscriber<LiveService, T, ()>,
     buffer: usize,
 }
 
-/// Subscribers of all that a scene wants. They stay on the thread that opened them.
+/// The subscribers of a scene. They stay on the thread that opened them.
 pub struct Listening {
     poses: Vec<Port<PoseRecord>>,
     marks: Port<MarkRecord>,
@@ -101,12 +101,12 @@ impl Listening {
         })
     }
 
-    /// In what services that others made fall short, in words with figures.
+    /// Where services made by other processes have less quality than wanted, in words with figures.
     pub fn shortcomings(&self) -> &[String] {
         &self.shortcomings
     }
 
-    /// Takes the poses and marks that have come. Those of one service are in order.
+    /// Takes the poses and marks that have arrived. Those of one service are in order.
     pub fn take(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
         for (stream, port) in self.poses.iter().enumerate() {
             let before = into.len();
@@ -127,14 +127,14 @@ impl Listening {
         self.marks.take(into, Arrived::Mark)
     }
 
-    /// Takes what was commanded. Whatever was sent before a command is there when the command
-    /// is: take the samples after it.
+    /// Takes the commands that have arrived. Samples sent before a command have arrived when the
+    /// command has: take the samples after it.
     pub fn take_control(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
         self.control.take(into, Arrived::Control)
     }
 }
 
-/// Hears what becomes of takes.
+/// Subscriber to the states of takes.
 pub struct TakeListener {
     takes: Port<TakeRecord>,
 }
