@@ -143,7 +143,7 @@ pub enum Place {
     Motion,
     /// One flight.
     Flight {
-        /// Of what.
+        /// What flies.
         mechanism: MechanismIndex,
         /// When it begins \[s\].
         start_s: f64,
@@ -154,9 +154,9 @@ pub enum Place {
     Parameter(usize),
     /// A link inside of something.
     Inside {
-        /// Which link.
+        /// The link.
         link: LinkIndex,
-        /// Of what.
+        /// What it is inside of.
         against: Against,
         /// When \[s\].
         time_s: f64,
@@ -165,7 +165,7 @@ pub enum Place {
     Touch {
         /// Index into `Scene::events`.
         event: usize,
-        /// Which link.
+        /// The link.
         link: LinkIndex,
         /// What should touch (indices into `Link::features`).
         expected: Vec<usize>,

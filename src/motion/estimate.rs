@@ -105,7 +105,7 @@ pub struct ParameterEstimate {
 /// How well one segment fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentResidual {
-    /// What was seen.
+    /// The track that the samples are of.
     pub track: TrackIndex,
     /// Samples in the objective.
     pub samples: usize,
@@ -118,7 +118,7 @@ pub struct SegmentResidual {
 /// Where a sample lies on the physical time line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTime {
-    /// Whose.
+    /// The track that the sample is of.
     pub track: TrackIndex,
     /// The sample.
     pub stamp: Stamp,

@@ -458,7 +458,7 @@ pub struct Touching {
 pub struct Goal {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// Whose.
+    /// The link that it is asked of.
     pub link: LinkIndex,
     /// What must hold.
     pub target: GoalTarget,

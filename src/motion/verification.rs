@@ -9,7 +9,7 @@ use super::scene::Against;
 /// The deepest overlap of two solids that no expected contact explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// Which link.
+    /// The link.
     pub link: LinkIndex,
     /// What it is inside of.
     pub against: Against,
@@ -26,7 +26,7 @@ pub struct Penetration {
 pub struct Touch {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// Which link.
+    /// The link.
     pub link: LinkIndex,
     /// What it hits.
     pub against: Against,
@@ -53,7 +53,7 @@ pub struct Touch {
 /// How far the single shot is from the estimate at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Which link.
+    /// The link.
     pub link: LinkIndex,
     /// The collision that is about to happen (index into `Scene::events`); `None`: the end.
     pub event: Option<usize>,

@@ -14,7 +14,7 @@ pub enum SegmentError {
     /// Nothing of one body can be used.
     #[error("body {body:?} has no usable samples on {topic:?}: {read} read{dropped}")]
     NoSamplesOfBody {
-        /// Its name.
+        /// Name of the body.
         body: String,
         /// Its topic.
         topic: String,
@@ -56,7 +56,7 @@ pub enum SegmentError {
         reach_m / size_m
     )]
     Units {
-        /// Whose.
+        /// Name of the body.
         body: String,
         /// How far nine tenths of its samples keep within of the middle one.
         reach_m: f64,
@@ -130,7 +130,7 @@ pub enum SegmentError {
          {expected} are needed"
     )]
     TooFewSamples {
-        /// Whose.
+        /// Name of the body.
         body: String,
         /// How many.
         samples: usize,

@@ -94,12 +94,12 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
 /// The feature that a point of the body's surface belongs to: the nearest of those that are
 /// declared or expected, else the nearest of the shape's own; an expected one where several are as
 /// near; `None` where none is near.
-pub(super) fn owner(body: &Link, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
-    let near_m = NEAR * body.shape.radius_m();
-    let declared = body.declared_features();
-    (0..body.features.len())
+pub(super) fn owner(link: &Link, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
+    let near_m = NEAR * link.shape.radius_m();
+    let declared = link.declared_features();
+    (0..link.features.len())
         .map(|feature| {
-            let distance_m = distance_m(&body.features[feature].geometry, point_m);
+            let distance_m = distance_m(&link.features[feature].geometry, point_m);
             let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
             let is_expected = expected.contains(&feature);
             let is_own = !is_expected && !declared.contains(&feature);

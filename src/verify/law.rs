@@ -42,24 +42,24 @@ impl<'a> Law<'a> {
         })
     }
 
-    /// The states after it, of the body and of the other one if it hits one; `None` where the
+    /// The states after it, of the link and of the other one if it hits one; `None` where the
     /// contacts are degenerate in these poses, or a state is missing.
     pub(super) fn after(
         &self,
-        body: &State,
+        state: &State,
         other: Option<&State>,
     ) -> Option<(State, Option<State>)> {
-        let side = |index: LinkIndex, state| Side {
-            body: &self.scene.links[index].body,
+        let side = |link: LinkIndex, state| Side {
+            body: &self.scene.links[link].body,
             state,
         };
         let partner = match self.other {
             None => None,
-            Some(index) => Some(side(index, other?)),
+            Some(link) => Some(side(link, other?)),
         };
         let impact = self
             .meeting
-            .impact(&side(self.link, body), partner.as_ref(), &self.law)
+            .impact(&side(self.link, state), partner.as_ref(), &self.law)
             .ok()?;
         let moved = |state: &State, after: &Velocities| State {
             velocity_m_s: after.velocity_m_s,
@@ -67,7 +67,7 @@ impl<'a> Law<'a> {
             ..*state
         };
         Some((
-            moved(body, &impact.after[0]),
+            moved(state, &impact.after[0]),
             partner.map(|partner| moved(partner.state, &impact.after[1])),
         ))
     }

@@ -111,11 +111,11 @@ impl<'w, 'm> Scan<'w, 'm> {
         let mut gap_m = closest.gap_m;
         let mut owner = None;
         if gap_m < 0.0 {
-            let body = self.meeting.link.of_scene;
-            owner = expected::owner(body, &self.expected, &closest.point_m)
+            let link = self.meeting.link.of_scene;
+            owner = expected::owner(link, &self.expected, &closest.point_m)
                 .filter(|feature| self.expected.contains(feature));
-            let of_body = owner
-                .filter(|&feature| matches!(body.features[feature].geometry, Feature::Point { .. }))
+            let of_link = owner
+                .filter(|&feature| matches!(link.features[feature].geometry, Feature::Point { .. }))
                 .map(|feature| {
                     self.meeting
                         .feature_gap_m(time_s, feature, &closest.point_m)
@@ -126,7 +126,7 @@ impl<'w, 'm> Scan<'w, 'm> {
                 &closest.other_point_m,
             );
             // Where two points stand for the touching parts, the deeper one is to be believed.
-            if let Some(of_feature) = of_body.into_iter().chain(of_partner).reduce(f64::min) {
+            if let Some(of_feature) = of_link.into_iter().chain(of_partner).reduce(f64::min) {
                 gap_m = gap_m.max(of_feature);
             }
         }

@@ -111,10 +111,10 @@ impl Shot<'_> {
             None => None,
             Some(other) => Some(state(other)?),
         };
-        let (body, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
+        let (after_of_link, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
         let others = law.other.zip(after_of_other);
-        for (index, after) in [(law.link, body)].into_iter().chain(others) {
-            if let Some(flight) = &mut self.flights[index] {
+        for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
+            if let Some(flight) = &mut self.flights[link] {
                 flight.state = after;
             }
         }

@@ -56,7 +56,7 @@ impl Constraint for ArcCollision {
             let turn = [part::ORIENTATION, part::ANGULAR_VELOCITY];
             let (from, to) = (parts(side.before, &turn), parts(side.after, &turn));
             block.push(3, from.into_iter().chain(time).chain(to));
-            let velocities = if places.rows_per_body == STATE {
+            let velocities = if places.rows_per_side == STATE {
                 &mut block
             } else {
                 &mut gaps
@@ -80,7 +80,7 @@ impl Constraint for ArcCollision {
         let arrive = arrivals(problem, self, at.point, at.epochs_s);
         let before = before(self, &arrive);
         let [a, b] = sides(problem, self, &before);
-        let a = a.expect("a first body");
+        let a = a.expect("a first side");
         let law = self.law(&at.point.parameters);
         let derivative = &mut at.impact;
         let Ok(impact) = self.meeting.derivative(&a, b.as_ref(), &law, derivative) else {
@@ -98,23 +98,23 @@ impl Constraint for ArcCollision {
         let limits_m_s = at.approach_limits_m_s.get(self.event);
         rows.fill_contacts(&impact, limits_m_s.copied().unwrap_or(0.0));
         rows.fill_contact_derivatives(derivative, &before);
-        for (body, side) in self.sides.iter().enumerate() {
-            let Some(arrival) = &before[body] else {
+        for (index, side) in self.sides.iter().enumerate() {
+            let Some(arrival) = &before[index] else {
                 continue;
             };
             let after = arrive(side.after);
             let bounced = State {
-                velocity_m_s: impact.after[body].velocity_m_s,
-                angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
+                velocity_m_s: impact.after[index].velocity_m_s,
+                angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,
                 ..arrival.state
             };
             let gap = after.state.minus(&bounced);
             let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
-            rows.fill_positions(body, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
-            rows.fill_orientations(body, &turn, (arrival, &after));
+            rows.fill_positions(index, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
+            rows.fill_orientations(index, &turn, (arrival, &after));
             for half in [Half::Velocity, Half::Spin] {
                 let gap = gap.fixed_rows::<3>(HALF + half as usize).into();
-                rows.fill_velocities(body, half, &gap, derivative, (&before, &after));
+                rows.fill_velocities(index, half, &gap, derivative, (&before, &after));
             }
         }
     }
@@ -132,12 +132,12 @@ impl Constraint for ArcCollision {
             velocity_m_s: approach,
             ..Gap::default()
         };
-        for body in 0..places.bodies {
-            let at = places.of_body(body);
-            let (velocities, from) = if places.rows_per_body == STATE {
+        for side in 0..places.sides {
+            let at = places.of_side(side);
+            let (velocities, from) = if places.rows_per_side == STATE {
                 (block, at + HALF)
             } else {
-                (gaps, body * HALF)
+                (gaps, side * HALF)
             };
             gap = gap.max(&Gap {
                 position_m: block.largest(at..at + 3) * unit::POSITION_M,
@@ -153,9 +153,9 @@ impl Constraint for ArcCollision {
     /// Contacts and poses.
     fn places(&self, block: &Block) -> Vec<Range<usize>> {
         let (contacts, approach) = (0..block.leads.start, block.leads.end);
-        let per_body = (block.values.len() - approach) / self.sides.len();
-        let poses = (0..self.sides.len()).map(|body| {
-            let first = approach + body * per_body;
+        let per_side = (block.values.len() - approach) / self.sides.len();
+        let poses = (0..self.sides.len()).map(|side| {
+            let first = approach + side * per_side;
             first..first + HALF
         });
         std::iter::once(contacts).chain(poses).collect()
@@ -182,7 +182,7 @@ fn arrivals<'a>(
     }
 }
 
-/// How every body arrives.
+/// How every side arrives.
 fn before(collision: &ArcCollision, arrive: &impl Fn(usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
     [0, 1].map(|side| {
         let side = collision.sides.get(side);
@@ -213,7 +213,7 @@ pub fn fastest_approach_m_s(
     let arrive = arrivals(problem, collision, point, epochs_s);
     let before = before(collision, &arrive);
     let [a, b] = sides(problem, collision, &before);
-    let a = a.expect("a first body");
+    let a = a.expect("a first side");
     let law = collision.law(&point.parameters);
     let impact = collision.meeting.impact(&a, b.as_ref(), &law);
     impact.map_or(0.0, |impact| {

@@ -158,9 +158,9 @@ fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
     let scene = scene();
     let (sketch, counts) = clean(&scene, &take(&scene)).unwrap();
     assert_eq!(sketch.origin, Stamp(START + 5 * STEP));
-    for body in &sketch.tracks {
-        assert_eq!(body.samples.len(), 31);
-        for (index, sample) in body.samples.iter().enumerate() {
+    for track in &sketch.tracks {
+        assert_eq!(track.samples.len(), 31);
+        for (index, sample) in track.samples.iter().enumerate() {
             let expected = body_pose(index as i64 + 5);
             assert!((sample.position_m - expected.translation.vector).norm() < 1e-15);
             assert!(sample.orientation.angle_to(&expected.rotation) < 1e-7);
@@ -276,8 +276,8 @@ fn signs_are_made_continuous() {
     }
     let (sketch, counts) = clean(&scene, &take).unwrap();
     assert_eq!(counts.flipped, 3);
-    for body in &sketch.tracks {
-        for pair in body.samples.windows(2) {
+    for track in &sketch.tracks {
+        for pair in track.samples.windows(2) {
             assert!(pair[0].orientation.coords.dot(&pair[1].orientation.coords) > 0.9);
         }
     }
@@ -521,15 +521,15 @@ proptest! {
         let mut take = readings;
         take.extend([2.0, 20.0, 37.0].map(|index| mark(index, None)));
         if let Ok((sketch, _)) = clean(&scene(), &take) {
-            for body in &sketch.tracks {
-                for pair in body.samples.windows(2) {
+            for track in &sketch.tracks {
+                for pair in track.samples.windows(2) {
                     prop_assert!(pair[0].stamp < pair[1].stamp);
                     prop_assert!(pair[0].acted_s < pair[1].acted_s);
                     prop_assert!(
                         pair[0].orientation.coords.dot(&pair[1].orientation.coords) >= 0.0
                     );
                 }
-                for sample in &body.samples {
+                for sample in &track.samples {
                     prop_assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-12);
                     prop_assert!(sample.acted_s >= 0.0 && sample.acted_s <= 0.35 + 1e-9);
                 }
