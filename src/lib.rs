@@ -65,6 +65,15 @@
 //! - Bad input is an error with place and numbers, one enum per room. Not converging is an
 //!   outcome with a verdict and a reason. A bug is a failed assertion.
 //!
+//! # Links, mechanisms, tracks
+//!
+//! A scene has three lists, and an index type for each, so that none is taken for another:
+//!
+//! - A *link* ([`motion::LinkIndex`]) is one rigid body: mass, shape, and features that touch.
+//! - A *mechanism* ([`motion::MechanismIndex`]) is what moves as one system of differential
+//!   equations between its collisions: one link in free flight.
+//! - A *track* ([`motion::TrackIndex`]) is what one tracker on a link delivers.
+//!
 //! # Symbols
 //!
 //! | symbol | in the code | meaning |

@@ -18,7 +18,7 @@ pub use self::outcome::{Outcome, PipelineError};
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use self::stages::{account, cut, doubts, solve};
-use crate::motion::{EventKind, Observer, Phase, Scene, Stamp, TakeEvent, Verdict};
+use crate::motion::{EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict};
 use crate::segment;
 use crate::settle::settle;
 use crate::verify::verify;
@@ -58,7 +58,7 @@ impl Pipeline {
     }
 
     /// Marks for what was pushed, in order of time, whatever marks are in it: of every collision
-    /// of the scene, or of `count` on each body, and its start and end at the first and the last
+    /// of the scene, or of `count` on each track, and its start and end at the first and the last
     /// sample.
     pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
         let marks = count.map_or(self.marks(), |count| {
@@ -69,7 +69,7 @@ impl Pipeline {
         let collisions = segment::propose(scene, &sketch, count).into_iter();
         let mut marks: Vec<MarkProposal> = collisions
             .map(|proposal| MarkProposal {
-                body: Some(proposal.body),
+                track: Some(proposal.track),
                 event: proposal.event,
                 stamp: proposal.stamp(&sketch),
                 time_s: proposal.acted_s,
@@ -78,9 +78,9 @@ impl Pipeline {
             .collect();
         let stamps = || {
             sketch
-                .bodies
+                .tracks
                 .iter()
-                .flat_map(|b| &b.samples)
+                .flat_map(|track| &track.samples)
                 .map(|s| s.stamp)
         };
         for (index, event) in scene.events.iter().enumerate() {
@@ -90,7 +90,7 @@ impl Pipeline {
                 EventKind::Collision(_) | EventKind::Collisions { .. } => None,
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
-                body: None,
+                track: None,
                 event: Some(index),
                 stamp,
                 time_s: stamp.seconds_since(sketch.origin),
@@ -158,8 +158,8 @@ impl Pipeline {
 /// A mark as the stream suggests it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkProposal {
-    /// Whose kink it is (index into `Scene::bodies`); `None` for start and end.
-    pub body: Option<usize>,
+    /// Whose kink it is; `None` for start and end.
+    pub track: Option<TrackIndex>,
     /// Its event (index into `Scene::events`), if as many were looked for as the scene has.
     pub event: Option<usize>,
     /// When, on the clock of the samples.

@@ -12,10 +12,11 @@ use rapier3d::math::{Pose as RapierPose, Rotation as RapierRotation, Vector as R
 use rapier3d::prelude::{
     ColliderBuilder, MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle,
 };
+use typed_index_collections::{TiSlice, TiVec};
 
 use crate::math::Pose;
-use crate::motion::{Estimate, Scene, Settled, SettledBody, Surface};
-use crate::physics::{Body, State, flow};
+use crate::motion::{Estimate, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface};
+use crate::physics::{Body, State};
 
 /// Time between two poses \[s\], and the step of the simulation: at shorter ones rapier's bodies
 /// do not fall asleep.
@@ -41,24 +42,24 @@ const STEPS_AHEAD: f64 = 2.0;
 /// second.
 const PUSH_RADII_PER_S: f64 = 0.5;
 
-/// Simulates all bodies from the end of the estimate until they rest, for at most `limit_s`.
+/// Simulates all links from the end of the estimate until they rest, for at most `limit_s`.
 ///
-/// A body whose last arc ends earlier flies freely until the last of all ends. The first poses
+/// A link whose last arc ends earlier flies freely until the last of all ends. The first poses
 /// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
 /// not finite.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
     let from_s = estimate.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
-    let states: Vec<Option<State>> = (0..scene.bodies.len())
-        .map(|body| last_state(scene, estimate, body, from_s))
-        .collect();
+    let states = scene.links.iter();
+    let states = states.map(|link| last_state(scene, estimate, link.mechanism, from_s));
+    let states: TiVec<LinkIndex, Option<State>> = states.collect();
     let mut simulation = Simulation::new(scene, estimate, &states)?;
     let steps = (limit_s / INTERVAL_S).floor() as usize;
     let mut settled = Settled {
         from_s,
         interval_s: INTERVAL_S,
-        bodies: states
+        links: states
             .iter()
-            .map(|state| SettledBody {
+            .map(|state| SettledLink {
                 poses: state.iter().map(State::world_from_body).collect(),
             })
             .collect(),
@@ -71,10 +72,10 @@ pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settle
     };
     for _ in 0..steps {
         simulation.step();
-        for (body, moving) in settled.bodies.iter_mut().zip(&simulation.bodies) {
+        for (link, moving) in settled.links.iter_mut().zip(&simulation.links) {
             let Some(handle) = *moving else { continue };
             let moving = &simulation.world.bodies[handle];
-            body.poses.push(pose_of(moving));
+            link.poses.push(pose_of(moving));
             let speed_m_s = from_rapier(moving.linvel()).norm();
             settled.largest_speed_m_s = settled.largest_speed_m_s.max(speed_m_s);
         }
@@ -86,38 +87,45 @@ pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settle
     Some(settled)
 }
 
-/// A body's state at a time that is not before its end.
-fn last_state(scene: &Scene, estimate: &Estimate, body: usize, time_s: f64) -> Option<State> {
-    let arcs = estimate.arcs.iter().filter(|arc| arc.body == body);
+/// A mechanism's state at a time that is not before its end.
+fn last_state(
+    scene: &Scene,
+    estimate: &Estimate,
+    mechanism: MechanismIndex,
+    time_s: f64,
+) -> Option<State> {
+    let arcs = estimate.arcs.iter();
+    let arcs = arcs.filter(|arc| arc.mechanism == mechanism);
     let last = arcs.max_by(|a, b| a.end_s.total_cmp(&b.end_s))?;
-    Some(flow::advance(
-        &scene.bodies[body].body,
-        &estimate.gravity_m_s2,
-        &last.state,
-        time_s - last.epoch_s,
-    ))
+    let since_s = time_s - last.epoch_s;
+    let dynamics = scene.dynamics(mechanism);
+    Some(dynamics.advance(&estimate.gravity_m_s2, &last.state, since_s))
 }
 
 struct Simulation {
     world: PhysicsWorld,
-    bodies: Vec<Option<RigidBodyHandle>>,
-    /// Radii of the spheres about the bodies' centres that hold them [m], body by body.
-    radii_m: Vec<f64>,
+    links: TiVec<LinkIndex, Option<RigidBodyHandle>>,
+    /// Radii of the spheres about the links' centres \[m\].
+    radii_m: TiVec<LinkIndex, f64>,
     /// Least prediction distance of contacts \[m\].
     least_prediction_m: f64,
 }
 
 impl Simulation {
-    fn new(scene: &Scene, estimate: &Estimate, states: &[Option<State>]) -> Option<Self> {
+    fn new(
+        scene: &Scene,
+        estimate: &Estimate,
+        states: &TiSlice<LinkIndex, Option<State>>,
+    ) -> Option<Self> {
         if !states.iter().flatten().all(State::is_finite) {
             return None;
         }
         let mut world = PhysicsWorld::new();
         world.gravity = to_rapier(&estimate.gravity_m_s2);
         let radius_m = scene
-            .bodies
+            .links
             .iter()
-            .map(|body| body.shape.radius_m())
+            .map(|link| link.shape.radius_m())
             .fold(f64::INFINITY, f64::min);
         let parameters = &mut world.integration_parameters;
         parameters.dt = INTERVAL_S;
@@ -140,20 +148,20 @@ impl Simulation {
             let plane = ColliderBuilder::halfspace(Unit::new_unchecked(to_rapier(&normal)));
             world.insert_collider(surfaced(plane).position(pose), None);
         }
-        let bodies = scene.bodies.iter().zip(states).map(|(body, state)| {
+        let links = scene.links.iter().zip(states).map(|(link, state)| {
             let state = (*state)?;
-            let solid = body.shape.solid().expect("scenes have valid shapes");
+            let solid = link.shape.solid().expect("scenes have valid shapes");
             let (shape, solid_from_shape) = solid.parts();
             let collider = surfaced(ColliderBuilder::new(shape.clone()))
                 .density(0.0)
                 .position(*solid_from_shape);
-            Some(world.insert(moving(&body.body, &state), collider).0)
+            Some(world.insert(moving(&link.body, &state), collider).0)
         });
-        let bodies = bodies.collect();
-        let radii = scene.bodies.iter().map(|body| body.shape.radius_m());
+        let links = links.collect();
+        let radii = scene.links.iter().map(|link| link.shape.radius_m());
         Some(Self {
             world,
-            bodies,
+            links,
             radii_m: radii.collect(),
             least_prediction_m,
         })
@@ -161,7 +169,7 @@ impl Simulation {
 
     fn step(&mut self) {
         let fastest_m_s = self
-            .bodies
+            .links
             .iter()
             .zip(&self.radii_m)
             .filter_map(|(handle, radius_m)| {
@@ -177,8 +185,8 @@ impl Simulation {
     }
 
     fn is_at_rest(&self) -> bool {
-        let mut bodies = self.bodies.iter().flatten();
-        bodies.all(|handle| self.world.bodies[*handle].is_sleeping())
+        let mut links = self.links.iter().flatten();
+        links.all(|handle| self.world.bodies[*handle].is_sleeping())
     }
 }
 

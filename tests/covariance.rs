@@ -2,7 +2,7 @@
 //! a flight and more slowly, with times known and unknown, with parameters free or at a bound.
 
 use enact::math::Pose;
-use enact::motion::{Estimate, ParameterEstimate, Undetermined, Verdict};
+use enact::motion::{Estimate, ParameterEstimate, TrackIndex, Undetermined, Verdict};
 use enact_tools::case::{Case, Posed};
 use enact_tools::dense::Uncertainty;
 use enact_tools::perform::{Acting, Style, Truth};
@@ -32,7 +32,7 @@ fn white_noise() -> Acting {
 /// unit and independent.
 fn truth(style: Style, acting: &Acting) -> Truth {
     let mut scene = style.truth().scene;
-    scene.bodies[0].body_from_tracker = Pose::identity();
+    scene.tracks[TrackIndex(0)].link_from_tracker = Pose::identity();
     scene.weights.position_m = acting.noise_position_m;
     scene.weights.orientation_rad = acting.noise_orientation_rad;
     style.truth_in(&scene).unwrap()

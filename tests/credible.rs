@@ -6,7 +6,8 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use enact::motion::{
-    About, Doubt, Estimate, FreeParameter, PoseSample, Quantity, Scene, Stamp, TakeEvent, Verdict,
+    About, Doubt, Estimate, FreeParameter, LinkIndex, PoseSample, Quantity, Scene, Stamp,
+    TakeEvent, TrackIndex, Verdict,
 };
 use enact::pipeline::{Outcome, Pipeline, Preview};
 use enact::verify::credible;
@@ -181,7 +182,7 @@ fn has(doubts: &[Doubt], about: About) -> bool {
 #[test]
 fn speeds_and_spins_are_bounded() {
     let outcome = answer("pencil, known, 1×", 0);
-    let radius_m = outcome.scene.bodies[0].shape.radius_m();
+    let radius_m = outcome.scene.links[LinkIndex(0)].shape.radius_m();
     for (spin_rad_s, is_absurd) in [(200.0, false), (990.0, false), (1010.0, true)] {
         let doubts = said_of(&outcome, |_, estimate, _| {
             estimate.arcs[0].state.angular_velocity_rad_s = Vector3::z() * spin_rad_s;
@@ -363,7 +364,7 @@ fn hovering(stamps: &str) -> Asked {
     let sample = |index: i64| {
         let time_s = index as f64 * 0.01;
         TakeEvent::Pose {
-            body: 0,
+            track: TrackIndex(0),
             stream: 0,
             sample: PoseSample {
                 stamp: Stamp(index * 10_000_000),

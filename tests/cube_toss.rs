@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use enact::config::scene_from_toml;
-use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Undetermined, Verdict};
+use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex, Undetermined, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use nalgebra::Vector3;
 use skip::skip;
@@ -91,7 +91,7 @@ fn poses(folder: &Path, toss: &Toss, count: usize, slowdown: f64) -> Vec<TakeEve
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let [t, x, y, z, qw, qx, qy, qz] = cells.try_into().unwrap();
         events.push(TakeEvent::Pose {
-            body: 0,
+            track: TrackIndex(0),
             stream: 0,
             sample: PoseSample {
                 stamp: Stamp((slowdown * t * 1e9).round() as i64),

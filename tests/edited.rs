@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use enact::ingest::{IngestError, Recording};
-use enact::motion::{Mark, Scene, Sketch, Stamp, TakeEvent, Timing};
+use enact::motion::{Mark, Scene, Sketch, Stamp, TakeEvent, Timing, TrackIndex};
 use enact::pipeline::{Pipeline, PipelineError};
 use enact::segment::{SegmentError, clean::clean, cut, refine};
 use enact_tools::perform::{Acting, Performance, bounces, die, hat_box, perform};
@@ -25,17 +25,17 @@ fn edited_bounces(count: usize) -> Performance {
     perform(&truth, &Acting::edited(), 5)
 }
 
-/// Median interval of a body's stream \[ns\], from the events.
-fn interval_ns(events: &[TakeEvent], of: usize) -> i64 {
+/// Median interval of a track's stream \[ns\], from the events.
+fn interval_ns(events: &[TakeEvent], of: TrackIndex) -> i64 {
     let mut last = std::collections::BTreeMap::new();
     let mut intervals: Vec<i64> = events
         .iter()
         .filter_map(|event| match event {
             TakeEvent::Pose {
-                body,
+                track,
                 stream,
                 sample,
-            } if *body == of => {
+            } if *track == of => {
                 let before = last.insert(*stream, sample.stamp.0)?;
                 Some(sample.stamp.0 - before)
             }
@@ -46,9 +46,9 @@ fn interval_ns(events: &[TakeEvent], of: usize) -> i64 {
     intervals[intervals.len() / 2]
 }
 
-fn lengths(events: &[TakeEvent], scene: &Scene, of: usize) -> Vec<usize> {
+fn lengths(events: &[TakeEvent], scene: &Scene, of: TrackIndex) -> Vec<usize> {
     let count = |number: usize| {
-        let is_of = |event: &&TakeEvent| matches!(event, TakeEvent::Pose { body, stream, .. } if (*body, *stream) == (of, number));
+        let is_of = |event: &&TakeEvent| matches!(event, TakeEvent::Pose { track, stream, .. } if (*track, *stream) == (of, number));
         events.iter().filter(is_of).count()
     };
     (0..scene.streams(of)).map(count).collect()
@@ -68,9 +68,9 @@ fn segments_follow_one_another_with_their_marks_in_the_middle() {
         (counts.used, counts.read),
         (take.events.len(), take.events.len())
     );
-    let lengths = lengths(&take.events, &scene, 0);
-    let samples = &sketch.bodies[0].samples;
-    let interval = interval_ns(&take.events, 0);
+    let lengths = lengths(&take.events, &scene, TrackIndex(0));
+    let samples = &sketch.tracks[TrackIndex(0)].samples;
+    let interval = interval_ns(&take.events, TrackIndex(0));
     let mut end = 0;
     for (length, mark_s) in lengths.iter().zip(&sketch.marks_s) {
         end += length;
@@ -96,7 +96,7 @@ fn segments_of_the_die_join_badly() {
     let take = kept_die().take(&scene).unwrap();
     let (sketch, _) = clean(&scene, &take.events).unwrap();
     let segments = cut(&scene, &sketch).unwrap();
-    let samples = &sketch.bodies[0].samples;
+    let samples = &sketch.tracks[TrackIndex(0)].samples;
     let (mut shift_m, mut turn_rad) = (0.0_f64, 0.0_f64);
     for pair in segments.windows(2) {
         let (last, first) = (
@@ -139,37 +139,37 @@ fn bodies_that_meet_share_the_mark() {
                 .filter(move |s| if end { s.end_event } else { s.start_event } == Some(event));
             let sketch = &sketch;
             of.map(move |s| {
-                let samples = &sketch.bodies[s.body].samples;
+                let samples = &sketch.tracks[s.track].samples;
                 let at = if end {
                     s.samples.end - 1
                 } else {
                     s.samples.start
                 };
-                (s.body, (samples[at].acted_s - mark_s) * 1e9)
+                (s.track, (samples[at].acted_s - mark_s) * 1e9)
             })
         };
-        let half_ns = |body| 0.5 * interval_ns(events, body) as f64;
-        for (body, after_ns) in of(false) {
-            assert!((after_ns - half_ns(body)).abs() < 1.5, "{after_ns}");
+        let half_ns = |track| 0.5 * interval_ns(events, track) as f64;
+        for (track, after_ns) in of(false) {
+            assert!((after_ns - half_ns(track)).abs() < 1.5, "{after_ns}");
         }
         // The longer one ends at the mark, another before it.
         let late = of(true)
-            .map(|(body, ns)| ns + half_ns(body))
+            .map(|(track, ns)| ns + half_ns(track))
             .fold(f64::NEG_INFINITY, f64::max);
         if event < 2 {
             assert!(late.abs() < 1.5, "{late}");
         } else {
             assert!(
-                (late - half_ns(1)).abs() < 1.5,
+                (late - half_ns(TrackIndex(1))).abs() < 1.5,
                 "the end is at the last sample"
             );
         }
     }
-    for body in 0..2 {
-        let lengths = lengths(events, scene, body);
+    for track in [TrackIndex(0), TrackIndex(1)] {
+        let lengths = lengths(events, scene, track);
         let cut = segments
             .iter()
-            .filter(|s| s.body == body)
+            .filter(|s| s.track == track)
             .map(|s| s.samples.len());
         assert_eq!(cut.collect::<Vec<_>>(), lengths);
     }
@@ -203,7 +203,7 @@ fn as_many_segments_as_the_events_make_are_asked_for() {
         IngestError::SegmentCount { expected: 8, .. }
     ));
     let mut elsewhere = scene.clone();
-    elsewhere.bodies[0].topic = "/edited/dice".into();
+    elsewhere.tracks[TrackIndex(0)].topic = "/edited/dice".into();
     let text = refused(&elsewhere).to_string();
     assert!(
         text.contains("0 segments") && text.contains("none"),
@@ -211,7 +211,7 @@ fn as_many_segments_as_the_events_make_are_asked_for() {
     );
     // A frame on a topic of all segments is only missed in the end.
     let mut frames = scene.clone();
-    frames.bodies[0].topic = "/edited/die/1#die".into();
+    frames.tracks[TrackIndex(0)].topic = "/edited/die/1#die".into();
     assert!(matches!(refused(&frames), IngestError::ChildAbsent { .. }));
 }
 
@@ -296,7 +296,7 @@ proptest! {
         match clean(scene, &events) {
             Ok((sketch, _)) => {
                 prop_assert_eq!(&sketch.marks_s, &plain.marks_s);
-                for (a, b) in sketch.bodies[0].samples.iter().zip(&plain.bodies[0].samples) {
+                for (a, b) in sketch.tracks[TrackIndex(0)].samples.iter().zip(&plain.tracks[TrackIndex(0)].samples) {
                     prop_assert_eq!((a.acted_s, a.position_m, a.orientation), (b.acted_s, b.position_m, b.orientation));
                 }
             }

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
-use enact::motion::{Counters, Scene, Verdict};
+use enact::motion::{Counters, LinkIndex, Scene, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use serde::Deserialize;
 
@@ -214,7 +214,7 @@ fn independent_checks_agree_and_the_pencil_rests_in_the_mug() {
 
         let settled = outcome.settled.expect("the scene asks for it");
         assert!(settled.at_rest && settled.end_s() - settled.from_s < 2.5);
-        let poses = &settled.bodies[0].poses;
+        let poses = &settled.links[LinkIndex(0)].poses;
         let last = poses.last().expect("poses");
         // Its lower end is within the walls and on the floor, its upper end above the rim.
         let lower = last * nalgebra::Point3::new(0.0, 0.0, -0.095);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
-use enact::motion::{DropReason, Mark, Stamp, TakeEvent, Verdict};
+use enact::motion::{DropReason, Mark, Stamp, TakeEvent, TrackIndex, Verdict};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::segment::{propose, refine, relocate_marks};
 use enact_tools::perform::{Acting, Outliers, Performance, Style, bounces, perform};
@@ -164,7 +164,7 @@ fn marks_far_off_come_back_and_good_ones_stay() {
     for acting in [Acting::timing_known(), Acting::default()] {
         for performance in acted(acting) {
             let scene = &performance.truth.scene;
-            let last_s = performance.sketch().bodies[0]
+            let last_s = performance.sketch().tracks[TrackIndex(0)]
                 .samples
                 .last()
                 .unwrap()

@@ -1,6 +1,7 @@
 //! The performance maker's truths obey physics, meet their goals and pass through nothing; its
 //! recordings are made again byte for byte.
 
+use enact::motion::{FreeBody, LinkIndex, TrackIndex};
 use enact_tools::perform;
 use enact_tools::perform::recording;
 use std::path::Path;
@@ -21,7 +22,7 @@ fn truths() -> Vec<Truth> {
 
 /// Kinetic and potential energy [J], and angular momentum about the centre of mass [N m s, world].
 fn invariants(truth: &Truth, state: &State) -> (f64, Vector3<f64>) {
-    let body = &truth.scene.bodies[0].body;
+    let body = &truth.scene.links[LinkIndex(0)].body;
     let omega = state.angular_velocity_rad_s;
     let momentum = body.moments_kg_m2().component_mul(&omega);
     let energy = 0.5 * body.mass_kg() * state.velocity_m_s.norm_squared()
@@ -32,7 +33,7 @@ fn invariants(truth: &Truth, state: &State) -> (f64, Vector3<f64>) {
 
 fn advance(truth: &Truth, state: &State, duration_s: f64) -> State {
     flow::advance(
-        &truth.scene.bodies[0].body,
+        &truth.scene.links[LinkIndex(0)].body,
         &truth.scene.gravity_m_s2,
         state,
         duration_s,
@@ -49,7 +50,7 @@ fn poses(truth: &Truth) -> impl Iterator<Item = (f64, Pose)> {
     let steps = (truth.duration_s / 5e-4) as usize;
     (0..=steps)
         .map(move |step| truth.duration_s * step as f64 / steps as f64)
-        .map(move |time_s| (time_s, truth.world_from_body(0, time_s)))
+        .map(move |time_s| (time_s, truth.world_from_body(LinkIndex(0), time_s)))
 }
 
 #[test]
@@ -90,7 +91,7 @@ fn flight_conserves_energy_and_angular_momentum() {
 #[test]
 fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
     for truth in truths() {
-        let body = &truth.scene.bodies[0].body;
+        let body = &truth.scene.links[LinkIndex(0)].body;
         let mut collisions = 0;
         for (index, event) in truth.scene.events.iter().enumerate() {
             let Some(collision) = event.kind.collision() else {
@@ -135,7 +136,7 @@ fn the_pencils_do_what_their_names_say() {
         assert!((0.7..1.0).contains(&truth.duration_s));
         let bounce = truth.scene.events[0].kind.collision().unwrap();
         let touching = bounce.contacts[0].feature.unwrap();
-        let features = &truth.scene.bodies[bounce.body].features;
+        let features = &truth.scene.links[bounce.link].features;
         assert_eq!(features[touching].name, feature);
         assert!((0.5..=0.8).contains(&bounce.restitution));
         let bounce_s = truth.event_times_s[0];
@@ -164,7 +165,7 @@ fn the_pencils_do_what_their_names_say() {
 fn the_pencils_pass_through_neither_table_nor_mug() {
     for style in Style::ALL {
         let truth = style.truth();
-        let pencil = truth.scene.bodies[0].shape.solid().unwrap();
+        let pencil = truth.scene.links[LinkIndex(0)].shape.solid().unwrap();
         let obstacles: Vec<_> = truth
             .scene
             .obstacles
@@ -198,7 +199,7 @@ fn the_pencils_pass_through_neither_table_nor_mug() {
             }
         }
         // It does arrive at the floor, inside.
-        let last = truth.world_from_body(0, truth.duration_s);
+        let last = truth.world_from_body(LinkIndex(0), truth.duration_s);
         let (_, floor, world_from_floor) = &obstacles[0];
         assert!(pencil.distance_m(&last, floor, world_from_floor).unwrap() < 1e-3);
     }
@@ -210,7 +211,7 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
         let truth = bounces(count, seed).unwrap();
         assert_eq!(truth.scene.events.len(), count + 1);
         assert_eq!(bounces(count, seed).unwrap(), truth);
-        let corners = &truth.scene.bodies[0].features;
+        let corners = &truth.scene.links[LinkIndex(0)].features;
         for (time_s, pose) in poses(&truth) {
             let lowest_m = corners
                 .iter()
@@ -229,8 +230,11 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
         }
         let scene = enact::config::scene_from_toml(&perform::bounces::scene_toml(&truth)).unwrap();
         assert_eq!(scene.events, truth.scene.events);
-        assert_eq!(scene.bodies[0].body, truth.scene.bodies[0].body);
-        for (read, made) in scene.bodies[0].features.iter().zip(corners) {
+        assert_eq!(
+            scene.links[LinkIndex(0)].body,
+            truth.scene.links[LinkIndex(0)].body
+        );
+        for (read, made) in scene.links[LinkIndex(0)].features.iter().zip(corners) {
             assert_eq!(read.name, made.name);
             let (Point { point_m: a, .. }, Point { point_m: b, .. }) =
                 (read.geometry, made.geometry)
@@ -253,7 +257,18 @@ fn a_motion_that_does_not_happen_is_refused() {
         Err(perform::TruthError::NoContact { event: 0, .. })
     ));
     let mut twice = truth.scene.clone();
-    twice.bodies.push(twice.bodies[0].clone());
+    let (link, track) = (
+        twice.links[LinkIndex(0)].clone(),
+        twice.tracks[TrackIndex(0)].clone(),
+    );
+    twice.add(FreeBody {
+        name: link.name,
+        topic: track.topic,
+        body: link.body,
+        shape: link.shape,
+        body_from_tracker: track.link_from_tracker,
+        features: link.features,
+    });
     let refused = simulate(&twice, &[], &[truth.arcs[0].state], 0.5);
     let bodies = perform::TruthError::Bodies {
         count: 2,
@@ -315,10 +330,13 @@ fn the_attached_truth_is_the_truth() {
         truth.arcs[1].state.velocity_m_s.z
     ));
     let times = json["samples"][0]["times_s"].as_array().unwrap();
-    assert_eq!(times.len(), performance.sample_times_s[0].len());
+    assert_eq!(times.len(), performance.sample_times_s[TrackIndex(0)].len());
     assert_eq!(
         times.len(),
         json["samples"][0]["stamps_ns"].as_array().unwrap().len()
     );
-    assert!(near(&times[100], performance.sample_times_s[0][100]));
+    assert!(near(
+        &times[100],
+        performance.sample_times_s[TrackIndex(0)][100]
+    ));
 }

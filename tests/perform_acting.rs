@@ -1,20 +1,20 @@
 //! The performance maker acts as badly as its knobs say, and no worse.
 
 use enact::math::so3;
-use enact::motion::{TakeEvent, Timing};
+use enact::motion::{LinkIndex, TakeEvent, Timing, TrackIndex};
 use enact_tools::perform::{Acting, Performance, Style, bounces, hat_box, perform};
 use nalgebra::Vector3;
 
 /// Errors of all samples: shift [m, world] and turn [rad, body].
 fn errors(performance: &Performance) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     let sketch = performance.sketch();
-    let samples = sketch.bodies[0]
+    let samples = sketch.tracks[TrackIndex(0)]
         .samples
         .iter()
-        .zip(&performance.sample_times_s[0]);
+        .zip(&performance.sample_times_s[TrackIndex(0)]);
     samples
         .map(|(sample, time_s)| {
-            let truth = performance.truth.state(0, *time_s);
+            let truth = performance.truth.state(LinkIndex(0), *time_s);
             let turn = so3::log(&(truth.orientation.inverse() * sample.orientation));
             (sample.position_m - truth.position_m, turn)
         })
@@ -53,10 +53,10 @@ fn exact_acting_is_the_truth() {
         for (mark_s, event_s) in sketch.marks_s.iter().zip(&truth.event_times_s) {
             assert!((mark_s - event_s).abs() < 1e-9);
         }
-        for (sample, time_s) in sketch.bodies[0]
+        for (sample, time_s) in sketch.tracks[TrackIndex(0)]
             .samples
             .iter()
-            .zip(&performance.sample_times_s[0])
+            .zip(&performance.sample_times_s[TrackIndex(0)])
         {
             assert!((sample.acted_s - time_s).abs() < 1e-9);
         }
@@ -114,8 +114,8 @@ fn the_noise_is_as_large_as_asked() {
     let (shift_m, turn_rad) = rms_per_axis(&noise_rad, 200);
     close(turn_rad, 0.3_f64.to_radians(), 0.01);
     // Through the mount's lever: |r|²·2/3 per axis.
-    let lever_m = Style::Tip.truth().scene.bodies[0]
-        .body_from_tracker
+    let lever_m = Style::Tip.truth().scene.tracks[TrackIndex(0)]
+        .link_from_tracker
         .translation
         .vector
         .norm();
@@ -135,7 +135,7 @@ fn the_tempo_is_monotone_and_varies_as_asked() {
             };
             let performance = perform(&truth, &acting, seed);
             let tempo = &performance.tempo;
-            let times = &performance.sample_times_s[0];
+            let times = &performance.sample_times_s[TrackIndex(0)];
             assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
             assert!(times[0] == 0.0 && *times.last().unwrap() <= truth.duration_s);
             let end_s = tempo.acted_duration_s();
@@ -202,10 +202,13 @@ fn stamps_jitter_and_samples_are_lost_in_bursts_as_asked() {
     for seed in 0..300 {
         let performance = perform(&truth, &acting, seed);
         let sketch = performance.sketch();
-        let samples = &sketch.bodies[0].samples;
+        let samples = &sketch.tracks[TrackIndex(0)].samples;
         assert!(samples.windows(2).all(|pair| pair[0].stamp < pair[1].stamp));
         let mut last_index = -1.0;
-        for (sample, time_s) in samples.iter().zip(&performance.sample_times_s[0]) {
+        for (sample, time_s) in samples
+            .iter()
+            .zip(&performance.sample_times_s[TrackIndex(0)])
+        {
             let acted_s = performance.tempo.acted_s(*time_s);
             let off_s = sample.stamp.seconds_since(acting.start) - acted_s;
             square += off_s * off_s;
@@ -242,13 +245,13 @@ fn known_timing_is_full_speed_with_the_wander_of_the_slow_performance() {
     let sketch = performance.sketch();
     assert_eq!(performance.truth.scene.timing, Timing::Known);
     assert_eq!(
-        sketch.bodies[0].samples.len(),
+        sketch.tracks[TrackIndex(0)].samples.len(),
         (truth.duration_s * 120.0) as usize + 1
     );
-    for (sample, time_s) in sketch.bodies[0]
+    for (sample, time_s) in sketch.tracks[TrackIndex(0)]
         .samples
         .iter()
-        .zip(&performance.sample_times_s[0])
+        .zip(&performance.sample_times_s[TrackIndex(0)])
     {
         assert!((sample.acted_s - time_s).abs() < 1e-9);
     }
@@ -341,7 +344,7 @@ fn the_performer_holds_still_before_and_after() {
         ..Acting::default()
     };
     let performance = perform(&truth, &acting, 2);
-    let times = &performance.sample_times_s[0];
+    let times = &performance.sample_times_s[TrackIndex(0)];
     assert!(times[..60].iter().all(|time_s| *time_s == 0.0));
     assert!(
         times[times.len() - 35..]
@@ -397,20 +400,21 @@ fn trackers_of_several_bodies_are_out_of_step_and_share_the_marks() {
         let performance = perform(&truth, &acting, seed);
         let sketch = performance.sketch();
         assert_eq!(sketch.marks_s.len(), 3);
-        let firsts = [0, 1].map(|body| sketch.bodies[body].samples[0].acted_s);
+        let tracks = [TrackIndex(0), TrackIndex(1)];
+        let firsts = tracks.map(|track| sketch.tracks[track].samples[0].acted_s);
         assert_eq!(firsts[0], 0.0);
         phases.push(firsts[1] / interval_s);
         // Losses of the one are none of the other's.
-        let [hat, cube] = [0, 1].map(|body| sketch.bodies[body].samples.len());
+        let [hat, cube] = tracks.map(|track| sketch.tracks[track].samples.len());
         let whole = (performance.tempo.acted_duration_s() * acting.rate_hz) as usize;
         assert!(hat > whole * 9 / 10 && cube > whole * 9 / 10);
-        for body in 0..2 {
-            for (sample, time_s) in sketch.bodies[body]
+        for track in tracks {
+            for (sample, time_s) in sketch.tracks[track]
                 .samples
                 .iter()
-                .zip(&performance.sample_times_s[body])
+                .zip(&performance.sample_times_s[track])
             {
-                let state = truth.state(body, *time_s);
+                let state = truth.state(truth.scene.tracks[track].link, *time_s);
                 assert!((sample.position_m - state.position_m).norm() < 0.15);
             }
         }

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use enact::math::{Pose, so3};
-use enact::motion::{GoalTarget, Quantity, Scene};
+use enact::motion::{GoalTarget, LinkIndex, Quantity, Scene};
 use enact::physics::contact::Feature::Point;
 use enact::physics::impact::{Law, Side};
 use enact::physics::{State, flow};
@@ -13,30 +13,31 @@ use enact_tools::perform::truth::Flight;
 use enact_tools::perform::{Truth, die, flips, hat_box, simulate};
 use nalgebra::{Point3, Vector3};
 
-const HAT: usize = 0;
-const BOX: usize = 1;
+const HAT: LinkIndex = LinkIndex(0);
+const BOX: LinkIndex = LinkIndex(1);
 
-fn advance(truth: &Truth, body: usize, state: &State, duration_s: f64) -> State {
-    let body = &truth.scene.bodies[body].body;
+fn advance(truth: &Truth, link: LinkIndex, state: &State, duration_s: f64) -> State {
+    let body = &truth.scene.links[link].body;
     flow::advance(body, &truth.scene.gravity_m_s2, state, duration_s)
 }
 
-/// A body's states just before and just after an event that concerns it.
-fn around(truth: &Truth, body: usize, event: usize) -> (State, State) {
+/// A link's states just before and just after an event that concerns it.
+fn around(truth: &Truth, link: LinkIndex, event: usize) -> (State, State) {
     let time_s = truth.event_times_s[event];
-    let mut arcs = truth.arcs.iter().filter(|arc| arc.body == body);
+    let mechanism = truth.scene.mechanism_of(link);
+    let mut arcs = truth.arcs.iter().filter(|arc| arc.mechanism == mechanism);
     let ended = arcs.find(|arc| arc.end_s == time_s).unwrap();
     let begun = arcs.next().unwrap();
     assert_eq!(begun.start_s, time_s);
     (
-        advance(truth, body, &ended.state, ended.end_s - ended.epoch_s),
+        advance(truth, link, &ended.state, ended.end_s - ended.epoch_s),
         begun.state,
     )
 }
 
 /// Kinetic energy [J], momentum [N s] and angular momentum about the origin [N m s].
-fn balance(truth: &Truth, body: usize, state: &State) -> (f64, Vector3<f64>, Vector3<f64>) {
-    let body = &truth.scene.bodies[body].body;
+fn balance(truth: &Truth, link: LinkIndex, state: &State) -> (f64, Vector3<f64>, Vector3<f64>) {
+    let body = &truth.scene.links[link].body;
     let omega = state.angular_velocity_rad_s;
     let spin = body.moments_kg_m2().component_mul(&omega);
     let momentum = state.velocity_m_s * body.mass_kg();
@@ -53,8 +54,8 @@ fn moments(truth: &Truth) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |step| duration_s * step as f64 / steps as f64)
 }
 
-fn corners(scene: &Scene, body: usize) -> Vec<Point3<f64>> {
-    let features = scene.bodies[body].features.iter();
+fn corners(scene: &Scene, link: LinkIndex) -> Vec<Point3<f64>> {
+    let features = scene.links[link].features.iter();
     let corners = features.filter_map(|feature| match feature.geometry {
         Point { point_m, .. } => Some(point_m.into()),
         _ => None,
@@ -78,10 +79,16 @@ fn the_hat_and_the_box_end_where_they_should() {
         .filter(|goal| matches!(goal.target, GoalTarget::Pose { .. }));
     assert_eq!((equalities.count(), truth.scene.goals.len()), (2, 3));
     assert!(truth.goal_miss() < 1e-12, "{}", truth.goal_miss());
-    let initial = [HAT, BOX].map(|body| truth.state(body, 0.0));
+    let initial = [HAT, BOX].map(|link| truth.state(link, 0.0));
     let again = simulate(&truth.scene, &truth.parameters, &initial, truth.duration_s);
     assert_eq!(again.unwrap(), truth);
-    let arcs = |body| truth.arcs.iter().filter(move |arc| arc.body == body);
+    let mechanism = |link| truth.scene.mechanism_of(link);
+    let arcs = |link| {
+        truth
+            .arcs
+            .iter()
+            .filter(move |arc| arc.mechanism == mechanism(link))
+    };
     assert_eq!((arcs(HAT).count(), arcs(BOX).count()), (2, 3));
     for arc in &truth.arcs {
         assert!((0.25..0.6).contains(&(arc.end_s - arc.start_s)));
@@ -116,9 +123,12 @@ fn every_parameter_is_within_its_bounds_and_none_is_what_the_scene_begins_with()
 #[test]
 fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
     let truth = hat_box::truth();
-    for (event, bodies) in [(0, vec![BOX]), (1, vec![BOX, HAT])] {
+    for (event, links) in [(0, vec![BOX]), (1, vec![BOX, HAT])] {
         let encounter = Encounter::of(&truth.scene, &truth.parameters, event).unwrap();
-        let pairs: Vec<(State, State)> = bodies.iter().map(|b| around(&truth, *b, event)).collect();
+        let pairs: Vec<(State, State)> = links
+            .iter()
+            .map(|link| around(&truth, *link, event))
+            .collect();
         let other = pairs.get(1).copied().unwrap_or((still(), still()));
         let (before, after) = ((pairs[0].0, other.0), (pairs[0].1, other.1));
         assert!(encounter.gap_m(&before.0, &before.1).abs() < 1e-15);
@@ -135,8 +145,8 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
         let total = |of: fn(&(State, State)) -> &State| {
             let balances = pairs
                 .iter()
-                .zip(&bodies)
-                .map(|(pair, body)| balance(&truth, *body, of(pair)));
+                .zip(&links)
+                .map(|(pair, link)| balance(&truth, *link, of(pair)));
             balances.fold((0.0, Vector3::zeros(), Vector3::zeros()), |a, b| {
                 (a.0 + b.0, a.1 + b.1, a.2 + b.2)
             })
@@ -149,7 +159,7 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
             * speed
             * encounter.mass_kg(&before.0, &before.1);
         assert!((energy - energy_after - lost).abs() < 1e-13 && lost > 0.01);
-        if bodies.len() == 2 {
+        if links.len() == 2 {
             assert!((momentum_after - momentum).norm() < 1e-14);
             assert!((spin_after - spin).norm() < 1e-14);
         }
@@ -160,18 +170,18 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
 fn they_touch_nothing_but_what_they_should() {
     let truth = hat_box::truth();
     let scene = &truth.scene;
-    let solids = [HAT, BOX].map(|body| scene.bodies[body].shape.solid().unwrap());
+    let [hat_solid, box_solid] = [HAT, BOX].map(|link| scene.links[link].shape.solid().unwrap());
     let (board_m, board) = scene.surfaces[1].plane().unwrap();
     let (bounce_s, meeting_s) = (truth.event_times_s[0], truth.event_times_s[1]);
     for time_s in moments(&truth) {
-        let [hat, cube] = [HAT, BOX].map(|body| truth.world_from_body(body, time_s));
+        let [hat, cube] = [HAT, BOX].map(|link| truth.world_from_body(link, time_s));
         // A corner approaches at 1 m/s or more, and parts at a tenth of that.
         let apart = |event_s: f64| {
             (time_s - event_s)
                 .abs()
                 .min((truth.duration_s - time_s).abs())
         };
-        let distance_m = solids[HAT].distance_m(&hat, &solids[BOX], &cube).unwrap();
+        let distance_m = hat_solid.distance_m(&hat, &box_solid, &cube).unwrap();
         let least_m = if apart(meeting_s) < 0.01 { -1e-7 } else { 1e-4 };
         assert!(distance_m > least_m, "{distance_m} m at {time_s} s");
         for corner in corners(scene, BOX) {
@@ -196,10 +206,8 @@ fn they_touch_nothing_but_what_they_should() {
             assert!(board.dot(&(centre.coords - board_m)) > lowest(&board));
         }
     }
-    let last = [HAT, BOX].map(|body| truth.world_from_body(body, truth.duration_s));
-    let gap_m = solids[HAT]
-        .distance_m(&last[HAT], &solids[BOX], &last[BOX])
-        .unwrap();
+    let [hat, cube] = [HAT, BOX].map(|link| truth.world_from_body(link, truth.duration_s));
+    let gap_m = hat_solid.distance_m(&hat, &box_solid, &cube).unwrap();
     assert!(
         (gap_m - 2e-4).abs() < 1e-6,
         "the box ends {gap_m} m above the crown"
@@ -224,11 +232,11 @@ fn the_bent_scene_is_the_same_with_two_more_goals() {
 /// whatever normal and with whatever friction.
 fn unaccounted_rad_s(
     truth: &Truth,
-    body: usize,
+    link: LinkIndex,
     corner: &Vector3<f64>,
     pair: (State, State),
 ) -> f64 {
-    let cube = &truth.scene.bodies[body].body;
+    let cube = &truth.scene.links[link].body;
     let (before, after) = pair;
     let push = after
         .orientation
@@ -242,11 +250,11 @@ fn unaccounted_rad_s(
 /// the inner ones: over durations of 0.05 to 0.6 s of each flight, and a turn more or less.
 fn least_unaccounted_rad_s(
     truth: &Truth,
-    body: usize,
+    link: LinkIndex,
     poses: &[Pose],
     corners: &[Vector3<f64>],
 ) -> f64 {
-    let flight = Flight::of(&truth.scene, body);
+    let flight = Flight::of(&truth.scene, link);
     // Velocities at both ends of every way to fly from one pose to the next.
     let ways = |pair: &[Pose]| -> Vec<(State, State)> {
         let durations = (5..=60).map(|step| f64::from(step) / 100.0);
@@ -262,7 +270,7 @@ fn least_unaccounted_rad_s(
     for (pair, corner) in flights.windows(2).zip(corners) {
         let after = |(begun, _): &(State, State)| {
             let befores = pair[0].iter().zip(&worst).map(|((_, ended), worst)| {
-                unaccounted_rad_s(truth, body, corner, (*ended, *begun)).max(*worst)
+                unaccounted_rad_s(truth, link, corner, (*ended, *begun)).max(*worst)
             });
             befores.fold(f64::INFINITY, f64::min)
         };
@@ -317,7 +325,7 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
         shown.push(top.0);
         // The named corner is the lowest, and exactly on the table.
         let encounter = Encounter::of(scene, &reference.parameters, goal.event).unwrap();
-        let mut heights: Vec<f64> = corners(scene, 0)
+        let mut heights: Vec<f64> = corners(scene, LinkIndex(0))
             .iter()
             .map(|c| (world_from_body * c).z)
             .collect();
@@ -325,7 +333,7 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
         let touching = (world_from_body * Point3::from(encounter.point_m)).z;
         assert!(touching.abs() < 1e-16 && heights[0] == touching && heights[1] > 0.015);
         // It comes down and goes up.
-        let (before, after) = around(&reference, 0, goal.event);
+        let (before, after) = around(&reference, LinkIndex(0), goal.event);
         assert!(encounter.speed_m_s(&before, &still()) < -0.8);
         assert!(encounter.speed_m_s(&after, &still()) > 0.5);
         assert!(after.angular_velocity_rad_s.norm() < TAU * 4.0);
@@ -334,21 +342,27 @@ fn the_die_shows_its_faces_in_order_and_no_push_makes_its_flights() {
     let goals: Vec<Pose> = scene
         .goals
         .iter()
-        .map(|goal| reference.world_from_body(0, reference.event_times_s[goal.event]))
+        .map(|goal| reference.world_from_body(LinkIndex(0), reference.event_times_s[goal.event]))
         .collect();
     let touching = (1..5).map(|event| {
         let encounter = Encounter::of(scene, &reference.parameters, event);
         encounter.unwrap().point_m
     });
-    let least = least_unaccounted_rad_s(&reference, 0, &goals, &touching.collect::<Vec<_>>());
+    let least = least_unaccounted_rad_s(
+        &reference,
+        LinkIndex(0),
+        &goals,
+        &touching.collect::<Vec<_>>(),
+    );
     assert!(least > 0.5, "{least} rad/s");
 }
 
 #[test]
 fn a_flight_between_poses_leads_from_one_to_the_other() {
     let reference = die::reference();
-    let flight = Flight::of(&reference.scene, 0);
-    let pose = |event: usize| reference.world_from_body(0, reference.event_times_s[event]);
+    let flight = Flight::of(&reference.scene, LinkIndex(0));
+    let pose =
+        |event: usize| reference.world_from_body(LinkIndex(0), reference.event_times_s[event]);
     for turns in [-1.0, 0.0, 2.0] {
         let begun = flight.between(&pose(0), &pose(1), 0.4, turns);
         let ended = flight.advance(&begun, 0.4);
@@ -364,8 +378,8 @@ fn the_estimators_law_agrees_on_the_meeting() {
     for (event, other) in [(0, None), (1, Some(HAT))] {
         let meeting = truth.scene.meeting(event).unwrap().unwrap();
         let (before, after) = around(&truth, BOX, event);
-        let partner = other.map(|body| around(&truth, body, event));
-        let body_of = |index: usize| &truth.scene.bodies[index].body;
+        let partner = other.map(|link| around(&truth, link, event));
+        let body_of = |link: LinkIndex| &truth.scene.links[link].body;
         let a = Side {
             body: body_of(BOX),
             state: &before,
@@ -403,28 +417,28 @@ fn the_estimators_law_agrees_on_the_meeting() {
 fn a_brick_flips_as_often_as_asked_and_lands_on_a_corner() {
     for (count, seed) in [(1, 0), (2, 1), (4, 2), (8, 3)] {
         let truth = flips(count, seed).unwrap();
-        let (before, after) = around(&truth, 0, 0);
+        let (before, after) = around(&truth, LinkIndex(0), 0);
         let arc = &truth.arcs[0];
         let about_middle: Vec<f64> = (0..=1000)
             .map(|step| arc.end_s * f64::from(step) / 1e3)
-            .map(|time_s| advance(&truth, 0, &arc.state, time_s))
+            .map(|time_s| advance(&truth, LinkIndex(0), &arc.state, time_s))
             .map(|state| state.angular_velocity_rad_s.y)
             .collect();
         let flipped = about_middle.windows(2).filter(|w| w[0] * w[1] < 0.0);
         assert_eq!(flipped.count(), count, "{count} flips, seed {seed}");
 
         let lowest_m = |state: &State| {
-            let heights = corners(&truth.scene, 0).into_iter();
+            let heights = corners(&truth.scene, LinkIndex(0)).into_iter();
             let heights = heights.map(|corner| (state.world_from_body() * corner).z);
             heights.fold(f64::INFINITY, f64::min)
         };
         assert!(lowest_m(&before).abs() < 1e-9, "{}", lowest_m(&before));
         for time_s in moments(&truth) {
-            let height_m = lowest_m(&truth.state(0, time_s));
+            let height_m = lowest_m(&truth.state(LinkIndex(0), time_s));
             assert!(height_m > -1e-9, "{height_m} m at {time_s} s");
         }
-        let (energy_j, momentum, _) = balance(&truth, 0, &before);
-        let (energy_after_j, momentum_after, _) = balance(&truth, 0, &after);
+        let (energy_j, momentum, _) = balance(&truth, LinkIndex(0), &before);
+        let (energy_after_j, momentum_after, _) = balance(&truth, LinkIndex(0), &after);
         assert!(energy_after_j < energy_j);
         // The table has no friction: the impulse is vertical.
         let impulse = momentum_after - momentum;

@@ -1,5 +1,6 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
+use enact::motion::TrackIndex;
 use enact::segment::{SegmentError, cut, refine};
 use enact_tools::perform::{Acting, Performance, Style, bounces, perform};
 
@@ -49,7 +50,7 @@ fn segments_follow_each_other_and_keep_away_from_collisions() {
     let sketch = performance.sketch();
     let segments = cut(&performance.truth.scene, &sketch).unwrap();
     assert_eq!(segments.len(), 4);
-    let samples = &sketch.bodies[0].samples;
+    let samples = &sketch.tracks[TrackIndex(0)].samples;
     for pair in segments.windows(2) {
         assert_eq!(pair[0].end_event, pair[1].start_event);
         assert!(pair[0].samples.end <= pair[1].samples.start);

@@ -10,7 +10,7 @@ use super::number::{direction, name, pose, positive, topic, unique, vector, vect
 use super::raw::{RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
 use crate::math::Pose;
-use crate::motion::{Feature, SceneBody};
+use crate::motion::{Feature, FreeBody};
 use crate::physics::{Body, BodyError, Shape, ShapeError, contact};
 
 /// Sizes of bodies: objects that a hand can act with.
@@ -23,7 +23,7 @@ const SIZE: SizeLimits = SizeLimits {
 const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
 
 /// A checked body.
-pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
+pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<FreeBody, Fault> {
     let raw = spanned.get_ref();
     let name = name("body", &raw.name)?;
     let topic = match &raw.topic {
@@ -42,7 +42,7 @@ pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<SceneBody, Fault> {
     };
     let mut features = features(raw)?;
     add_own(&shape, &mut features);
-    Ok(SceneBody {
+    Ok(FreeBody {
         name,
         topic,
         body,

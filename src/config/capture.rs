@@ -4,10 +4,12 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use typed_index_collections::TiVec;
+
 use super::error::{Fault, fault};
 use super::number::{finite, index_of, positive, unique};
 use super::raw::{Number, RawCapture, RawScene, RawTrackerClock};
-use crate::motion::{Scene, StampSource};
+use crate::motion::{Scene, StampSource, TrackIndex};
 
 const FOLDER: &str = "takes";
 const CHUNK_MS: f64 = 100.0;
@@ -34,8 +36,8 @@ pub struct CaptureSettings {
     pub viewer_port: Option<u16>,
     /// Port of health and metrics; 0: any free port, `None`: not served.
     pub metrics_port: Option<u16>,
-    /// Source of the stamps, body by body; `None`: the first valid sample decides.
-    pub stamps: Vec<Option<StampSource>>,
+    /// Source of the stamps, track by track; `None`: the first valid sample decides.
+    pub stamps: TiVec<TrackIndex, Option<StampSource>>,
 }
 
 /// The checked table, or its defaults.
@@ -60,15 +62,18 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         },
         None => IpAddr::V4(Ipv4Addr::LOCALHOST),
     };
-    let mut stamps = vec![None; scene.bodies.len()];
+    let mut stamps: TiVec<TrackIndex, _> = scene.tracks.iter().map(|_| None).collect();
     let mut named: Vec<&str> = Vec::new();
     for tracker in &raw.tracker {
-        let names = scene.bodies.iter().map(|body| body.name.as_str());
-        let body = index_of("body", &tracker.body, names)?;
-        let name = scene.bodies[body].name.as_str();
+        let names = scene
+            .tracks
+            .keys()
+            .map(|track| scene.link_seen_by(track).name.as_str());
+        let track = TrackIndex(index_of("body", &tracker.body, names)?);
+        let name = scene.link_seen_by(track).name.as_str();
         unique("tracker of", &tracker.body, name, named.iter().copied())?;
         named.push(name);
-        stamps[body] = Some(stamp_source(tracker)?);
+        stamps[track] = Some(stamp_source(tracker)?);
     }
     Ok(CaptureSettings {
         folder: PathBuf::from(folder),
@@ -169,7 +174,7 @@ mass_g = 6.0
         assert_eq!(settings.folder, PathBuf::from("takes"));
         assert_eq!(settings.chunk, Duration::from_millis(100));
         assert_eq!(settings.sync, Duration::from_secs(1));
-        assert_eq!(settings.stamps, [None]);
+        assert_eq!(settings.stamps.raw, [None]);
         assert_eq!((settings.viewer_port, settings.metrics_port), (None, None));
     }
 
@@ -198,7 +203,10 @@ mass_g = 6.0
             ),
         ] {
             let table = format!("[[capture.tracker]]\nbody = \"ball\"\n{line}\n");
-            assert_eq!(settings(&table).expect("valid").stamps, [Some(expected)]);
+            assert_eq!(
+                settings(&table).expect("valid").stamps.raw,
+                [Some(expected)]
+            );
         }
     }
 

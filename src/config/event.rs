@@ -9,18 +9,15 @@ use super::error::{Fault, fault};
 use super::number::{finite, index_of, name, pose, unique};
 use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
 use crate::motion::{
-    Collision, Event, EventKind, Goal, GoalTarget, Partner, SceneBody, Surface, Touching,
+    Collision, Event, EventKind, Goal, GoalTarget, Link, LinkIndex, Partner, Scene, Touching,
 };
 
 /// Greatest coefficient of friction; a larger one is a mistake.
 const FRICTION_MAX: f64 = 10.0;
 
-/// The events in order: a start only first, an end only last.
-pub(super) fn events(
-    raw: &[Spanned<RawEvent>],
-    bodies: &[SceneBody],
-    surfaces: &[Surface],
-) -> Result<Vec<Event>, Fault> {
+/// The events of a scene whose bodies and surfaces are known, in order: a start only first, an end
+/// only last.
+pub(super) fn events(raw: &[Spanned<RawEvent>], scene: &Scene) -> Result<Vec<Event>, Fault> {
     let mut events: Vec<Event> = Vec::new();
     for (index, spanned) in raw.iter().enumerate() {
         let event = spanned.get_ref();
@@ -46,7 +43,7 @@ pub(super) fn events(
             }
             "start" => plain(event, EventKind::Start)?,
             "end" => plain(event, EventKind::End)?,
-            "collision" => repeated(event, collision(spanned, bodies, surfaces)?, &events)?,
+            "collision" => repeated(event, collision(spanned, scene)?, &events)?,
             other => {
                 return fault(
                     event.kind.span(),
@@ -117,18 +114,13 @@ fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
     Ok(kind)
 }
 
-fn collision(
-    spanned: &Spanned<RawEvent>,
-    bodies: &[SceneBody],
-    surfaces: &[Surface],
-) -> Result<Collision, Fault> {
+fn collision(spanned: &Spanned<RawEvent>, scene: &Scene) -> Result<Collision, Fault> {
     let event = spanned.get_ref();
     let missing = |key: &str| Fault {
         span: spanned.span(),
         message: format!("missing key `{key}`: a collision needs body and restitution"),
     };
-    let body_of = |text: &Text| index_of("body", text, bodies.iter().map(|b| b.name.as_str()));
-    let body = body_of(event.body.as_ref().ok_or_else(|| missing("body"))?)?;
+    let link = link_of(event.body.as_ref().ok_or_else(|| missing("body"))?, scene)?;
     let (partner, other) = match (&event.surface, &event.other) {
         (Some(_), Some(other)) => {
             return fault(
@@ -137,17 +129,17 @@ fn collision(
             );
         }
         (Some(surface), None) => {
-            let names = surfaces.iter().map(|s| s.name.as_str());
+            let names = scene.surfaces.iter().map(|s| s.name.as_str());
             (Partner::World, Some(index_of("surface", surface, names)?))
         }
         (None, Some(text)) => {
-            let other = body_of(text)?;
-            if other == body {
+            let other = link_of(text, scene)?;
+            if other == link {
                 return fault(text.span(), "a body does not collide with itself");
             }
             let feature = event.other_feature.as_ref();
-            let feature = feature.map(|text| feature_of(&bodies[other], text));
-            (Partner::Body(other), feature.transpose()?)
+            let feature = feature.map(|text| feature_of(&scene.links[other], text));
+            (Partner::Link(other), feature.transpose()?)
         }
         (None, None) => (Partner::World, None),
     };
@@ -158,7 +150,7 @@ fn collision(
         None => 0.0,
         Some(number) => friction(number)?,
     };
-    let contacts: Vec<Touching> = features(event, &bodies[body])?
+    let contacts: Vec<Touching> = features(event, &scene.links[link])?
         .into_iter()
         .map(|feature| Touching { feature, other })
         .collect();
@@ -173,7 +165,7 @@ fn collision(
         .as_ref()
         .ok_or_else(|| missing("restitution"))?;
     Ok(Collision {
-        body,
+        link,
         partner,
         contacts,
         restitution: share("restitution", restitution)?,
@@ -181,11 +173,11 @@ fn collision(
     })
 }
 
-/// The features of `body` that touch: one, several at once, or `None` for one to be inferred.
-fn features(event: &RawEvent, body: &SceneBody) -> Result<Vec<Option<usize>>, Fault> {
+/// The features of `link` that touch: one, several at once, or `None` for one to be inferred.
+fn features(event: &RawEvent, link: &Link) -> Result<Vec<Option<usize>>, Fault> {
     match (&event.feature, &event.features) {
         (None, None) => Ok(vec![None]),
-        (Some(text), None) => Ok(vec![Some(feature_of(body, text)?)]),
+        (Some(text), None) => Ok(vec![Some(feature_of(link, text)?)]),
         (Some(_), Some(several)) => fault(
             several.span(),
             "expected one of feature and features, not both",
@@ -198,15 +190,21 @@ fn features(event: &RawEvent, body: &SceneBody) -> Result<Vec<Option<usize>>, Fa
                     format!("{} features touch at once, expected 1 to 3", texts.len()),
                 );
             }
-            let features = texts.iter().map(|text| feature_of(body, text).map(Some));
+            let features = texts.iter().map(|text| feature_of(link, text).map(Some));
             features.collect()
         }
     }
 }
 
-fn feature_of(body: &SceneBody, text: &Text) -> Result<usize, Fault> {
-    let names = body.features.iter().map(|f| f.name.as_str());
-    index_of(&format!("feature of {:?}", body.name), text, names)
+/// The link of the body that is meant.
+fn link_of(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
+    let names = scene.links.iter().map(|link| link.name.as_str());
+    index_of("body", text, names).map(LinkIndex)
+}
+
+fn feature_of(link: &Link, text: &Text) -> Result<usize, Fault> {
+    let names = link.features.iter().map(|f| f.name.as_str());
+    index_of(&format!("feature of {:?}", link.name), text, names)
 }
 
 fn share(what: &str, number: &Number) -> Result<f64, Fault> {
@@ -230,17 +228,14 @@ fn friction(number: &Number) -> Result<f64, Fault> {
     }
 }
 
-/// The goals, each on an event and a body that exist, none twice.
-pub(super) fn goals(
-    raw: &[Spanned<RawGoal>],
-    bodies: &[SceneBody],
-    events: &[Event],
-) -> Result<Vec<Goal>, Fault> {
+/// The goals, each on an event and a body of the scene that exist, none twice.
+pub(super) fn goals(raw: &[Spanned<RawGoal>], scene: &Scene) -> Result<Vec<Goal>, Fault> {
+    let events = &scene.events;
     let mut goals: Vec<Goal> = Vec::new();
     for spanned in raw {
         let goal = spanned.get_ref();
         let event = index_of("event", &goal.event, events.iter().map(|e| e.name.as_str()))?;
-        let body = index_of("body", &goal.body, bodies.iter().map(|b| b.name.as_str()))?;
+        let link = link_of(&goal.body, scene)?;
         let target = target(spanned)?;
         if matches!(events[event].kind, EventKind::Collisions { .. }) {
             return fault(
@@ -251,18 +246,18 @@ pub(super) fn goals(
                 ),
             );
         }
-        if goals.iter().any(|g| g.event == event && g.body == body) {
+        if goals.iter().any(|g| g.event == event && g.link == link) {
             return fault(
                 spanned.span(),
                 format!(
                     "a second goal for {:?} at {:?}, expected one",
-                    bodies[body].name, events[event].name
+                    scene.links[link].name, events[event].name
                 ),
             );
         }
         goals.push(Goal {
             event,
-            body,
+            link,
             target,
         });
     }

@@ -1,6 +1,7 @@
 //! Checks the whole scene, part by part.
 
 use nalgebra::Vector3;
+use typed_index_collections::TiVec;
 
 use super::body::body;
 use super::error::{Fault, fault};
@@ -9,7 +10,7 @@ use super::number::{direction, name, pose, positive, topic, unique, vector, vect
 use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::solid::{SizeLimits, shape};
-use crate::motion::{Obstacle, Scene, SceneBody, Surface, Timing, VelocityGaps, Weights};
+use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, VelocityGaps, Weights};
 use crate::physics::contact;
 
 const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
@@ -43,25 +44,31 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let obstacles = obstacles(&raw.obstacle)?;
     let mut surfaces = surfaces(&raw.surface)?;
     add_obstacles(raw, &obstacles, &mut surfaces);
-    let events = events(&raw.event, &bodies, &surfaces)?;
-    let (parameters, cones) = parameters(&raw.free, &gravity_m_s2, &events)?;
     let mut scene = Scene {
         name,
         gravity_m_s2,
         timing: timing(&raw.timing)?,
         mark_sd_s: mark_sd_s(&raw.timing)?,
         marks_topic,
+        links: TiVec::new(),
+        mechanisms: TiVec::new(),
+        tracks: TiVec::new(),
         obstacles,
-        goals: goals(&raw.goal, &bodies, &events)?,
-        parameters,
-        cones,
+        surfaces,
+        events: Vec::new(),
+        goals: Vec::new(),
+        parameters: Vec::new(),
+        cones: Vec::new(),
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights: weights(raw.weights.as_ref())?,
         settle_s: settle_s(raw.settle_s.as_ref())?,
-        bodies,
-        surfaces,
-        events,
     };
+    for body in bodies {
+        scene.add(body);
+    }
+    scene.events = events(&raw.event, &scene)?;
+    scene.goals = goals(&raw.goal, &scene)?;
+    (scene.parameters, scene.cones) = parameters(&raw.free, &gravity_m_s2, &scene.events)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.meeting(event).map_err(|error| Fault {
             span: spanned.span(),
@@ -166,8 +173,8 @@ fn settle_s(raw: Option<&Number>) -> Result<Option<f64>, Fault> {
     Ok(Some(settle_s))
 }
 
-fn bodies(raw: &RawScene, marks_topic: &str) -> Result<Vec<SceneBody>, Fault> {
-    let mut bodies: Vec<SceneBody> = Vec::new();
+fn bodies(raw: &RawScene, marks_topic: &str) -> Result<Vec<FreeBody>, Fault> {
+    let mut bodies: Vec<FreeBody> = Vec::new();
     for spanned in &raw.body {
         let raw_body = spanned.get_ref();
         let body = body(spanned)?;

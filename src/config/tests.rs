@@ -2,7 +2,7 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::{SceneError, scene_from_toml};
-use crate::motion::{Collision, EventKind, GoalTarget, Quantity, Timing};
+use crate::motion::{Collision, EventKind, GoalTarget, LinkIndex, Quantity, Timing, TrackIndex};
 use crate::physics::body::Symmetry;
 use crate::physics::{Shape, contact};
 
@@ -94,8 +94,8 @@ fn faces_of_bodies_come_after_their_corners() {
         )
     };
     let scene = scene_from_toml(&PENCIL.replace("[[surface]]", &face("end"))).unwrap();
-    let [_, _, end, ..] = &scene.bodies[0].features[..] else {
-        panic!("{:?}", scene.bodies[0].features);
+    let [_, _, end, ..] = &scene.links[LinkIndex(0)].features[..] else {
+        panic!("{:?}", scene.links[LinkIndex(0)].features);
     };
     let point_m = Vector3::new(0.0, 0.003, 0.095);
     assert_eq!(end.name, "end");
@@ -119,30 +119,31 @@ fn the_example_becomes_a_scene_in_si_units() {
     );
     assert_eq!(scene.weights.position_m, 0.005);
     assert_eq!(scene.weights.orientation_rad, 3.0_f64.to_radians());
-    let body = &scene.bodies[0];
-    assert_eq!(body.topic, "/tracker/pencil/pose");
+    let link = &scene.links[LinkIndex(0)];
+    let track = &scene.tracks[TrackIndex(0)];
+    assert_eq!(track.topic, "/tracker/pencil/pose");
     assert_eq!(
-        body.shape,
+        link.shape,
         Shape::Cylinder {
             half_length_m: 0.095,
             radius_m: 0.00375
         }
     );
-    assert_eq!(body.body.mass_kg(), 0.006);
-    assert_eq!(body.body.symmetry(), Symmetry::Axial { axis: 2 });
+    assert_eq!(link.body.mass_kg(), 0.006);
+    assert_eq!(link.body.symmetry(), Symmetry::Axial { axis: 2 });
     assert_eq!(
-        body.body_from_tracker.translation.vector,
+        track.link_from_tracker.translation.vector,
         Vector3::new(0.0, 0.0, 0.06)
     );
-    let turn = body.body_from_tracker.rotation;
+    let turn = track.link_from_tracker.rotation;
     assert!((turn.norm() - 1.0).abs() < 1e-15);
     assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-7);
-    let names: Vec<&str> = body.features.iter().map(|f| f.name.as_str()).collect();
+    let names: Vec<&str> = link.features.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names[..2], ["eraser", "tip"]);
     assert_eq!(names[2..], ["rim +z", "rim -z", "side", "end +z", "end -z"]);
-    assert_eq!(body.candidate_features(), [0, 1]);
+    assert_eq!(link.candidate_features(), [0, 1]);
     let tip = contact::Feature::corner(Vector3::new(0.0, 0.0, -0.095));
-    assert_eq!(body.features[1].geometry, tip);
+    assert_eq!(link.features[1].geometry, tip);
     let table = contact::Feature::face(Vector3::new(0.0, 0.0, 0.01), Vector3::z());
     assert_eq!(scene.surfaces[0].geometry, table);
     assert_eq!(
@@ -151,11 +152,14 @@ fn the_example_becomes_a_scene_in_si_units() {
     );
     assert_eq!(
         scene.events[1].kind,
-        EventKind::Collision(Collision::bounce(0, 1, 0, 0.6))
+        EventKind::Collision(Collision::bounce(LinkIndex(0), 1, 0, 0.6))
     );
     assert_eq!(scene.events[0].kind, EventKind::Start);
     assert_eq!(scene.events[2].kind, EventKind::End);
-    assert_eq!((scene.goals[0].event, scene.goals[0].body), (2, 0));
+    assert_eq!(
+        (scene.goals[0].event, scene.goals[0].link),
+        (2, LinkIndex(0))
+    );
     assert!(matches!(scene.goals[0].target, GoalTarget::Pose { .. }));
     let [gravity, restitution, tilt] = scene.parameters.as_slice() else {
         panic!("{:?}", scene.parameters);
@@ -209,14 +213,14 @@ fn box_goals_and_defaults() {
 fn density_and_moments_may_be_given() {
     let scene = scene_from_toml(&with("mass_g = 6.0", "density_kg_m3 = 700")).unwrap();
     let volume_m3 = std::f64::consts::PI * 0.00375_f64.powi(2) * 0.19;
-    assert!((scene.bodies[0].body.mass_kg() / (700.0 * volume_m3) - 1.0).abs() < 1e-12);
+    assert!((scene.links[LinkIndex(0)].body.mass_kg() / (700.0 * volume_m3) - 1.0).abs() < 1e-12);
     let scene = scene_from_toml(&with(
         "mass_g = 6.0",
         "mass_kg = 0.006\nmoments_kg_m2 = [1e-5, 1e-5, 5e-8]",
     ))
     .unwrap();
     assert_eq!(
-        scene.bodies[0].body.moments_kg_m2(),
+        scene.links[LinkIndex(0)].body.moments_kg_m2(),
         Vector3::new(1e-5, 1e-5, 5e-8)
     );
 }
@@ -234,7 +238,10 @@ fn three_different_moments_make_an_asymmetric_body() {
         ),
     ] {
         let scene = scene_from_toml(&with(old, new)).unwrap();
-        assert_eq!(scene.bodies[0].body.symmetry(), Symmetry::Asymmetric);
+        assert_eq!(
+            scene.links[LinkIndex(0)].body.symmetry(),
+            Symmetry::Asymmetric
+        );
     }
 }
 
@@ -315,7 +322,7 @@ proptest! {
         let kept = if target.ends_with(']') { "]" } else { "" };
         let text = PENCIL.replacen(target, &format!("{value:e}{kept}"), 1);
         if let Ok(scene) = scene_from_toml(&text) {
-            prop_assert!(scene.bodies[0].body.mass_kg() > 0.0);
+            prop_assert!(scene.links[LinkIndex(0)].body.mass_kg() > 0.0);
             prop_assert!((scene.surfaces[0].plane().unwrap().1.norm() - 1.0).abs() < 1e-12);
         }
     }

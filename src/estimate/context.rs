@@ -88,6 +88,7 @@ mod tests {
 
     use super::*;
     use crate::estimate::problem::ArcSample;
+    use crate::motion::{MechanismIndex, TrackIndex};
 
     fn arc(samples: usize, per_node: usize) -> Arc {
         let sample = |index: usize| ArcSample {
@@ -97,7 +98,8 @@ mod tests {
             share: (index % per_node) as f64 / per_node as f64,
         };
         Arc {
-            body: 0,
+            mechanism: MechanismIndex(0),
+            track: TrackIndex(0),
             start: None,
             end: None,
             samples: (0..samples).map(sample).collect(),

@@ -10,7 +10,6 @@
 use super::constraint::At;
 use super::context::SolveContext;
 use super::point::Point;
-use super::problem::STATE;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::optimise::envelope::Envelope;
@@ -99,7 +98,7 @@ impl<'a> Nudged<'a> {
         let layout = context.layout;
         let mut owners = vec![Owner::Node; layout.size()];
         for (arc, at) in layout.arcs.iter().enumerate() {
-            for entry in 0..STATE {
+            for entry in 0..context.problem.dimension(arc) {
                 owners[at + entry] = Owner::State { arc, entry };
             }
         }

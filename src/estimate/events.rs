@@ -118,7 +118,7 @@ mod tests {
     use super::super::recipe::epochs_s;
     use super::super::tests::{EPOCHS_S, scene, sketch};
     use super::*;
-    use crate::motion::Timing;
+    use crate::motion::{LinkIndex, Timing};
     use crate::physics::{State, flow};
 
     const EVENT_S: f64 = 0.22;
@@ -141,7 +141,7 @@ mod tests {
                 velocity_m_s: velocities_m_s[arc],
                 angular_velocity_rad_s: spins[arc].normalize() * speed_rad_s,
             };
-            let (body, gravity) = (&scene.bodies[0].body, &scene.gravity_m_s2);
+            let (body, gravity) = (&scene.links[LinkIndex(0)].body, &scene.gravity_m_s2);
             of.state = flow::advance(body, gravity, &touching, EPOCHS_S[arc] - EVENT_S);
         }
         guess.event_times_s[0] = from_s;

@@ -4,7 +4,12 @@
 //! arcs that end at the next event, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet are not coupled and come one after the other.
 
-use super::problem::{Arc, EventMark, Problem, STATE};
+use std::ops::Range;
+
+use typed_index_collections::TiVec;
+
+use super::problem::{Arc, EventMark, Problem};
+use crate::motion::MechanismIndex;
 use crate::optimise::Structure;
 use crate::optimise::envelope::Pattern;
 
@@ -42,14 +47,14 @@ impl Layout {
         // An event at which no flight ends belongs to the first group.
         let owner = |event: usize| {
             let mut ending = problem.arcs.iter().filter(|arc| arc.end == Some(event));
-            ending.next().map_or(0, |arc| groups[arc.body])
+            ending.next().map_or(0, |arc| groups[arc.mechanism])
         };
         // One round per event and one for what ends without any.
         let rounds = (0..events.len()).map(Some).chain([None]);
         for (group, event) in (0..count).flat_map(|g| rounds.clone().map(move |event| (g, event))) {
             let is_here = |arc: &usize| {
                 let arc = &problem.arcs[*arc];
-                arc.end == event && groups[arc.body] == group
+                arc.end == event && groups[arc.mechanism] == group
             };
             let here: Vec<usize> = (0..arcs.len()).filter(is_here).collect();
             if problem.times_are_unknown() {
@@ -64,7 +69,7 @@ impl Layout {
                 }
             }
             for arc in here {
-                arcs[arc] = take(STATE);
+                arcs[arc] = take(problem.dimension(arc));
             }
             if let Some(event) = event
                 && problem.event_is_free[event]
@@ -99,8 +104,9 @@ impl Layout {
         self.structure.size()
     }
 
-    fn state(&self, arc: usize) -> impl Iterator<Item = usize> + use<> {
-        self.arcs[arc]..self.arcs[arc] + STATE
+    /// Unknowns that hold an arc's state.
+    pub fn state(&self, problem: &Problem, arc: usize) -> Range<usize> {
+        self.arcs[arc]..self.arcs[arc] + problem.dimension(arc)
     }
 
     /// Unknowns that hold components of gravity.
@@ -129,7 +135,7 @@ impl Layout {
         };
         let gravity = self.gravity(problem);
         for (index, arc) in problem.arcs.iter().enumerate() {
-            let mut members: Vec<usize> = self.state(index).collect();
+            let mut members: Vec<usize> = self.state(problem, index).collect();
             members.extend(&gravity);
             clique(&members);
             let own = members.len();
@@ -165,15 +171,15 @@ impl Layout {
     }
 }
 
-/// For every body its group, numbered from zero: bodies at one event are in one group, and all
-/// bodies are where their samples share unknown times.
-fn groups(problem: &Problem) -> Vec<usize> {
-    let mut groups: Vec<usize> = (0..problem.bodies.len()).collect();
-    let mut join = |members: &[usize]| {
-        let Some(first) = members.iter().map(|body| groups[*body]).min() else {
+/// For every mechanism its group, numbered from zero: mechanisms at one event are in one group, and all
+/// mechanisms are where their samples share unknown times.
+fn groups(problem: &Problem) -> TiVec<MechanismIndex, usize> {
+    let mut groups: TiVec<MechanismIndex, usize> = (0..problem.dynamics.len()).collect();
+    let mut join = |members: &[MechanismIndex]| {
+        let Some(first) = members.iter().map(|one| groups[*one]).min() else {
             return;
         };
-        let joined: Vec<usize> = members.iter().map(|body| groups[*body]).collect();
+        let joined: Vec<usize> = members.iter().map(|one| groups[*one]).collect();
         for group in &mut groups {
             if joined.contains(group) {
                 *group = first;
@@ -181,13 +187,13 @@ fn groups(problem: &Problem) -> Vec<usize> {
         }
     };
     if problem.times_are_unknown() {
-        join(&(0..problem.bodies.len()).collect::<Vec<_>>());
+        join(&problem.dynamics.keys().collect::<Vec<_>>());
     }
     for (event, is_free) in problem.event_is_free.iter().enumerate() {
         let at = |arc: &&Arc| arc.end == Some(event) || arc.start == Some(event);
-        let bodies = problem.arcs.iter().filter(at).map(|arc| arc.body);
+        let flying = problem.arcs.iter().filter(at).map(|arc| arc.mechanism);
         if *is_free {
-            join(&bodies.collect::<Vec<_>>());
+            join(&flying.collect::<Vec<_>>());
         }
     }
     for collision in &problem.collisions {
@@ -195,11 +201,11 @@ fn groups(problem: &Problem) -> Vec<usize> {
             &collision
                 .sides
                 .iter()
-                .map(|side| side.body)
+                .map(|side| side.mechanism)
                 .collect::<Vec<_>>(),
         );
     }
-    let mut numbers: Vec<usize> = groups.clone();
+    let mut numbers: Vec<usize> = groups.iter().copied().collect();
     numbers.sort_unstable();
     numbers.dedup();
     let number = |group: &usize| numbers.binary_search(group).expect("it is one of them");

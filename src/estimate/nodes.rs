@@ -76,7 +76,7 @@ impl Nodes {
 }
 
 fn samples<'s>(sketch: &'s Sketch, segment: &Segment) -> &'s [Sample] {
-    &sketch.bodies[segment.body].samples[segment.samples.clone()]
+    sketch.samples_of(segment)
 }
 
 fn distinct(mut times_s: Vec<f64>) -> Vec<f64> {
@@ -90,7 +90,7 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::motion::{BodySketch, Stamp};
+    use crate::motion::{MechanismIndex, Stamp, TrackIndex, TrackSketch};
 
     /// Two flights at `rate_hz`, of 0.4 s each, parted by 20 ms.
     fn two_flights(rate_hz: f64) -> (Sketch, Vec<Segment>) {
@@ -104,14 +104,17 @@ mod tests {
         let flight = |from_s: f64| (0..count).map(move |i| sample(from_s + i as f64 / rate_hz));
         let sketch = Sketch {
             origin: Stamp(0),
-            bodies: vec![BodySketch {
+            tracks: [TrackSketch {
                 samples: flight(0.0).chain(flight(0.42)).collect(),
-            }],
+            }]
+            .into_iter()
+            .collect(),
             marks_s: vec![0.41],
             marks: vec![None],
         };
         let segment = |samples| Segment {
-            body: 0,
+            mechanism: MechanismIndex(0),
+            track: TrackIndex(0),
             start_event: None,
             end_event: None,
             samples,

@@ -12,7 +12,7 @@ use crate::motion::{
     Verdict,
 };
 use crate::optimise::System;
-use crate::physics::flow;
+use crate::physics::{Dynamics, flow};
 
 /// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
@@ -142,7 +142,7 @@ fn judge(
     // A flight without an event at an end extends to its samples.
     if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
         let reversed = End::FlightReversed {
-            body: arc.body,
+            mechanism: arc.mechanism,
             start_s: arc.start_s,
             end_s: arc.end_s,
         };
@@ -191,7 +191,7 @@ fn arcs(
         .iter()
         .enumerate()
         .map(|(index, arc)| ArcEstimate {
-            body: arc.body,
+            mechanism: arc.mechanism,
             epoch_s: context.epochs_s[index],
             state: point.arcs[index],
             start_s: match arc.start {
@@ -204,7 +204,10 @@ fn arcs(
             },
         })
         .collect();
-    arcs.sort_by(|a, b| a.body.cmp(&b.body).then(a.start_s.total_cmp(&b.start_s)));
+    arcs.sort_by(|a, b| {
+        let order = a.mechanism.cmp(&b.mechanism);
+        order.then(a.start_s.total_cmp(&b.start_s))
+    });
     arcs
 }
 
@@ -213,7 +216,7 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<V
     let gravity = problem.gravity(&point.parameters);
     let arcs = problem.arcs.iter().enumerate();
     arcs.map(|(index, arc)| {
-        let body = &problem.bodies[arc.body];
+        let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
         let state = &point.arcs[index];
         let mut spin = flow::Spin::new(body, &state.angular_velocity_rad_s);
         let samples = arc.samples.iter();
@@ -234,7 +237,7 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<V
 
 fn residuals(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> Vec<SegmentResidual> {
     let mut order: Vec<usize> = (0..problem.arcs.len()).collect();
-    order.sort_by_key(|arc| problem.arcs[*arc].body);
+    order.sort_by_key(|arc| problem.arcs[*arc].mechanism);
     let rms = |errors: &[[f64; 6]], part: std::ops::Range<usize>| {
         let squares = errors
             .iter()
@@ -244,7 +247,7 @@ fn residuals(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> Vec<SegmentResidual
     order
         .into_iter()
         .map(|index| SegmentResidual {
-            body: problem.arcs[index].body,
+            track: problem.arcs[index].track,
             samples: errors[index].len(),
             position_rms_m: rms(&errors[index], 0..3) * problem.position_unit_m,
             orientation_rms_rad: rms(&errors[index], 3..6) * problem.orientation_unit_rad,
@@ -259,17 +262,17 @@ fn sample_times(
     point: &Point,
 ) -> Vec<SampleTime> {
     let mut order: Vec<usize> = (0..segments.len()).collect();
-    order.sort_by_key(|segment| segments[*segment].body);
+    order.sort_by_key(|segment| segments[*segment].mechanism);
     order
         .into_iter()
         .flat_map(|index| {
             let segment = &segments[index];
-            let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+            let samples = sketch.samples_of(segment);
             samples
                 .iter()
                 .zip(&problem.arcs[index].samples)
                 .map(|(sample, arc)| SampleTime {
-                    body: segment.body,
+                    track: segment.track,
                     stamp: sample.stamp,
                     time_s: arc.time_s(&point.node_times_s),
                 })

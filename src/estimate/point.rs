@@ -3,10 +3,9 @@
 use nalgebra::DVector;
 
 use super::layout::Layout;
-use super::problem::{Problem, STATE};
+use super::problem::Problem;
 use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
-use crate::physics::state::StateTangent;
 
 /// Values of all unknowns.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,10 +72,9 @@ impl Point {
         layout: &Layout,
         delta: &DVector<f64>,
     ) {
-        for ((state, from), at) in self.arcs.iter_mut().zip(&origin.arcs).zip(&layout.arcs) {
-            *state = from.retract(&StateTangent::from_column_slice(
-                &delta.as_slice()[*at..*at + STATE],
-            ));
+        for (arc, (state, from)) in self.arcs.iter_mut().zip(&origin.arcs).enumerate() {
+            let delta = &delta.as_slice()[layout.state(problem, arc)];
+            *state = problem.dynamics_of(arc).retract(from, delta);
         }
         let change = |at: Option<usize>| at.map_or(0.0, |at| delta[at]);
         for (event, time_s) in self.event_times_s.iter_mut().enumerate() {

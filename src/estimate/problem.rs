@@ -1,13 +1,15 @@
 //! The estimation problem in the solver's terms: arcs, events, constraints and free unknowns.
 
 use nalgebra::{UnitQuaternion, Vector3};
+use typed_index_collections::TiVec;
 
 use super::nodes::Nodes;
 use crate::math::Pose;
 use crate::motion::{
-    Cone, FreeParameter, Goal, GoalTarget, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    Cone, FreeParameter, Goal, GoalTarget, LinkIndex, MechanismIndex, Partner, Quantity, Scene,
+    Segment, Sketch, Timing, TrackIndex,
 };
-use crate::physics::Body;
+use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
 
 /// Units of constraints: violations of one unit have equal weight.
@@ -26,9 +28,6 @@ pub mod unit {
 /// near the performance; ten times as much reduces the gaps of a die with six given faces by a
 /// tenth, and increases the distance from the performance to four times.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
-
-/// Number of unknowns of a free body's state.
-pub const STATE: usize = 12;
 
 /// One sample of an arc.
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +55,13 @@ impl ArcSample {
     }
 }
 
-/// Free flight of one body between two events.
+/// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
-    /// Index into [`Problem::bodies`].
-    pub body: usize,
+    /// What flies (index into [`Problem::dynamics`]).
+    pub mechanism: MechanismIndex,
+    /// What saw it.
+    pub track: TrackIndex,
     /// Event at its start.
     pub start: Option<usize>,
     /// Event at its end.
@@ -69,18 +70,18 @@ pub struct Arc {
     pub samples: Vec<ArcSample>,
 }
 
-/// Arcs of one body before and after an event.
+/// Arcs of one mechanism before and after an event.
 #[derive(Clone, Copy, Debug)]
 pub struct ArcPair {
-    /// Index into [`Problem::bodies`].
-    pub body: usize,
+    /// What flies (index into [`Problem::dynamics`]).
+    pub mechanism: MechanismIndex,
     /// Arc before.
     pub before: usize,
     /// Arc after.
     pub after: usize,
 }
 
-/// An impact that ties the arcs of one body, or of two.
+/// An impact that ties the arcs of one mechanism, or of two.
 #[derive(Clone, Debug)]
 pub struct ArcCollision {
     /// Event at which it happens.
@@ -146,7 +147,7 @@ pub struct ArcGoal {
 /// The target of a goal.
 #[derive(Clone, Debug)]
 pub enum ArcTarget {
-    /// The body's pose.
+    /// The pose of its link.
     Pose(Pose),
     /// One coordinate of the centre of mass within bounds \[m\].
     Coordinate {
@@ -169,8 +170,8 @@ pub struct Bounded {
 /// Everything the solver needs, and nothing else.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Bodies of the scene.
-    pub bodies: Vec<Body>,
+    /// Equations of motion of the scene's mechanisms.
+    pub dynamics: TiVec<MechanismIndex, Dynamics>,
     /// Gravity, where it is not free [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// Parameters that hold components of gravity.
@@ -238,7 +239,11 @@ impl Problem {
             .collect();
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         Self {
-            bodies: scene.bodies.iter().map(|body| body.body).collect(),
+            dynamics: scene
+                .mechanisms
+                .keys()
+                .map(|mechanism| scene.dynamics(mechanism))
+                .collect(),
             gravity_m_s2: scene.gravity_m_s2,
             gravity_parameters: [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis })),
             collisions: collisions(scene, &arcs, &parameter),
@@ -261,6 +266,16 @@ impl Problem {
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
         }
+    }
+
+    /// The equations of motion of an arc.
+    pub fn dynamics_of(&self, arc: usize) -> &Dynamics {
+        &self.dynamics[self.arcs[arc].mechanism]
+    }
+
+    /// Number of unknowns of an arc's state.
+    pub fn dimension(&self, arc: usize) -> usize {
+        self.dynamics_of(arc).dimension()
     }
 
     /// Whether sample times are unknowns.
@@ -307,12 +322,14 @@ impl Problem {
     pub fn is_overconstrained(&self) -> bool {
         let collisions = self.collisions.iter().map(|collision| {
             let contacts = collision.meeting.contacts().len();
-            STATE * collision.sides.len()
-                + if collision.touches_by_goal {
-                    0
-                } else {
-                    contacts
-                }
+            let arcs = collision.sides.iter().map(|side| side.after);
+            let states: usize = arcs.map(|arc| self.dimension(arc)).sum();
+            let contacts = if collision.touches_by_goal {
+                0
+            } else {
+                contacts
+            };
+            states + contacts
         });
         let goals = self.goals.iter().map(|goal| match &goal.target {
             ArcTarget::Pose(_) => 6,
@@ -321,7 +338,8 @@ impl Problem {
             } => usize::from(lower_m == upper_m),
         });
         let free_events = self.event_is_free.iter().filter(|is_free| **is_free);
-        let unknowns = STATE * self.arcs.len() + free_events.count() + self.parameters.len();
+        let states: usize = (0..self.arcs.len()).map(|arc| self.dimension(arc)).sum();
+        let unknowns = states + free_events.count() + self.parameters.len();
         collisions.chain(goals).sum::<usize>() > unknowns
     }
 
@@ -383,9 +401,10 @@ fn marks(
 }
 
 fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
-    let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+    let samples = sketch.samples_of(segment);
     Arc {
-        body: segment.body,
+        mechanism: segment.mechanism,
+        track: segment.track,
         start: segment.start_event,
         end: segment.end_event,
         samples: samples
@@ -411,26 +430,28 @@ fn collisions(
     let events = scene.events.iter().enumerate();
     let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
     all.filter_map(|(event, collision)| {
-        let side = |body: usize| {
+        let side = |link: LinkIndex| {
+            let mechanism = scene.mechanism_of(link);
             let arc_with = |end: bool| {
                 arcs.iter().position(|arc| {
-                    arc.body == body && (if end { arc.end } else { arc.start }) == Some(event)
+                    arc.mechanism == mechanism
+                        && (if end { arc.end } else { arc.start }) == Some(event)
                 })
             };
             Some(ArcPair {
-                body,
+                mechanism,
                 before: arc_with(true)?,
                 after: arc_with(false)?,
             })
         };
         let is_held = |goal: &Goal| {
             goal.event == event
-                && goal.body == collision.body
+                && goal.link == collision.link
                 && matches!(goal.target, GoalTarget::Pose { .. })
         };
         Some(ArcCollision {
             event,
-            sides: collision.bodies().map(side).collect::<Option<_>>()?,
+            sides: collision.links().map(side).collect::<Option<_>>()?,
             meeting: scene
                 .meeting(event)
                 .expect("a collision that the scene's makers checked")
@@ -455,12 +476,13 @@ fn collisions(
 fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
     let mut goals = Vec::new();
     for goal in &scene.goals {
+        let mechanism = scene.mechanism_of(goal.link);
         let arc = arcs
             .iter()
-            .position(|arc| arc.body == goal.body && arc.end == Some(goal.event))
+            .position(|arc| arc.mechanism == mechanism && arc.end == Some(goal.event))
             .or_else(|| {
                 arcs.iter()
-                    .position(|arc| arc.body == goal.body && arc.start == Some(goal.event))
+                    .position(|arc| arc.mechanism == mechanism && arc.start == Some(goal.event))
             });
         let Some(arc) = arc else { continue };
         let event = goal.event;

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use super::problem::{Arc, ArcSample, Problem};
 use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
-use crate::physics::{Body, State};
+use crate::physics::{Dynamics, State};
 
 /// Sums over the samples of an arc for the position terms when times are known.
 #[derive(Clone, Debug)]
@@ -190,12 +190,13 @@ pub fn known_times(
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
 ) -> ArcTerms {
+    let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
     let unit = problem.orientation_unit_rad;
     let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
     let weight = arc.samples.len() as f64 / (readings.len().max(1) as f64 * unit * unit);
     let start = (&state.orientation, &state.angular_velocity_rad_s);
     let readings = readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
-    let turn = TurnTerms::of(&problem.bodies[arc.body], start, readings);
+    let turn = TurnTerms::of(body, start, readings);
     let mut terms = ArcTerms {
         turn: turn.weighed(weight),
         ..ArcTerms::default()
@@ -215,7 +216,7 @@ pub fn unknown_times(
     each: impl FnMut(usize, TimeTerms),
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
-    let body: &Body = &problem.bodies[arc.body];
+    let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
     let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
     let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
     let for_each = arc.samples.len() as f64 / samples.len().max(1) as f64;

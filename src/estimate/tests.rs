@@ -2,6 +2,7 @@
 //! can be free is free; and bounds that act.
 
 use nalgebra::{DVector, UnitQuaternion, Vector3};
+use typed_index_collections::TiVec;
 
 use super::context::{Guidance, SolveContext};
 use super::layout::Layout;
@@ -10,13 +11,13 @@ use super::problem::Problem;
 use super::recipe::{self, Recipe};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
-    ArcGuess, BodySketch, Collision, Cone, Event, EventKind, Feature, FreeParameter, Goal,
-    GoalTarget, Guess, MarkTime, Partner, Quantity, Sample, Scene, SceneBody, Segment, Sketch,
-    Stamp, Surface, Timing, Touching, VelocityGaps, Weights,
+    ArcGuess, Collision, Cone, Event, EventKind, Feature, FreeBody, FreeParameter, Goal,
+    GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene, Segment, Sketch,
+    Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps, Weights,
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
-use crate::physics::{Body, Shape, State, contact, flow, impact};
+use crate::physics::{Body, Dynamics, Shape, State, contact, flow, impact};
 
 mod approach;
 
@@ -39,24 +40,16 @@ pub(super) fn scene(timing: Timing) -> Scene {
         name: name.into(),
         kind,
     };
-    let bounce = EventKind::Collision(Collision::bounce(0, 0, 0, 0.6));
-    Scene {
+    let bounce = EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 0.6));
+    let mut scene = Scene {
         name: "rod".into(),
         gravity_m_s2: GRAVITY,
         timing,
         mark_sd_s: None,
         marks_topic: "/marks".into(),
-        bodies: vec![SceneBody {
-            name: "rod".into(),
-            topic: "/rod".into(),
-            body: Body::new(0.01, Vector3::new(3e-5, 3e-5, 1e-6)).unwrap(),
-            shape: Shape::Sphere { radius_m: 0.1 },
-            body_from_tracker: Pose::identity(),
-            features: vec![Feature {
-                name: "tip".into(),
-                geometry: contact::Feature::corner(Vector3::new(0.0, 0.01, -0.1)),
-            }],
-        }],
+        links: TiVec::new(),
+        mechanisms: TiVec::new(),
+        tracks: TiVec::new(),
         surfaces: vec![Surface {
             name: "table".into(),
             geometry: contact::Feature::face(
@@ -70,7 +63,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
         goals: vec![
             Goal {
                 event: 1,
-                body: 0,
+                link: LinkIndex(0),
                 target: GoalTarget::Pose {
                     world_from_body: Pose::from_parts(
                         Vector3::new(0.3, 0.1, 0.2).into(),
@@ -80,7 +73,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
             },
             Goal {
                 event: 0,
-                body: 0,
+                link: LinkIndex(0),
                 target: GoalTarget::PositionWithin {
                     lower_m: Vector3::new(-1.0, f64::NEG_INFINITY, 0.0),
                     upper_m: Vector3::new(1.0, f64::INFINITY, 0.5),
@@ -116,7 +109,19 @@ pub(super) fn scene(timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-    }
+    };
+    scene.add(FreeBody {
+        name: "rod".into(),
+        topic: "/rod".into(),
+        body: Body::new(0.01, Vector3::new(3e-5, 3e-5, 1e-6)).unwrap(),
+        shape: Shape::Sphere { radius_m: 0.1 },
+        body_from_tracker: Pose::identity(),
+        features: vec![Feature {
+            name: "tip".into(),
+            geometry: contact::Feature::corner(Vector3::new(0.0, 0.01, -0.1)),
+        }],
+    });
+    scene
 }
 
 fn states() -> [State; 2] {
@@ -145,20 +150,21 @@ fn meeting(timing: Timing, friction: f64) -> Scene {
         Vector3::new(0.01, 0.0, 0.02),
         Vector3::new(-0.1, 0.2, 1.0).normalize(),
     );
-    scene.bodies.push(SceneBody {
+    scene.add(FreeBody {
         name: "board".into(),
         topic: "/board".into(),
         body: Body::new(0.02, Vector3::new(4e-5, 4e-5, 7e-5)).unwrap(),
+        shape: scene.links[LinkIndex(0)].shape.clone(),
+        body_from_tracker: scene.tracks[TrackIndex(0)].link_from_tracker,
         features: vec![Feature {
             name: "top".into(),
             geometry: face,
         }],
-        ..scene.bodies[0].clone()
     });
     let bounce = Collision {
-        partner: Partner::Body(1),
+        partner: Partner::Link(LinkIndex(1)),
         friction,
-        ..Collision::bounce(0, 0, 0, 0.6)
+        ..Collision::bounce(LinkIndex(0), 0, 0, 0.6)
     };
     scene.events[0].kind = EventKind::Collision(bounce);
     scene.cones.push(Cone {
@@ -180,8 +186,8 @@ fn landing(timing: Timing) -> Scene {
         geometry: contact::Feature::corner(Vector3::new(x, y, -0.1)),
     };
     let features = [point("east", 0.05, 0.0), point("west", -0.05, 0.01)];
-    scene.bodies[0].features.extend(features);
-    let mut bounce = Collision::bounce(0, 0, 0, 0.6);
+    scene.links[LinkIndex(0)].features.extend(features);
+    let mut bounce = Collision::bounce(LinkIndex(0), 0, 0, 0.6);
     bounce.contacts = (0..3)
         .map(|feature| Touching {
             feature: Some(feature),
@@ -193,17 +199,18 @@ fn landing(timing: Timing) -> Scene {
 }
 const SAMPLES: usize = 9;
 
-/// Samples of two arcs of every body, off the flights by `offset`, and a guess at the flights.
+/// Samples of two arcs of every link, off the flights by `offset`, and a guess at the flights.
 pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess) {
     let marks_s = vec![0.22, 0.45];
-    let mut bodies = Vec::new();
+    let mut tracks = TiVec::new();
     let mut segments = Vec::new();
     let mut arcs = Vec::new();
-    for (body, of_scene) in scene.bodies.iter().enumerate() {
+    for track in scene.tracks.keys() {
+        let link = scene.link_seen_by(track);
         let mut samples = Vec::new();
         for (arc, mut state) in states().into_iter().enumerate() {
             // The second body flies below the first and turns otherwise.
-            let other = body as f64;
+            let other = usize::from(track) as f64;
             state.position_m += Vector3::new(0.02, -0.03, -0.25) * other;
             state.velocity_m_s += Vector3::new(-0.3, 0.1, 0.4) * other;
             state.angular_velocity_rad_s += Vector3::new(-2.0, 1.0, 3.0) * other;
@@ -212,7 +219,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 .collect();
             for (i, time_s) in times_s.iter().enumerate() {
                 let s = time_s - EPOCHS_S[arc];
-                let there = flow::advance(&of_scene.body, &GRAVITY, &state, s);
+                let there = flow::advance(&link.body, &GRAVITY, &state, s);
                 let wave = offset * (1.7 * i as f64 + arc as f64 + other).sin();
                 samples.push(Sample {
                     stamp: Stamp((time_s * 1e9) as i64),
@@ -223,7 +230,8 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 });
             }
             segments.push(Segment {
-                body,
+                mechanism: link.mechanism,
+                track,
                 start_event: arc.checked_sub(1),
                 end_event: Some(arc),
                 samples: SAMPLES * arc..SAMPLES * (arc + 1),
@@ -234,11 +242,11 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 sample_times_s: times_s,
             });
         }
-        bodies.push(BodySketch { samples });
+        tracks.push(TrackSketch { samples });
     }
     // Segments come in order of their ends, and so do the guesses of their arcs.
     let order = |arc: usize| {
-        if scene.bodies.len() == 1 {
+        if scene.links.len() == 1 {
             arc
         } else {
             [0, 2, 1, 3][arc]
@@ -250,7 +258,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
     let arcs = (0..arcs.len()).map(|i| arcs[order(i)].clone()).collect();
     let sketch = Sketch {
         origin: Stamp(0),
-        bodies,
+        tracks,
         marks_s: marks_s.clone(),
         // What nothing remains of has marks that say nothing.
         marks: marks_s
@@ -321,7 +329,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             scene.parameters[0].initial = GRAVITY.z;
         }
         let (mut sketch, segments, guess) = sketch(&scene, offset);
-        let samples = sketch.bodies.iter_mut().flat_map(|body| &mut body.samples);
+        let samples = sketch.tracks.iter_mut().flat_map(|body| &mut body.samples);
         samples.for_each(|sample| sample.acted_s *= pace);
         let mut problem = Problem::new(&scene, &sketch, &segments);
         let mut shares = problem.arcs.iter().flat_map(|arc| &arc.samples);
@@ -494,14 +502,15 @@ fn the_meetings_approach_and_one_slides_and_the_other_sticks() {
         let collision = &problem.collisions[0];
         let before = |side: usize| {
             let arc = collision.sides[side].before;
-            let body = &problem.bodies[collision.sides[side].body];
+            let dynamics = problem.dynamics_of(arc);
             let duration_s = guess.event_times_s[0] - guess.arcs[arc].epoch_s;
-            flow::advance(body, &GRAVITY, &guess.arcs[arc].state, duration_s)
+            dynamics.advance(&GRAVITY, &guess.arcs[arc].state, duration_s)
         };
         let states = [before(0), before(1)];
-        let side = |index: usize| impact::Side {
-            body: &problem.bodies[index],
-            state: &states[index],
+        let side = |side: usize| {
+            let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+            let state = &states[side];
+            impact::Side { body, state }
         };
         let law = impact::Law {
             friction,

@@ -26,8 +26,8 @@ pub struct TopicReport {
 /// Counts of a recording, for a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TakeReport {
-    /// One per body of the scene, in its order, then one for the marks; in an edited sketch one
-    /// per segment of each body, and one for marks only if there are any.
+    /// One per track of the scene, in its order, then one for the marks; in an edited sketch one
+    /// per segment of each track, and one for marks only if there are any.
     pub topics: Vec<TopicReport>,
     /// The frames in which poses are given; more than one is likely a mistake.
     pub frame_ids: BTreeSet<String>,

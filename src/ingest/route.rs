@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::IngestError;
-use crate::motion::{Scene, Timing};
+use crate::motion::{Scene, Timing, TrackIndex};
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 
@@ -15,7 +15,7 @@ const CHILD_SEPARATOR: char = '#';
 #[derive(Clone, Debug)]
 pub(super) struct Feed {
     pub(super) format: Format,
-    /// Indices of the routes that read them: several bodies may share a topic.
+    /// Indices of the routes that read them: several tracks may share a topic.
     pub(super) routes: Vec<usize>,
 }
 
@@ -28,9 +28,9 @@ pub(super) enum Format {
 /// One stream's claim to a topic. Routes are numbered as `TakeReport::topics`.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
-    /// Index into `Scene::bodies`; that of the marks is one past the last.
-    pub(super) body: usize,
-    /// Index of the stream among the body's.
+    /// The track that it feeds; the marks feed none.
+    pub(super) track: Option<TrackIndex>,
+    /// Index of the stream among the track's.
     pub(super) stream: usize,
     /// Topic as the scene writes it.
     pub(super) topic: String,
@@ -40,7 +40,7 @@ pub(super) struct Route {
     pub(super) seen: BTreeSet<String>,
 }
 
-/// The routes of a scene's bodies, stream by stream, then the one of its marks, and the feeds by
+/// The routes of a scene's tracks, stream by stream, then the one of its marks, and the feeds by
 /// channel. An edited sketch needs no marks.
 pub(super) fn routes(
     path: &Path,
@@ -50,14 +50,14 @@ pub(super) fn routes(
     let mut routes = Vec::new();
     let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
     let present = || container.topics().into_iter().map(str::to_owned).collect();
-    for (index, body) in scene.bodies.iter().enumerate() {
+    for index in scene.tracks.keys() {
         check_streams(path, container, scene, index)?;
         for stream in 0..scene.streams(index) {
             let wanted = scene.stream_topic(index, stream);
             let (topic, child) =
                 resolve(container, &wanted).ok_or_else(|| IngestError::TopicAbsent {
                     path: path.to_owned(),
-                    body: body.name.clone(),
+                    body: scene.link_seen_by(index).name.clone(),
                     topic: wanted.clone(),
                     present: present(),
                 })?;
@@ -71,7 +71,7 @@ pub(super) fn routes(
                 feed.routes.push(routes.len());
             }
             routes.push(Route {
-                body: index,
+                track: Some(index),
                 stream,
                 child: child.map(str::to_owned),
                 seen: BTreeSet::new(),
@@ -113,7 +113,7 @@ pub(super) fn routes(
         );
     }
     routes.push(Route {
-        body: scene.bodies.len(),
+        track: None,
         stream: 0,
         topic: marks.to_owned(),
         child: None,
@@ -127,9 +127,9 @@ fn check_streams(
     path: &Path,
     container: &Container,
     scene: &Scene,
-    body: usize,
+    track: TrackIndex,
 ) -> Result<(), IngestError> {
-    let topic = &scene.bodies[body].topic;
+    let topic = &scene.tracks[track].topic;
     // Frames on one topic are known only when their messages are read.
     if scene.timing != Timing::Edited || topic.contains(CHILD_SEPARATOR) {
         return Ok(());
@@ -143,14 +143,14 @@ fn check_streams(
         .into_iter()
         .filter(|t| numbered(t).is_some())
         .collect();
-    let expected = scene.streams(body);
+    let expected = scene.streams(track);
     let is_wanted = |number: usize| (1..=expected).contains(&number);
     if found.len() == expected && found.iter().filter_map(numbered).all(is_wanted) {
         return Ok(());
     }
     Err(IngestError::SegmentCount {
         path: path.to_owned(),
-        body: scene.bodies[body].name.clone(),
+        body: scene.link_seen_by(track).name.clone(),
         topic: topic.clone(),
         expected,
         found: found.into_iter().map(str::to_owned).collect(),

@@ -121,10 +121,13 @@ impl RecordingSource {
         Ok(true)
     }
 
-    /// Hands the poses of the last message that belong to a route to its body's stream.
+    /// Hands the poses of the last message that belong to a route to its track's stream.
     fn route_poses(&mut self, route: usize, log_time: Stamp) -> Result<(), IngestError> {
         let topic = &mut self.report.topics[route];
         let route = &mut self.routes[route];
+        let Some(track) = route.track else {
+            return Ok(());
+        };
         for pose in &self.poses {
             if !route.seen.contains(&pose.child) {
                 route.seen.insert(pose.child.clone());
@@ -153,7 +156,7 @@ impl RecordingSource {
             let least = self.report.log_offset_ns.get_or_insert(offset_ns);
             *least = offset_ns.min(*least);
             let event = TakeEvent::Pose {
-                body: route.body,
+                track,
                 stream: route.stream,
                 sample,
             };

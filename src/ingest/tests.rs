@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent};
+use crate::motion::{FreeBody, LinkIndex, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use crate::wire::encode::{self, Transform};
 use crate::write::RecordingWriter;
 
@@ -133,7 +133,7 @@ fn recording_and_memory_deliver_the_same() {
         events.push((
             log_time,
             TakeEvent::Pose {
-                body: 0,
+                track: TrackIndex(0),
                 stream: 0,
                 sample,
             },
@@ -219,20 +219,25 @@ fn a_child_of_many_is_picked_by_name_and_several_bodies_share_a_topic() {
     ];
     let recording = opened(&messages);
     let mut scene = scene("/tf#pencil");
-    let mut hat = scene.bodies[0].clone();
-    hat.name = "hat".to_owned();
-    hat.topic = "/tf#hat".to_owned();
-    scene.bodies.push(hat);
+    let pencil = scene.links[LinkIndex(0)].clone();
+    scene.add(FreeBody {
+        name: "hat".to_owned(),
+        topic: "/tf#hat".to_owned(),
+        body: pencil.body,
+        shape: pencil.shape,
+        body_from_tracker: scene.tracks[TrackIndex(0)].link_from_tracker,
+        features: pencil.features,
+    });
     let take = recording.take(&scene).expect("take");
-    let bodies: Vec<_> = take
+    let heights_m: Vec<_> = take
         .events
         .iter()
         .filter_map(|event| match event {
-            TakeEvent::Pose { body, sample, .. } => Some((*body, sample.position_m.z)),
+            TakeEvent::Pose { track, sample, .. } => Some((track.0, sample.position_m.z)),
             TakeEvent::Mark(_) => None,
         })
         .collect();
-    assert_eq!(bodies, [(0, 1.0), (1, 0.0), (0, 0.0)]);
+    assert_eq!(heights_m, [(0, 1.0), (1, 0.0), (0, 0.0)]);
 }
 
 #[test]

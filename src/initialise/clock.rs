@@ -6,6 +6,7 @@
 //! off, and no solver finds its way back from there; this clock starts it at the right turn.
 
 use crate::motion::{Sample, Scene, Segment, Sketch};
+use crate::physics::Dynamics;
 use crate::physics::body::Symmetry;
 
 /// Turn that a speed is read from \[rad\]: large beside a hand's wander, and less than what could
@@ -29,8 +30,9 @@ const RATES: (f64, f64) = (0.2, 5.0);
 pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
     let mut tellers: Vec<(f64, &[Sample], Vec<f64>)> = Vec::new();
     for segment in segments {
-        let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
-        if scene.bodies[segment.body].body.symmetry() != Symmetry::Asymmetric
+        let samples = sketch.samples_of(segment);
+        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+        if body.symmetry() != Symmetry::Asymmetric
             && let Some((turned_rad, clock_s)) = clock(samples)
         {
             tellers.push((turned_rad, samples, clock_s));
@@ -59,7 +61,11 @@ pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
             })
     };
     let mut evened = sketch.clone();
-    for sample in evened.bodies.iter_mut().flat_map(|body| &mut body.samples) {
+    for sample in evened
+        .tracks
+        .iter_mut()
+        .flat_map(|track| &mut track.samples)
+    {
         sample.acted_s = at(sample.acted_s);
     }
     evened

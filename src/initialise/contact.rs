@@ -9,10 +9,13 @@
 use nalgebra::Vector3;
 
 use crate::math::{Pose, so3};
-use crate::motion::{Contacts, Goal, GoalTarget, Guess, Partner, Scene, Segment, Sketch, Touching};
+use crate::motion::{
+    Contacts, Goal, GoalTarget, Guess, LinkIndex, Mechanism, Partner, Scene, Segment, Sketch,
+    Touching,
+};
 use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::shape::Solid;
-use crate::physics::{Shape, State, flow};
+use crate::physics::{Shape, State};
 
 /// Longest flight by which two solids are led back \[s\], and steps of the bisection.
 const BACK_S: f64 = 0.25;
@@ -89,7 +92,7 @@ pub fn rank(
         };
     };
     match collision.partner {
-        Partner::Body(_) => candidates.extend(view.against_solid(&all, None)),
+        Partner::Link(_) => candidates.extend(view.against_solid(&all, None)),
         Partner::World => {
             for surface in 0..scene.surfaces.len() {
                 let of_it = with_surfaces(&all, |other| other == surface);
@@ -129,26 +132,27 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn bodies(&self) -> Vec<usize> {
+    fn links(&self) -> Vec<LinkIndex> {
         let collision = self.scene.events[self.event].kind.collision();
-        collision.map_or_else(Vec::new, |collision| collision.bodies().collect())
+        collision.map_or_else(Vec::new, |collision| collision.links().collect())
     }
 
-    /// The body's arcs that end (or begin) at the event.
-    fn arc(&self, body: usize, ends: bool) -> Option<usize> {
+    /// The link's arcs that end (or begin) at the event.
+    fn arc(&self, link: LinkIndex, ends: bool) -> Option<usize> {
+        let mechanism = self.scene.mechanism_of(link);
         self.segments.iter().position(|segment| {
             let event = if ends {
                 segment.end_event
             } else {
                 segment.start_event
             };
-            segment.body == body && event == Some(self.event)
+            segment.mechanism == mechanism && event == Some(self.event)
         })
     }
 
-    /// The pose that a goal asks of a body at the event.
-    fn goal(&self, body: usize) -> Option<Frame> {
-        let at = |goal: &&Goal| goal.event == self.event && goal.body == body;
+    /// The pose that a goal asks of a link at the event.
+    fn goal(&self, link: LinkIndex) -> Option<Frame> {
+        let at = |goal: &&Goal| goal.event == self.event && goal.link == link;
         match &self.scene.goals.iter().find(at)?.target {
             GoalTarget::Pose { world_from_body } => Some(Frame {
                 position_m: world_from_body.translation.vector,
@@ -161,14 +165,15 @@ impl View<'_> {
     /// By the fit of an arc, so long after the event; through the pose of a goal there.
     fn state(&self, arc: usize, after_s: f64) -> State {
         let fit = &self.guess.arcs[arc];
-        let body = self.segments[arc].body;
+        let mechanism = self.segments[arc].mechanism;
+        let Mechanism::Free(link) = self.scene.mechanisms[mechanism];
+        let dynamics = self.scene.dynamics(mechanism);
         let advance = |state: &State, duration_s: f64| {
-            let moved = &self.scene.bodies[body].body;
-            flow::advance(moved, &self.scene.gravity_m_s2, state, duration_s)
+            dynamics.advance(&self.scene.gravity_m_s2, state, duration_s)
         };
         let duration_s = self.guess.event_times_s[self.event] - fit.epoch_s;
         let mut at_event = advance(&fit.state, duration_s);
-        if let Some(goal) = self.goal(body) {
+        if let Some(goal) = self.goal(link) {
             at_event.position_m = goal.position_m;
             at_event.orientation = goal.orientation;
         }
@@ -181,8 +186,8 @@ impl View<'_> {
     }
 
     /// Gap of contacts with a plane, the lowest of several: the mean by both fits.
-    fn gap_m(&self, contacts: &Contacts, body: usize) -> Option<f64> {
-        let arcs = [true, false].map(|ends| self.arc(body, ends));
+    fn gap_m(&self, contacts: &Contacts, link: LinkIndex) -> Option<f64> {
+        let arcs = [true, false].map(|ends| self.arc(link, ends));
         let mut sum = (0.0, 0.0);
         for arc in arcs.into_iter().flatten() {
             let frame = Frame::of(&self.state(arc, 0.0));
@@ -197,12 +202,12 @@ impl View<'_> {
     }
 
     fn against_plane(&self, candidates: &[Contacts]) -> Vec<Reach> {
-        let Some(body) = self.bodies().first().copied() else {
+        let Some(link) = self.links().first().copied() else {
             return Vec::new();
         };
         let gaps: Vec<(&Contacts, f64)> = candidates
             .iter()
-            .filter_map(|contacts| Some((contacts, self.gap_m(contacts, body)?)))
+            .filter_map(|contacts| Some((contacts, self.gap_m(contacts, link)?)))
             .collect();
         let lowest_m = gaps
             .iter()
@@ -215,7 +220,7 @@ impl View<'_> {
         gaps.into_iter().map(reach).collect()
     }
 
-    /// Against an obstacle, or against the other body.
+    /// Against an obstacle, or against the other link.
     fn against_solid(&self, candidates: &[Contacts], obstacle: Option<usize>) -> Vec<Reach> {
         let Some(pair) = Solids::new(self, obstacle) else {
             return Vec::new();
@@ -248,31 +253,30 @@ impl View<'_> {
     }
 
     /// Root mean square distance of fits from samples beside the event, plus the angle's times
-    /// the radius; of the worse body \[m\].
+    /// the radius; of the worse link \[m\].
     fn spread_m(&self) -> f64 {
-        let bodies = self.bodies().into_iter();
-        bodies
-            .map(|body| self.spread_of_m(body))
-            .fold(0.0, f64::max)
+        let links = self.links().into_iter();
+        links.map(|link| self.spread_of_m(link)).fold(0.0, f64::max)
     }
 
-    fn spread_of_m(&self, body: usize) -> f64 {
-        if self.goal(body).is_some() {
+    fn spread_of_m(&self, link: LinkIndex) -> f64 {
+        if self.goal(link).is_some() {
             return 0.0;
         }
-        let of_scene = &self.scene.bodies[body];
+        let radius_m = self.scene.links[link].shape.radius_m();
+        let dynamics = self.scene.dynamics(self.scene.mechanism_of(link));
         let (mut shift_m2, mut turn_rad2, mut count) = (0.0, 0.0, 0.0);
         for arc in [true, false]
-            .map(|ends| self.arc(body, ends))
+            .map(|ends| self.arc(link, ends))
             .into_iter()
             .flatten()
         {
-            let samples = &self.sketch.bodies[body].samples[self.segments[arc].samples.clone()];
+            let samples = self.sketch.samples_of(&self.segments[arc]);
             let fit = &self.guess.arcs[arc];
             for (sample, time_s) in samples.iter().zip(&fit.sample_times_s) {
                 let gravity = &self.scene.gravity_m_s2;
                 let duration_s = time_s - fit.epoch_s;
-                let state = flow::advance(&of_scene.body, gravity, &fit.state, duration_s);
+                let state = dynamics.advance(gravity, &fit.state, duration_s);
                 shift_m2 += (state.position_m - sample.position_m).norm_squared();
                 let turn = so3::log(&(sample.orientation.inverse() * state.orientation));
                 turn_rad2 += turn.norm_squared();
@@ -282,7 +286,6 @@ impl View<'_> {
         if count == 0.0 {
             return 0.0;
         }
-        let radius_m = of_scene.shape.radius_m();
         (shift_m2 / count).sqrt() + radius_m * (turn_rad2 / count).sqrt()
     }
 }
@@ -301,8 +304,8 @@ struct Solids<'a> {
 
 impl<'a> Solids<'a> {
     fn new(view: &'a View<'a>, obstacle: Option<usize>) -> Option<Self> {
-        let bodies = view.bodies();
-        let first = *bodies.first()?;
+        let links = view.links();
+        let first = *links.first()?;
         let scene = view.scene;
         let (shape, arc, standing) = match obstacle {
             Some(obstacle) => {
@@ -310,12 +313,12 @@ impl<'a> Solids<'a> {
                 (&obstacle.shape, None, obstacle.world_from_shape)
             }
             None => {
-                let second = *bodies.get(1)?;
+                let second = *links.get(1)?;
                 let arc = view.arc(second, true)?;
-                (&scene.bodies[second].shape, Some(arc), Pose::identity())
+                (&scene.links[second].shape, Some(arc), Pose::identity())
             }
         };
-        let shapes = [&scene.bodies[first].shape, shape];
+        let shapes = [&scene.links[first].shape, shape];
         let point = Shape::Sphere { radius_m: 1e-6 };
         Some(Self {
             view,

@@ -6,7 +6,7 @@ use super::ballistic;
 use super::clock;
 use super::turn::{self, Reading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
-use crate::physics::State;
+use crate::physics::{Dynamics, State};
 
 /// Guesses at most.
 const GUESSES_MAX: usize = 5;
@@ -38,9 +38,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         .is_none()
         .then(|| clock::even(scene, sketch, segments));
     let sketch = evened.as_ref().unwrap_or(sketch);
-    let samples = |segment: &Segment| -> &[Sample] {
-        &sketch.bodies[segment.body].samples[segment.samples.clone()]
-    };
+    let samples = |segment: &Segment| sketch.samples_of(segment);
     let middle = |segment: &Segment| {
         let samples = samples(segment);
         0.5 * (samples[0].acted_s + samples[samples.len() - 1].acted_s)
@@ -64,13 +62,13 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             .zip(&sample_times_s)
             .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
             .collect();
-        let body = &scene.bodies[segment.body].body;
-        let turn = turn::fit(body, &readings);
+        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+        let turn = turn::fit(&body, &readings);
         fit_iterations += turn.iterations;
         let count = samples.len() as f64;
         turns.push(
             if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
-                let (fits, iterations) = turn::alternatives(body, &readings, turn);
+                let (fits, iterations) = turn::alternatives(&body, &readings, turn);
                 fit_iterations += iterations;
                 fits
             } else {

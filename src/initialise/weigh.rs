@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{GoalTarget, Guess, Scene, Segment, Sketch};
+use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
 use crate::physics::flow;
 
 /// Lets marks count as often as the samples of the flights in `guess` do.
@@ -34,24 +34,24 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
             arc.state.velocity_m_s + scene.gravity_m_s2 * after_s,
         )
     };
-    let ending = |body: usize, event: usize| {
+    let ending = |mechanism: MechanismIndex, event: usize| {
         segments
             .iter()
-            .position(|s| s.body == body && s.end_event == Some(event))
+            .position(|s| s.mechanism == mechanism && s.end_event == Some(event))
     };
     let mut squares_m2 = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
         let Some(event) = segment.start_event else {
             continue;
         };
-        if let Some(before) = ending(segment.body, event) {
+        if let Some(before) = ending(segment.mechanism, event) {
             let (from, to) = (arrival(before, event), arrival(index, event));
             // Both are off.
             squares_m2.push(0.5 * across_m2(to.0 - from.0, to.1 - from.1));
         }
     }
     for goal in &scene.goals {
-        if let Some(index) = ending(goal.body, goal.event)
+        if let Some(index) = ending(scene.mechanism_of(goal.link), goal.event)
             && let GoalTarget::Pose { world_from_body } = &goal.target
         {
             let (position_m, velocity_m_s) = arrival(index, goal.event);

@@ -1,5 +1,6 @@
 //! What speaks against a motion whose gaps are closed: a measured value beyond its bound.
 
+use super::index::{LinkIndex, MechanismIndex};
 use super::scene::{Against, Scene};
 use super::verdict::Verdict;
 
@@ -142,8 +143,8 @@ pub enum Place {
     Motion,
     /// One flight.
     Flight {
-        /// Index into `Scene::bodies`.
-        body: usize,
+        /// What flies.
+        mechanism: MechanismIndex,
         /// When it begins \[s\].
         start_s: f64,
     },
@@ -151,22 +152,22 @@ pub enum Place {
     Event(usize),
     /// A free parameter (index into `Scene::parameters`).
     Parameter(usize),
-    /// A body inside of something.
+    /// A link inside of something.
     Inside {
-        /// Index into `Scene::bodies`.
-        body: usize,
-        /// Of what.
+        /// The link.
+        link: LinkIndex,
+        /// What it is inside of.
         against: Against,
         /// When \[s\].
         time_s: f64,
     },
-    /// A body's parts at a collision.
+    /// A link's parts at a collision.
     Touch {
         /// Index into `Scene::events`.
         event: usize,
-        /// Index into `Scene::bodies`.
-        body: usize,
-        /// What should touch (indices into `SceneBody::features`).
+        /// The link.
+        link: LinkIndex,
+        /// What should touch (indices into `Link::features`).
         expected: Vec<usize>,
         /// What is nearer, if the scene names it.
         found: Option<usize>,
@@ -178,9 +179,8 @@ impl Place {
     pub fn name<'a>(&self, scene: &'a Scene) -> Option<&'a str> {
         match self {
             Place::Motion => None,
-            Place::Flight { body, .. } | Place::Inside { body, .. } => {
-                Some(&scene.bodies[*body].name)
-            }
+            Place::Flight { mechanism, .. } => Some(scene.name_of_mechanism(*mechanism)),
+            Place::Inside { link, .. } => Some(&scene.links[*link].name),
             Place::Event(event) | Place::Touch { event, .. } => Some(&scene.events[*event].name),
             Place::Parameter(parameter) => Some(&scene.parameters[*parameter].name),
         }

@@ -3,16 +3,17 @@
 use nalgebra::Vector3;
 
 use super::doubt::Doubt;
+use super::index::{MechanismIndex, TrackIndex};
 use super::reason::Reason;
 use super::take::Stamp;
 use super::verdict::Verdict;
 use crate::physics::State;
 
-/// The motion of one body between two of its events.
+/// The motion of one mechanism between two of its events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcEstimate {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// What flies.
+    pub mechanism: MechanismIndex,
     /// Physical time of `state` [s since the first sample].
     pub epoch_s: f64,
     /// State at the epoch.
@@ -105,8 +106,8 @@ pub struct ParameterEstimate {
 /// How well one segment fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentResidual {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The track that the samples are of.
+    pub track: TrackIndex,
     /// Samples in the objective.
     pub samples: usize,
     /// Root mean square distance of the centre of mass \[m\].
@@ -118,8 +119,8 @@ pub struct SegmentResidual {
 /// Where a sample lies on the physical time line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTime {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The track that the sample is of.
+    pub track: TrackIndex,
     /// The sample.
     pub stamp: Stamp,
     /// Its physical time [s since the first sample].
@@ -190,7 +191,7 @@ pub struct Estimate {
     pub objective: f64,
     /// Gravity it was estimated with, or that was estimated [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
-    /// The motion: arcs body by body, in order of time.
+    /// The motion: arcs mechanism by mechanism, in order of time.
     pub arcs: Vec<ArcEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
@@ -200,7 +201,7 @@ pub struct Estimate {
     pub parameters: Vec<ParameterEstimate>,
     /// One per arc, in the order of `arcs`.
     pub residuals: Vec<SegmentResidual>,
-    /// Physical time of every used sample, body by body.
+    /// Physical time of every used sample, track by track.
     pub sample_times: Vec<SampleTime>,
     /// What the performance does not determine: parameters, then times, then the duration.
     pub undetermined: Vec<Undetermined>,

@@ -3,9 +3,9 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{
-    ArcEstimate, BodySketch, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, MechanismIndex,
     ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch,
-    Stamp, Undetermined, Verdict,
+    Stamp, TrackIndex, TrackSketch, Undetermined, Verdict,
 };
 use crate::config::scene_from_toml;
 use crate::physics::State;
@@ -72,7 +72,7 @@ pub(crate) fn sketch() -> Sketch {
         .collect();
     Sketch {
         origin: Stamp(FIRST_NS),
-        bodies: vec![BodySketch { samples }],
+        tracks: [TrackSketch { samples }].into_iter().collect(),
         marks_s: vec![0.8, 1.9],
         marks: vec![None; 2],
     }
@@ -80,7 +80,7 @@ pub(crate) fn sketch() -> Sketch {
 
 pub(crate) fn estimate() -> Estimate {
     let arc = |epoch_s, state, start_s, end_s| ArcEstimate {
-        body: 0,
+        mechanism: MechanismIndex(0),
         epoch_s,
         state,
         start_s,
@@ -113,7 +113,7 @@ pub(crate) fn estimate() -> Estimate {
         }],
         residuals: vec![
             SegmentResidual {
-                body: 0,
+                track: TrackIndex(0),
                 samples: 8,
                 position_rms_m: 0.01,
                 orientation_rms_rad: 0.02,
@@ -122,7 +122,7 @@ pub(crate) fn estimate() -> Estimate {
         ],
         sample_times: (0..20)
             .map(|k| SampleTime {
-                body: 0,
+                track: TrackIndex(0),
                 stamp: Stamp(FIRST_NS + k * 100_000_000),
                 time_s: k as f64 * 0.025,
             })

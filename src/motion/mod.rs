@@ -8,6 +8,7 @@ pub mod estimate;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod guess;
+pub mod index;
 pub mod observe;
 pub mod open;
 pub mod partial;
@@ -27,17 +28,18 @@ pub use estimate::{
     SampleTime, SegmentResidual, Undetermined,
 };
 pub use guess::{ArcGuess, Guess};
+pub use index::{LinkIndex, MechanismIndex, TrackIndex};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
-    Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal,
-    GoalTarget, Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching,
-    VelocityGaps, Weights,
+    Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeBody, FreeParameter,
+    Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene, Surface, Timing,
+    Touching, Track, VelocityGaps, Weights,
 };
-pub use settled::{Settled, SettledBody};
+pub use settled::{Settled, SettledLink};
 pub use sketch::{
-    BodySketch, DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch,
+    DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch, TrackSketch,
 };
 pub use snap::SnapError;
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};

@@ -1,15 +1,16 @@
 //! What a scene leaves open: features that touch at a collision, and how often one repeats.
 //!
 //! A collision that names no feature, or no surface, is open: what touches is inferred from the
-//! performance. Among what may touch are the features that the scene declares for a body; of a
-//! body without any, all of its shape's.
+//! performance. Among what may touch are the features that the scene declares for a link; of a
+//! link without any, all of its shape's.
 
-use super::scene::{Collision, Event, EventKind, Partner, Scene, SceneBody, Touching};
+use super::index::LinkIndex;
+use super::scene::{Collision, Event, EventKind, Link, Partner, Scene, Touching};
 
 /// What may touch at a collision: one [`Touching`] per contact.
 pub type Contacts = Vec<Touching>;
 
-impl SceneBody {
+impl Link {
     /// Features that the scene declares besides the shape's own (indices into `features`).
     pub fn declared_features(&self) -> Vec<usize> {
         let own = self.shape.features().unwrap_or_default();
@@ -56,18 +57,18 @@ impl Scene {
         let Some(collision) = self.events[event].kind.collision() else {
             return Vec::new();
         };
-        let features = |given: Option<usize>, body: usize| match given {
+        let features = |given: Option<usize>, link: LinkIndex| match given {
             Some(feature) => vec![feature],
-            None => self.bodies[body].candidate_features(),
+            None => self.links[link].candidate_features(),
         };
         let others = match (collision.contacts[0].other, collision.partner) {
             (Some(other), _) => vec![other],
             (None, Partner::World) => (0..self.surfaces.len()).collect(),
-            (None, Partner::Body(body)) => features(None, body),
+            (None, Partner::Link(link)) => features(None, link),
         };
         let mut choices: Vec<Contacts> = vec![Vec::new()];
         for touching in &collision.contacts {
-            let features = features(touching.feature, collision.body);
+            let features = features(touching.feature, collision.link);
             choices = choices
                 .iter()
                 .flat_map(|chosen| {
@@ -117,10 +118,10 @@ impl Scene {
     pub fn contact_words(&self, event: usize) -> Option<String> {
         let collision = self.events[event].kind.collision()?;
         let words = collision.contacts.iter().map(|touching| {
-            let feature = &self.bodies[collision.body].features[touching.feature?].name;
+            let feature = &self.links[collision.link].features[touching.feature?].name;
             let other = match collision.partner {
                 Partner::World => &self.surfaces[touching.other?].name,
-                Partner::Body(body) => &self.bodies[body].features[touching.other?].name,
+                Partner::Link(link) => &self.links[link].features[touching.other?].name,
             };
             Some(format!("{feature} on {other}"))
         });

@@ -1,5 +1,7 @@
 //! Why an estimation ended as it did: what was measured, and what was allowed.
 
+use super::index::MechanismIndex;
+
 /// Why an estimation ended, and whether the search that it rests on was complete.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reason {
@@ -39,8 +41,8 @@ pub enum End {
     },
     /// A flight that no event begins, or none ends, would end before it begins.
     FlightReversed {
-        /// Index into `Scene::bodies`.
-        body: usize,
+        /// What flies.
+        mechanism: MechanismIndex,
         /// Physical time at which the flight begins \[s\].
         start_s: f64,
         /// Physical time at which it ends \[s\].

@@ -4,11 +4,13 @@
 
 use nalgebra::Vector3;
 use thiserror::Error;
+use typed_index_collections::TiVec;
 
+use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use crate::math::Pose;
 use crate::physics::contact::{self, Contact, ContactError};
 use crate::physics::impact::{ContactSet, ContactSetError};
-use crate::physics::{Body, Shape};
+use crate::physics::{Body, Dynamics, Shape};
 
 /// Everything that is known about a performance before it is seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +26,12 @@ pub struct Scene {
     pub mark_sd_s: Option<f64>,
     /// Topic that carries the marks.
     pub marks_topic: String,
-    /// The moving bodies.
-    pub bodies: Vec<SceneBody>,
+    /// The rigid bodies that move.
+    pub links: TiVec<LinkIndex, Link>,
+    /// How they move: alone, or tied to each other.
+    pub mechanisms: TiVec<MechanismIndex, Mechanism>,
+    /// What trackers see of them.
+    pub tracks: TiVec<TrackIndex, Track>,
     /// Planes that bodies collide with.
     pub surfaces: Vec<Surface>,
     /// Solid parts of the static world, for drawing and for verification.
@@ -54,8 +60,8 @@ pub enum Against {
     Surface(usize),
     /// A solid part of the static world (index into `Scene::obstacles`).
     Obstacle(usize),
-    /// Another body (index into `Scene::bodies`).
-    Body(usize),
+    /// Another link.
+    Link(LinkIndex),
 }
 
 impl Scene {
@@ -64,7 +70,7 @@ impl Scene {
         match against {
             Against::Surface(surface) => &self.surfaces[surface].name,
             Against::Obstacle(obstacle) => &self.obstacles[obstacle].name,
-            Against::Body(body) => &self.bodies[body].name,
+            Against::Link(link) => &self.links[link].name,
         }
     }
 }
@@ -95,10 +101,10 @@ impl Scene {
             let (Some(feature), Some(other)) = (touching.feature, touching.other) else {
                 return Ok(None);
             };
-            let feature = self.bodies[collision.body].features[feature].geometry;
+            let feature = self.links[collision.link].features[feature].geometry;
             let other = match collision.partner {
                 Partner::World => self.surfaces[other].geometry,
-                Partner::Body(body) => self.bodies[body].features[other].geometry,
+                Partner::Link(link) => self.links[link].features[other].geometry,
             };
             contacts.push(Contact::new(feature, other)?);
         }
@@ -120,12 +126,81 @@ impl Scene {
         Ok(Some(meeting))
     }
 
-    /// Streams of poses that a body has: one; in an edited sketch one per segment, and its
-    /// collisions part its segments.
-    pub fn streams(&self, body: usize) -> usize {
+    /// Adds a body that flies freely.
+    pub fn add(&mut self, body: FreeBody) -> LinkIndex {
+        let mechanism = self.mechanisms.next_key();
+        let link = self.links.push_and_get_key(Link {
+            name: body.name,
+            body: body.body,
+            shape: body.shape,
+            features: body.features,
+            mechanism,
+        });
+        self.mechanisms.push(Mechanism::Free(link));
+        self.tracks.push(Track {
+            topic: body.topic,
+            link,
+            link_from_tracker: body.body_from_tracker,
+        });
+        link
+    }
+
+    /// What moves with that link.
+    pub fn mechanism_of(&self, link: LinkIndex) -> MechanismIndex {
+        self.links[link].mechanism
+    }
+
+    /// A mechanism's name: that of its link.
+    pub fn name_of_mechanism(&self, mechanism: MechanismIndex) -> &str {
+        let Mechanism::Free(link) = self.mechanisms[mechanism];
+        &self.links[link].name
+    }
+
+    /// The link that the tracker is mounted on.
+    pub fn link_seen_by(&self, track: TrackIndex) -> &Link {
+        &self.links[self.tracks[track].link]
+    }
+
+    /// The mechanism that the tracker is mounted on.
+    pub fn mechanism_seen_by(&self, track: TrackIndex) -> MechanismIndex {
+        self.mechanism_of(self.tracks[track].link)
+    }
+
+    /// Whether a link of the mechanism touches in the collision.
+    pub fn takes_part(&self, mechanism: MechanismIndex, collision: &Collision) -> bool {
+        let mut links = collision.links();
+        links.any(|link| self.mechanism_of(link) == mechanism)
+    }
+
+    /// Whether the event begins or ends a flight of the mechanism: its own collisions do, and the
+    /// performance's start and end.
+    pub fn concerns(&self, event: usize, mechanism: MechanismIndex) -> bool {
+        let collision = self.events[event].kind.collision();
+        collision.is_none_or(|collision| self.takes_part(mechanism, collision))
+    }
+
+    /// The tracks that see what takes part in a collision, those of what hits first.
+    pub fn tracks_in(&self, collision: &Collision) -> impl Iterator<Item = TrackIndex> + use<'_> {
+        let mechanisms = collision.links().map(|link| self.mechanism_of(link));
+        mechanisms.flat_map(move |mechanism| {
+            let is_its = move |track: &TrackIndex| self.mechanism_seen_by(*track) == mechanism;
+            self.tracks.keys().filter(is_its)
+        })
+    }
+
+    /// The equations of motion of a mechanism.
+    pub fn dynamics(&self, mechanism: MechanismIndex) -> Dynamics {
+        let Mechanism::Free(link) = self.mechanisms[mechanism];
+        Dynamics::Free(self.links[link].body)
+    }
+
+    /// Streams of poses that a track has: one; in an edited sketch one per segment, and the
+    /// collisions of the tracked mechanism part its segments.
+    pub fn streams(&self, track: TrackIndex) -> usize {
+        let mechanism = self.mechanism_seen_by(track);
         let is_cut = |event: &&Event| {
             let collision = event.kind.collision();
-            collision.is_some_and(|collision| collision.concerns(body))
+            collision.is_some_and(|collision| self.takes_part(mechanism, collision))
         };
         match self.timing {
             Timing::Edited => 1 + self.events.iter().filter(is_cut).count(),
@@ -133,10 +208,10 @@ impl Scene {
         }
     }
 
-    /// Topic of one of a body's streams: the body's own; in an edited sketch that with `/1`,
+    /// Topic of one of a track's streams: the track's own; in an edited sketch that with `/1`,
     /// `/2`, … after it.
-    pub fn stream_topic(&self, body: usize, stream: usize) -> String {
-        let topic = &self.bodies[body].topic;
+    pub fn stream_topic(&self, track: TrackIndex, stream: usize) -> String {
+        let topic = &self.tracks[track].topic;
         match self.timing {
             Timing::Edited => format!("{topic}/{}", stream + 1),
             Timing::Known | Timing::Unknown { .. } => topic.clone(),
@@ -171,29 +246,70 @@ pub enum Timing {
     },
 }
 
-/// A moving rigid body with a tracker on it.
+/// A rigid body.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SceneBody {
+pub struct Link {
     /// Unique name.
     pub name: String,
-    /// Topic that carries its tracker's poses; see [`Scene::stream_topic`].
-    pub topic: String,
-    /// Mass and principal moments; body axes are principal axes at the centre of mass.
+    /// Mass and principal moments; the link's axes are principal axes at its centre of mass.
     pub body: Body,
-    /// Shape in body axes.
+    /// Shape in the link's axes.
     pub shape: Shape,
-    /// Pose of the tracker's frame in body axes.
+    /// What of it may touch something.
+    pub features: Vec<Feature>,
+    /// What it moves with.
+    pub mechanism: MechanismIndex,
+}
+
+/// What moves as one system of ordinary differential equations between its collisions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanism {
+    /// One rigid body in free flight.
+    Free(LinkIndex),
+}
+
+impl Mechanism {
+    /// Its links.
+    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + use<> {
+        let Mechanism::Free(link) = *self;
+        std::iter::once(link)
+    }
+}
+
+/// What one tracker sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Topic that carries the tracker's poses; see [`Scene::stream_topic`].
+    pub topic: String,
+    /// The link that it is mounted on.
+    pub link: LinkIndex,
+    /// Pose of the tracker's frame in the link's axes.
+    pub link_from_tracker: Pose,
+}
+
+/// A rigid body that flies freely with a tracker on it: a link, a mechanism and a track in one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeBody {
+    /// Unique name.
+    pub name: String,
+    /// Topic that carries its tracker's poses.
+    pub topic: String,
+    /// Mass and principal moments; its axes are principal axes at the centre of mass.
+    pub body: Body,
+    /// Shape in its axes.
+    pub shape: Shape,
+    /// Pose of the tracker's frame in its axes.
     pub body_from_tracker: Pose,
     /// What of it may touch something.
     pub features: Vec<Feature>,
 }
 
-/// A named part of a body's surface.
+/// A named part of a link's surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
-    /// Unique within the body.
+    /// Unique within the link.
     pub name: String,
-    /// What it is, in body axes.
+    /// What it is, in the link's axes.
     pub geometry: contact::Feature,
 }
 
@@ -277,19 +393,13 @@ impl EventKind {
             EventKind::Start | EventKind::Collisions { .. } | EventKind::End => None,
         }
     }
-
-    /// Whether it begins or ends a segment of that body.
-    pub fn concerns(&self, body: usize) -> bool {
-        self.collision()
-            .is_none_or(|collision| collision.concerns(body))
-    }
 }
 
-/// A body hits the static world or another body.
+/// A link hits the static world or a link of another mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// What hits something.
+    pub link: LinkIndex,
     /// What it hits.
     pub partner: Partner,
     /// Where they touch, one to three places at once.
@@ -302,9 +412,9 @@ pub struct Collision {
 
 impl Collision {
     /// A bounce of one feature off one surface, without friction.
-    pub fn bounce(body: usize, feature: usize, surface: usize, restitution: f64) -> Self {
+    pub fn bounce(link: LinkIndex, feature: usize, surface: usize, restitution: f64) -> Self {
         Self {
-            body,
+            link,
             partner: Partner::World,
             contacts: vec![Touching {
                 feature: Some(feature),
@@ -315,28 +425,23 @@ impl Collision {
         }
     }
 
-    /// Whether the body takes part in it.
-    pub fn concerns(&self, body: usize) -> bool {
-        self.body == body || self.partner == Partner::Body(body)
-    }
-
-    /// The bodies that take part in it.
-    pub fn bodies(&self) -> impl Iterator<Item = usize> + use<> {
+    /// The links that touch in it.
+    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + use<> {
         let other = match self.partner {
             Partner::World => None,
-            Partner::Body(other) => Some(other),
+            Partner::Link(other) => Some(other),
         };
-        [self.body].into_iter().chain(other)
+        [self.link].into_iter().chain(other)
     }
 }
 
-/// What a body hits.
+/// What a link hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partner {
     /// The static world.
     World,
-    /// Another body (index into `Scene::bodies`).
-    Body(usize),
+    /// Another link.
+    Link(LinkIndex),
 }
 
 /// Which feature touches which; what a scene leaves open is inferred from the performance.
@@ -348,13 +453,13 @@ pub struct Touching {
     pub other: Option<usize>,
 }
 
-/// A hard condition on a body at an event (just before it, if it is a collision).
+/// A hard condition on a link at an event (just before it, if it is a collision).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The link that it is asked of.
+    pub link: LinkIndex,
     /// What must hold.
     pub target: GoalTarget,
 }
@@ -362,9 +467,9 @@ pub struct Goal {
 /// What a goal asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GoalTarget {
-    /// The body's pose.
+    /// The link's pose.
     Pose {
-        /// Pose of the body's axes, at its centre of mass.
+        /// Pose of the link's axes, at its centre of mass.
         world_from_body: Pose,
     },
     /// The centre of mass inside an axis-aligned box; equal bounds fix a coordinate, infinite

@@ -1,33 +1,36 @@
 //! How a motion goes on past the sketch until it rests.
 
+use typed_index_collections::TiVec;
+
+use super::index::LinkIndex;
 use crate::math::Pose;
 
 /// The motion after the estimate's end, by forward simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settled {
-    /// Physical time from which every body is simulated \[s\]: the end of the last arc.
+    /// Physical time from which every link is simulated \[s\]: the end of the last arc.
     pub from_s: f64,
     /// Time between two poses \[s\].
     pub interval_s: f64,
-    /// One per body of the scene.
-    pub bodies: Vec<SettledBody>,
-    /// Whether all bodies came to rest; otherwise some still move at the limit.
+    /// One per link of the scene.
+    pub links: TiVec<LinkIndex, SettledLink>,
+    /// Whether all links came to rest; otherwise some still move at the limit.
     pub at_rest: bool,
     /// Largest speed of a centre of mass on the way [m/s], of states at multiples of the interval.
     pub largest_speed_m_s: f64,
 }
 
-/// The simulated motion of one body.
+/// The simulated motion of one link.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SettledBody {
-    /// World from body at `from_s` and every interval after it; empty for a body without arcs.
+pub struct SettledLink {
+    /// World from link at `from_s` and every interval after it; empty for a link without arcs.
     pub poses: Vec<Pose>,
 }
 
 impl Settled {
     /// Physical time of the last pose \[s\].
     pub fn end_s(&self) -> f64 {
-        let poses = self.bodies.iter().map(|body| body.poses.len()).max();
+        let poses = self.links.iter().map(|link| link.poses.len()).max();
         let steps = poses.unwrap_or(0).saturating_sub(1);
         self.from_s + steps as f64 * self.interval_s
     }

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{UnitQuaternion, Vector3};
+use typed_index_collections::TiVec;
 
+use super::index::{MechanismIndex, TrackIndex};
 use super::take::Stamp;
 
-/// One acted pose of a body.
+/// One acted pose of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// When the tracker measured it.
@@ -20,9 +22,9 @@ pub struct Sample {
     pub orientation: UnitQuaternion<f64>,
 }
 
-/// The samples of one body, strictly increasing in time.
+/// The samples of one track, strictly increasing in time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct BodySketch {
+pub struct TrackSketch {
     /// In order of time.
     pub samples: Vec<Sample>,
 }
@@ -32,8 +34,8 @@ pub struct BodySketch {
 pub struct Sketch {
     /// Zero of `acted_s`.
     pub origin: Stamp,
-    /// One per body of the scene.
-    pub bodies: Vec<BodySketch>,
+    /// One per track of the scene.
+    pub tracks: TiVec<TrackIndex, TrackSketch>,
     /// Acted time of each of the scene's events, where the stream is cut [s since `origin`].
     pub marks_s: Vec<f64>,
     /// When the performer says that each of them was; `None` where nobody marked it.
@@ -51,16 +53,18 @@ pub struct MarkTime {
     pub counted: f64,
 }
 
-/// Collision-free flight of one body between two of its events.
+/// Collision-free flight of one mechanism between two of its events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// What flies.
+    pub mechanism: MechanismIndex,
     /// Event that begins it, if any (index into `Scene::events`).
     pub start_event: Option<usize>,
     /// Event that ends it, if any.
     pub end_event: Option<usize>,
-    /// Samples of the body's stream that lie in it, those near a collision left out.
+    /// What saw it.
+    pub track: TrackIndex,
+    /// The track's samples that lie in it, those near a collision left out.
     pub samples: Range<usize>,
 }
 
@@ -71,7 +75,7 @@ pub enum DropReason {
     NotFinite,
     /// The quaternion's norm is off 1 by more than 1 %.
     NotUnit,
-    /// Same stamp as another sample of the body.
+    /// Same stamp as another sample of the track.
     Duplicate,
     /// Bit for bit the pose before it: the tracker stood still or lost sight.
     Frozen,
@@ -133,6 +137,13 @@ pub struct MarkChanges {
     pub late: Vec<usize>,
     /// Marks that stand for no event.
     pub ignored: usize,
+}
+
+impl Sketch {
+    /// The samples of a segment.
+    pub fn samples_of(&self, segment: &Segment) -> &[Sample] {
+        &self.tracks[segment.track].samples[segment.samples.clone()]
+    }
 }
 
 impl SampleCounts {

@@ -1,4 +1,4 @@
-//! Goals at collisions: a pose that must hold where a body touches something.
+//! Goals at collisions: a pose that must hold where a link touches something.
 
 use thiserror::Error;
 
@@ -18,12 +18,12 @@ pub enum SnapError {
     Degenerate(#[from] Degenerate),
     /// In its pose the features are apart, or inside one another.
     #[error(
-        "the goal leaves {} mm between {body:?} and what it touches at {event:?}, expected at most {} mm",
+        "the goal leaves {} mm between {link:?} and what it touches at {event:?}, expected at most {} mm",
         1e3 * .gap_m, 1e3 * .limit_m
     )]
     Apart {
-        /// Name of the body.
-        body: String,
+        /// Name of the link.
+        link: String,
         /// Name of the event.
         event: String,
         /// Gap in the goal's pose.
@@ -40,13 +40,13 @@ impl Scene {
     pub fn snap_to_contact(&mut self, goal: usize) -> Result<(), SnapError> {
         let Goal {
             event,
-            body,
+            link,
             target,
         } = self.goals[goal].clone();
         let hits_world = self.events[event]
             .kind
             .collision()
-            .is_some_and(|c| c.body == body && c.partner == Partner::World);
+            .is_some_and(|c| c.link == link && c.partner == Partner::World);
         let (
             true,
             GoalTarget::Pose {
@@ -68,7 +68,7 @@ impl Scene {
             let limit_m = if index == 0 { SNAP_M } else { FURTHER_M };
             if !(touch.gap_m.abs() <= limit_m) {
                 return Err(SnapError::Apart {
-                    body: self.bodies[body].name.clone(),
+                    link: self.links[link].name.clone(),
                     event: self.events[event].name.clone(),
                     gap_m: touch.gap_m,
                     limit_m,

@@ -1,5 +1,6 @@
 //! A take as the trackers and the performer gave it: integer nanoseconds, tracker frames.
 
+use super::index::TrackIndex;
 use crate::math::Pose;
 
 /// A point in time in integer nanoseconds, of whatever clock the tracker used.
@@ -48,11 +49,11 @@ pub struct Mark {
 /// What a source of takes delivers, in any order of stamps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TakeEvent {
-    /// A tracker reading for the body of that index in the scene.
+    /// A tracker reading.
     Pose {
-        /// Index into `Scene::bodies`.
-        body: usize,
-        /// Which of the body's streams it is on, from 0: see `Scene::streams`.
+        /// Of which of the scene's tracks.
+        track: TrackIndex,
+        /// Which of the track's streams it is on, from 0: see `Scene::streams`.
         stream: usize,
         /// The reading.
         sample: PoseSample,

@@ -66,12 +66,13 @@ impl TimeMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::TrackIndex;
 
     fn map(times_s: &[(f64, f64)]) -> Option<TimeMap> {
         let samples: Vec<SampleTime> = times_s
             .iter()
             .map(|(acted_s, time_s)| SampleTime {
-                body: 0,
+                track: TrackIndex(0),
                 stamp: Stamp((acted_s * 1e9).round() as i64),
                 time_s: *time_s,
             })

@@ -3,35 +3,36 @@
 use nalgebra::Vector3;
 
 use super::doubt::{About, Doubt, Place};
+use super::index::LinkIndex;
 use super::scene::Against;
 
 /// The deepest overlap of two solids that no expected contact explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The link.
+    pub link: LinkIndex,
     /// What it is inside of.
     pub against: Against,
     /// When \[s\].
     pub time_s: f64,
     /// How deep \[m\], positive.
     pub depth_m: f64,
-    /// The body's deepest point [m, body].
+    /// The link's deepest point [m, link].
     pub point_m: Vector3<f64>,
 }
 
-/// What of a body touches first at a collision, by its whole shape.
+/// What of a link touches first at a collision, by its whole shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The link.
+    pub link: LinkIndex,
     /// What it hits.
     pub against: Against,
-    /// The features that are expected to touch (indices into `SceneBody::features`).
+    /// The features that are expected to touch (indices into `Link::features`).
     pub expected: Vec<usize>,
-    /// The body's point that is nearest, or deepest, when the expected features touch [m, body].
+    /// The link's point that is nearest, or deepest, when the expected features touch [m, link].
     pub found_point_m: Vector3<f64>,
     /// The named feature to which that point belongs, an expected one where there are several;
     /// `None` where the scene names none there.
@@ -52,8 +53,8 @@ pub struct Touch {
 /// How far the single shot is from the estimate at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// The link.
+    pub link: LinkIndex,
     /// The collision that is about to happen (index into `Scene::events`); `None`: the end.
     pub event: Option<usize>,
     /// Of the instant itself \[s\].
@@ -71,7 +72,7 @@ pub struct Deviation {
 /// A simulation from the first states alone, beside the estimate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SingleShot {
-    /// Just before every collision of every body, and at its end.
+    /// Just before every collision of every link, and at its end.
     pub deviations: Vec<Deviation>,
     /// Collisions after which the simulation began anew from the estimate's state: those with
     /// velocity gaps (indices into `Scene::events`).
@@ -81,7 +82,7 @@ pub struct SingleShot {
 }
 
 impl SingleShot {
-    /// The largest deviation of each kind at the ends of the bodies; `None` without any.
+    /// The largest deviation of each kind at the ends of the links; `None` without any.
     pub fn at_end(&self) -> Option<Deviation> {
         let ends = self.deviations.iter().filter(|d| d.event.is_none());
         ends.copied().reduce(|a, b| Deviation {
@@ -139,7 +140,7 @@ impl Verification {
         let deepest = self.deepest.iter().map(|deepest| Doubt {
             about: About::Overlap,
             place: Place::Inside {
-                body: deepest.body,
+                link: deepest.link,
                 against: deepest.against,
                 time_s: deepest.time_s,
             },
@@ -150,7 +151,7 @@ impl Verification {
             about: About::WrongFeature,
             place: Place::Touch {
                 event: touch.event,
-                body: touch.body,
+                link: touch.link,
                 expected: touch.expected.clone(),
                 found: touch.found,
             },

@@ -4,6 +4,7 @@
 
 pub mod body;
 pub mod contact;
+pub mod dynamics;
 pub mod features;
 pub mod flow;
 pub mod impact;
@@ -12,5 +13,6 @@ pub mod shape;
 pub mod state;
 
 pub use body::{Body, BodyError};
+pub use dynamics::Dynamics;
 pub use shape::{Shape, ShapeError};
 pub use state::State;

@@ -4,9 +4,12 @@ use nalgebra::{SVector, UnitQuaternion, Vector3};
 
 use crate::math::{Pose, so3};
 
+/// Number of directions in which a [`State`] may change.
+pub const DIMENSION: usize = 12;
+
 /// Tangent of a [`State`]: position [m, world], orientation [rad, body, right], velocity
 /// [m/s, world], angular velocity [rad/s, body], in this order.
-pub type StateTangent = SVector<f64, 12>;
+pub type StateTangent = SVector<f64, DIMENSION>;
 
 /// Where the parts of a [`StateTangent`] begin.
 pub mod part {

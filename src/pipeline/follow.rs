@@ -104,7 +104,7 @@ impl<'a> Acted<'a> {
 
     /// Samples of a segment that lie between its events.
     fn within(&self, segment: &Segment) -> Range<usize> {
-        let samples = &self.sketch.bodies[segment.body].samples[segment.samples.clone()];
+        let samples = self.sketch.samples_of(segment);
         let event_s = |event: Option<usize>| event.map(|event| self.events_s[event]);
         let from_s = event_s(segment.start_event).unwrap_or(f64::NEG_INFINITY);
         let to_s = event_s(segment.end_event).unwrap_or(f64::INFINITY);
@@ -116,14 +116,14 @@ impl<'a> Acted<'a> {
 
     /// Whether a collision is so far from a segment that samples between them are missing from it.
     fn is_left_behind(&self, segment: &Segment) -> bool {
-        let body = &self.sketch.bodies[segment.body];
-        let slack_s = BEHIND_INTERVALS * median_interval_s(body);
+        let track = &self.sketch.tracks[segment.track];
+        let slack_s = BEHIND_INTERVALS * median_interval_s(track);
         let collision_s = |event: Option<usize>| {
             let event = event?;
             let is_collision = self.scene.events[event].kind.collision().is_some();
             is_collision.then_some(self.events_s[event])
         };
-        let acted_s = |index: usize| body.samples.get(index).map(|sample| sample.acted_s);
+        let acted_s = |index: usize| track.samples.get(index).map(|sample| sample.acted_s);
         let before = segment.samples.start.checked_sub(1).and_then(acted_s);
         let after = acted_s(segment.samples.end);
         let ends = collision_s(segment.end_event).zip(after);

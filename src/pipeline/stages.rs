@@ -72,18 +72,22 @@ pub(super) fn solve(
     Ok(inferred)
 }
 
-/// Counts the samples that segments use; what lies between a body's segments is near a collision.
+/// Counts the samples that segments use; what lies between a track's segments is near a collision.
 pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
     counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
-    for (index, body) in sketch.bodies.iter().enumerate() {
-        let of_body = || segments.iter().filter(move |segment| segment.body == index);
-        let first = of_body().map(|segment| segment.samples.start).min();
-        let last = of_body().map(|segment| segment.samples.end).max();
+    for (index, track) in sketch.tracks.iter_enumerated() {
+        let of_track = || {
+            segments
+                .iter()
+                .filter(move |segment| segment.track == index)
+        };
+        let first = of_track().map(|segment| segment.samples.start).min();
+        let last = of_track().map(|segment| segment.samples.end).max();
         let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
-        let used: usize = of_body().map(|segment| segment.samples.len()).sum();
+        let used: usize = of_track().map(|segment| segment.samples.len()).sum();
         counts.drop(DropReason::BeforeStart, first);
         counts.drop(DropReason::NearCollision, last - first - used);
-        counts.drop(DropReason::AfterEnd, body.samples.len() - last);
+        counts.drop(DropReason::AfterEnd, track.samples.len() - last);
     }
 }
 

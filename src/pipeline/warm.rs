@@ -1,7 +1,6 @@
 //! An estimate as the guess for the next one, from a few samples more.
 
 use crate::motion::{ArcEstimate, ArcGuess, Estimate, Guess, Scene, Segment, Sketch, TimeMap};
-use crate::physics::flow;
 
 /// What is estimated already.
 pub(super) struct Known<'a> {
@@ -20,14 +19,14 @@ pub(super) fn guess(
     let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
     // The first sample that is used has its acted time: a convention of the estimation.
     let firsts = segments.iter().map(|segment| {
-        let samples = &sketch.bodies[segment.body].samples;
+        let samples = &sketch.tracks[segment.track].samples;
         samples[segment.samples.start].acted_s
     });
     let first_s = firsts.min_by(f64::total_cmp)?;
     let shift_s = first_s - map.physical_s(first_s);
     let arcs = segments.iter().map(|segment| {
         let arc = known.arc(segment)?;
-        let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+        let samples = sketch.samples_of(segment);
         let times_s = || {
             samples
                 .iter()
@@ -35,11 +34,11 @@ pub(super) fn guess(
         };
         let middle_s = 0.5 * (samples.first()?.acted_s + samples.last()?.acted_s);
         let epoch_s = shift_s + map.physical_s(middle_s);
-        let body = &scene.bodies[segment.body].body;
+        let dynamics = scene.dynamics(segment.mechanism);
         let since_s = epoch_s - (arc.epoch_s + shift_s);
         Some(ArcGuess {
             epoch_s,
-            state: flow::advance(body, &known.estimate.gravity_m_s2, &arc.state, since_s),
+            state: dynamics.advance(&known.estimate.gravity_m_s2, &arc.state, since_s),
             sample_times_s: times_s().collect(),
         })
     });
@@ -54,12 +53,17 @@ pub(super) fn guess(
 impl Known<'_> {
     /// The flight that this segment continues.
     fn arc(&self, segment: &Segment) -> Option<&ArcEstimate> {
-        let mut of_body = self.segments.iter().filter(|s| s.body == segment.body);
-        // A body's segments are in order of time, as its arcs are.
-        let at = of_body.position(|s| {
+        let mut of_it = self
+            .segments
+            .iter()
+            .filter(|s| s.mechanism == segment.mechanism);
+        // A mechanism's segments are in order of time, as its arcs are.
+        let at = of_it.position(|s| {
             (s.start_event, s.end_event) == (segment.start_event, segment.end_event)
         })?;
         let mut arcs = self.estimate.arcs.iter();
-        arcs.by_ref().filter(|arc| arc.body == segment.body).nth(at)
+        arcs.by_ref()
+            .filter(|arc| arc.mechanism == segment.mechanism)
+            .nth(at)
     }
 }

@@ -124,7 +124,7 @@ impl CheckLine {
         let touch = |touch: &Touch| TouchLine::new(scene, touch);
         let event = |event: &usize| scene.events[*event].name.clone();
         let deviation = |of: &Deviation| DeviationLine {
-            body: scene.bodies[of.body].name.clone(),
+            body: scene.links[of.link].name.clone(),
             event: of.event.as_ref().map(event),
             time_s: of.time_s,
             distances: ShotLine::new(of),
@@ -150,7 +150,7 @@ impl CheckLine {
 impl OverlapLine {
     fn new(scene: &Scene, deepest: &Penetration) -> Self {
         Self {
-            body: scene.bodies[deepest.body].name.clone(),
+            body: scene.links[deepest.link].name.clone(),
             against: scene.name_of(deepest.against).to_owned(),
             time_s: deepest.time_s,
             depth_m: deepest.depth_m,
@@ -161,7 +161,7 @@ impl OverlapLine {
 
 impl TouchLine {
     fn new(scene: &Scene, touch: &Touch) -> Self {
-        let body = &scene.bodies[touch.body];
+        let body = &scene.links[touch.link];
         let name = |feature: &usize| body.features[*feature].name.clone();
         Self {
             event: scene.events[touch.event].name.clone(),

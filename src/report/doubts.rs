@@ -150,7 +150,7 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
 
 fn wrong_feature(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
     let Place::Touch {
-        body,
+        link,
         expected,
         found,
         ..
@@ -158,7 +158,7 @@ fn wrong_feature(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
     else {
         return format!("at {subject} another part leads");
     };
-    let name = |feature: &usize| scene.bodies[*body].features[*feature].name.as_str();
+    let name = |feature: &usize| scene.links[*link].features[*feature].name.as_str();
     let found = match found {
         Some(found) => format!("`{}`", name(found)),
         None => "an unnamed part".to_owned(),

@@ -95,7 +95,10 @@ impl EstimateReport {
 }
 
 fn acted_s(sketch: &Sketch) -> f64 {
-    let last = sketch.bodies.iter().filter_map(|b| b.samples.last());
+    let last = sketch
+        .tracks
+        .iter()
+        .filter_map(|track| track.samples.last());
     last.map(|sample| sample.acted_s).fold(0.0, f64::max)
 }
 

@@ -62,7 +62,7 @@ impl ArcLine {
         let state = &arc.state;
         let q = state.orientation.quaternion();
         Self {
-            body: scene.bodies[arc.body].name.clone(),
+            body: scene.name_of_mechanism(arc.mechanism).to_owned(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             epoch_s: arc.epoch_s,

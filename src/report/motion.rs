@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::reported::Reported;
 use super::samples::Ordered;
-use crate::motion::{DurationEstimate, Estimate, Quantity, Scene, Undetermined};
+use crate::motion::{DurationEstimate, Estimate, LinkIndex, Quantity, Scene, Undetermined};
 
 /// An event as estimated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -92,7 +92,7 @@ impl DurationLine {
 /// The events in order of time.
 pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
     let (scene, estimate) = (of.scene, of.estimate);
-    let name = |body: usize| scene.bodies[body].name.clone();
+    let name = |link: LinkIndex| scene.links[link].name.clone();
     let events = estimate.events.iter();
     events
         .map(|event| {
@@ -106,8 +106,8 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 time_is_determined: !estimate.undetermined.contains(&time),
                 acted_s: event.acted_s,
                 bodies: match of_scene.kind.collision() {
-                    Some(collision) => collision.bodies().map(name).collect(),
-                    None => (0..scene.bodies.len()).map(name).collect(),
+                    Some(collision) => collision.links().map(name).collect(),
+                    None => scene.links.keys().map(name).collect(),
                 },
                 contact: scene.contact_words(event.event),
                 contact_inferred: of.inferred.contains(&event.event),
@@ -147,7 +147,7 @@ pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLi
     let residuals = estimate.residuals.iter().zip(&estimate.arcs);
     residuals
         .map(|(residual, arc)| SegmentLine {
-            body: scene.bodies[residual.body].name.clone(),
+            body: scene.link_seen_by(residual.track).name.clone(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             samples: residual.samples,

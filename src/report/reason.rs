@@ -40,8 +40,11 @@ impl TerminationLine {
         let (at, time_s) = match &reason.end {
             End::VelocityJumps { events, .. } => (events.iter().map(event).collect(), None),
             End::EventsReversed { first, last, .. } => (vec![event(first), event(last)], None),
-            End::FlightReversed { body, start_s, .. } => {
-                (vec![scene.bodies[*body].name.clone()], Some(*start_s))
+            End::FlightReversed {
+                mechanism, start_s, ..
+            } => {
+                let name = scene.name_of_mechanism(*mechanism).to_owned();
+                (vec![name], Some(*start_s))
             }
             End::Converged(_) | End::Stopped(_) | End::NoProgress(_) | End::NotFinite => {
                 (Vec::new(), None)
@@ -104,13 +107,13 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
             event(first)
         ),
         End::FlightReversed {
-            body,
+            mechanism,
             start_s,
             end_s,
         } => format!(
             "a flight of `{}` would end at {end_s:.3} s, before it begins at {start_s:.3} s: relax \
              the physics or change the order of collisions",
-            scene.bodies[*body].name
+            scene.name_of_mechanism(*mechanism)
         ),
     };
     match reason.unproven_after_bounds {

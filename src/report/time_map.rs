@@ -49,16 +49,16 @@ struct EventTime {
 impl TimeMap {
     /// The map of an estimate, body by body and event by event; physical time zero is stamped `zero`.
     pub fn new(scene: &Scene, sketch: &Sketch, estimate: &Estimate, zero: Stamp) -> Self {
-        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| {
+        let bodies = scene.tracks.keys().map(|track| {
             let times = estimate
                 .sample_times
                 .iter()
-                .filter(|time| time.body == index);
+                .filter(|time| time.track == track);
             let (acted_s, physical_s) = times
                 .map(|time| (time.stamp.seconds_since(sketch.origin), time.time_s))
                 .unzip();
             BodyTimes {
-                body: body.name.clone(),
+                body: scene.link_seen_by(track).name.clone(),
                 acted_s,
                 physical_s,
             }

@@ -6,7 +6,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::SamplingError;
 use crate::math::Pose;
-use crate::motion::{ArcEstimate, Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::motion::{ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 
 /// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
@@ -32,7 +33,7 @@ pub fn stamp(zero: Stamp, time_s: f64) -> Stamp {
     Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))
 }
 
-/// A body's estimated poses at every frame of a grid that holds time zero, at the beginning
+/// A link's estimated poses at every frame of a grid that holds time zero, at the beginning
 /// and end of its motion, and at every event in between. At a collision, whose sides may differ
 /// by a gap, the pose is the one before it. Stamps increase strictly; what would be stamped
 /// before 1970, which messages cannot say, is left out. Fails where the rate is not of 0.001 to 100 000 Hz, or
@@ -40,17 +41,18 @@ pub fn stamp(zero: Stamp, time_s: f64) -> Stamp {
 pub fn estimate_frames(
     scene: &Scene,
     estimate: &Estimate,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
     frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, SamplingError> {
     if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
         return Err(SamplingError::FrameRate { frame_rate_hz });
     }
+    let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
         .iter()
-        .filter(|arc| arc.body == body && arc.end_s >= arc.start_s)
+        .filter(|arc| arc.mechanism == mechanism && arc.end_s >= arc.start_s)
         .collect();
     let (Some(first), Some(last)) = (arcs.first(), arcs.last()) else {
         return Ok(Vec::new());
@@ -62,7 +64,7 @@ pub fn estimate_frames(
     let is_sane = frames <= FRAME_LIMIT && farthest <= FRAME_LIMIT;
     if !is_sane {
         return Err(SamplingError::Span {
-            body: scene.bodies[body].name.clone(),
+            body: scene.links[link].name.clone(),
             start_s,
             end_s,
         });
@@ -84,10 +86,10 @@ pub fn estimate_frames(
             times_s.insert(stamp(zero, time_s), time_s);
         }
     }
-    let of_scene = &scene.bodies[body].body;
+    let Dynamics::Free(body) = scene.dynamics(mechanism);
     let mut flights: Vec<(&ArcEstimate, Spin)> = arcs
         .into_iter()
-        .map(|arc| (arc, Spin::new(of_scene, &arc.state.angular_velocity_rad_s)))
+        .map(|arc| (arc, Spin::new(&body, &arc.state.angular_velocity_rad_s)))
         .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let mut samples = poses
@@ -100,17 +102,17 @@ pub fn estimate_frames(
     Ok(samples)
 }
 
-/// Appends a body's simulated poses: those stamped after its estimated ones.
+/// Appends a link's simulated poses: those stamped after its estimated ones.
 pub(super) fn append_settled(
     samples: &mut Vec<PoseSample>,
     settled: &Settled,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
 ) {
     let Some(last) = samples.last().map(|sample| sample.stamp) else {
         return;
     };
-    let poses = settled.bodies.get(body).map_or(&[][..], |body| &body.poses);
+    let poses = settled.links.get(link).map_or(&[][..], |link| &link.poses);
     for (step, pose) in poses.iter().enumerate() {
         let time_s = settled.from_s + step as f64 * settled.interval_s;
         let stamp = stamp(zero, time_s);
@@ -121,19 +123,20 @@ pub(super) fn append_settled(
     make_signs_continuous(samples);
 }
 
-/// A body's used samples at their physical times, in body axes.
+/// The used samples of what sees a link, at their physical times, in the link's axes.
 pub fn sketch_frames(
+    scene: &Scene,
     estimate: &Estimate,
     sketch: &Sketch,
-    body: usize,
+    link: LinkIndex,
     zero: Stamp,
 ) -> Vec<PoseSample> {
     let mut samples: Vec<PoseSample> = estimate
         .sample_times
         .iter()
-        .filter(|time| time.body == body)
+        .filter(|time| scene.tracks[time.track].link == link)
         .filter_map(|time| {
-            let samples = &sketch.bodies.get(body)?.samples;
+            let samples = &sketch.tracks.get(time.track)?.samples;
             let at = samples
                 .binary_search_by_key(&time.stamp, |sample| sample.stamp)
                 .ok()?;

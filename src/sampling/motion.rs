@@ -1,19 +1,21 @@
 //! All of a motion as frames.
 
+use typed_index_collections::TiVec;
+
 use super::error::SamplingError;
 use super::frames::{append_settled, estimate_frames, sketch_frames, zero};
-use crate::motion::{Estimate, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::motion::{Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
 
-/// A motion as stamped poses, body by body as in `Scene::bodies`: world from body, stamps strictly
+/// A motion as stamped poses, link by link: world from body, stamps strictly
 /// increasing, quaternions continuous in sign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledMotion {
     /// The stamp of physical time zero.
     pub zero: Stamp,
-    /// The estimated motion, and after its end what is simulated; empty of a body without flights.
-    pub estimates: Vec<Vec<PoseSample>>,
+    /// The estimated motion, and after its end what is simulated; empty of a link without flights.
+    pub estimates: TiVec<LinkIndex, Vec<PoseSample>>,
     /// The performance, at its physical times.
-    pub sketches: Vec<Vec<PoseSample>>,
+    pub sketches: TiVec<LinkIndex, Vec<PoseSample>>,
 }
 
 impl SampledMotion {
@@ -26,19 +28,19 @@ impl SampledMotion {
         frame_rate_hz: f64,
     ) -> Result<Self, SamplingError> {
         let zero = zero(estimate, sketch);
-        let bodies = 0..scene.bodies.len();
-        let estimates = bodies.clone().map(|body| {
-            let mut samples = estimate_frames(scene, estimate, body, zero, frame_rate_hz)?;
+        let links = scene.links.keys();
+        let estimates = links.clone().map(|link| {
+            let mut samples = estimate_frames(scene, estimate, link, zero, frame_rate_hz)?;
             if let Some(settled) = settled {
-                append_settled(&mut samples, settled, body, zero);
+                append_settled(&mut samples, settled, link, zero);
             }
             Ok(samples)
         });
         Ok(Self {
             zero,
             estimates: estimates.collect::<Result<_, _>>()?,
-            sketches: bodies
-                .map(|body| sketch_frames(estimate, sketch, body, zero))
+            sketches: links
+                .map(|link| sketch_frames(scene, estimate, sketch, link, zero))
                 .collect(),
         })
     }

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::complete::completed;
 use super::edited::join;
@@ -15,8 +16,8 @@ use super::refine::reach_s;
 use super::units::check_units;
 use crate::math::Pose;
 use crate::motion::{
-    BodySketch, DropReason, EventKind, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene,
-    SceneBody, Sketch, Stamp, TakeEvent, Timing,
+    DropReason, EventKind, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene, Sketch, Stamp,
+    TakeEvent, Timing, TrackIndex, TrackSketch,
 };
 
 /// Greatest deviation of a quaternion's norm from 1 for the reading to be used.
@@ -31,8 +32,8 @@ const GAP_RATIO: f64 = 2.5;
 /// Longest take \[s\].
 const SPAN_LIMIT_S: f64 = 86_400.0;
 
-/// Readings by body and stream.
-type Streams = Vec<Vec<Vec<PoseSample>>>;
+/// Readings by track and stream.
+type Streams = TiVec<TrackIndex, Vec<Vec<PoseSample>>>;
 
 /// The sketch of a take, with counts of its samples: streams sorted by stamp, without unusable
 /// readings, as poses of the bodies, from the scene's start event to its end.
@@ -50,7 +51,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         extents,
         mut counts,
     } = usable(scene, events)?;
-    let whole = union(&extents).expect("a scene has bodies");
+    let whole = union(&extents).expect("a scene has tracks");
     let mut stamps = match matched(scene, &marks, whole.first) {
         Err(error @ SegmentError::MarkCount { .. }) => {
             let all = sketch(scene, &streams, &[], &mut SampleCounts::default());
@@ -64,17 +65,17 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     let reach_ns = (reach_s(scene) * 1e9) as i64;
     counts.marks.late = put_at_the_ends(scene, &mut stamps, whole, (slack_ns, reach_ns));
     check_extents(scene, &stamps, &extents, slack_ns)?;
-    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+    for (track, stream) in streams.iter_mut_enumerated() {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         drop_outside(scene, &stamps, stream, &mut dropped);
         if stream.is_empty() {
-            return Err(no_samples_of(body, &body.topic, read, &dropped));
+            return Err(no_samples_of(scene, (track, 0), read, &dropped));
         }
         merge(&mut counts, &dropped);
     }
     let mut sketch = sketch(scene, &streams, &stamps, &mut counts);
-    let sd_s = mark_sd_s(scene, &sketch.bodies);
+    let sd_s = mark_sd_s(scene, &sketch.tracks);
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
         let is_own = !changed.iter().any(|events| events.contains(&event));
@@ -84,8 +85,8 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
             counted: 1.0,
         });
     }
-    for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
-        check_units(body, &stream.samples)?;
+    for (track, seen) in sketch.tracks.iter_enumerated() {
+        check_units(scene.link_seen_by(track), &seen.samples)?;
     }
     Ok((sketch, counts))
 }
@@ -97,22 +98,21 @@ fn clean_edited(
 ) -> Result<(Sketch, SampleCounts), SegmentError> {
     let mut counts = SampleCounts::default();
     let (mut streams, _) = delivered(scene, events, &mut counts)?;
-    for (index, body) in scene.bodies.iter().enumerate() {
-        for (number, stream) in streams[index].iter_mut().enumerate() {
+    for (track, segments) in streams.iter_mut_enumerated() {
+        for (number, stream) in segments.iter_mut().enumerate() {
             let read = stream.len();
             let mut dropped = SampleCounts::default();
             drop_unusable(stream, &mut dropped);
             if stream.is_empty() {
-                let topic = scene.stream_topic(index, number);
-                return Err(no_samples_of(body, &topic, read, &dropped));
+                return Err(no_samples_of(scene, (track, number), read, &dropped));
             }
             merge(&mut counts, &dropped);
         }
     }
     let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
     let sketch = sketch(scene, &streams, &stamps, &mut counts);
-    for (stream, body) in sketch.bodies.iter().zip(&scene.bodies) {
-        check_units(body, &stream.samples)?;
+    for (track, seen) in sketch.tracks.iter_enumerated() {
+        check_units(scene.link_seen_by(track), &seen.samples)?;
     }
     Ok((sketch, counts))
 }
@@ -129,27 +129,28 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
 
 /// The usable part of a take.
 struct Usable {
-    /// Streams by body, in order of time; none is empty.
-    streams: Vec<Vec<PoseSample>>,
+    /// Streams by track, in order of time; none is empty.
+    streams: TiVec<TrackIndex, Vec<PoseSample>>,
     marks: Vec<Mark>,
-    extents: Vec<Extent>,
+    extents: TiVec<TrackIndex, Extent>,
     counts: SampleCounts,
 }
 
 fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
     let mut counts = SampleCounts::default();
     let (streams, marks) = delivered(scene, events, &mut counts)?;
-    let mut streams = streams.concat();
-    let mut extents = Vec::new();
-    for (stream, body) in streams.iter_mut().zip(&scene.bodies) {
+    let streams = streams.into_iter().map(|streams| streams.concat());
+    let mut streams: TiVec<TrackIndex, _> = streams.collect();
+    let mut extents = TiVec::new();
+    for (track, stream) in streams.iter_mut_enumerated() {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         let extent = extent(stream);
         drop_unusable(stream, &mut dropped);
-        extents.push(extent.ok_or_else(|| no_samples_of(body, &body.topic, read, &dropped))?);
+        extents.push(extent.ok_or_else(|| no_samples_of(scene, (track, 0), read, &dropped))?);
         merge(&mut counts, &dropped);
     }
-    let whole = union(&extents).expect("a scene has bodies");
+    let whole = union(&extents).expect("a scene has tracks");
     let span_s = seconds(whole.last, whole.first);
     if span_s > SPAN_LIMIT_S {
         return Err(SegmentError::Span {
@@ -168,7 +169,7 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
     })
 }
 
-/// Readings by body and stream, and the marks; there is at least one reading.
+/// Readings by track and stream, and the marks; there is at least one reading.
 fn delivered(
     scene: &Scene,
     events: &[TakeEvent],
@@ -178,49 +179,52 @@ fn delivered(
     if counts.read > 0 {
         return Ok(delivered);
     }
-    let topics = scene.bodies.iter().map(|body| format!("{:?}", body.topic));
+    let topics = scene
+        .tracks
+        .iter()
+        .map(|track| format!("{:?}", track.topic));
     Err(SegmentError::NoSamples {
         topics: topics.collect::<Vec<String>>().join(", "),
     })
 }
 
-/// Readings by body and stream, and the marks, in an order that arrival does not change.
+/// Readings by track and stream, and the marks, in an order that arrival does not change.
 fn sorted(
     scene: &Scene,
     events: &[TakeEvent],
     counts: &mut SampleCounts,
 ) -> Result<(Streams, Vec<Mark>), SegmentError> {
-    let bodies = 0..scene.bodies.len();
-    let mut streams: Streams = bodies
-        .map(|body| vec![Vec::new(); scene.streams(body)])
+    let tracks = scene.tracks.keys();
+    let mut streams: Streams = tracks
+        .map(|track| vec![Vec::new(); scene.streams(track)])
         .collect();
-    let mut latest: BTreeMap<(usize, usize), Stamp> = BTreeMap::new();
+    let mut latest: BTreeMap<(TrackIndex, usize), Stamp> = BTreeMap::new();
     let mut marks = Vec::new();
     for event in events {
         match event {
             TakeEvent::Mark(mark) => marks.push(mark.clone()),
             TakeEvent::Pose {
-                body,
+                track,
                 stream,
                 sample,
             } => {
-                let Some(of_body) = streams.get_mut(*body) else {
-                    return Err(SegmentError::NoSuchBody {
-                        body: *body,
-                        bodies: scene.bodies.len(),
+                let Some(of_track) = streams.get_mut(*track) else {
+                    return Err(SegmentError::NoSuchTrack {
+                        track: usize::from(*track),
+                        tracks: scene.tracks.len(),
                     });
                 };
-                let count = of_body.len();
+                let count = of_track.len();
                 let samples =
-                    of_body
+                    of_track
                         .get_mut(*stream)
                         .ok_or_else(|| SegmentError::NoSuchStream {
-                            body: scene.bodies[*body].name.clone(),
+                            body: scene.link_seen_by(*track).name.clone(),
                             stream: stream.saturating_add(1),
                             streams: count,
                         })?;
                 counts.read += 1;
-                let latest = latest.entry((*body, *stream)).or_insert(sample.stamp);
+                let latest = latest.entry((*track, *stream)).or_insert(sample.stamp);
                 counts.reordered += usize::from(*latest > sample.stamp);
                 *latest = sample.stamp.max(*latest);
                 samples.push(*sample);
@@ -335,8 +339,8 @@ fn extent(stream: &[PoseSample]) -> Option<Extent> {
 }
 
 fn no_samples_of(
-    body: &SceneBody,
-    topic: &str,
+    scene: &Scene,
+    (track, stream): (TrackIndex, usize),
     read: usize,
     dropped: &SampleCounts,
 ) -> SegmentError {
@@ -346,8 +350,8 @@ fn no_samples_of(
         .map(|(reason, count)| format!(", {count} {}", reason.as_str()))
         .collect();
     SegmentError::NoSamplesOfBody {
-        body: body.name.clone(),
-        topic: topic.to_owned(),
+        body: scene.link_seen_by(track).name.clone(),
+        topic: scene.stream_topic(track, stream),
         read,
         dropped: reasons.concat(),
     }
@@ -370,10 +374,10 @@ fn gap_limit_ns(stream: &[PoseSample]) -> i64 {
     (median as f64 * GAP_RATIO) as i64
 }
 
-/// Body poses since the first kept sample, unit quaternions of continuous sign.
+/// Poses of links since the first kept sample, unit quaternions of continuous sign.
 fn sketch(
     scene: &Scene,
-    streams: &[Vec<PoseSample>],
+    streams: &TiSlice<TrackIndex, Vec<PoseSample>>,
     stamps: &[Stamp],
     counts: &mut SampleCounts,
 ) -> Sketch {
@@ -381,21 +385,21 @@ fn sketch(
         .iter()
         .filter_map(|stream| Some(stream.first()?.stamp))
         .min()
-        .expect("every body has samples");
-    let mut bodies = Vec::new();
-    for (stream, body) in streams.iter().zip(&scene.bodies) {
+        .expect("every track has samples");
+    let mut tracks = TiVec::new();
+    for (stream, track) in streams.iter().zip(&scene.tracks) {
         let limit_ns = gap_limit_ns(stream);
         counts.gaps += stream
             .windows(2)
             .filter(|pair| pair[1].stamp.0 - pair[0].stamp.0 > limit_ns)
             .count();
         counts.used += stream.len();
-        let tracker_from_body = body.body_from_tracker.inverse();
+        let tracker_from_link = track.link_from_tracker.inverse();
         let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
         for sample in stream {
             counts.normalised += usize::from((norm(sample) - 1.0).abs() > NORM_ROUNDING);
-            let world_from_body = world_from_tracker(sample) * tracker_from_body;
-            let mut orientation = world_from_body.rotation;
+            let world_from_link = world_from_tracker(sample) * tracker_from_link;
+            let mut orientation = world_from_link.rotation;
             if samples
                 .last()
                 .is_some_and(|last| last.orientation.coords.dot(&orientation.coords) < 0.0)
@@ -406,15 +410,15 @@ fn sketch(
             samples.push(Sample {
                 stamp: sample.stamp,
                 acted_s: sample.stamp.seconds_since(origin),
-                position_m: world_from_body.translation.vector,
+                position_m: world_from_link.translation.vector,
                 orientation,
             });
         }
-        bodies.push(BodySketch { samples });
+        tracks.push(TrackSketch { samples });
     }
     Sketch {
         origin,
-        bodies,
+        tracks,
         marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
         marks: vec![None; stamps.len()],
     }

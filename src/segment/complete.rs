@@ -57,9 +57,9 @@ pub(super) fn completed(
 fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<Stamp>> {
     let stamps = || {
         sketch
-            .bodies
+            .tracks
             .iter()
-            .flat_map(|body| &body.samples)
+            .flat_map(|track| &track.samples)
             .map(|s| s.stamp)
     };
     let places: Option<Vec<Stamp>> = (0..scene.events.len())

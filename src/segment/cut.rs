@@ -1,7 +1,7 @@
-//! Cuts each body's stream into segments at the marks.
+//! Cuts each track's stream into segments at the marks.
 
 use super::error::SegmentError;
-use crate::motion::{BodySketch, EventKind, Scene, Segment, Sketch, Timing};
+use crate::motion::{EventKind, Scene, Segment, Sketch, Timing, TrackIndex, TrackSketch};
 
 /// Samples closer to a collision's mark than this many median intervals are left out, as in the
 /// paper: they may belong to either side, and a sample that changed sides would make the objective
@@ -11,36 +11,37 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 /// Least number of samples of a segment; two poses already have as many numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Cuts every body's samples at the events it takes part in; all bodies take part in `start` and
+/// Cuts every track's samples at the events it takes part in; all tracks take part in `start` and
 /// `end`. Fails where a segment has fewer than [`SAMPLES_MIN`] samples.
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
     let mut segments = Vec::new();
-    for body in 0..scene.bodies.len() {
-        cut_body(scene, sketch, body, &mut segments)?;
+    for track in scene.tracks.keys() {
+        cut_track(scene, sketch, track, &mut segments)?;
     }
     segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));
     Ok(segments)
 }
 
-fn cut_body(
+fn cut_track(
     scene: &Scene,
     sketch: &Sketch,
-    body: usize,
+    track: TrackIndex,
     segments: &mut Vec<Segment>,
 ) -> Result<(), SegmentError> {
-    let samples = &sketch.bodies[body].samples;
+    let samples = &sketch.tracks[track].samples;
     // In an edited sketch no sample belongs to either side.
     let window_s = match scene.timing {
         Timing::Edited => 0.0,
         Timing::Known | Timing::Unknown { .. } => {
-            NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.bodies[body])
+            NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.tracks[track])
         }
     };
     let mut start_event = None;
     let mut first = 0;
-    let cuts = (0..scene.events.len()).filter(|event| scene.events[*event].kind.concerns(body));
+    let mechanism = scene.mechanism_seen_by(track);
+    let cuts = (0..scene.events.len()).filter(|event| scene.concerns(*event, mechanism));
     for end_event in cuts.map(Some).chain([None]) {
         let is_collision = |event: Option<usize>| {
             event.is_some_and(|e| scene.events[e].kind.collision().is_some())
@@ -64,7 +65,7 @@ fn cut_body(
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))
                 };
                 return Err(SegmentError::TooFewSamples {
-                    body: scene.bodies[body].name.clone(),
+                    body: scene.link_seen_by(track).name.clone(),
                     samples: end - first,
                     expected: SAMPLES_MIN,
                     from: name(start_event, "the beginning"),
@@ -72,9 +73,10 @@ fn cut_body(
                 });
             }
             segments.push(Segment {
-                body,
+                mechanism,
                 start_event,
                 end_event,
+                track,
                 samples: first..end,
             });
         }
@@ -90,9 +92,9 @@ fn cut_body(
     Ok(())
 }
 
-/// Median interval between a body's samples \[s\]; zero for fewer than two.
-pub fn median_interval_s(body: &BodySketch) -> f64 {
-    let mut intervals: Vec<f64> = body
+/// Median interval between a track's samples \[s\]; zero for fewer than two.
+pub fn median_interval_s(track: &TrackSketch) -> f64 {
+    let mut intervals: Vec<f64> = track
         .samples
         .windows(2)
         .map(|pair| pair[1].acted_s - pair[0].acted_s)

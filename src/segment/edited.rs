@@ -1,22 +1,24 @@
 //! Joins the segments of an edited sketch, one after the other on one time line.
 //!
 //! Every segment comes with physical times of its own, from any zero. The first segment of every
-//! body begins at zero of the time line. At a collision the segments of all bodies that take part
+//! track begins at zero of the time line. At a collision the segments of all tracks that take part
 //! end half a median interval before the mark, or earlier where another's is longer; their next
-//! segments begin half a median interval after it. So with one body the first sample of a segment
+//! segments begin half a median interval after it. So with one track the first sample of a segment
 //! is one median interval after the last sample of the one before, with the mark in the middle.
 //! Marks keep the order of the scene's events.
 
+use typed_index_collections::{TiSlice, TiVec};
+
 use super::error::SegmentError;
 use super::marks::seconds;
-use crate::motion::{EventKind, PoseSample, Scene, Stamp};
+use crate::motion::{EventKind, PoseSample, Scene, Stamp, TrackIndex};
 
-/// Interval of a body whose segments have one sample each \[ns\]; [`cut`](super::cut()) refuses
+/// Interval of a track whose segments have one sample each \[ns\]; [`cut`](super::cut()) refuses
 /// them.
 const INTERVAL_NS: i64 = 1_000_000;
 
-/// One body's position on the time line \[ns\].
-struct Track<'a> {
+/// One track's position on the time line \[ns\].
+struct Joined<'a> {
     segments: std::slice::Iter<'a, Vec<PoseSample>>,
     /// Beginning of the next segment.
     begin_ns: i64,
@@ -25,21 +27,25 @@ struct Track<'a> {
     joined: Vec<PoseSample>,
 }
 
-/// The streams of all bodies and the stamps of all events on one time line, whose zero is the least
-/// stamp of any first segment. `segments` are by body, as many as [`Scene::streams`] requires,
-/// sorted, none empty. Fails where one of them, or all together, are longer than `limit_s`.
+/// One stream per track.
+type Streams = TiVec<TrackIndex, Vec<PoseSample>>;
+
+/// The streams of all tracks and the stamps of all events on one line, whose zero is the least
+/// stamp of any first segment. `segments` are by track, as many as [`Scene::streams`] says, sorted,
+/// none empty. Fails where they are longer than `limit_s`, each or together.
 pub(super) fn join(
     scene: &Scene,
-    segments: &[Vec<Vec<PoseSample>>],
+    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
     limit_s: f64,
-) -> Result<(Vec<Vec<PoseSample>>, Vec<Stamp>), SegmentError> {
+) -> Result<(Streams, Vec<Stamp>), SegmentError> {
     check_spans(segments, limit_s)?;
     let limit_ns = (limit_s * 1e9) as i64;
-    let firsts = segments.iter().filter_map(|body| body.first()?.first());
+    let firsts = segments.iter().filter_map(|track| track.first()?.first());
     let zero = firsts.map(|sample| sample.stamp.0).min().unwrap_or(0);
     // The whole time line is within a few limits of its zero, so that sums do not overflow.
     let zero = zero.min(i64::MAX - 4 * limit_ns);
-    let mut tracks: Vec<Track> = segments.iter().map(|body| Track::new(body, zero)).collect();
+    let joined = segments.iter().map(|track| Joined::new(track, zero));
+    let mut tracks: TiVec<TrackIndex, Joined> = joined.collect();
     let mut stamps = Vec::new();
     let mut last_ns = zero;
     for event in &scene.events {
@@ -47,13 +53,13 @@ pub(super) fn join(
             EventKind::Start => stamps.push(Stamp(zero)),
             EventKind::Collision(collision) => {
                 let mut mark_ns = last_ns;
-                for body in collision.bodies() {
-                    let track = &mut tracks[body];
+                for index in scene.tracks_in(collision) {
+                    let track = &mut tracks[index];
                     mark_ns = mark_ns.max(last_ns + track.interval_ns);
                     mark_ns = mark_ns.max(track.place() + track.interval_ns / 2);
                 }
-                for body in collision.bodies() {
-                    let track = &mut tracks[body];
+                for index in scene.tracks_in(collision) {
+                    let track = &mut tracks[index];
                     track.begin_ns = mark_ns + (track.interval_ns - track.interval_ns / 2);
                 }
                 check_span(Stamp(mark_ns), Stamp(zero), limit_s)?;
@@ -73,7 +79,10 @@ pub(super) fn join(
     Ok((streams, stamps))
 }
 
-fn check_spans(segments: &[Vec<Vec<PoseSample>>], limit_s: f64) -> Result<(), SegmentError> {
+fn check_spans(
+    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
+    limit_s: f64,
+) -> Result<(), SegmentError> {
     for segment in segments.iter().flatten() {
         if let (Some(first), Some(last)) = (segment.first(), segment.last()) {
             check_span(last.stamp, first.stamp, limit_s)?;
@@ -90,7 +99,7 @@ fn check_span(last: Stamp, first: Stamp, limit_s: f64) -> Result<(), SegmentErro
     Ok(())
 }
 
-impl<'a> Track<'a> {
+impl<'a> Joined<'a> {
     fn new(segments: &'a [Vec<PoseSample>], zero_ns: i64) -> Self {
         let mut intervals: Vec<i64> = segments
             .iter()

@@ -14,7 +14,7 @@ pub enum SegmentError {
     /// Nothing of one body can be used.
     #[error("body {body:?} has no usable samples on {topic:?}: {read} read{dropped}")]
     NoSamplesOfBody {
-        /// Its name.
+        /// Name of the body.
         body: String,
         /// Its topic.
         topic: String,
@@ -23,13 +23,13 @@ pub enum SegmentError {
         /// Why they were left out: `, 3 not_finite`.
         dropped: String,
     },
-    /// A sample of a body that the scene does not have.
-    #[error("a sample of body number {body}, expected one of {bodies}")]
-    NoSuchBody {
+    /// A sample of a track that the scene does not have.
+    #[error("a sample of track number {track}, expected one of {tracks}")]
+    NoSuchTrack {
         /// Index of the body as delivered.
-        body: usize,
+        track: usize,
         /// Number of bodies of the scene.
-        bodies: usize,
+        tracks: usize,
     },
     /// A sample on a stream beyond those that the scene's events require.
     #[error("a sample on stream {stream} of body {body:?}, expected 1 to {streams}")]

@@ -1,8 +1,10 @@
 //! Assigns marks to the scene's events.
 
+use typed_index_collections::TiSlice;
+
 use super::cut::median_interval_s;
 use super::error::SegmentError;
-use crate::motion::{BodySketch, Collision, EventKind, Mark, Scene, Stamp, Timing};
+use crate::motion::{Collision, EventKind, Mark, Scene, Stamp, Timing, TrackIndex, TrackSketch};
 
 /// First and last stamp of some samples.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +21,9 @@ const PEOPLE_SD_S: f64 = 0.05;
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
 
 /// Standard deviation of a scene's marks, in acted time \[s\].
-pub(super) fn mark_sd_s(scene: &Scene, bodies: &[BodySketch]) -> f64 {
+pub(super) fn mark_sd_s(scene: &Scene, tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
     let annotated_s = || {
-        let intervals_s = bodies.iter().map(median_interval_s);
+        let intervals_s = tracks.iter().map(median_interval_s);
         ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
     };
     scene.mark_sd_s.unwrap_or_else(|| match scene.timing {
@@ -127,15 +129,17 @@ pub(super) fn put_at_the_ends(
 pub(super) fn check_extents(
     scene: &Scene,
     stamps: &[Stamp],
-    bodies: &[Extent],
+    extents: &TiSlice<TrackIndex, Extent>,
     slack_ns: i64,
 ) -> Result<(), SegmentError> {
-    let Some(whole) = union(bodies) else {
+    let Some(whole) = union(extents) else {
         return Ok(());
     };
     for (event, stamp) in scene.events.iter().zip(stamps) {
         let (extent, slack_ns) = match &event.kind {
-            EventKind::Collision(collision) => (shared(bodies, collision), 0),
+            EventKind::Collision(collision) => {
+                (shared(scene, extents, collision).unwrap_or(whole), 0)
+            }
             EventKind::Start | EventKind::Collisions { .. } | EventKind::End => (whole, slack_ns),
         };
         let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)
@@ -152,18 +156,21 @@ pub(super) fn check_extents(
     Ok(())
 }
 
-/// The time in which all bodies of a collision have samples.
-fn shared(bodies: &[Extent], collision: &Collision) -> Extent {
-    let mut extent = bodies[collision.body];
-    for other in collision.bodies().map(|body| bodies[body]) {
-        extent.first = extent.first.max(other.first);
-        extent.last = extent.last.min(other.last);
-    }
-    extent
+/// The time in which all tracks of a collision have samples.
+fn shared(
+    scene: &Scene,
+    extents: &TiSlice<TrackIndex, Extent>,
+    collision: &Collision,
+) -> Option<Extent> {
+    let all = scene.tracks_in(collision).map(|track| extents[track]);
+    all.reduce(|a, b| Extent {
+        first: a.first.max(b.first),
+        last: a.last.min(b.last),
+    })
 }
 
 /// From the first of the firsts to the last of the lasts.
-pub(super) fn union(extents: &[Extent]) -> Option<Extent> {
+pub(super) fn union(extents: &TiSlice<TrackIndex, Extent>) -> Option<Extent> {
     Some(Extent {
         first: extents.iter().map(|e| e.first).min()?,
         last: extents.iter().map(|e| e.last).max()?,

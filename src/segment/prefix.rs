@@ -12,9 +12,9 @@
 use nalgebra::Vector3;
 
 use crate::math::so3;
-use crate::motion::{BodySketch, Scene, Timing};
+use crate::motion::{Scene, Timing, TrackIndex, TrackSketch};
 
-/// Prefix sums over a body's samples, to fit any stretch of them.
+/// Prefix sums over a track's samples, to fit any stretch of them.
 pub(super) struct PrefixSums {
     sums: Vec<Sums>,
     /// Direction of gravity where the tempo is unknown, so that the size of the curvature in acted
@@ -32,15 +32,15 @@ struct Sums {
 
 impl PrefixSums {
     /// Sums for the centre of mass: flights under gravity \[m\].
-    pub(super) fn of_positions(scene: &Scene, body: &BodySketch) -> Self {
+    pub(super) fn of_positions(scene: &Scene, track: &TrackSketch) -> Self {
         let gravity = scene.gravity_m_s2;
         let free_along = match scene.timing {
             Timing::Known | Timing::Edited => None,
             Timing::Unknown { .. } => gravity.try_normalize(1e-9),
         };
-        let samples = &body.samples;
+        let samples = &track.samples;
         let first_m = samples.first().map_or(Vector3::zeros(), |s| s.position_m);
-        let middle_s = middle_s(body);
+        let middle_s = middle_s(track);
         let points = samples.iter().map(|sample| {
             let a = sample.acted_s - middle_s;
             // With known times the fall is known and subtracted.
@@ -56,13 +56,13 @@ impl PrefixSums {
 
     /// Sums for the integral of angular momentum \[rad, world\]:
     /// `Σ R_i (I/I_max) Log(R_{i−1}ᵀ R_i)`. In free flight angular momentum is constant, and its integral a straight line.
-    pub(super) fn of_turns(scene: &Scene, index: usize, body: &BodySketch) -> Self {
-        let moments = scene.bodies[index].body.moments_kg_m2();
+    pub(super) fn of_turns(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Self {
+        let moments = scene.link_seen_by(index).body.moments_kg_m2();
         let moments = moments / moments.max();
-        let middle_s = middle_s(body);
+        let middle_s = middle_s(track);
         let mut turned = Vector3::zeros();
         let mut before = None;
-        let points = body.samples.iter().map(|sample| {
+        let points = track.samples.iter().map(|sample| {
             if let Some(before) = before.replace(sample.orientation) {
                 let turn = so3::log(&(before.inverse() * sample.orientation));
                 turned += sample.orientation * moments.component_mul(&turn);
@@ -134,8 +134,8 @@ impl PrefixSums {
     }
 }
 
-fn middle_s(body: &BodySketch) -> f64 {
-    let samples = &body.samples;
+fn middle_s(track: &TrackSketch) -> f64 {
+    let samples = &track.samples;
     samples.get(samples.len() / 2).map_or(0.0, |s| s.acted_s)
 }
 

@@ -7,7 +7,7 @@
 //! places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
-use crate::motion::{BodySketch, Collision, Partner, Sample, Scene, Sketch, Stamp};
+use crate::motion::{Collision, Partner, Sample, Scene, Sketch, Stamp, TrackIndex, TrackSketch};
 use crate::physics::contact::Feature;
 
 /// Places of the grid for cuts, evenly over the stream, for few cuts,
@@ -28,8 +28,8 @@ const SCORE_MAX: f64 = 1e6;
 /// A proposed collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
+    /// What shows it.
+    pub track: TrackIndex,
     /// The collision it stands for (index into `Scene::events`), if as many were searched for as
     /// the scene has.
     pub event: Option<usize>,
@@ -47,18 +47,19 @@ impl Proposal {
     }
 }
 
-/// Proposals for all collisions of the scene, in its order; for each body those that concern
-/// it. A collision of two bodies is proposed from the stream of its first. `count`, if given, is
-/// the number of collisions searched for on each body, in place of the scene's.
+/// Proposals for all collisions of the scene, in its order; for each track those that concern
+/// it. A collision of two tracks is proposed from the stream of its first. `count`, if given, is
+/// the number of collisions searched for on each track, in place of the scene's.
 ///
 /// Empty where a stream is too short, or where there are more than sixty collisions.
 pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Proposal> {
     let mut proposals = Vec::new();
-    for (index, body) in sketch.bodies.iter().enumerate() {
+    for (index, track) in sketch.tracks.iter_enumerated() {
+        let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = (0..scene.events.len())
             .filter(|event| {
                 let collision = scene.events[*event].kind.collision();
-                collision.is_some_and(|collision| collision.concerns(index))
+                collision.is_some_and(|collision| scene.takes_part(mechanism, collision))
             })
             .collect();
         let collisions = if count.is_none_or(|count| count == events.len()) {
@@ -66,7 +67,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         } else {
             vec![None; count.unwrap_or(0)]
         };
-        let stream = Stream::new(scene, index, body);
+        let stream = Stream::new(scene, index, track);
         let Some(cuts) = stream.best_cuts(&collisions) else {
             continue;
         };
@@ -74,10 +75,10 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
             let is_of_first = event
                 .and_then(|event| scene.events[event].kind.collision())
-                .is_none_or(|collision| collision.body == index);
+                .is_none_or(|collision| scene.tracks_in(collision).next() == Some(index));
             if is_of_first {
                 proposals.push(Proposal {
-                    body: index,
+                    track: index,
                     event,
                     acted_s: stream.time_s(*cut),
                     score,
@@ -92,7 +93,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
     proposals
 }
 
-/// One body's samples, with the costs of its stretches.
+/// One track's samples, with the costs of its stretches.
 pub(super) struct Stream<'a> {
     scene: &'a Scene,
     samples: &'a [Sample],
@@ -101,19 +102,19 @@ pub(super) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    pub(super) fn new(scene: &'a Scene, index: usize, body: &'a BodySketch) -> Self {
+    pub(super) fn new(scene: &'a Scene, index: TrackIndex, track: &'a TrackSketch) -> Self {
         Self {
-            turns: Some(PrefixSums::of_turns(scene, index, body)),
-            ..Self::of_positions(scene, body)
+            turns: Some(PrefixSums::of_turns(scene, index, track)),
+            ..Self::of_positions(scene, track)
         }
     }
 
     /// [`Stream::new`] without the cost of rotations, which is half the work.
-    pub(super) fn of_positions(scene: &'a Scene, body: &'a BodySketch) -> Self {
+    pub(super) fn of_positions(scene: &'a Scene, track: &'a TrackSketch) -> Self {
         Self {
             scene,
-            samples: &body.samples,
-            positions: PrefixSums::of_positions(scene, body),
+            samples: &track.samples,
+            positions: PrefixSums::of_positions(scene, track),
             turns: None,
         }
     }
@@ -313,9 +314,9 @@ impl<'a> Stream<'a> {
 }
 
 /// Largest distance between the features that should touch \[m\], for points and planes; for others
-/// a bound by the body's size, or zero.
+/// a bound by the link's size, or zero.
 fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
-    let body = &scene.bodies[collision.body];
+    let link = &scene.links[collision.link];
     if collision.partner != Partner::World {
         return 0.0;
     }
@@ -328,10 +329,10 @@ fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
             }
             _ => None,
         };
-        let named = touching.feature.map(|feature| &body.features[feature]);
+        let named = touching.feature.map(|feature| &link.features[feature]);
         let height_m = match named {
             Some(feature) => height_m(&feature.geometry),
-            None => body
+            None => link
                 .features
                 .iter()
                 .filter_map(|feature| height_m(&feature.geometry))
@@ -339,7 +340,7 @@ fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
         };
         Some(
             height_m
-                .unwrap_or_else(|| (centre_m - body.shape.radius_m()).max(0.0))
+                .unwrap_or_else(|| (centre_m - link.shape.radius_m()).max(0.0))
                 .abs(),
         )
     });

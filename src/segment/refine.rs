@@ -16,9 +16,11 @@
 
 use std::ops::RangeInclusive;
 
+use typed_index_collections::{TiSlice, TiVec};
+
 use super::cut::median_interval_s;
 use super::prefix::PrefixSums;
-use crate::motion::{BodySketch, MarkTime, Scene, Sketch, Timing};
+use crate::motion::{MarkTime, Scene, Sketch, Timing, TrackIndex, TrackSketch};
 
 /// Reach in samples on either side of a mark.
 const REACH_SAMPLES: usize = 8;
@@ -51,14 +53,12 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     let events: Vec<usize> = (0..scene.events.len())
         .filter(|event| scene.events[*event].kind.collision().is_some())
         .collect();
-    let sums: Vec<PrefixSums> = sketch
-        .bodies
-        .iter()
-        .map(|body| PrefixSums::of_positions(scene, body))
-        .collect();
-    let mut left_m2: Vec<f64> = (0..sums.len())
-        .map(|body| left_m2(scene, sketch, &sums[body], body))
-        .collect();
+    let tracks = sketch.tracks.iter();
+    let sums = tracks.map(|track| PrefixSums::of_positions(scene, track));
+    let sums: TiVec<TrackIndex, PrefixSums> = sums.collect();
+    let left_m2 = sums.iter_enumerated();
+    let left_m2 = left_m2.map(|(track, sums)| left_m2_of(scene, sketch, sums, track));
+    let mut left_m2: TiVec<TrackIndex, f64> = left_m2.collect();
     let mut rounds = 0;
     let mut moved = true;
     while moved && rounds < ROUNDS_MAX {
@@ -72,12 +72,13 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     rounds
 }
 
-/// Residual sum of squares of all flights of a body, with the cuts of the sketch \[m²\].
-fn left_m2(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, body: usize) -> f64 {
-    let samples = &sketch.bodies[body].samples;
+/// Residual sum of squares of all flights of a track, with the cuts of the sketch \[m²\].
+fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackIndex) -> f64 {
+    let samples = &sketch.tracks[track].samples;
+    let mechanism = scene.mechanism_seen_by(track);
     let (mut left_m2, mut begin) = (0.0, 0);
     for (event, of) in scene.events.iter().enumerate() {
-        if of.kind.concerns(body) {
+        if scene.concerns(event, mechanism) {
             let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
             let beside = usize::from(of.kind.collision().is_some());
             left_m2 += sums.cost(begin, at.saturating_sub(beside));
@@ -111,8 +112,8 @@ pub(super) fn unlikely_mark(mark: &MarkTime, acted_s: f64) -> f64 {
 
 /// Minus the logarithm of the likelihood of residuals with a sum of squares, in any unit, up to a
 /// constant: `½ n ln Σr²`.
-pub(super) fn unlikely_residuals(body: &BodySketch, square: f64) -> f64 {
-    0.5 * body.samples.len() as f64 / SAMPLES_ALIKE * square.ln()
+pub(super) fn unlikely_residuals(track: &TrackSketch, square: f64) -> f64 {
+    0.5 * track.samples.len() as f64 / SAMPLES_ALIKE * square.ln()
 }
 
 /// Standard deviation of the normal distribution with the same gradient as Student's at `d`, at
@@ -122,17 +123,18 @@ fn student_sd(deviations: f64) -> f64 {
     square.max(1.0).sqrt()
 }
 
-/// The samples of a body between the events before and after a given one.
+/// The samples of a track between the events before and after a given one.
 struct Stretch {
-    body: usize,
+    track: TrackIndex,
     begin: usize,
     end: usize,
 }
 
 impl Stretch {
-    fn new(scene: &Scene, sketch: &Sketch, body: usize, event: usize) -> Self {
-        let samples = &sketch.bodies[body].samples;
-        let concerns = |other: &usize| scene.events[*other].kind.concerns(body);
+    fn new(scene: &Scene, sketch: &Sketch, track: TrackIndex, event: usize) -> Self {
+        let samples = &sketch.tracks[track].samples;
+        let mechanism = scene.mechanism_seen_by(track);
+        let concerns = |other: &usize| scene.concerns(*other, mechanism);
         let index_at =
             |event: usize| samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
         // Samples beside a neighbouring collision are left out, as in the cut.
@@ -140,7 +142,7 @@ impl Stretch {
         let mut before = (0..event).rev();
         let mut after = event + 1..scene.events.len();
         Self {
-            body,
+            track,
             begin: before.find(concerns).map_or(0, |e| index_at(e) + beside(e)),
             end: after
                 .find(concerns)
@@ -167,22 +169,27 @@ pub(super) fn reach_s(scene: &Scene) -> f64 {
     }
 }
 
-/// Moves one mark to the best place between the neighbouring events of its bodies.
+/// Moves one mark to the best place between the neighbouring events of its tracks.
 fn refine_one(
     scene: &Scene,
     sketch: &mut Sketch,
-    (sums, left_m2): (&[PrefixSums], &mut [f64]),
+    (sums, left_m2): (
+        &TiSlice<TrackIndex, PrefixSums>,
+        &mut TiSlice<TrackIndex, f64>,
+    ),
     event: usize,
 ) -> bool {
     let Some(collision) = scene.events[event].kind.collision() else {
         return false;
     };
-    let stretches: Vec<Stretch> = collision
-        .bodies()
-        .map(|body| Stretch::new(scene, sketch, body, event))
-        .collect();
-    let samples = &sketch.bodies[collision.body].samples;
-    let interval_s = median_interval_s(&sketch.bodies[collision.body]).max(1e-9);
+    let tracks = scene.tracks_in(collision);
+    let stretches = tracks.map(|track| Stretch::new(scene, sketch, track, event));
+    let stretches: Vec<Stretch> = stretches.collect();
+    let Some(first) = stretches.first().map(|stretch| stretch.track) else {
+        return false;
+    };
+    let samples = &sketch.tracks[first].samples;
+    let interval_s = median_interval_s(&sketch.tracks[first]).max(1e-9);
     let now = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
     let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
     let cuts = stretches[0].cuts();
@@ -192,16 +199,16 @@ fn refine_one(
     let time_s = |cut: usize| 0.5 * (samples[cut - 1].acted_s + samples[cut].acted_s);
     let mark = sketch.marks[event];
     let cost_m2 = |stretch: &Stretch, cut: usize| {
-        let is_first = stretch.body == collision.body;
+        let is_first = stretch.track == first;
         let of_other = || {
-            let others = &sketch.bodies[stretch.body].samples;
+            let others = &sketch.tracks[stretch.track].samples;
             others.partition_point(|s| s.acted_s <= time_s(cut))
         };
         let cut = if is_first { cut } else { of_other() };
         stretch
             .cuts()
             .contains(&cut)
-            .then(|| stretch.cost(&sums[stretch.body], cut))
+            .then(|| stretch.cost(&sums[stretch.track], cut))
     };
     let now_m2: Vec<f64> = stretches
         .iter()
@@ -214,9 +221,9 @@ fn refine_one(
             let Some(cost_m2) = cost_m2(stretch, cut) else {
                 return f64::INFINITY;
             };
-            let others_m2 = (left_m2[stretch.body] - now_m2).max(0.0);
+            let others_m2 = (left_m2[stretch.track] - now_m2).max(0.0);
             let all_m2 = others_m2 + cost_m2 + ROUNDING_M2;
-            sum += unlikely_residuals(&sketch.bodies[stretch.body], all_m2);
+            sum += unlikely_residuals(&sketch.tracks[stretch.track], all_m2);
         }
         sum + mark.map_or(0.0, |mark| {
             // Between its two samples a cut may be anywhere.
@@ -232,7 +239,7 @@ fn refine_one(
         return false;
     }
     for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
-        left_m2[stretch.body] += cost_m2(stretch, best).unwrap_or(*now_m2) - now_m2;
+        left_m2[stretch.track] += cost_m2(stretch, best).unwrap_or(*now_m2) - now_m2;
     }
     sketch.marks_s[event] = time_s(best);
     true

@@ -18,23 +18,26 @@ const SHARE_MAX: f64 = 0.7;
 
 /// Moves refined marks of collisions that are far from any kink; returns the events that moved.
 ///
-/// Either all marks of a body move or none, since proposals are for all of them. Where bodies hit
+/// Either all marks of a mechanism move or none, since proposals are for all of them. Where mechanisms hit
 /// each other, none moves.
 pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     let collisions = || {
         let events = scene.events.iter().enumerate();
         events.filter_map(|(index, event)| Some((index, event.kind.collision()?)))
     };
-    let is_between_bodies = collisions().any(|(_, c)| c.partner != Partner::World);
-    if scene.timing == Timing::Edited || is_between_bodies {
+    let is_between_links = collisions().any(|(_, c)| c.partner != Partner::World);
+    if scene.timing == Timing::Edited || is_between_links {
         return Vec::new();
     }
     let mut moved = Vec::new();
-    for (index, body) in sketch.bodies.iter().enumerate() {
+    for (index, track) in sketch.tracks.iter_enumerated() {
+        let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = collisions()
-            .filter_map(|(event, collision)| collision.concerns(index).then_some(event))
+            .filter_map(|(event, collision)| {
+                scene.takes_part(mechanism, collision).then_some(event)
+            })
             .collect();
-        let quick = Stream::of_positions(scene, body);
+        let quick = Stream::of_positions(scene, track);
         let marked: Vec<usize> = events
             .iter()
             .map(|event| quick.cut_at(sketch.marks_s[*event]))
@@ -42,7 +45,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         if !quick.is_doubtful(&marked) {
             continue;
         }
-        let stream = Stream::new(scene, index, body);
+        let stream = Stream::new(scene, index, track);
         let events: Vec<Option<usize>> = events.into_iter().map(Some).collect();
         let Some(cuts) = stream.best_cuts(&events) else {
             continue;
@@ -63,7 +66,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         let further = further.map(|(event, cut)| {
             off(*event, stream.time_s(*cut)) - off(*event, sketch.marks_s[*event])
         });
-        if unlikely_residuals(body, share) + further.sum::<f64>() > 0.0 {
+        if unlikely_residuals(track, share) + further.sum::<f64>() > 0.0 {
             continue;
         }
         for (event, (cut, marked)) in events

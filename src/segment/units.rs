@@ -1,7 +1,7 @@
 //! Detects positions that are not in metres.
 
 use super::error::SegmentError;
-use crate::motion::{Sample, SceneBody};
+use crate::motion::{Link, Sample};
 
 /// Greatest extent of a performance in sizes of its body: a die of a centimetre may cross a room
 /// of five metres.
@@ -13,7 +13,7 @@ const BASE_S: f64 = 0.05;
 
 /// Refuses a stream that is too far-reaching or too fast to be in metres. The reach is the distance
 /// from the middle sample within which nine tenths of the samples lie.
-pub(super) fn check_units(body: &SceneBody, samples: &[Sample]) -> Result<(), SegmentError> {
+pub(super) fn check_units(link: &Link, samples: &[Sample]) -> Result<(), SegmentError> {
     let Some(middle) = samples.get(samples.len() / 2) else {
         return Ok(());
     };
@@ -24,10 +24,10 @@ pub(super) fn check_units(body: &SceneBody, samples: &[Sample]) -> Result<(), Se
     let rank = samples.len() * 9 / 10;
     let reach_m = *distances_m.select_nth_unstable_by(rank, f64::total_cmp).1;
     let speed_m_s = median_speed_m_s(samples);
-    let size_m = 2.0 * body.shape.radius_m();
+    let size_m = 2.0 * link.shape.radius_m();
     if reach_m > SIZES_MAX * size_m || speed_m_s > SPEED_MAX_M_S {
         return Err(SegmentError::Units {
-            body: body.name.clone(),
+            body: link.name.clone(),
             reach_m,
             size_m,
             speed_m_s,
@@ -58,19 +58,17 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::math::Pose;
-    use crate::motion::Stamp;
+    use crate::motion::{MechanismIndex, Stamp};
     use crate::physics::Shape;
 
-    fn die() -> SceneBody {
+    fn die() -> Link {
         let shape = Shape::Sphere { radius_m: 0.01 };
-        SceneBody {
+        Link {
             name: "die".into(),
-            topic: "/die".into(),
             body: shape.body_of_mass_kg(0.01).unwrap(),
             shape,
-            body_from_tracker: Pose::identity(),
             features: Vec::new(),
+            mechanism: MechanismIndex(0),
         }
     }
 

@@ -118,7 +118,7 @@ fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
     services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
     services.push((TAKE_SERVICE.to_owned(), "enact.Take.1"));
     services.push((ESTIMATE_SERVICE.to_owned(), "enact.Estimate.1"));
-    services.extend(scene.bodies.iter().map(|body| {
+    services.extend(scene.links.iter().map(|body| {
         let topic = topics::estimate_pose(&body.name);
         (service_name(&topic), "enact.EstimatedPose.1")
     }));

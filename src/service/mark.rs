@@ -71,7 +71,7 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let marks = pipeline.marks();
     let proposals = pipeline.propose(job.count).with_context(|| path.clone())?;
-    let found = proposals.iter().filter(|p| p.body.is_some()).count();
+    let found = proposals.iter().filter(|p| p.track.is_some()).count();
     let collisions = opened
         .scene
         .events
@@ -79,7 +79,7 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
         .filter(|e| e.kind.collision().is_some());
     let wanted = job
         .count
-        .map_or(collisions.count(), |n| n * opened.scene.bodies.len());
+        .map_or(collisions.count(), |n| n * opened.scene.links.len());
     if found < wanted {
         bail!("{path}: the streams are too short for {wanted} collisions, or they are too many");
     }
@@ -107,7 +107,9 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
         time_s: proposal.time_s,
         stamp_ns: proposal.stamp.0,
         event: proposal.event.map(|event| scene.events[event].name.clone()),
-        body: proposal.body.map(|body| scene.bodies[body].name.clone()),
+        body: proposal
+            .track
+            .map(|track| scene.link_seen_by(track).name.clone()),
         score: proposal.score,
     });
     Ok(Marked {

@@ -56,11 +56,11 @@ impl Publication {
     pub(super) fn event(&mut self, log_time: Stamp, event: &TakeEvent) -> anyhow::Result<()> {
         match event {
             TakeEvent::Pose {
-                body,
+                track,
                 stream,
                 sample,
             } => {
-                let is_its = |topic: &StreamTopic| (topic.body, topic.stream) == (*body, *stream);
+                let is_its = |topic: &StreamTopic| (topic.track, topic.stream) == (*track, *stream);
                 let Some(at) = self.topics.iter().position(is_its) else {
                     return Ok(());
                 };

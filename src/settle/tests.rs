@@ -40,7 +40,7 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
         arcs: vec![ArcEstimate {
-            body: 0,
+            mechanism: MechanismIndex(0),
             epoch_s: 0.8,
             state,
             start_s: 0.2,
@@ -64,9 +64,9 @@ fn a_brick_comes_to_rest_flat_on_the_table() {
     let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
     let settled = settle(&scene, &estimate(&scene, brick(0.2)), 5.0).unwrap();
     assert!(settled.at_rest && settled.end_s() < 5.0, "{settled:?}");
-    let last = settled.bodies[0].poses.last().unwrap();
+    let last = settled.links[LinkIndex(0)].poses.last().unwrap();
     // On one of its faces: the height of its centre is half a side, less rapier's slop.
-    let lowest = scene.bodies[0].shape.solid().unwrap();
+    let lowest = scene.links[LinkIndex(0)].shape.solid().unwrap();
     let closest = lowest
         .lowest(last, &Vector3::zeros(), &Vector3::z())
         .unwrap();
@@ -80,25 +80,21 @@ fn the_seam_is_continuous() {
     let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
     let state = brick(0.5);
     let estimate = estimate(&scene, state);
-    let states = [last_state(&scene, &estimate, 0, 0.8)];
+    let states = [last_state(&scene, &estimate, MechanismIndex(0), 0.8)];
     assert_eq!(states, [Some(state)]);
-    let simulation = Simulation::new(&scene, &estimate, &states).unwrap();
-    let body = &simulation.world.bodies[simulation.bodies[0].unwrap()];
+    let simulation = Simulation::new(&scene, &estimate, TiSlice::from_ref(&states)).unwrap();
+    let body = &simulation.world.bodies[simulation.links[LinkIndex(0)].unwrap()];
     assert_eq!(from_rapier(body.linvel()), state.velocity_m_s);
     let spin = state.orientation * state.angular_velocity_rad_s;
     assert_eq!(from_rapier(body.angvel()), spin);
     let settled = settle(&scene, &estimate, 0.1).unwrap();
-    let poses = &settled.bodies[0].poses;
+    let poses = &settled.links[LinkIndex(0)].poses;
     assert_eq!((settled.from_s, poses[0]), (0.8, state.world_from_body()));
     // The first steps are free flight, but for the order of the integration.
     for (step, pose) in poses.iter().enumerate().take(12) {
         let duration_s = step as f64 * INTERVAL_S;
-        let free = flow::advance(
-            &scene.bodies[0].body,
-            &scene.gravity_m_s2,
-            &state,
-            duration_s,
-        );
+        let dynamics = scene.dynamics(MechanismIndex(0));
+        let free = dynamics.advance(&scene.gravity_m_s2, &state, duration_s);
         let off_m = (free.position_m - pose.translation.vector).norm();
         assert!(off_m <= 10.0 * duration_s * INTERVAL_S + 1e-12, "{off_m}");
         let off_rad = free.orientation.angle_to(&pose.rotation);
@@ -113,13 +109,14 @@ fn the_seam_is_continuous() {
 fn bodies_have_the_mass_and_moments_of_the_scene() {
     let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
     let estimate = estimate(&scene, brick(0.5));
-    let mut simulation = Simulation::new(&scene, &estimate, &[Some(brick(0.5))]).unwrap();
+    let mut simulation =
+        Simulation::new(&scene, &estimate, TiSlice::from_ref(&[Some(brick(0.5))])).unwrap();
     simulation.step();
-    let body = &simulation.world.bodies[simulation.bodies[0].unwrap()];
+    let body = &simulation.world.bodies[simulation.links[LinkIndex(0)].unwrap()];
     let properties = &body.mass_properties().local_mprops;
     assert!((properties.mass() - 0.3).abs() < 1e-15);
     let moments = from_rapier(properties.principal_inertia());
-    let expected = scene.bodies[0].body.moments_kg_m2();
+    let expected = scene.links[LinkIndex(0)].body.moments_kg_m2();
     assert!((moments - expected).norm() < 1e-18, "{moments}");
     assert_eq!(from_rapier(properties.local_com), Vector3::zeros());
 }
@@ -150,7 +147,7 @@ fn what_ends_inside_of_something_is_not_shot_out() {
         "{}",
         settled.largest_speed_m_s
     );
-    let last = settled.bodies[0].poses.last().unwrap();
+    let last = settled.links[LinkIndex(0)].poses.last().unwrap();
     assert!((last.translation.vector - state.position_m).norm() < 5e-3);
 }
 
@@ -186,7 +183,7 @@ position_mm = [0, 0, 0]
                     angular_velocity_rad_s: Vector3::new(1.0, spin_rad_s, 10.0),
                 };
                 let settled = settle(&scene, &estimate(&scene, state), 2.0).unwrap();
-                let poses = settled.bodies[0].poses.iter();
+                let poses = settled.links[LinkIndex(0)].poses.iter();
                 let least_x = poses.fold(f64::INFINITY, |least, pose| {
                     least.min(pose.translation.vector.x)
                 });
@@ -205,7 +202,7 @@ fn what_still_falls_at_the_limit_does_not_rest() {
     let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
     let settled = settle(&scene, &estimate(&scene, brick(5.0)), 0.25).unwrap();
     assert!(!settled.at_rest);
-    assert_eq!(settled.bodies[0].poses.len(), 61);
+    assert_eq!(settled.links[LinkIndex(0)].poses.len(), 61);
     assert!((settled.end_s() - 1.05).abs() < 1e-12);
 }
 

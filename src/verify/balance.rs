@@ -17,9 +17,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::law::Law;
 use super::meeting::World;
-use super::track::Track;
+use super::moving::MovingLink;
 use crate::math::so3;
-use crate::motion::Balance;
+use crate::motion::{Balance, LinkIndex};
 use crate::physics::contact::Frame;
 use crate::physics::{Body, State};
 
@@ -28,29 +28,29 @@ const PARALLEL: f64 = 1e-9;
 
 pub(super) fn balance(world: &World) -> Balance {
     let mut balance = Balance::default();
-    for track in &world.tracks {
-        for arc in &track.arcs {
-            let ends = [arc.start_s, arc.end_s].map(|time_s| track.state(arc, time_s));
-            flight(world, track, &ends, arc.end_s - arc.start_s, &mut balance);
+    for link in &world.links {
+        for arc in &link.arcs {
+            let ends = [arc.start_s, arc.end_s].map(|time_s| link.state(arc, time_s));
+            flight(world, link, &ends, arc.end_s - arc.start_s, &mut balance);
         }
     }
     for event in &world.estimate.events {
         let Some(law) = Law::new(world.scene, world.estimate, event.event) else {
             continue;
         };
-        let side = |body: usize| {
-            let track = &world.tracks[body];
+        let side = |link: LinkIndex| {
+            let link = &world.links[link];
             let arcs = [
-                track.ending_at(event.time_s)?,
-                track.starting_at(event.time_s)?,
+                link.ending_at(event.time_s)?,
+                link.starting_at(event.time_s)?,
             ];
             Some(Side {
-                body: &track.of_scene.body,
-                states: arcs.map(|arc| track.state(arc, event.time_s)),
+                body: &link.of_scene.body,
+                states: arcs.map(|arc| link.state(arc, event.time_s)),
             })
         };
-        let bodies = [law.body].into_iter().chain(law.other);
-        let sides: Option<Vec<Side>> = bodies.map(side).collect();
+        let links = [law.link].into_iter().chain(law.other);
+        let sides: Option<Vec<Side>> = links.map(side).collect();
         if let Some(impact) = sides.and_then(|sides| Impact::new(&law, sides)) {
             impact.check(&law, &mut balance);
         }
@@ -60,12 +60,12 @@ pub(super) fn balance(world: &World) -> Balance {
 
 fn flight(
     world: &World,
-    track: &Track,
+    link: &MovingLink,
     [start, end]: &[State; 2],
     duration_s: f64,
     balance: &mut Balance,
 ) {
-    let body = &track.of_scene.body;
+    let body = &link.of_scene.body;
     let gravity = world.estimate.gravity_m_s2;
     let potential = -body.mass_kg() * gravity.dot(&(end.position_m - start.position_m));
     let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{Against, Collision, Partner, Scene, SceneBody};
+use crate::motion::{Against, Collision, Link, LinkIndex, Partner, Scene};
 use crate::physics::contact::Feature;
 
 /// A point belongs to a feature that is nearer than this share of the body's radius: a feature may
@@ -12,11 +12,11 @@ const NEAR: f64 = 0.1;
 /// Distance below which a point lies on a feature \[m\]: a corner lies on its faces.
 const ON_M: f64 = 1e-6;
 
-/// The features of `body` that are expected to touch at a collision, by partner.
+/// The features of `link` that are expected to touch at a collision, by partner.
 pub(super) fn expected(
     scene: &Scene,
     collision: &Collision,
-    body: usize,
+    link: LinkIndex,
 ) -> Vec<(Against, Vec<usize>)> {
     let mut groups: Vec<(Against, Vec<usize>)> = Vec::new();
     for contact in &collision.contacts {
@@ -31,10 +31,10 @@ pub(super) fn expected(
                 };
                 (against, contact.feature)
             }
-            Partner::Body(other) if collision.body == body => {
-                (Against::Body(other), contact.feature)
+            Partner::Link(other) if collision.link == link => {
+                (Against::Link(other), contact.feature)
             }
-            Partner::Body(_) => (Against::Body(collision.body), contact.other),
+            Partner::Link(_) => (Against::Link(collision.link), contact.other),
         };
         let Some(feature) = feature else { continue };
         match groups.iter_mut().find(|(known, _)| *known == against) {
@@ -94,12 +94,12 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
 /// The feature to which a point of the body's surface belongs: the nearest of those that are
 /// declared or expected, else the nearest of the shape's own; an expected one where several are
 /// equally near; `None` where none is within [`NEAR`].
-pub(super) fn owner(body: &SceneBody, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
-    let near_m = NEAR * body.shape.radius_m();
-    let declared = body.declared_features();
-    (0..body.features.len())
+pub(super) fn owner(link: &Link, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
+    let near_m = NEAR * link.shape.radius_m();
+    let declared = link.declared_features();
+    (0..link.features.len())
         .map(|feature| {
-            let distance_m = distance_m(&body.features[feature].geometry, point_m);
+            let distance_m = distance_m(&link.features[feature].geometry, point_m);
             let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
             let is_expected = expected.contains(&feature);
             let is_own = !is_expected && !declared.contains(&feature);

@@ -62,11 +62,11 @@ impl<'w> Gaps<'w> {
         let collision = world.scene.events[event].kind.collision()?;
         let events = &world.estimate.events;
         let time_s = events.iter().find(|e| e.event == event)?.time_s;
-        let solid = &world.tracks[law.body].solid;
+        let solid = &world.links[law.link].solid;
         let pairs = law.meeting.contacts().iter().zip(&collision.contacts);
         let contacts = pairs.map(|(contact, touching)| {
             let against = match law.other {
-                Some(other) => Against::Body(other),
+                Some(other) => Against::Link(other),
                 None => {
                     let surface = touching.other?;
                     match world.scene.surfaces[surface].obstacle {

@@ -1,6 +1,6 @@
 //! The law of impact at a collision, with the estimated parameters.
 
-use crate::motion::{Estimate, Partner, Quantity, Scene};
+use crate::motion::{Estimate, LinkIndex, Partner, Quantity, Scene};
 use crate::physics::State;
 use crate::physics::impact::{self, ContactSet, Side, Velocities};
 
@@ -9,8 +9,8 @@ pub(super) struct Law<'a> {
     scene: &'a Scene,
     pub(super) meeting: ContactSet,
     pub(super) law: impact::Law,
-    pub(super) body: usize,
-    pub(super) other: Option<usize>,
+    pub(super) link: LinkIndex,
+    pub(super) other: Option<LinkIndex>,
 }
 
 impl<'a> Law<'a> {
@@ -34,32 +34,32 @@ impl<'a> Law<'a> {
                 friction: value(Quantity::Friction { event }).unwrap_or(collision.friction),
                 tilt_rad: [tilt(0), tilt(1)],
             },
-            body: collision.body,
+            link: collision.link,
             other: match collision.partner {
                 Partner::World => None,
-                Partner::Body(other) => Some(other),
+                Partner::Link(other) => Some(other),
             },
         })
     }
 
-    /// The states after the impact, of the body and of the other body if there is one; `None` where
+    /// The states after the impact, of the link and of the other link if there is one; `None` where
     /// the contacts are degenerate in these poses, or a state is missing.
     pub(super) fn after(
         &self,
-        body: &State,
+        state: &State,
         other: Option<&State>,
     ) -> Option<(State, Option<State>)> {
-        let side = |index: usize, state| Side {
-            body: &self.scene.bodies[index].body,
+        let side = |link: LinkIndex, state| Side {
+            body: &self.scene.links[link].body,
             state,
         };
         let partner = match self.other {
             None => None,
-            Some(index) => Some(side(index, other?)),
+            Some(link) => Some(side(link, other?)),
         };
         let impact = self
             .meeting
-            .impact(&side(self.body, body), partner.as_ref(), &self.law)
+            .impact(&side(self.link, state), partner.as_ref(), &self.law)
             .ok()?;
         let moved = |state: &State, after: &Velocities| State {
             velocity_m_s: after.velocity_m_s,
@@ -67,7 +67,7 @@ impl<'a> Law<'a> {
             ..*state
         };
         Some((
-            moved(body, &impact.after[0]),
+            moved(state, &impact.after[0]),
             partner.map(|partner| moved(partner.state, &impact.after[1])),
         ))
     }

@@ -13,13 +13,13 @@ mod expected;
 mod gap;
 mod law;
 mod meeting;
+mod moving;
 mod overlap;
 mod series;
 mod shot;
 #[cfg(test)]
 mod tests;
 mod touch;
-mod track;
 mod whole;
 
 pub use overlap::TOLERANCE_M;

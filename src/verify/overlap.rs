@@ -60,17 +60,17 @@ struct Scan<'w, 'm> {
 impl<'w, 'm> Scan<'w, 'm> {
     fn new(world: &World, meeting: &'m Meeting<'w>) -> Self {
         let against = meeting.partner.against();
-        let about = |body, against| {
-            let mut features = world.expected_at(body, against, meeting.from_s);
-            features.extend(world.expected_at(body, against, meeting.to_s));
+        let about = |link, against| {
+            let mut features = world.expected_at(link, against, meeting.from_s);
+            features.extend(world.expected_at(link, against, meeting.to_s));
             features
         };
         Self {
             meeting,
-            expected: about(meeting.body, against),
+            expected: about(meeting.index, against),
             expected_of_partner: match meeting.partner {
-                Partner::Body { index, .. } => {
-                    about(index, crate::motion::Against::Body(meeting.body))
+                Partner::Link { index, .. } => {
+                    about(index, crate::motion::Against::Link(meeting.index))
                 }
                 Partner::Plane { .. } | Partner::Obstacle { .. } => Vec::new(),
             },
@@ -112,11 +112,11 @@ impl<'w, 'm> Scan<'w, 'm> {
         let mut gap_m = closest.gap_m;
         let mut owner = None;
         if gap_m < 0.0 {
-            let body = self.meeting.track.of_scene;
-            owner = expected::owner(body, &self.expected, &closest.point_m)
+            let link = self.meeting.link.of_scene;
+            owner = expected::owner(link, &self.expected, &closest.point_m)
                 .filter(|feature| self.expected.contains(feature));
-            let of_body = owner
-                .filter(|&feature| matches!(body.features[feature].geometry, Feature::Point { .. }))
+            let of_link = owner
+                .filter(|&feature| matches!(link.features[feature].geometry, Feature::Point { .. }))
                 .map(|feature| {
                     self.meeting
                         .feature_gap_m(time_s, feature, &closest.point_m)
@@ -127,7 +127,7 @@ impl<'w, 'm> Scan<'w, 'm> {
                 &closest.other_point_m,
             );
             // Where points represent both touching parts, the deeper of them counts.
-            if let Some(of_feature) = of_body.into_iter().chain(of_partner).reduce(f64::min) {
+            if let Some(of_feature) = of_link.into_iter().chain(of_partner).reduce(f64::min) {
                 gap_m = gap_m.max(of_feature);
             }
         }
@@ -135,7 +135,7 @@ impl<'w, 'm> Scan<'w, 'm> {
             gap_m: closest.gap_m,
             depth_m: -gap_m,
             penetration: Penetration {
-                body: self.meeting.body,
+                link: self.meeting.index,
                 against: self.meeting.partner.against(),
                 time_s,
                 depth_m: -gap_m,
@@ -147,9 +147,9 @@ impl<'w, 'm> Scan<'w, 'm> {
 
     fn note(&self, look: &Look, touches: &mut [Touch]) {
         let Some(owner) = look.owner else { return };
-        let Penetration { body, against, .. } = look.penetration;
+        let Penetration { link, against, .. } = look.penetration;
         let touch = touches.iter_mut().filter(|touch| {
-            touch.body == body && touch.against == against && touch.expected.contains(&owner)
+            touch.link == link && touch.against == against && touch.expected.contains(&owner)
         });
         for touch in touch {
             touch.overlap_m = touch.overlap_m.max(-look.gap_m);

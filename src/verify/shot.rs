@@ -1,15 +1,17 @@
 //! The single shot: the whole motion simulated from the first states alone.
 //!
-//! All bodies fly at once, by [`super::series`]; collisions come in the scene's order. Each
+//! All links fly at once, by [`super::series`]; collisions come in the scene's order. Each
 //! happens where the gap of one of its contacts ([`super::gap`]) becomes zero, and follows the
 //! law of impact with the estimated parameters. Where the estimate leaves a velocity gap, or a
 //! collision does not happen, the simulation continues from the estimate's own state.
+
+use typed_index_collections::TiVec;
 
 use super::gap::Gaps;
 use super::law::Law;
 use super::meeting::World;
 use super::series;
-use crate::motion::{Deviation, EventEstimate, SingleShot};
+use crate::motion::{Deviation, EventEstimate, LinkIndex, SingleShot};
 use crate::physics::State;
 
 /// Velocity gaps above these are violations of the law, not rounding.
@@ -35,18 +37,18 @@ struct Flight {
 
 struct Shot<'w> {
     world: &'w World<'w>,
-    /// One per body with arcs.
-    flights: Vec<Option<Flight>>,
+    /// One per link with arcs.
+    flights: TiVec<LinkIndex, Option<Flight>>,
     result: SingleShot,
 }
 
-/// Simulates all bodies, and compares at every collision and at the end.
+/// Simulates all links, and compares at every collision and at the end.
 pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
-    let flights = world.tracks.iter().map(|track| {
-        let first = track.arcs.first()?;
+    let flights = world.links.iter().map(|link| {
+        let first = link.arcs.first()?;
         Some(Flight {
             time_s: first.start_s,
-            state: track.state(first, first.start_s),
+            state: link.state(first, first.start_s),
         })
     });
     let mut shot = Shot {
@@ -66,25 +68,25 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
 impl Shot<'_> {
     fn collide(&mut self, event: &EventEstimate) {
         let collision = self.world.scene.events[event.event].kind.collision();
-        let bodies: Vec<usize> = collision
+        let links: Vec<LinkIndex> = collision
             .into_iter()
-            .flat_map(|collision| collision.bodies())
-            .filter(|&body| self.world.tracks[body].ending_at(event.time_s).is_some())
+            .flat_map(|collision| collision.links())
+            .filter(|&link| self.world.links[link].ending_at(event.time_s).is_some())
             .collect();
-        if bodies.is_empty() {
+        if links.is_empty() {
             return;
         }
-        for &body in &bodies {
-            self.advance(body, event.time_s);
+        for &link in &links {
+            self.advance(link, event.time_s);
         }
         let law = Law::new(self.world.scene, self.world.estimate, event.event);
         let offset_s = law
             .as_ref()
             .and_then(|law| self.contact_offset_s(event, law));
         let time_s = event.time_s + offset_s.unwrap_or(0.0);
-        for &body in &bodies {
-            self.advance(body, time_s);
-            self.compare(body, Some(event.event), event.time_s);
+        for &link in &links {
+            self.advance(link, time_s);
+            self.compare(link, Some(event.event), event.time_s);
         }
         if offset_s.is_none() {
             self.result.missed.push(event.event);
@@ -96,33 +98,33 @@ impl Shot<'_> {
             .and_then(|law| self.bounce(&law));
         if after.is_none() {
             self.result.restarts.push(event.event);
-            for body in bodies {
-                self.restart(body, event.time_s);
+            for link in links {
+                self.restart(link, event.time_s);
             }
         }
     }
 
     /// Changes the velocities of the bodies that collide; `None` where the impact is undetermined.
     fn bounce(&mut self, law: &Law) -> Option<()> {
-        let state = |body: usize| Some(self.flights[body]?.state);
+        let state = |link: LinkIndex| Some(self.flights[link]?.state);
         let other = match law.other {
             None => None,
             Some(other) => Some(state(other)?),
         };
-        let (body, after_of_other) = law.after(&state(law.body)?, other.as_ref())?;
+        let (after_of_link, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
         let others = law.other.zip(after_of_other);
-        for (index, after) in [(law.body, body)].into_iter().chain(others) {
-            if let Some(flight) = &mut self.flights[index] {
+        for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
+            if let Some(flight) = &mut self.flights[link] {
                 flight.state = after;
             }
         }
         Some(())
     }
 
-    fn advance(&mut self, body: usize, time_s: f64) {
-        if let Some(flight) = &mut self.flights[body] {
+    fn advance(&mut self, link: LinkIndex, time_s: f64) {
+        if let Some(flight) = &mut self.flights[link] {
             flight.state = series::advance(
-                &self.world.scene.bodies[body].body,
+                &self.world.scene.links[link].body,
                 &self.world.estimate.gravity_m_s2,
                 &flight.state,
                 time_s - flight.time_s,
@@ -131,19 +133,19 @@ impl Shot<'_> {
         }
     }
 
-    fn restart(&mut self, body: usize, time_s: f64) {
-        let track = &self.world.tracks[body];
-        if let Some(arc) = track.starting_at(time_s) {
-            let state = track.state(arc, time_s);
-            self.flights[body] = Some(Flight { time_s, state });
+    fn restart(&mut self, index: LinkIndex, time_s: f64) {
+        let link = &self.world.links[index];
+        if let Some(arc) = link.starting_at(time_s) {
+            let state = link.state(arc, time_s);
+            self.flights[index] = Some(Flight { time_s, state });
         }
     }
 
     /// Time of contact of the expected features less the flights' current time \[s\].
     fn contact_offset_s(&self, event: &EventEstimate, law: &Law) -> Option<f64> {
-        let pose = |body: usize, offset_s: f64| {
-            let flight = self.flights[body]?;
-            let body = &self.world.scene.bodies[body].body;
+        let pose = |link: LinkIndex, offset_s: f64| {
+            let flight = self.flights[link]?;
+            let body = &self.world.scene.links[link].body;
             let gravity = &self.world.estimate.gravity_m_s2;
             let state = series::advance(body, gravity, &flight.state, offset_s);
             Some(state.world_from_body())
@@ -153,7 +155,7 @@ impl Shot<'_> {
                 None => None,
                 Some(other) => Some(pose(other, offset_s)?),
             };
-            Some((pose(law.body, offset_s)?, other))
+            Some((pose(law.link, offset_s)?, other))
         };
         // Just before contact, where the nearest points are distinct.
         let (body, other) = poses(-FIRST_REACH_S)?;
@@ -185,35 +187,37 @@ impl Shot<'_> {
     }
 
     fn end(&mut self) {
-        for body in 0..self.flights.len() {
-            let Some(last) = self.world.tracks[body].arcs.last() else {
+        for link in self.world.links.keys() {
+            let Some(last) = self.world.links[link].arcs.last() else {
                 continue;
             };
             let time_s = last.end_s;
             // A flight that ends with a collision was compared before it.
             let is_compared = self.world.estimate.events.iter().any(|event| {
                 let kind = &self.world.scene.events[event.event].kind;
-                let hits = kind.collision().is_some_and(|hit| hit.concerns(body));
+                let hits = kind
+                    .collision()
+                    .is_some_and(|hit| hit.links().any(|other| other == link));
                 hits && event.time_s == time_s
             });
             if !is_compared {
-                self.advance(body, time_s);
-                self.compare(body, None, time_s);
+                self.advance(link, time_s);
+                self.compare(link, None, time_s);
             }
         }
     }
 
     /// Compares a flight with the estimate's state at the end of an arc.
-    fn compare(&mut self, body: usize, event: Option<usize>, time_s: f64) {
-        let track = &self.world.tracks[body];
-        let (Some(flight), Some(arc)) = (self.flights[body], track.ending_at(time_s)) else {
+    fn compare(&mut self, index: LinkIndex, event: Option<usize>, time_s: f64) {
+        let link = &self.world.links[index];
+        let (Some(flight), Some(arc)) = (self.flights[index], link.ending_at(time_s)) else {
             return;
         };
-        let difference = flight.state.minus(&track.state(arc, time_s));
+        let difference = flight.state.minus(&link.state(arc, time_s));
         let norm = |part: usize| difference.fixed_rows::<3>(part).norm();
         use crate::physics::state::part;
         self.result.deviations.push(Deviation {
-            body,
+            link: index,
             event,
             time_s: (flight.time_s - time_s).abs(),
             position_m: norm(part::POSITION),

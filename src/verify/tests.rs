@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use super::{TOLERANCE_M, verify};
 use crate::config::scene_from_toml;
 use crate::motion::{
-    Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
-    Penetration, Progress, Scene, Verdict,
+    Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, LinkIndex,
+    MechanismIndex, Penetration, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{State, flow};
@@ -56,9 +56,9 @@ fn at_rest(x: f64, y: f64, z: f64) -> State {
     }
 }
 
-fn arc(body: usize, state: State, start_s: f64, end_s: f64) -> ArcEstimate {
+fn arc(mechanism: MechanismIndex, state: State, start_s: f64, end_s: f64) -> ArcEstimate {
     ArcEstimate {
-        body,
+        mechanism,
         epoch_s: start_s,
         state,
         start_s,
@@ -96,8 +96,8 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
 
 /// The deepest overlap of a flight of one second.
 fn deepest_of(scene: &Scene, states: &[State]) -> Option<Penetration> {
-    let arcs = states.iter().enumerate();
-    let arcs = arcs.map(|(body, state)| arc(body, *state, 0.0, 1.0));
+    let arcs = scene.mechanisms.keys().zip(states);
+    let arcs = arcs.map(|(mechanism, state)| arc(mechanism, *state, 0.0, 1.0));
     verify(scene, &estimate(scene, arcs.collect(), &[])).deepest
 }
 
@@ -116,7 +116,10 @@ fn a_dive_through_the_table_is_found_with_its_depth() {
         let found = deepest_of(&scene, &[state]).unwrap();
         assert!((found.depth_m - depth_m).abs() < 1e-10, "{found:?}");
         assert!((found.time_s + state.velocity_m_s.z / 8.0).abs() < 1e-6);
-        assert_eq!((found.body, found.against), (0, Against::Surface(0)));
+        assert_eq!(
+            (found.link, found.against),
+            (LinkIndex(0), Against::Surface(0))
+        );
         assert!((found.point_m - Vector3::new(0.0, 0.0, -0.02)).norm() < 1e-12);
     }
 }
@@ -147,7 +150,10 @@ fn a_flight_through_a_thin_wall_and_through_another_body_is_found() {
     let mut crossing = at_rest(0.3, -0.3, 0.0);
     crossing.velocity_m_s.y = 3.0;
     let found = deepest_of(&scene, &[state, crossing]).unwrap();
-    assert_eq!((found.body, found.against), (0, Against::Body(1)));
+    assert_eq!(
+        (found.link, found.against),
+        (LinkIndex(0), Against::Link(LinkIndex(1)))
+    );
     assert!((found.depth_m - 0.03).abs() < 1e-9, "{found:?}");
     assert!((found.time_s - 0.1).abs() < 1e-6, "{found:?}");
 }
@@ -172,7 +178,7 @@ proptest! {
         };
         // Up to where the whole pencil is below the table at most.
         let end_s = 0.35;
-        let (body, gravity) = (&scene.bodies[0], &scene.gravity_m_s2);
+        let (body, gravity) = (&scene.links[LinkIndex(0)], &scene.gravity_m_s2);
         let (solid, post) = (body.shape.solid().unwrap(), &scene.obstacles[0]);
         let post_solid = post.shape.solid().unwrap();
         let looks = (0..=10_000).map(|k| {
@@ -183,7 +189,7 @@ proptest! {
             (-table.gap_m).max(-post.gap_m)
         });
         let expected_m = looks.fold(f64::NEG_INFINITY, f64::max);
-        let checked = verify(&scene, &estimate(&scene, vec![arc(0, state, 0.0, end_s)], &[]));
+        let checked = verify(&scene, &estimate(&scene, vec![arc(MechanismIndex(0), state, 0.0, end_s)], &[]));
         let found_m = checked.deepest.map_or(0.0, |deepest| deepest.depth_m);
         if expected_m > TOLERANCE_M {
             prop_assert!(found_m > expected_m - 2.5e-4, "{found_m} {expected_m}");
@@ -197,10 +203,13 @@ fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
     let time_s = 0.4;
     let mut before = before;
     before.position_m.z = -(before.orientation * tip).z;
-    let body = &scene.bodies[0].body;
+    let body = &scene.links[LinkIndex(0)].body;
     let start = flow::advance(body, &scene.gravity_m_s2, &before, -time_s);
     let after = struck(scene, 0, &Law::frictionless(0.6), &[before]).remove(0);
-    let arcs = vec![arc(0, start, 0.0, time_s), arc(0, after, time_s, 0.7)];
+    let arcs = vec![
+        arc(MechanismIndex(0), start, 0.0, time_s),
+        arc(MechanismIndex(0), after, time_s, 0.7),
+    ];
     estimate(scene, arcs, &[time_s, 0.7])
 }
 
@@ -208,10 +217,10 @@ fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
 fn struck(scene: &Scene, event: usize, law: &Law, before: &[State]) -> Vec<State> {
     let meeting = scene.meeting(event).unwrap().unwrap();
     let collision = scene.events[event].kind.collision().unwrap();
-    let bodies = collision.bodies().zip(before);
-    let sides: Vec<Side> = bodies
-        .map(|(body, state)| Side {
-            body: &scene.bodies[body].body,
+    let links = collision.links().zip(before);
+    let sides: Vec<Side> = links
+        .map(|(link, state)| Side {
+            body: &scene.links[link].body,
             state,
         })
         .collect();
@@ -302,7 +311,7 @@ fn a_part_that_is_not_declared_is_wrong_too() {
     let touch = checked.wrong_features().next().unwrap();
     let found = touch
         .found
-        .map(|found| scene.bodies[0].features[found].name.as_str());
+        .map(|found| scene.links[LinkIndex(0)].features[found].name.as_str());
     assert_eq!(found, Some("corner +x -y -z"));
     assert!((touch.found_point_m.y + 0.05).abs() < 1e-12, "{touch:?}");
 }
@@ -394,10 +403,10 @@ fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
         state.position_m = tip + Vector3::new(0.0, 0.0, 0.05 + 0.4 - lead_m);
         let still = at_rest(0.0, 0.0, 0.0);
         let arcs = vec![
-            arc(0, state, 0.0, 0.4),
-            arc(0, flow_by(&scene, &state, 0.4), 0.4, end_s),
-            arc(1, still, 0.0, 0.4),
-            arc(1, still, 0.4, end_s),
+            arc(MechanismIndex(0), state, 0.0, 0.4),
+            arc(MechanismIndex(0), flow_by(&scene, &state, 0.4), 0.4, end_s),
+            arc(MechanismIndex(1), still, 0.0, 0.4),
+            arc(MechanismIndex(1), still, 0.4, end_s),
         ];
         verify(&scene, &estimate(&scene, arcs, &[0.4]))
     };
@@ -408,16 +417,19 @@ fn contact_of_two_bodies_explains_their_features_and_nothing_else() {
         panic!("{:?}", touching.touches)
     };
     assert!((of_pencil.lead_m - rim_m).abs() < 1e-6, "{of_pencil:?}");
-    assert_eq!((of_box.body, of_box.against), (1, Against::Body(0)));
+    assert_eq!(
+        (of_box.link, of_box.against),
+        (LinkIndex(1), Against::Link(LinkIndex(0)))
+    );
     // Twenty millimetres on, the tip is inside, though it was expected at the lid.
     let through = motion(0.0, 0.42).deepest.unwrap();
     assert!((through.depth_m - 0.02).abs() < rim_m, "{through:?}");
-    assert_eq!(through.against, Against::Body(1));
+    assert_eq!(through.against, Against::Link(LinkIndex(1)));
 }
 
 fn flow_by(scene: &Scene, state: &State, duration_s: f64) -> State {
     flow::advance(
-        &scene.bodies[0].body,
+        &scene.links[LinkIndex(0)].body,
         &scene.gravity_m_s2,
         state,
         duration_s,

@@ -3,7 +3,7 @@
 use super::expected;
 use super::meeting::{Meeting, World};
 use super::overlap::TOLERANCE_M;
-use crate::motion::{Against, Touch};
+use crate::motion::{Against, LinkIndex, Touch};
 
 /// Number of halvings of the interval in which the first touch lies.
 const HALVINGS: usize = 50;
@@ -19,9 +19,9 @@ pub(super) fn touches(world: &World) -> Vec<Touch> {
         let Some(collision) = world.scene.events[event.event].kind.collision() else {
             continue;
         };
-        for body in collision.bodies() {
-            for (against, features) in expected::expected(world.scene, collision, body) {
-                let place = (event.event, event.time_s, body, against);
+        for link in collision.links() {
+            for (against, features) in expected::expected(world.scene, collision, link) {
+                let place = (event.event, event.time_s, link, against);
                 touches.extend(touch(world, place, features));
             }
         }
@@ -31,14 +31,14 @@ pub(super) fn touches(world: &World) -> Vec<Touch> {
 
 fn touch(
     world: &World,
-    (event, time_s, body, against): (usize, f64, usize, Against),
+    (event, time_s, index, against): (usize, f64, LinkIndex, Against),
     expected: Vec<usize>,
 ) -> Option<Touch> {
-    let track = &world.tracks[body];
-    let arc = track.ending_at(time_s)?;
+    let link = &world.links[index];
+    let arc = link.ending_at(time_s)?;
     let meeting = Meeting {
-        body,
-        track,
+        index,
+        link,
         arc,
         partner: world.partner(against, Some(time_s))?,
         from_s: arc.start_s,
@@ -50,11 +50,11 @@ fn touch(
         .map(|&feature| meeting.feature_gap_m(time_s, feature, &closest.point_m))
         .fold(f64::INFINITY, f64::min);
     let lead_m = of_features_m - closest.gap_m;
-    let found = expected::owner(track.of_scene, &expected, &closest.point_m);
+    let found = expected::owner(link.of_scene, &expected, &closest.point_m);
     let is_expected = found.is_some_and(|found| expected.contains(&found));
     Some(Touch {
         event,
-        body,
+        link: index,
         against,
         found_point_m: closest.point_m,
         found,

@@ -1,9 +1,10 @@
 //! What there is to draw: the shapes of a scene with their frames and colours.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use typed_index_collections::TiSlice;
 
 use crate::math::Pose;
-use crate::motion::{GoalTarget, PoseSample, Scene, Surface};
+use crate::motion::{GoalTarget, LinkIndex, PoseSample, Scene, Surface};
 use crate::physics::Shape;
 
 /// How thick a surface is drawn \[m\]; it lies below the plane. No side of a goal is drawn thinner.
@@ -17,7 +18,7 @@ const SURFACE_SIDE_M: f64 = 0.5;
 pub struct Visual {
     /// What it stands for.
     pub subject: Subject,
-    /// Where its shape is in its frame: the body's own frame for a body, the world for all others.
+    /// Where its shape is in its frame: the link's own frame for a link, the world for all others.
     pub frame_from_shape: Pose,
     /// What is drawn; `None` of a goal without ends.
     pub shape: Option<Shape>,
@@ -26,8 +27,8 @@ pub struct Visual {
 /// What a visual stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// Index into `Scene::bodies`.
-    Body(usize),
+    /// A link.
+    Link(LinkIndex),
     /// Index into `Scene::obstacles`.
     Obstacle(usize),
     /// Index into `Scene::surfaces`.
@@ -40,7 +41,7 @@ impl Subject {
     /// Red, green, blue and opacity, from 0 to 1.
     pub fn rgba(self) -> [f64; 4] {
         match self {
-            Subject::Body(_) => [0.95, 0.65, 0.20, 1.0],
+            Subject::Link(_) => [0.95, 0.65, 0.20, 1.0],
             Subject::Obstacle(_) => [0.45, 0.55, 0.65, 0.5],
             Subject::Surface(_) => [0.75, 0.75, 0.75, 0.5],
             Subject::Goal(_) => [0.25, 0.80, 0.35, 0.3],
@@ -48,12 +49,12 @@ impl Subject {
     }
 }
 
-/// Bodies, obstacles, flat surfaces and goals, in this order; surfaces are `surface_side_m` wide.
+/// Links, obstacles, flat surfaces and goals, in this order; surfaces are `surface_side_m` wide.
 pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
-    let bodies = scene.bodies.iter().enumerate().map(|(index, body)| Visual {
-        subject: Subject::Body(index),
+    let links = scene.links.iter_enumerated().map(|(index, link)| Visual {
+        subject: Subject::Link(index),
         frame_from_shape: Pose::identity(),
-        shape: Some(body.shape.clone()),
+        shape: Some(link.shape.clone()),
     });
     let obstacles = scene.obstacles.iter().enumerate();
     let obstacles = obstacles.map(|(index, obstacle)| Visual {
@@ -72,15 +73,15 @@ pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
     });
     let goals = (0..scene.goals.len()).map(|goal| goal_visual(scene, goal));
     let fixed = obstacles.chain(surfaces);
-    bodies.chain(fixed).chain(goals).collect()
+    links.chain(fixed).chain(goals).collect()
 }
 
-/// The body where it is to be, or the box in which its centre is to be.
+/// The link where it is to be, or the box in which its centre is to be.
 fn goal_visual(scene: &Scene, index: usize) -> Visual {
     let goal = &scene.goals[index];
     let (frame_from_shape, shape) = match &goal.target {
         GoalTarget::Pose { world_from_body } => {
-            let shape = scene.bodies[goal.body].shape.clone();
+            let shape = scene.links[goal.link].shape.clone();
             (*world_from_body, Some(shape))
         }
         GoalTarget::PositionWithin { lower_m, upper_m } => {
@@ -117,8 +118,8 @@ fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
     Pose::from_parts(centre_m.into(), rotation)
 }
 
-/// How wide surfaces are drawn for the motion, body by body, to stay above them \[m\].
-pub fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f64 {
+/// How wide surfaces are drawn for the motion, link by link, to stay above them \[m\].
+pub fn surface_side_m(scene: &Scene, estimates: &TiSlice<LinkIndex, Vec<PoseSample>>) -> f64 {
     let mut side_m = SURFACE_SIDE_M;
     for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
         for sample in estimates.iter().flatten() {
@@ -140,7 +141,7 @@ mod tests {
         let visuals = visuals(&scene(), 2.0);
         let subjects: Vec<Subject> = visuals.iter().map(|visual| visual.subject).collect();
         let expected = [
-            Subject::Body(0),
+            Subject::Link(LinkIndex(0)),
             Subject::Obstacle(0),
             Subject::Surface(0),
             Subject::Goal(0),

@@ -52,7 +52,7 @@ pub(super) fn live_scene_update(
     let path = Path::new(topics::SCENE);
     let mut entities = entities(path, scene, world_frame, at, surface_side_m)?;
     let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
-    for body in &scene.bodies {
+    for body in &scene.links {
         let sketch = (topics::sketch_frame(&body.name), "sketch", GHOST);
         let live = (topics::live_frame(&body.name), "live", LIVE);
         for (frame, word, color) in [sketch, live] {
@@ -95,15 +95,15 @@ fn entities(
 fn names(scene: &Scene, world_frame: &str, subject: Subject) -> (String, String) {
     let world = world_frame.to_owned();
     match subject {
-        Subject::Body(index) => {
-            let name = &scene.bodies[index].name;
+        Subject::Link(index) => {
+            let name = &scene.links[index].name;
             (topics::estimate_frame(name), format!("body/{name}"))
         }
         Subject::Obstacle(index) => (world, format!("obstacle/{}", scene.obstacles[index].name)),
         Subject::Surface(index) => (world, format!("surface/{}", scene.surfaces[index].name)),
         Subject::Goal(index) => {
             let goal = &scene.goals[index];
-            let (event, body) = (&scene.events[goal.event], &scene.bodies[goal.body]);
+            let (event, body) = (&scene.events[goal.event], &scene.links[goal.link]);
             (world, format!("goal/{index}/{}/{}", event.name, body.name))
         }
     }

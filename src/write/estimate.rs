@@ -117,10 +117,10 @@ impl<'a> Composer<'a> {
     }
 
     fn compose(mut self) -> Result<Additions, WriteError> {
-        for (index, body) in self.file.of.scene.bodies.iter().enumerate() {
-            let (topic, samples) = (topics::estimate_pose(&body.name), &self.motion.estimates);
+        for (index, link) in self.file.of.scene.links.iter_enumerated() {
+            let (topic, samples) = (topics::estimate_pose(&link.name), &self.motion.estimates);
             self.add_poses(&topic, &samples[index])?;
-            let (topic, samples) = (topics::sketch_pose(&body.name), &self.motion.sketches);
+            let (topic, samples) = (topics::sketch_pose(&link.name), &self.motion.sketches);
             self.add_poses(&topic, &samples[index])?;
         }
         self.add_transforms()?;
@@ -146,7 +146,7 @@ impl<'a> Composer<'a> {
     /// One message per instant, of all frames that have a pose there.
     fn add_transforms(&mut self) -> Result<(), WriteError> {
         let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
-        let bodies = &self.file.of.scene.bodies;
+        let bodies = &self.file.of.scene.links;
         let frames: Vec<String> = bodies
             .iter()
             .map(|body| topics::estimate_frame(&body.name))

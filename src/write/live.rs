@@ -141,7 +141,7 @@ pub struct EstimatePublisher {
 impl EstimatePublisher {
     /// Opens `enact/estimate` and `enact/estimate/<body>/pose` of every body.
     pub fn open(node: &Node, scene: &Scene) -> Result<Self, LiveError> {
-        let frames = scene.bodies.iter().map(|body| {
+        let frames = scene.links.iter().map(|body| {
             let name = service_name(&super::topics::estimate_pose(&body.name));
             Port::open(node, &name, Quality::FRAMES)
         });
@@ -164,9 +164,9 @@ impl EstimatePublisher {
     ) -> Result<(), WriteError> {
         let zero = zero(estimate, sketch);
         let mut bodies = Vec::new();
-        for body in 0..self.frames.len() {
+        for link in scene.links.keys() {
             let rate_hz = DEFAULT_FRAME_RATE_HZ;
-            let samples = estimate_frames(scene, estimate, body, zero, rate_hz).unwrap_or_default();
+            let samples = estimate_frames(scene, estimate, link, zero, rate_hz).unwrap_or_default();
             let fits = samples.len() <= Quality::FRAMES.buffer;
             bodies.push(if fits { samples } else { Vec::new() });
         }

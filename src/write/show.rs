@@ -12,7 +12,7 @@ use super::error::WriteError;
 use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME};
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
+use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Track};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::sampling::{self, SampledMotion};
 use crate::visual::surface_side_m;
@@ -123,10 +123,10 @@ impl Showing {
 
     /// Where a body's estimate and its performance are so long after the beginning, stamped
     /// `now`; none of a body without samples.
-    pub fn at(&self, body: usize, time_s: f64, now: Stamp) -> [Option<PoseSample>; 2] {
+    pub fn at(&self, link: LinkIndex, time_s: f64, now: Stamp) -> [Option<PoseSample>; 2] {
         let stamp = sampling::stamp(self.from, time_s);
         let motion = &self.motion;
-        [&motion.estimates[body], &motion.sketches[body]].map(|samples| {
+        [&motion.estimates[link], &motion.sketches[link]].map(|samples| {
             let after = samples.partition_point(|sample| sample.stamp <= stamp);
             let sample = samples.get(after.saturating_sub(1))?;
             Some(PoseSample {
@@ -137,8 +137,8 @@ impl Showing {
     }
 }
 
-/// The pose of a body whose tracker reads that; `None` of numbers that make no pose.
-pub fn body_pose(body: &SceneBody, reading: &PoseSample) -> Option<PoseSample> {
+/// The pose of the link whose tracker reads that; `None` of numbers that make no pose.
+pub fn link_pose(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
     let [x, y, z, w] = reading.quaternion_xyzw;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let is_pose = (quaternion.norm() - 1.0).abs() <= 0.01;
@@ -147,7 +147,7 @@ pub fn body_pose(body: &SceneBody, reading: &PoseSample) -> Option<PoseSample> {
     }
     let rotation = nalgebra::UnitQuaternion::from_quaternion(quaternion);
     let world_from_tracker = Pose::from_parts(reading.position_m.into(), rotation);
-    let world_from_body = world_from_tracker * body.body_from_tracker.inverse();
+    let world_from_body = world_from_tracker * track.link_from_tracker.inverse();
     Some(PoseSample::from_pose(reading.stamp, &world_from_body))
 }
 
@@ -185,7 +185,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::{SampleCounts, fixture};
+    use crate::motion::{SampleCounts, TrackIndex, fixture};
 
     #[test]
     fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {
@@ -215,15 +215,15 @@ mod tests {
     #[test]
     fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
         let mut scene = fixture::scene();
-        let body = &mut scene.bodies[0];
-        body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
+        let track = &mut scene.tracks[TrackIndex(0)];
+        track.link_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample {
             stamp: Stamp(1),
             position_m: Vector3::new(1.0, 2.0, 3.0),
             quaternion_xyzw: [1.0, 0.0, 0.0, 0.0],
         };
         // Upside down, the tracker's z is the world's −z.
-        let pose = body_pose(body, &reading).expect("a pose");
+        let pose = link_pose(track, &reading).expect("a pose");
         assert!((pose.position_m - Vector3::new(1.0, 2.0, 3.1)).norm() < 1e-12);
         for (position_m, quaternion_xyzw) in [
             (Vector3::repeat(f64::NAN), [0.0, 0.0, 0.0, 1.0]),
@@ -235,7 +235,7 @@ mod tests {
                 position_m,
                 quaternion_xyzw,
             };
-            assert_eq!(body_pose(body, &wrong), None);
+            assert_eq!(link_pose(track, &wrong), None);
         }
     }
 }

@@ -39,10 +39,10 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
     }
     text.push_str("  </link>\n");
     for visual in &visuals {
-        let Subject::Body(body) = visual.subject else {
+        let Subject::Link(link) = visual.subject else {
             continue;
         };
-        let link = escaped(&topics::estimate_frame(&scene.bodies[body].name));
+        let link = escaped(&topics::estimate_frame(&scene.links[link].name));
         let _ = writeln!(text, "  <link name=\"{link}\">");
         add_visual(&mut text, visual);
         let _ = write!(

@@ -8,11 +8,13 @@ use enact::estimate::layout::Layout;
 use enact::estimate::problem::Problem;
 use enact::initialise;
 use enact::motion::{
-    ArcGuess, Feature, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent, Verdict,
+    ArcGuess, Feature, Guess, LinkIndex, Observer, Scene, Segment, Sketch, Stamp, TakeEvent,
+    TrackIndex, Verdict,
 };
 use enact::physics::{State, contact, flow};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::segment;
+use typed_index_collections::TiVec;
 
 use crate::perform::{Acting, Performance, Style, Truth, perform};
 
@@ -20,7 +22,7 @@ use crate::perform::{Acting, Performance, Style, Truth, perform};
 pub struct Case {
     /// What was performed, and the truth.
     pub performance: Performance,
-    hidden_s: BTreeMap<(usize, Stamp), f64>,
+    hidden_s: BTreeMap<(TrackIndex, Stamp), f64>,
 }
 
 impl Case {
@@ -33,12 +35,16 @@ impl Case {
     pub fn new(truth: &Truth, acting: &Acting, seed: u64) -> Self {
         let performance = perform(truth, acting, seed);
         let mut hidden_s = BTreeMap::new();
-        let mut next = vec![0; performance.sample_times_s.len()];
+        let mut next = performance
+            .sample_times_s
+            .iter()
+            .map(|_| 0)
+            .collect::<TiVec<TrackIndex, _>>();
         for event in &performance.events {
-            if let TakeEvent::Pose { body, sample, .. } = event {
-                let time_s = performance.sample_times_s[*body][next[*body]];
-                next[*body] += 1;
-                hidden_s.insert((*body, sample.stamp), time_s);
+            if let TakeEvent::Pose { track, sample, .. } = event {
+                let time_s = performance.sample_times_s[*track][next[*track]];
+                next[*track] += 1;
+                hidden_s.insert((*track, sample.stamp), time_s);
             }
         }
         Self {
@@ -69,8 +75,8 @@ impl Case {
     }
 
     /// Hidden physical time of a sample [s since the start of the motion].
-    pub fn hidden_s(&self, body: usize, stamp: Stamp) -> f64 {
-        self.hidden_s[&(body, stamp)]
+    pub fn hidden_s(&self, track: TrackIndex, stamp: Stamp) -> f64 {
+        self.hidden_s[&(track, stamp)]
     }
 
     /// What to add to hidden times to have them on the time line of an estimate: the zero of
@@ -78,10 +84,10 @@ impl Case {
     pub fn offset_s(&self, posed: &Posed, sketch: &Sketch) -> f64 {
         let times = posed.segments.iter().zip(&posed.guesses[0].arcs);
         let firsts = times.map(|(segment, arc)| {
-            let sample = &sketch.bodies[segment.body].samples[segment.samples.start];
+            let sample = &sketch.samples_of(segment)[0];
             (
                 arc.sample_times_s[0],
-                self.hidden_s(segment.body, sample.stamp),
+                self.hidden_s(segment.track, sample.stamp),
             )
         });
         let first = firsts.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -92,8 +98,7 @@ impl Case {
     pub fn true_state(&self, arc: usize, time_s: f64, offset_s: f64) -> State {
         let truth = &self.performance.truth;
         let arc = &truth.arcs[arc];
-        flow::advance(
-            &truth.scene.bodies[arc.body].body,
+        truth.scene.dynamics(arc.mechanism).advance(
             &truth.scene.gravity_m_s2,
             &arc.state,
             time_s - offset_s - arc.epoch_s,
@@ -106,8 +111,8 @@ impl Case {
         let own = &posed.guesses[0];
         let arcs = posed.segments.iter().zip(&own.arcs).enumerate();
         let arcs = arcs.map(|(index, (segment, arc))| {
-            let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
-            let hidden_s = |stamp| self.hidden_s(segment.body, stamp) + offset_s;
+            let samples = sketch.samples_of(segment);
+            let hidden_s = |stamp| self.hidden_s(segment.track, stamp) + offset_s;
             ArcGuess {
                 epoch_s: arc.epoch_s,
                 state: self.true_state(index, arc.epoch_s, offset_s),
@@ -140,7 +145,7 @@ pub fn estimated(
 pub fn another_leads(outcome: &Outcome) -> bool {
     const LEAD_M: f64 = 1e-3;
     let (scene, estimate) = (&outcome.scene, &outcome.estimate);
-    let features = &scene.bodies[0].features;
+    let features = &scene.links[LinkIndex(0)].features;
     let collisions = scene.events.iter().zip(&estimate.events);
     let mut collisions = collisions.filter_map(|(of_scene, event)| {
         let feature = of_scene.kind.collision()?.contacts[0].feature?;
@@ -149,7 +154,7 @@ pub fn another_leads(outcome: &Outcome) -> bool {
     });
     collisions.any(|(feature, time_s, arc)| {
         let state = flow::advance(
-            &scene.bodies[0].body,
+            &scene.links[LinkIndex(0)].body,
             &estimate.gravity_m_s2,
             &arc.state,
             time_s - arc.epoch_s,

@@ -4,7 +4,7 @@
 
 use enact::math::so3;
 use enact::motion::{End, Estimate, GoalTarget};
-use enact::physics::{State, flow};
+use enact::physics::State;
 use enact::pipeline::Outcome;
 
 use crate::case::{Case, Posed};
@@ -55,7 +55,7 @@ impl Errors {
         let events = estimate.events.iter().filter(|event| is_free[event.event]);
         let events = events.map(|event| late(event.time_s, truth.event_times_s[event.event]));
         let samples = estimate.sample_times.iter();
-        let samples = samples.map(|s| late(s.time_s, case.hidden_s(s.body, s.stamp)));
+        let samples = samples.map(|s| late(s.time_s, case.hidden_s(s.track, s.stamp)));
         Self {
             position: errors[0] / sizes[0],
             orientation: errors[1] / sizes[1],
@@ -96,7 +96,7 @@ pub fn sample_time_errors_s(case: &Case, outcome: &Outcome) -> (f64, f64) {
     let times = &outcome.estimate.sample_times;
     let errors = times
         .iter()
-        .map(|s| s.time_s - case.hidden_s(s.body, s.stamp));
+        .map(|s| s.time_s - case.hidden_s(s.track, s.stamp));
     let errors: Vec<f64> = errors.collect();
     let count = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / count;
@@ -116,17 +116,18 @@ pub fn simulated_goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
     let scene = case.scene();
     let starts_s = estimate.arcs.iter().map(|arc| arc.start_s);
     let start_s = starts_s.fold(f64::INFINITY, f64::min);
-    let initial: Option<Vec<State>> = (0..scene.bodies.len())
-        .map(|body| {
-            let first = estimate.arcs.iter().find(|arc| arc.body == body)?;
-            let flight = &scene.bodies[body].body;
+    let initial: Option<Vec<State>> = scene
+        .mechanisms
+        .keys()
+        .map(|mechanism| {
+            let mut arcs = estimate.arcs.iter();
+            let first = arcs.find(|arc| arc.mechanism == mechanism)?;
             let since_s = start_s - first.epoch_s;
-            Some(flow::advance(
-                flight,
-                &estimate.gravity_m_s2,
-                &first.state,
-                since_s,
-            ))
+            Some(
+                scene
+                    .dynamics(mechanism)
+                    .advance(&estimate.gravity_m_s2, &first.state, since_s),
+            )
         })
         .collect();
     let (Some(initial), Some(last)) = (initial, estimate.events.last()) else {
@@ -157,7 +158,7 @@ fn misses(truth: &Truth) -> (f64, f64) {
         let GoalTarget::Pose { world_from_body } = &goal.target else {
             continue;
         };
-        let pose = truth.world_from_body(goal.body, truth.event_times_s[goal.event]);
+        let pose = truth.world_from_body(goal.link, truth.event_times_s[goal.event]);
         let turn = world_from_body.rotation.inverse() * pose.rotation;
         let shift = pose.translation.vector - world_from_body.translation.vector;
         miss = (miss.0.max(shift.norm()), miss.1.max(so3::log(&turn).norm()));

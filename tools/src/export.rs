@@ -13,9 +13,9 @@ use enact::estimate::problem::{
 use enact::estimate::recipe;
 use enact::motion::{Cone, FreeParameter, Guess};
 use enact::optimise::Program;
-use enact::physics::State;
 use enact::physics::body::{Body, Symmetry};
 use enact::physics::contact::{Contact, Feature};
+use enact::physics::{Dynamics, State};
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -227,7 +227,11 @@ pub fn problem(
                 acted_s: *acted_s,
             })
             .collect(),
-        bodies: problem.bodies.iter().map(body).collect(),
+        bodies: problem
+            .dynamics
+            .iter()
+            .map(|Dynamics::Free(of)| body(of))
+            .collect(),
         arcs: problem
             .arcs
             .iter()
@@ -273,7 +277,7 @@ fn flight(arc: &Arc, epoch_s: f64) -> Flight {
         orientation_wxyz: wxyz(&sample.orientation),
     });
     Flight {
-        body: arc.body,
+        body: arc.mechanism.into(),
         start_event: arc.start,
         end_event: arc.end,
         epoch_s,
@@ -289,7 +293,7 @@ fn impact(collision: &ArcCollision) -> Impact {
             .map(|(_, parameter)| *parameter)
     };
     let arcs = |side: &ArcPair| Arcs {
-        body: side.body,
+        body: side.mechanism.into(),
         before: side.before,
         after: side.after,
     };

@@ -7,11 +7,12 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use enact::math::{Pose, so3};
-use enact::motion::{PoseSample, TakeEvent};
+use enact::motion::{PoseSample, TakeEvent, TrackIndex};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use typed_index_collections::TiVec;
 
 use crate::perform::{Acting, Performance};
 
@@ -39,22 +40,22 @@ impl Hand {
         let first = performance.events.iter().find_map(stamp_s)?;
         let last = performance.events.iter().rev().find_map(stamp_s)?;
         let length_s = (last - first) / acting.slowdown;
-        let bodies = performance.truth.scene.bodies.len();
-        let mut astray = Vec::new();
-        for body in 0..bodies {
+        let tracks = performance.truth.scene.tracks.len();
+        let mut astray = TiVec::<TrackIndex, _>::new();
+        for track in 0..tracks {
             let mut rng = ChaCha8Rng::seed_from_u64(performance.seed);
-            rng.set_stream(1000 + body as u64);
+            rng.set_stream(1000 + track as u64);
             astray.push(self.draw(acting, length_s, &mut rng)?);
         }
         for event in &mut performance.events {
             let Some(now_s) = stamp_s(event) else {
                 continue;
             };
-            let TakeEvent::Pose { body, sample, .. } = event else {
+            let TakeEvent::Pose { track, sample, .. } = event else {
                 continue;
             };
-            let mount = performance.truth.scene.bodies[*body].body_from_tracker;
-            let (shift, turn) = astray[*body]((now_s - first) / acting.slowdown);
+            let mount = performance.truth.scene.tracks[*track].link_from_tracker;
+            let (shift, turn) = astray[*track]((now_s - first) / acting.slowdown);
             let [x, y, z, w] = sample.quaternion_xyzw;
             let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
             let seen = Pose::from_parts(Translation3::from(sample.position_m), rotation);

@@ -5,7 +5,7 @@
 use std::rc::Rc;
 
 use enact::math::Pose;
-use enact::motion::{EventKind, FreeParameter, Quantity};
+use enact::motion::{EventKind, FreeParameter, Quantity, TrackIndex};
 use enact::physics::{Body, Shape, contact};
 
 use crate::case::Case;
@@ -82,16 +82,18 @@ pub fn freed(mut truth: Truth, gravity: bool) -> Truth {
 /// All lengths times `scale` and all times its root, so that gravity stays.
 pub fn dilated(mut truth: Truth, scale: f64) -> Truth {
     let pace = scale.sqrt();
-    for body in &mut truth.scene.bodies {
-        let moments = body.body.moments_kg_m2() * (scale * scale);
-        body.body = Body::new(body.body.mass_kg(), moments).expect("moments as good as before");
-        body.body_from_tracker.translation.vector *= scale;
-        for feature in &mut body.features {
+    for track in &mut truth.scene.tracks {
+        track.link_from_tracker.translation.vector *= scale;
+    }
+    for link in &mut truth.scene.links {
+        let moments = link.body.moments_kg_m2() * (scale * scale);
+        link.body = Body::new(link.body.mass_kg(), moments).expect("moments as good as before");
+        for feature in &mut link.features {
             if let contact::Feature::Point { point_m, .. } = &mut feature.geometry {
                 *point_m *= scale;
             }
         }
-        if let Shape::Cuboid { half_extents_m } = &mut body.shape {
+        if let Shape::Cuboid { half_extents_m } = &mut link.shape {
             *half_extents_m *= scale;
         }
     }
@@ -114,7 +116,7 @@ pub fn dilated(mut truth: Truth, scale: f64) -> Truth {
 /// White noise and nothing else; the pencil is tracked at its centre, so that it stays white.
 fn white(style: Style) -> (Truth, Acting) {
     let mut scene = style.truth().scene;
-    scene.bodies[0].body_from_tracker = Pose::identity();
+    scene.tracks[TrackIndex(0)].link_from_tracker = Pose::identity();
     let truth = style.truth_in(&scene).expect("the style's own scene");
     let acting = Acting {
         distortion: 0.0,

@@ -10,16 +10,16 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::kind::{At, Constraint, Filled};
-use super::rows::{CollisionRows, HALF, Half, Places};
+use super::rows::{CollisionRows, HALF, Half, Places, STATE};
 use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
-use crate::estimate::problem::{ArcCollision, Problem, STATE, unit};
+use crate::estimate::problem::{ArcCollision, Problem, unit};
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
-use crate::physics::State;
 use crate::physics::impact;
 use crate::physics::state::part;
+use crate::physics::{Dynamics, State};
 
 impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
@@ -56,7 +56,7 @@ impl Constraint for ArcCollision {
             let turn = [part::ORIENTATION, part::ANGULAR_VELOCITY];
             let (from, to) = (parts(side.before, &turn), parts(side.after, &turn));
             block.push(3, from.into_iter().chain(time).chain(to));
-            let velocities = if places.rows_per_body == STATE {
+            let velocities = if places.rows_per_side == STATE {
                 &mut block
             } else {
                 &mut gaps
@@ -80,7 +80,7 @@ impl Constraint for ArcCollision {
         let arrive = arrivals(problem, self, at.point, at.epochs_s);
         let before = before(self, &arrive);
         let [a, b] = sides(problem, self, &before);
-        let a = a.expect("a first body");
+        let a = a.expect("a first side");
         let law = self.law(&at.point.parameters);
         let derivative = &mut at.impact;
         let Ok(impact) = self.meeting.derivative(&a, b.as_ref(), &law, derivative) else {
@@ -98,23 +98,23 @@ impl Constraint for ArcCollision {
         let limits_m_s = at.approach_limits_m_s.get(self.event);
         rows.fill_contacts(&impact, limits_m_s.copied().unwrap_or(0.0));
         rows.fill_contact_derivatives(derivative, &before);
-        for (body, side) in self.sides.iter().enumerate() {
-            let Some(arrival) = &before[body] else {
+        for (index, side) in self.sides.iter().enumerate() {
+            let Some(arrival) = &before[index] else {
                 continue;
             };
-            let after = arrive(side.body, side.after);
+            let after = arrive(side.after);
             let bounced = State {
-                velocity_m_s: impact.after[body].velocity_m_s,
-                angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
+                velocity_m_s: impact.after[index].velocity_m_s,
+                angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,
                 ..arrival.state
             };
             let gap = after.state.minus(&bounced);
             let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
-            rows.fill_positions(body, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
-            rows.fill_orientations(body, &turn, (arrival, &after));
+            rows.fill_positions(index, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
+            rows.fill_orientations(index, &turn, (arrival, &after));
             for half in [Half::Velocity, Half::Spin] {
                 let gap = gap.fixed_rows::<3>(HALF + half as usize).into();
-                rows.fill_velocities(body, half, &gap, derivative, (&before, &after));
+                rows.fill_velocities(index, half, &gap, derivative, (&before, &after));
             }
         }
     }
@@ -132,12 +132,12 @@ impl Constraint for ArcCollision {
             velocity_m_s: approach,
             ..Gap::default()
         };
-        for body in 0..places.bodies {
-            let at = places.of_body(body);
-            let (velocities, from) = if places.rows_per_body == STATE {
+        for side in 0..places.sides {
+            let at = places.of_side(side);
+            let (velocities, from) = if places.rows_per_side == STATE {
                 (block, at + HALF)
             } else {
-                (gaps, body * HALF)
+                (gaps, side * HALF)
             };
             gap = gap.max(&Gap {
                 position_m: block.largest(at..at + 3) * unit::POSITION_M,
@@ -153,9 +153,9 @@ impl Constraint for ArcCollision {
     /// Contacts and poses.
     fn places(&self, block: &Block) -> Vec<Range<usize>> {
         let (contacts, approach) = (0..block.leads.start, block.leads.end);
-        let per_body = (block.values.len() - approach) / self.sides.len();
-        let poses = (0..self.sides.len()).map(|body| {
-            let first = approach + body * per_body;
+        let per_side = (block.values.len() - approach) / self.sides.len();
+        let poses = (0..self.sides.len()).map(|side| {
+            let first = approach + side * per_side;
             first..first + HALF
         });
         std::iter::once(contacts).chain(poses).collect()
@@ -172,23 +172,21 @@ fn arrivals<'a>(
     collision: &ArcCollision,
     point: &'a Point,
     epochs_s: &'a [f64],
-) -> impl Fn(usize, usize) -> ArcEnd + use<'a> {
+) -> impl Fn(usize) -> ArcEnd + use<'a> {
     let gravity = problem.gravity(&point.parameters);
     let time_s = point.event_times_s[collision.event];
-    move |body, arc| {
+    move |arc| {
+        let Dynamics::Free(body) = problem.dynamics_of(arc);
         let flight = (&point.arcs[arc], epochs_s[arc]);
-        ArcEnd::new(&problem.bodies[body], &gravity, flight, time_s)
+        ArcEnd::new(body, &gravity, flight, time_s)
     }
 }
 
 /// The states of all bodies before the collision.
-fn before(
-    collision: &ArcCollision,
-    arrive: &impl Fn(usize, usize) -> ArcEnd,
-) -> [Option<ArcEnd>; 2] {
+fn before(collision: &ArcCollision, arrive: &impl Fn(usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
     [0, 1].map(|side| {
         let side = collision.sides.get(side);
-        side.map(|side| arrive(side.body, side.before))
+        side.map(|side| arrive(side.before))
     })
 }
 
@@ -199,7 +197,7 @@ fn sides<'a>(
 ) -> [Option<impact::Side<'a>>; 2] {
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
-        let body = &problem.bodies[collision.sides[side].body];
+        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
         Some(impact::Side { body, state })
     })
 }
@@ -215,7 +213,7 @@ pub fn fastest_approach_m_s(
     let arrive = arrivals(problem, collision, point, epochs_s);
     let before = before(collision, &arrive);
     let [a, b] = sides(problem, collision, &before);
-    let a = a.expect("a first body");
+    let a = a.expect("a first side");
     let law = collision.law(&point.parameters);
     let impact = collision.meeting.impact(&a, b.as_ref(), &law);
     impact.map_or(0.0, |impact| {

@@ -1,9 +1,9 @@
 //! Contact and approach at a collision (paper §5.2): `φ(Φ(q, τ)) = 0` for the gap of each contact,
 //! and `n·v ≤ limit` for its normal speed.
 
-use super::rows::CollisionRows;
+use super::rows::{CollisionRows, STATE};
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::problem::{STATE, unit};
+use crate::estimate::problem::unit;
 use crate::physics::impact::{Impact, ImpactDerivative};
 use crate::physics::state::part;
 
@@ -37,12 +37,12 @@ impl CollisionRows<'_> {
             let (pattern, block) = &mut self.block;
             let (states, rest) = block
                 .derivatives_mut(pattern, row)
-                .split_at_mut(STATE * self.places.bodies);
+                .split_at_mut(STATE * self.places.sides);
             rest.fill(0.0);
-            for (body, arrival) in before.iter().enumerate() {
+            for (side, arrival) in before.iter().enumerate() {
                 let Some(arrival) = arrival else { continue };
-                let by = ByState::<1>::of(&by_arrivals[body], 0);
-                let state = &mut states[STATE * body..][..STATE];
+                let by = ByState::<1>::of(&by_arrivals[side], 0);
+                let state = &mut states[STATE * side..][..STATE];
                 arrival.chain(&by).put(0, scale, part::POSITION, state);
                 rest[0] += arrival.by_time(&by)[0] * scale;
                 for (axis, entry) in self.problem.free_gravity().zip(&mut rest[1..]) {

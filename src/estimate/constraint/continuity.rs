@@ -9,9 +9,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::rows::{CollisionRows, HALF, Half};
+use super::rows::{CollisionRows, HALF, Half, STATE};
 use crate::estimate::arc_end::{ArcEnd, ByState};
-use crate::estimate::problem::{ArcCollision, STATE, unit};
+use crate::estimate::problem::{ArcCollision, unit};
 use crate::math::so3;
 use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;
@@ -20,7 +20,7 @@ impl CollisionRows<'_> {
     /// The difference of a body's positions after and before, `gap`, and its derivatives.
     pub(super) fn fill_positions(
         &mut self,
-        body: usize,
+        side: usize,
         gap: &Vector3<f64>,
         (before, after): (&ArcEnd, &ArcEnd),
     ) {
@@ -28,7 +28,7 @@ impl CollisionRows<'_> {
         let (s, t) = (before.duration_s, after.duration_s);
         let scale = 1.0 / unit::POSITION_M;
         for axis in 0..3 {
-            let row = self.places.of_body(body) + axis;
+            let row = self.places.of_side(side) + axis;
             block.values[row] = gap[axis] * scale;
             let speed = after.rate[axis] - before.rate[axis];
             let all = [-1.0, -s, speed, 1.0, t, 0.5 * (t * t - s * s)];
@@ -43,7 +43,7 @@ impl CollisionRows<'_> {
     /// derivatives.
     pub(super) fn fill_orientations(
         &mut self,
-        body: usize,
+        side: usize,
         turn: &Vector3<f64>,
         (before, after): (&ArcEnd, &ArcEnd),
     ) {
@@ -58,7 +58,7 @@ impl CollisionRows<'_> {
         let chained = [(&by_before, before), (&by_after, after)]
             .map(|(by, arrival)| [by * arrival.by_orientation, by * arrival.turn_by_spin]);
         for axis in 0..3 {
-            let row = self.places.of_body(body) + part::ORIENTATION + axis;
+            let row = self.places.of_side(side) + part::ORIENTATION + axis;
             block.values[row] = turn[axis] * scale;
             let to = block.derivatives_mut(pattern, row);
             for ([by_orientation, by_spin], first) in chained.iter().zip([0, HALF + 1]) {
@@ -75,7 +75,7 @@ impl CollisionRows<'_> {
     /// its derivatives.
     pub(super) fn fill_velocities(
         &mut self,
-        body: usize,
+        side: usize,
         half: Half,
         gap: &Vector3<f64>,
         derivative: &ImpactDerivative,
@@ -95,14 +95,14 @@ impl CollisionRows<'_> {
             Half::Spin => (after.spin_by_spin, Matrix3::zeros()),
         };
         let from = self.places.first_part;
-        let ((pattern, block), row) = if self.places.rows_per_body == STATE {
-            (&mut self.block, self.places.of_body(body) + HALF + first)
+        let ((pattern, block), row) = if self.places.rows_per_side == STATE {
+            (&mut self.block, self.places.of_side(side) + HALF + first)
         } else {
-            (&mut self.gaps, body * HALF + first)
+            (&mut self.gaps, side * HALF + first)
         };
         for (other, arrival) in before.iter().enumerate() {
             let Some(arrival) = arrival else { continue };
-            let by = ByState::<3>::of(&derivative.after[body][other], first);
+            let by = ByState::<3>::of(&derivative.after[side][other], first);
             let chained = arrival.chain(&by);
             for axis in 0..3 {
                 let to = block.derivatives_mut(pattern, row + axis);
@@ -118,8 +118,8 @@ impl CollisionRows<'_> {
         for axis in 0..3 {
             block.values[row + axis] = gap[axis] * scale;
             let to = block.derivatives_mut(pattern, row + axis);
-            let states = (STATE - from) * self.places.bodies;
-            let by_law = by_law(self.collision, derivative, body, first + axis);
+            let states = (STATE - from) * self.places.sides;
+            let by_law = by_law(self.collision, derivative, side, first + axis);
             let gravity = self.problem.free_gravity();
             let rest = std::iter::once(by_time[axis])
                 .chain((0..3).map(|other| by_after[(axis, other)]))
@@ -137,15 +137,15 @@ impl CollisionRows<'_> {
 fn by_law<'a>(
     collision: &'a ArcCollision,
     derivative: &'a ImpactDerivative,
-    body: usize,
+    side: usize,
     row: usize,
 ) -> impl Iterator<Item = f64> + 'a {
     let restitution = collision.restitution_parameter;
     let friction = collision.friction_parameter;
     let tilts = collision.tilts.iter();
-    let by_restitution = restitution.map(|_| derivative.after_by_restitution[body][row]);
-    let by_friction = friction.map(|_| derivative.after_by_friction[body][row]);
-    let by_tilts = tilts.map(move |(tangent, _)| derivative.after_by_tilt[body][(row, *tangent)]);
+    let by_restitution = restitution.map(|_| derivative.after_by_restitution[side][row]);
+    let by_friction = friction.map(|_| derivative.after_by_friction[side][row]);
+    let by_tilts = tilts.map(move |(tangent, _)| derivative.after_by_tilt[side][(row, *tangent)]);
     by_restitution
         .into_iter()
         .chain(by_friction)

@@ -1,4 +1,4 @@
-//! A goal (paper §3.1): a body's pose at an event, or a coordinate of its centre of mass within
+//! A goal (paper §3.1): a link's pose at an event, or a coordinate of its centre of mass within
 //! bounds:
 //!
 //! ```text
@@ -12,6 +12,7 @@ use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::Dynamics;
 use crate::physics::state::part;
 
 impl Constraint for ArcGoal {
@@ -40,7 +41,7 @@ impl Constraint for ArcGoal {
 
     fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
         let problem = at.problem;
-        let body = &problem.bodies[problem.arcs[self.arc].body];
+        let Dynamics::Free(body) = problem.dynamics_of(self.arc);
         let gravity = problem.gravity(&at.point.parameters);
         let flight = (&at.point.arcs[self.arc], at.epochs_s[self.arc]);
         let time_s = at.point.event_times_s[self.event];

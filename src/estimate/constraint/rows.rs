@@ -1,9 +1,12 @@
 //! Indices of a collision's rows and columns.
 
 use super::kind::Filled;
-use crate::estimate::problem::{ArcCollision, Problem, STATE};
+use crate::estimate::problem::{ArcCollision, Problem};
 use crate::physics::contact::Feature;
-use crate::physics::state::part;
+use crate::physics::state::{self, part};
+
+/// Unknowns of the state of a free body: these are the rows of free bodies' collisions.
+pub(super) const STATE: usize = state::DIMENSION;
 
 /// Number of rows of a body's pose, and of its velocities.
 pub(super) const HALF: usize = STATE / 2;
@@ -13,8 +16,8 @@ pub(super) struct Places {
     pub(super) contacts: usize,
     pub(super) approaches: usize,
     /// Number of hard rows of every body.
-    pub(super) rows_per_body: usize,
-    pub(super) bodies: usize,
+    pub(super) rows_per_side: usize,
+    pub(super) sides: usize,
     /// The first part of the states before on which the velocities after depend: the bounce of one
     /// body off a face does not depend on its position.
     pub(super) first_part: usize,
@@ -22,10 +25,10 @@ pub(super) struct Places {
 
 impl Places {
     pub(super) fn new(problem: &Problem, collision: &ArcCollision) -> Self {
-        let bodies = collision.sides.len();
+        let sides = collision.sides.len();
         let contacts = collision.meeting.contacts();
         let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
-        let is_alike = bodies == 1 && contacts.iter().all(|contact| is_face(contact.b()));
+        let is_alike = sides == 1 && contacts.iter().all(|contact| is_face(contact.b()));
         Self {
             contacts: if collision.touches_by_goal {
                 0
@@ -33,12 +36,12 @@ impl Places {
                 contacts.len()
             },
             approaches: contacts.len(),
-            rows_per_body: if problem.velocity_gap_weight.is_some() {
+            rows_per_side: if problem.velocity_gap_weight.is_some() {
                 HALF
             } else {
                 STATE
             },
-            bodies,
+            sides,
             first_part: if is_alike {
                 part::ORIENTATION
             } else {
@@ -47,9 +50,9 @@ impl Places {
         }
     }
 
-    /// First row of a body.
-    pub(super) fn of_body(&self, body: usize) -> usize {
-        self.contacts + self.approaches + body * self.rows_per_body
+    /// First row of a side.
+    pub(super) fn of_side(&self, side: usize) -> usize {
+        self.contacts + self.approaches + side * self.rows_per_side
     }
 }
 

@@ -1,20 +1,22 @@
-//! Bins of consecutive samples of a body, whose mean residuals show a slow wander.
+//! Bins of consecutive samples of a track, whose mean residuals show a slow wander.
+use std::collections::BTreeSet;
 
 use crate::estimate::point::Point;
 use crate::estimate::problem::{Arc, ArcSample, Problem};
+use crate::motion::TrackIndex;
 
 /// A residual, position then orientation in body axes, in the problem's units; or its change.
 pub type Six = [f64; 6];
 
-/// Number of bins of a body per flight, and its maximum.
+/// Number of bins of a track per flight, and its maximum.
 const PER_FLIGHT: usize = 4;
 const MOST: usize = 16;
 
-/// Consecutive samples of one body.
+/// Consecutive samples of one track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
     /// Index of the body.
-    pub body: usize,
+    pub track: TrackIndex,
     /// Mean time of the samples \[s\].
     pub time_s: f64,
     /// Number of samples.
@@ -22,9 +24,9 @@ pub struct Bin {
 }
 
 impl Bin {
-    fn of(body: usize) -> Self {
+    fn of(track: TrackIndex) -> Self {
         Self {
-            body,
+            track,
             time_s: 0.0,
             samples: 0,
         }
@@ -39,7 +41,7 @@ impl Bin {
 /// All samples in bins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bins {
-    /// Body by body, in order of time.
+    /// Track by track, in order of time.
     pub bins: Vec<Bin>,
     /// The bin of every sample, arc by arc.
     pub of_samples: Vec<usize>,
@@ -48,27 +50,28 @@ pub struct Bins {
 }
 
 impl Bins {
-    /// Bins of every body: four of equal size per flight, fewer with many flights; with more than
+    /// Bins of every track: four of equal size per flight, fewer with many flights; with more than
     /// sixteen flights, neighbouring flights share one.
     pub fn new(problem: &Problem, point: &Point) -> Self {
         let mut bins: Vec<Bin> = Vec::new();
         let mut of_samples = vec![0; problem.sample_count()];
         let mut flights_s = 0.0;
-        for body in 0..problem.bodies.len() {
-            let of_body = |arc: &&Arc| arc.body == body && !arc.samples.is_empty();
-            let flights = problem.arcs.iter().filter(of_body).count();
+        let tracks: BTreeSet<TrackIndex> = problem.arcs.iter().map(|arc| arc.track).collect();
+        for track in tracks {
+            let of_track = |arc: &&Arc| arc.track == track && !arc.samples.is_empty();
+            let flights = problem.arcs.iter().filter(of_track).count();
             let per_flight = (MOST / flights.max(1)).clamp(1, PER_FLIGHT);
             let (mut next, mut flight, mut last) = (0, 0, None);
             for arc in &problem.arcs {
                 let count = arc.samples.len();
-                if of_body(&arc) {
+                if of_track(&arc) {
                     for (index, sample) in arc.samples.iter().enumerate() {
                         let place = (
                             flight * MOST / flights.max(MOST),
                             index * per_flight / count,
                         );
                         if last.replace(place) != Some(place) {
-                            bins.push(Bin::of(body));
+                            bins.push(Bin::of(track));
                         }
                         of_samples[next + index] = bins.len() - 1;
                         let bin = bins.last_mut().expect("one was begun");

@@ -9,7 +9,7 @@
 //! −2 log L = log|S| + log|G| + rᵀS⁻¹r − hᵀG⁻¹h,    G = AᵀS⁻¹A,  h = AᵀS⁻¹r
 //! ```
 //!
-//! `S` is taken as diagonal in the cosine basis of each body's bins, which is nearly true of
+//! `S` is taken as diagonal in the cosine basis of each track's bins, which is nearly true of
 //! processes whose correlation falls with the distance (Whittle's likelihood, 1953). Each size and
 //! shape then costs a sum over frequencies. `S` is block-diagonal, with positions and orientations
 //! independent and their axes equal, so that `G`, `h` and `rᵀS⁻¹r` are entries of one Gram matrix
@@ -20,19 +20,19 @@ use std::ops::Range;
 
 use super::bins::Bins;
 
-/// The cosine basis (DCT II) of the bins, body by body.
+/// The cosine basis (DCT II) of the bins, track by track.
 pub struct Cosines {
-    /// For every frequency: the bins of its body, and its values there, of unit norm.
+    /// For every frequency: the bins of its track, and its values there, of unit norm.
     frequencies: Vec<(Range<usize>, Vec<f64>)>,
 }
 
 impl Cosines {
-    /// The basis of some bins, ordered by body.
+    /// The basis of some bins, ordered by track.
     pub fn new(bins: &Bins) -> Self {
         let mut frequencies = Vec::with_capacity(bins.count());
         let mut first = 0;
-        for body in bins.bins.chunk_by(|a, b| a.body == b.body) {
-            let count = body.len();
+        for track in bins.bins.chunk_by(|a, b| a.track == b.track) {
+            let count = track.len();
             for frequency in 0..count {
                 let norm = if frequency == 0 { 1.0_f64 } else { 2.0 } / count as f64;
                 let step = PI * frequency as f64 / count as f64;

@@ -169,7 +169,7 @@ fn shapes(bins: &Bins) -> Vec<Vec<f64>> {
             for (row, a) in bins.bins.iter().enumerate() {
                 shape[row * count + row] = 1.0;
                 let before = bins.bins[..row].iter().enumerate();
-                for (column, b) in before.filter(|(_, b)| b.body == a.body && time_s > 0.0) {
+                for (column, b) in before.filter(|(_, b)| b.track == a.track && time_s > 0.0) {
                     let entry = order.correlation((a.time_s - b.time_s).abs() / time_s);
                     shape[row * count + column] = entry;
                     shape[column * count + row] = entry;

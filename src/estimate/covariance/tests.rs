@@ -8,6 +8,7 @@ use super::noise::Noise;
 use super::trace::Design;
 use crate::estimate::outcome;
 use crate::estimate::tests::each_case;
+use crate::motion::TrackIndex;
 
 /// A repeatable stand-in for noise, uniform with variance one.
 struct Random(u64);
@@ -60,12 +61,12 @@ fn traces_are_the_residuals_derivatives() {
     });
 }
 
-/// Bins of one body, a second apart, of so many samples each.
+/// Bins of one track, a second apart, of so many samples each.
 fn row_of_bins(count: usize, samples: usize) -> Bins {
     Bins {
         bins: (0..count)
             .map(|bin| Bin {
-                body: 0,
+                track: TrackIndex(0),
                 time_s: bin as f64,
                 samples,
             })

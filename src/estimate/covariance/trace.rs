@@ -5,6 +5,7 @@ use nalgebra::{DVector, Matrix3, Vector3};
 use super::bins::{Bins, Six};
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
+use crate::physics::Dynamics;
 use crate::physics::flow::Spin;
 use crate::physics::state::part;
 
@@ -68,7 +69,8 @@ impl<'a> Design<'a> {
         let arcs = problem.arcs.iter().enumerate().map(|(index, arc)| {
             let state = &point.arcs[index];
             let omega = &state.angular_velocity_rad_s;
-            let mut spin = Spin::new(&problem.bodies[arc.body], omega);
+            let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
+            let mut spin = Spin::new(body, omega);
             let own = arc.samples.iter().zip(&mut bin_of_sample);
             let samples: Vec<SampleDesign> = own
                 .map(|(sample, bin)| {

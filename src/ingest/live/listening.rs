@@ -5,7 +5,7 @@ use std::time::Instant;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::motion::Scene;
+use crate::motion::{Scene, TrackIndex};
 use crate::wire::live::{
     CONTROL_SERVICE, ControlRecord, LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality,
     TAKE_SERVICE, TakeRecord, service_name,
@@ -45,23 +45,25 @@ pub struct Arrival {
 /// A stream of poses of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamTopic {
-    /// Index into `Scene::bodies`.
-    pub body: usize,
-    /// Index of the stream among the body's.
+    /// The track.
+    pub track: TrackIndex,
+    /// Index of the stream among the track's.
     pub stream: usize,
     /// The topic.
     pub topic: String,
 }
 
-/// All streams of a scene, body by body.
+/// All streams of a scene, track by track.
 pub fn stream_topics(scene: &Scene) -> Vec<StreamTopic> {
-    let streams = |body| (0..scene.streams(body)).map(move |stream| (body, stream));
-    (0..scene.bodies.len())
+    let streams = |track| (0..scene.streams(track)).map(move |stream| (track, stream));
+    scene
+        .tracks
+        .keys()
         .flat_map(streams)
-        .map(|(body, stream)| StreamTopic {
-            body,
+        .map(|(track, stream)| StreamTopic {
+            track,
             stream,
-            topic: scene.stream_topic(body, stream),
+            topic: scene.stream_topic(track, stream),
         })
         .collect()
 }

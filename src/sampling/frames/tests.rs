@@ -1,4 +1,5 @@
 use super::*;
+use crate::motion::TrackIndex;
 use crate::motion::fixture::{FIRST_NS, estimate, scene, sketch};
 
 /// Every pose is nearer to the one before than its negative would be.
@@ -14,12 +15,18 @@ fn assert_continuous(samples: &[PoseSample]) {
 fn signs_are_continuous_whatever_those_of_the_estimate_and_the_sketch_are() {
     let (scene, mut estimate, mut sketch) = (scene(), estimate(), sketch());
     let opposite = |q: UnitQuaternion<f64>| UnitQuaternion::new_unchecked(-q.into_inner());
-    for sample in sketch.bodies[0].samples.iter_mut().step_by(3) {
+    for sample in sketch.tracks[TrackIndex(0)].samples.iter_mut().step_by(3) {
         sample.orientation = opposite(sample.orientation);
     }
     let zero = Stamp(FIRST_NS);
-    assert_continuous(&sketch_frames(&estimate, &sketch, 0, zero));
+    assert_continuous(&sketch_frames(
+        &scene,
+        &estimate,
+        &sketch,
+        LinkIndex(0),
+        zero,
+    ));
     estimate.arcs[1].state.orientation = opposite(estimate.arcs[1].state.orientation);
-    let moved = estimate_frames(&scene, &estimate, 0, zero, 240.0);
+    let moved = estimate_frames(&scene, &estimate, LinkIndex(0), zero, 240.0);
     assert_continuous(&moved.expect("samples"));
 }

@@ -2,7 +2,9 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::motion::{Collision, Event, Feature, Surface, Timing, VelocityGaps, Weights};
+use crate::motion::{
+    Collision, Event, Feature, FreeBody, LinkIndex, Surface, Timing, VelocityGaps, Weights,
+};
 use crate::physics::{Shape, contact};
 
 const START: i64 = 1_700_000_000_000_000_000;
@@ -12,7 +14,7 @@ const STEP: i64 = 10_000_000;
 fn scene() -> Scene {
     let ball = |name: &str, body_from_tracker: Pose| {
         let shape = Shape::Sphere { radius_m: 0.02 };
-        SceneBody {
+        FreeBody {
             name: name.into(),
             topic: format!("/tracker/{name}/pose"),
             body: shape.body_of_mass_kg(0.1).unwrap(),
@@ -32,13 +34,15 @@ fn scene() -> Scene {
         Translation3::new(0.0, 0.0, 0.03),
         UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.0)),
     );
-    Scene {
+    let mut scene = Scene {
         name: "balls".into(),
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
         timing: Timing::Known,
         mark_sd_s: None,
         marks_topic: "/marks".into(),
-        bodies: vec![ball("red", mount), ball("blue", Pose::identity())],
+        links: TiVec::new(),
+        mechanisms: TiVec::new(),
+        tracks: TiVec::new(),
         surfaces: vec![Surface {
             name: "table".into(),
             geometry: contact::Feature::face(Vector3::zeros(), Vector3::z()),
@@ -49,7 +53,7 @@ fn scene() -> Scene {
             event("release", EventKind::Start),
             event(
                 "bounce",
-                EventKind::Collision(Collision::bounce(0, 0, 0, 0.5)),
+                EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 0.5)),
             ),
             event("landing", EventKind::End),
         ],
@@ -62,7 +66,10 @@ fn scene() -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-    }
+    };
+    scene.add(ball("red", mount));
+    scene.add(ball("blue", Pose::identity()));
+    scene
 }
 
 fn body_pose(index: i64) -> Pose {
@@ -73,8 +80,8 @@ fn body_pose(index: i64) -> Pose {
     )
 }
 
-fn sample(scene: &Scene, body: usize, index: i64) -> PoseSample {
-    let world_from_tracker = body_pose(index) * scene.bodies[body].body_from_tracker;
+fn sample(scene: &Scene, track: TrackIndex, index: i64) -> PoseSample {
+    let world_from_tracker = body_pose(index) * scene.tracks[track].link_from_tracker;
     PoseSample::from_pose(Stamp(START + index * STEP), &world_from_tracker)
 }
 
@@ -85,15 +92,15 @@ fn mark(index: f64, event: Option<&str>) -> TakeEvent {
     })
 }
 
-/// 40 samples of each body and three marks without names, at 5, 20 and 35 samples.
+/// 40 samples of each track and three marks without names, at 5, 20 and 35 samples.
 fn take(scene: &Scene) -> Vec<TakeEvent> {
     let mut take = Vec::new();
     for index in 0..40 {
-        for body in 0..2 {
+        for track in scene.tracks.keys() {
             take.push(TakeEvent::Pose {
-                body,
+                track,
                 stream: 0,
-                sample: sample(scene, body, index),
+                sample: sample(scene, track, index),
             });
         }
     }
@@ -101,16 +108,16 @@ fn take(scene: &Scene) -> Vec<TakeEvent> {
     take
 }
 
-/// Replaces the reading of a body at an index.
-fn change(take: &mut [TakeEvent], body: usize, index: i64, change: impl Fn(&mut PoseSample)) {
+/// Replaces the reading of a track at an index.
+fn change(take: &mut [TakeEvent], track: TrackIndex, index: i64, change: impl Fn(&mut PoseSample)) {
     let stamp = Stamp(START + index * STEP);
     for event in take {
         if let TakeEvent::Pose {
-            body: of,
+            track: of,
             stream: 0,
             sample,
         } = event
-            && *of == body
+            && *of == track
             && sample.stamp == stamp
         {
             change(sample);
@@ -151,9 +158,9 @@ fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
     let scene = scene();
     let (sketch, counts) = clean(&scene, &take(&scene)).unwrap();
     assert_eq!(sketch.origin, Stamp(START + 5 * STEP));
-    for body in &sketch.bodies {
-        assert_eq!(body.samples.len(), 31);
-        for (index, sample) in body.samples.iter().enumerate() {
+    for track in &sketch.tracks {
+        assert_eq!(track.samples.len(), 31);
+        for (index, sample) in track.samples.iter().enumerate() {
             let expected = body_pose(index as i64 + 5);
             assert!((sample.position_m - expected.translation.vector).norm() < 1e-15);
             assert!(sample.orientation.angle_to(&expected.rotation) < 1e-7);
@@ -183,27 +190,33 @@ fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
 fn each_fault_is_dropped_once_and_counted() {
     let scene = scene();
     let mut take = take(&scene);
-    change(&mut take, 0, 8, |s| s.position_m.y = f64::NAN);
-    change(&mut take, 0, 9, |s| s.quaternion_xyzw[0] = f64::INFINITY);
-    change(&mut take, 0, 10, |s| {
+    change(&mut take, TrackIndex(0), 8, |s| s.position_m.y = f64::NAN);
+    change(&mut take, TrackIndex(0), 9, |s| {
+        s.quaternion_xyzw[0] = f64::INFINITY
+    });
+    change(&mut take, TrackIndex(0), 10, |s| {
         s.quaternion_xyzw = s.quaternion_xyzw.map(|x| x * 1.02)
     });
-    change(&mut take, 1, 11, |s| s.quaternion_xyzw = [0.0; 4]);
-    change(&mut take, 1, 12, |s| s.quaternion_xyzw = [1e300; 4]);
-    change(&mut take, 1, 14, |s| {
+    change(&mut take, TrackIndex(1), 11, |s| {
+        s.quaternion_xyzw = [0.0; 4]
+    });
+    change(&mut take, TrackIndex(1), 12, |s| {
+        s.quaternion_xyzw = [1e300; 4]
+    });
+    change(&mut take, TrackIndex(1), 14, |s| {
         s.quaternion_xyzw = s.quaternion_xyzw.map(|x| x * 1.005)
     });
-    let still = sample(&scene, 1, 15);
+    let still = sample(&scene, TrackIndex(1), 15);
     for index in [16, 17] {
-        change(&mut take, 1, index, |s| {
+        change(&mut take, TrackIndex(1), index, |s| {
             s.position_m = still.position_m;
             s.quaternion_xyzw = still.quaternion_xyzw;
         });
     }
     take.push(TakeEvent::Pose {
-        body: 0,
+        track: TrackIndex(0),
         stream: 0,
-        sample: sample(&scene, 0, 30),
+        sample: sample(&scene, TrackIndex(0), 30),
     });
     let (sketch, counts) = clean(&scene, &take).unwrap();
     assert_eq!(
@@ -224,7 +237,7 @@ fn each_fault_is_dropped_once_and_counted() {
     assert_eq!(counts.gaps, 3);
     assert_eq!(counts.read, 81);
     assert_eq!(counts.used + counts.dropped.values().sum::<usize>(), 81);
-    let samples = sketch.bodies.iter().flat_map(|b| &b.samples);
+    let samples = sketch.tracks.iter().flat_map(|b| &b.samples);
     for sample in samples {
         assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-15);
     }
@@ -236,7 +249,15 @@ fn all_that_come_late_are_counted() {
     let scene = scene();
     let mut take = take(&scene);
     let of_red: Vec<usize> = (0..take.len())
-        .filter(|at| matches!(take[*at], TakeEvent::Pose { body: 0, .. }))
+        .filter(|at| {
+            matches!(
+                take[*at],
+                TakeEvent::Pose {
+                    track: TrackIndex(0),
+                    ..
+                }
+            )
+        })
         .collect();
     let early = take.remove(of_red[13]);
     take.insert(of_red[10], early);
@@ -249,14 +270,14 @@ fn signs_are_made_continuous() {
     let scene = scene();
     let mut take = take(&scene);
     for index in 20..23 {
-        change(&mut take, 1, index, |s| {
+        change(&mut take, TrackIndex(1), index, |s| {
             s.quaternion_xyzw = s.quaternion_xyzw.map(|x| -x)
         });
     }
     let (sketch, counts) = clean(&scene, &take).unwrap();
     assert_eq!(counts.flipped, 3);
-    for body in &sketch.bodies {
-        for pair in body.samples.windows(2) {
+    for track in &sketch.tracks {
+        for pair in track.samples.windows(2) {
             assert!(pair[0].orientation.coords.dot(&pair[1].orientation.coords) > 0.9);
         }
     }
@@ -366,7 +387,15 @@ fn what_has_no_samples_is_refused() {
     );
     let red_only: Vec<TakeEvent> = take(&scene)
         .into_iter()
-        .filter(|event| !matches!(event, TakeEvent::Pose { body: 1, .. }))
+        .filter(|event| {
+            !matches!(
+                event,
+                TakeEvent::Pose {
+                    track: TrackIndex(1),
+                    ..
+                }
+            )
+        })
         .collect();
     assert_eq!(
         failure(&red_only).to_string(),
@@ -374,7 +403,9 @@ fn what_has_no_samples_is_refused() {
     );
     let mut broken = take(&scene);
     for index in 0..40 {
-        change(&mut broken, 1, index, |s| s.position_m.x = f64::NAN);
+        change(&mut broken, TrackIndex(1), index, |s| {
+            s.position_m.x = f64::NAN
+        });
     }
     assert_eq!(
         failure(&broken).to_string(),
@@ -382,7 +413,7 @@ fn what_has_no_samples_is_refused() {
     );
     let mut early = take(&scene);
     early.retain(|event| {
-        !matches!(event, TakeEvent::Pose { body: 1, stream: 0, sample } if sample.stamp.0 > START + 4 * STEP)
+        !matches!(event, TakeEvent::Pose { track: TrackIndex(1), stream: 0, sample } if sample.stamp.0 > START + 4 * STEP)
     });
     assert_eq!(
         failure(&early).to_string(),
@@ -394,18 +425,21 @@ fn what_has_no_samples_is_refused() {
 fn stamps_of_two_clocks_and_bodies_out_of_range_are_refused() {
     let scene = scene();
     let mut clocks = take(&scene);
-    change(&mut clocks, 0, 0, |s| s.stamp = Stamp(i64::MIN));
-    change(&mut clocks, 0, 1, |s| s.stamp = Stamp(i64::MAX));
+    change(&mut clocks, TrackIndex(0), 0, |s| s.stamp = Stamp(i64::MIN));
+    change(&mut clocks, TrackIndex(0), 1, |s| s.stamp = Stamp(i64::MAX));
     assert!(matches!(failure(&clocks), SegmentError::Span { .. }));
     let mut third = take(&scene);
     third.push(TakeEvent::Pose {
-        body: 2,
+        track: TrackIndex(2),
         stream: 0,
-        sample: sample(&scene, 0, 3),
+        sample: sample(&scene, TrackIndex(0), 3),
     });
     assert_eq!(
         failure(&third),
-        SegmentError::NoSuchBody { body: 2, bodies: 2 }
+        SegmentError::NoSuchTrack {
+            track: 2,
+            tracks: 2
+        }
     );
     let mut far = take(&scene);
     far.pop();
@@ -438,15 +472,17 @@ fn any_reading() -> impl Strategy<Value = TakeEvent> {
             1 => prop::array::uniform4(any::<f64>()),
         ],
     )
-        .prop_map(|(body, index, position, quaternion_xyzw)| TakeEvent::Pose {
-            body,
-            stream: 0,
-            sample: PoseSample {
-                stamp: Stamp(START + index * STEP),
-                position_m: Vector3::from(position),
-                quaternion_xyzw,
+        .prop_map(
+            |(track, index, position, quaternion_xyzw)| TakeEvent::Pose {
+                track: TrackIndex(track),
+                stream: 0,
+                sample: PoseSample {
+                    stamp: Stamp(START + index * STEP),
+                    position_m: Vector3::from(position),
+                    quaternion_xyzw,
+                },
             },
-        })
+        )
 }
 
 proptest! {
@@ -485,15 +521,15 @@ proptest! {
         let mut take = readings;
         take.extend([2.0, 20.0, 37.0].map(|index| mark(index, None)));
         if let Ok((sketch, _)) = clean(&scene(), &take) {
-            for body in &sketch.bodies {
-                for pair in body.samples.windows(2) {
+            for track in &sketch.tracks {
+                for pair in track.samples.windows(2) {
                     prop_assert!(pair[0].stamp < pair[1].stamp);
                     prop_assert!(pair[0].acted_s < pair[1].acted_s);
                     prop_assert!(
                         pair[0].orientation.coords.dot(&pair[1].orientation.coords) >= 0.0
                     );
                 }
-                for sample in &body.samples {
+                for sample in &track.samples {
                     prop_assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-12);
                     prop_assert!(sample.acted_s >= 0.0 && sample.acted_s <= 0.35 + 1e-9);
                 }

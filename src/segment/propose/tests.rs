@@ -1,32 +1,27 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
+use typed_index_collections::TiVec;
 
 use super::*;
 use crate::math::Pose;
-use crate::motion::{Event, EventKind, SceneBody, Stamp, Surface, Timing, VelocityGaps, Weights};
+use crate::motion::{
+    Event, EventKind, FreeBody, LinkIndex, Stamp, Surface, Timing, VelocityGaps, Weights,
+};
 use crate::physics::Shape;
 use crate::segment::{refine, relocate_marks};
 
 /// A ball that bounces so many times on a table.
 fn scene(bounces: usize, timing: Timing) -> Scene {
     let shape = Shape::Sphere { radius_m: 0.02 };
-    Scene {
+    let mut scene = Scene {
         name: "ball".into(),
         gravity_m_s2: Vector3::new(0.0, 0.0, -10.0),
         timing,
         mark_sd_s: None,
         marks_topic: "/marks".into(),
-        bodies: vec![SceneBody {
-            name: "ball".into(),
-            topic: "/ball".into(),
-            body: shape.body_of_mass_kg(0.1).unwrap(),
-            shape,
-            body_from_tracker: Pose::identity(),
-            features: vec![crate::motion::Feature {
-                name: "south".into(),
-                geometry: Feature::corner(Vector3::new(0.0, 0.0, -0.02)),
-            }],
-        }],
+        links: TiVec::new(),
+        mechanisms: TiVec::new(),
+        tracks: TiVec::new(),
         surfaces: vec![Surface {
             name: "table".into(),
             geometry: Feature::face(Vector3::zeros(), Vector3::z()),
@@ -36,7 +31,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
         events: (0..bounces)
             .map(|k| Event {
                 name: format!("bounce {k}"),
-                kind: EventKind::Collision(Collision::bounce(0, 0, 0, 1.0)),
+                kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 1.0)),
             })
             .collect(),
         goals: Vec::new(),
@@ -48,13 +43,25 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-    }
+    };
+    scene.add(FreeBody {
+        name: "ball".into(),
+        topic: "/ball".into(),
+        body: shape.body_of_mass_kg(0.1).unwrap(),
+        shape,
+        body_from_tracker: Pose::identity(),
+        features: vec![crate::motion::Feature {
+            name: "south".into(),
+            geometry: Feature::corner(Vector3::new(0.0, 0.0, -0.02)),
+        }],
+    });
+    scene
 }
 
 fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
     Sketch {
         origin: Stamp(0),
-        bodies: vec![BodySketch { samples }],
+        tracks: [TrackSketch { samples }].into_iter().collect(),
         marks_s: vec![0.0; bounces],
         marks: vec![None; bounces],
     }
@@ -93,7 +100,7 @@ fn bounces_are_found_and_stand_out() {
         for (k, proposal) in proposals.iter().enumerate() {
             let true_s = 0.3 + 0.6 * k as f64;
             assert!((proposal.acted_s - true_s).abs() <= 0.01, "{proposals:?}");
-            assert_eq!((proposal.event, proposal.body), (Some(k), 0));
+            assert_eq!((proposal.event, proposal.track), (Some(k), TrackIndex(0)));
             assert!(proposal.score > 100.0, "{proposals:?}");
         }
     }

@@ -79,7 +79,7 @@ impl Take {
     ) -> Result<Self, WriteError> {
         let names: Vec<String> = topics.iter().map(|topic| topic.topic.clone()).collect();
         let anchor = Anchor::now();
-        let stream = |topic: &StreamTopic| Stream::new(settings.stamps[topic.body]);
+        let stream = |topic: &StreamTopic| Stream::new(settings.stamps[topic.track]);
         Ok(Self {
             number,
             journal: Journal::create(path, &names, &scene.marks_topic, scene_toml)?,
@@ -115,7 +115,7 @@ impl Take {
         self.latencies.add(at.elapsed());
         let topic = &self.topics[stream];
         self.pending.extend(sample.map(|sample| TakeEvent::Pose {
-            body: topic.body,
+            track: topic.track,
             stream: topic.stream,
             sample,
         }));

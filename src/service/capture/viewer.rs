@@ -20,12 +20,13 @@ use std::time::{Duration, Instant};
 use foxglove::{Context, RawChannel, Schema};
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, watch};
+use typed_index_collections::TiVec;
 
 use super::metrics::Metrics;
 use super::notice::Shown;
 use super::take::now_ns;
 use crate::ingest::live::{PoseRecord, StreamTopic};
-use crate::motion::{Mark, PoseSample, Scene, Stamp, Verdict};
+use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Verdict};
 use crate::pipeline::Outcome;
 use crate::report::Reported;
 use crate::service::finish::reported;
@@ -105,8 +106,8 @@ pub(super) struct Viewer {
 struct Channels {
     trackers: Vec<Arc<RawChannel>>,
     marks: Arc<RawChannel>,
-    /// Estimate and sketch, body by body.
-    bodies: Vec<[Arc<RawChannel>; 2]>,
+    /// Channels of the estimate and of the sketch, link by link.
+    links: TiVec<LinkIndex, [Arc<RawChannel>; 2]>,
     transforms: Arc<RawChannel>,
     scene: Arc<RawChannel>,
     report: Arc<RawChannel>,
@@ -162,16 +163,16 @@ impl Channels {
             channel.build_raw()
         };
         let poses = |topic: &str| open(ShownTopic::poses(topic));
-        let body = |name: &str| {
+        let link = |name: &str| {
             let estimate = poses(&topics::estimate_pose(name))?;
             Ok([estimate, poses(&topics::sketch_pose(name))?])
         };
         let trackers = streams.iter().map(|stream| poses(&stream.topic));
-        let bodies = scene.bodies.iter().map(|of| body(&of.name));
+        let links = scene.links.iter().map(|of| link(&of.name));
         Ok(Self {
             trackers: trackers.collect::<Result<_, _>>()?,
             marks: open(ShownTopic::marks(&scene.marks_topic))?,
-            bodies: bodies.collect::<Result<_, foxglove::FoxgloveError>>()?,
+            links: links.collect::<Result<_, foxglove::FoxgloveError>>()?,
             transforms: open(ShownTopic::transforms())?,
             scene: open(ShownTopic::scene())?,
             report: open(ShownTopic::report())?,
@@ -182,7 +183,7 @@ impl Channels {
     /// Whether a client has subscribed to a topic of the estimate.
     fn are_watched(&self) -> bool {
         let alone = [&self.transforms, &self.report, &self.time_map];
-        let all = alone.into_iter().chain(self.bodies.iter().flatten());
+        let all = alone.into_iter().chain(self.links.iter().flatten());
         all.into_iter().any(|channel| channel.has_sinks())
     }
 }
@@ -213,10 +214,13 @@ impl Viewer {
     fn live(&self, live: Live) {
         match live {
             Live::Pose(stream, sample) => {
-                let body = &self.scene.bodies[self.streams[stream].body];
+                let track = self.streams[stream].track;
                 log(&self.channels.trackers[stream], show::pose(&sample));
-                if let Some(sample) = show::body_pose(body, &sample) {
-                    let frames = [(topics::live_frame(&body.name), sample)];
+                if let Some(sample) = show::link_pose(&self.scene.tracks[track], &sample) {
+                    let frames = [(
+                        topics::live_frame(&self.scene.link_seen_by(track).name),
+                        sample,
+                    )];
                     log(&self.channels.transforms, show::transforms(&frames));
                 }
             }
@@ -262,16 +266,16 @@ impl Viewer {
         let time_s = self.begun.elapsed().as_secs_f64() % period_s;
         let now = Stamp(now_ns());
         let mut frames = Vec::new();
-        for (index, body) in self.scene.bodies.iter().enumerate() {
+        for (index, link) in self.scene.links.iter_enumerated() {
             let names = [
-                topics::estimate_frame(&body.name),
-                topics::sketch_frame(&body.name),
+                topics::estimate_frame(&link.name),
+                topics::sketch_frame(&link.name),
             ];
             let poses = showing.at(index, time_s, now).into_iter();
             for ((name, sample), channel) in names
                 .into_iter()
                 .zip(poses)
-                .zip(&self.channels.bodies[index])
+                .zip(&self.channels.links[index])
             {
                 let Some(sample) = sample else { continue };
                 log(channel, show::pose(&sample));

@@ -29,7 +29,7 @@ impl Flight<'_> {
     /// The place that doubts about it name.
     pub(super) fn place(&self) -> Place {
         Place::Flight {
-            body: self.arc.body,
+            mechanism: self.arc.mechanism,
             start_s: self.arc.start_s,
         }
     }
@@ -42,7 +42,7 @@ pub(super) fn flights<'a>(sketch: &Sketch, estimate: &'a Estimate) -> Vec<Flight
     pairs
         .map(|(arc, residual)| {
             let readings = times.by_ref().take(residual.samples).filter_map(|time| {
-                let samples = &sketch.bodies[time.body].samples;
+                let samples = &sketch.tracks[time.track].samples;
                 let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
                 let sample = &samples[at.ok()?];
                 let since_s = time.time_s - arc.epoch_s;

@@ -1,8 +1,8 @@
 //! Checks speeds, distances and tempo.
 
 use super::flights::{Flight, Reading};
-use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
-use crate::verify::track::spin_bound_rad_s;
+use crate::motion::{About, Doubt, Estimate, Mechanism, Place, Scene, Timing};
+use crate::verify::moving::spin_bound_rad_s;
 
 /// Greatest speed of a point of a body [m/s].
 const SPEED_M_S: f64 = 80.0;
@@ -24,14 +24,15 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
     let mut doubts = Vec::new();
     for flight in flights {
         let arc = flight.arc;
-        let body = &scene.bodies[arc.body];
-        let spin_rad_s = spin_bound_rad_s(&body.body, &arc.state.angular_velocity_rad_s);
+        let Mechanism::Free(link) = scene.mechanisms[arc.mechanism];
+        let link = &scene.links[link];
+        let spin_rad_s = spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s);
         // |v| is convex in time: largest at an end.
         let speed_at = |time_s: f64| {
             let change = estimate.gravity_m_s2 * (time_s - arc.epoch_s);
             (arc.state.velocity_m_s + change).norm()
         };
-        let radius_m = body.shape.radius_m();
+        let radius_m = link.shape.radius_m();
         let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;
         let way = way(flight, radius_m);
         doubts.extend(Doubt::beyond(

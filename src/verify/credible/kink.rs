@@ -21,7 +21,7 @@ pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
     let all: Vec<&Flight> = flights.iter().filter(flies).collect();
     let pairs: Vec<[&[Reading]; 2]> = all
         .windows(2)
-        .filter(|pair| pair[0].arc.body == pair[1].arc.body)
+        .filter(|pair| pair[0].arc.mechanism == pair[1].arc.mechanism)
         .map(|pair| [pair[0].readings.as_slice(), pair[1].readings.as_slice()])
         .collect();
     let shortest = pairs.iter().flatten().map(|r| r.len()).min()?;
@@ -83,13 +83,13 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::*;
-    use crate::motion::{ArcEstimate, SegmentResidual};
+    use crate::motion::{ArcEstimate, MechanismIndex, SegmentResidual, TrackIndex};
     use crate::physics::State;
 
     /// Two flights of 45 ms at 120 Hz, from which a hand is off by `off_m`.
     fn kinks_of(off_m: impl Fn(f64) -> f64) -> Option<f64> {
         let arc = |start_s: f64| ArcEstimate {
-            body: 0,
+            mechanism: MechanismIndex(0),
             epoch_s: start_s,
             state: State {
                 position_m: Vector3::zeros(),
@@ -101,7 +101,7 @@ mod tests {
             end_s: start_s + 0.045,
         };
         let residual = SegmentResidual {
-            body: 0,
+            track: TrackIndex(0),
             samples: 5,
             position_rms_m: 0.0,
             orientation_rms_rad: 0.0,

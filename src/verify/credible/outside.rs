@@ -33,13 +33,13 @@ mod tests {
 
     use super::super::flights::Reading;
     use super::*;
-    use crate::motion::{ArcEstimate, SegmentResidual};
+    use crate::motion::{ArcEstimate, MechanismIndex, SegmentResidual, TrackIndex};
     use crate::physics::State;
 
     #[test]
     fn a_sample_on_either_side_of_its_flight_is_as_far_beyond_it() {
         let arc = ArcEstimate {
-            body: 0,
+            mechanism: MechanismIndex(0),
             epoch_s: 0.5,
             state: State {
                 position_m: Vector3::zeros(),
@@ -51,7 +51,7 @@ mod tests {
             end_s: 0.8,
         };
         let residual = SegmentResidual {
-            body: 0,
+            track: TrackIndex(0),
             samples: 2,
             position_rms_m: 0.0,
             orientation_rms_rad: 0.0,

@@ -20,11 +20,12 @@ fn about(scene: &Scene, law: &Law, mut before: Vec<State>) -> Estimate {
     let after = struck(scene, 0, law, &before);
     let collision = scene.events[0].kind.collision().unwrap();
     let mut arcs = Vec::new();
-    for (body, (before, after)) in collision.bodies().zip(before.iter().zip(&after)) {
-        let of_scene = &scene.bodies[body].body;
-        let start = flow::advance(of_scene, &scene.gravity_m_s2, before, -TIME_S);
-        arcs.push(arc(body, start, 0.0, TIME_S));
-        arcs.push(arc(body, *after, TIME_S, 0.7));
+    for (link, (before, after)) in collision.links().zip(before.iter().zip(&after)) {
+        let mechanism = scene.mechanism_of(link);
+        let dynamics = scene.dynamics(mechanism);
+        let start = dynamics.advance(&scene.gravity_m_s2, before, -TIME_S);
+        arcs.push(arc(mechanism, start, 0.0, TIME_S));
+        arcs.push(arc(mechanism, *after, TIME_S, 0.7));
     }
     let mut motion = estimate(scene, arcs, &[TIME_S, 0.7]);
     motion.parameters = scene
@@ -179,7 +180,7 @@ fn a_rim_and_a_rounded_end_are_followed_as_they_are() {
         for friction in [0.0, 0.2] {
             let text = format!("{TABLE}{DROP}");
             let mut scene = scene(-9.81, shape, "tip = [0, 0, -95]", &text);
-            scene.bodies[0].features = vec![Named {
+            scene.links[LinkIndex(0)].features = vec![Named {
                 name: "tip".to_owned(),
                 geometry,
             }];
@@ -220,10 +221,10 @@ fn an_edge_meets_an_edge() {
             })
             .collect(),
     };
-    scene.bodies[0].shape = wedge(-0.05, 1.0);
-    scene.bodies[1].shape = wedge(0.05, -1.0);
-    scene.bodies[0].features[0].geometry = edge(-0.05, Vector3::x());
-    scene.bodies[1].features[0].geometry = edge(0.05, Vector3::y());
+    scene.links[LinkIndex(0)].shape = wedge(-0.05, 1.0);
+    scene.links[LinkIndex(1)].shape = wedge(0.05, -1.0);
+    scene.links[LinkIndex(0)].features[0].geometry = edge(-0.05, Vector3::x());
+    scene.links[LinkIndex(1)].features[0].geometry = edge(0.05, Vector3::y());
     let mut states = cube_over_board();
     states[0].orientation = UnitQuaternion::from_euler_angles(0.1, 0.05, 0.2);
     states[0].position_m = Vector3::new(0.01, 0.0, 0.15);

@@ -13,7 +13,7 @@ mod skip;
 use self::skip::skip;
 use super::*;
 use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
-use crate::motion::{Against, Mark, Penetration, Settled, Verification};
+use crate::motion::{Against, Mark, Penetration, Settled, TrackIndex, Verification};
 use crate::sampling::SamplingError;
 use crate::settle::settle;
 use crate::verify::verify;
@@ -52,7 +52,7 @@ fn recording(directory: &TempDir) -> PathBuf {
     recording
         .attach("scene.toml", "application/toml", SCENE_TOML.as_bytes())
         .expect("attach");
-    for sample in &sketch().bodies[0].samples {
+    for sample in &sketch().tracks[TrackIndex(0)].samples {
         let log_time = Stamp(sample.stamp.0 + 3_000_000);
         let pose = crate::math::Pose::from_parts(sample.position_m.into(), sample.orientation);
         let sample = PoseSample::from_pose(sample.stamp, &pose);
@@ -194,7 +194,7 @@ fn what_was_simulated_follows_the_estimate_and_is_said_to_be() {
     let (path, _, settled) = checked_and_settled(&recording(&directory), "out.mcap");
     let container = read(&path);
     let motion = poses(&container, "/estimate/pencil/pose");
-    let simulated = &settled.bodies[0].poses;
+    let simulated = &settled.links[LinkIndex(0)].poses;
     // The seam is in both and written once.
     assert_eq!(motion.len(), 115 + simulated.len() - 1);
     for (pose, expected) in motion[114..].iter().zip(simulated) {
@@ -245,7 +245,7 @@ fn the_report_says_everything_and_obeys_its_schema() {
     // The motion is clear; with an overlap every field is there.
     assert_eq!(verification.touches.len(), 1);
     verification.deepest = Some(Penetration {
-        body: 0,
+        link: LinkIndex(0),
         against: Against::Obstacle(0),
         time_s: 0.3,
         depth_m: 0.002,

@@ -87,11 +87,11 @@ fn main() -> Result<()> {
 }
 
 fn topic(given: Option<String>, scene: &Scene) -> Result<String> {
-    match (given, &scene.bodies[..]) {
+    match (given, &scene.tracks.raw[..]) {
         (Some(topic), _) => Ok(topic),
-        (None, [body]) => Ok(body.topic.clone()),
-        (None, bodies) => {
-            let topics: Vec<_> = bodies.iter().map(|body| body.topic.as_str()).collect();
+        (None, [track]) => Ok(track.topic.clone()),
+        (None, tracks) => {
+            let topics: Vec<_> = tracks.iter().map(|track| track.topic.as_str()).collect();
             bail!("--topic is needed, one of {}", topics.join(", "))
         }
     }

@@ -37,8 +37,8 @@ fn main() -> Result<()> {
     recording.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
     for (event, &arrival) in performance.events.iter().zip(&performance.arrivals) {
         match event {
-            TakeEvent::Pose { body, sample, .. } => {
-                let topic = &scene.bodies[*body].topic;
+            TakeEvent::Pose { track, sample, .. } => {
+                let topic = &scene.tracks[*track].topic;
                 recording.pose(topic, DEFAULT_WORLD_FRAME, arrival, sample)?;
             }
             TakeEvent::Mark(mark) => recording.mark(&scene.marks_topic, arrival, mark)?,

@@ -17,13 +17,14 @@ use anyhow::{Context, Result, ensure};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{
-    ArcEstimate, Counters, DurationEstimate, End, Estimate, Mark, PoseSample, Progress,
-    SampleCounts, Sketch, Stamp, Verdict,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, Mark, MechanismIndex, PoseSample,
+    Progress, SampleCounts, Sketch, Stamp, Verdict,
 };
 use enact::physics::State;
 use enact::report::Reported;
 use enact::write::{DEFAULT_FRAME_RATE_HZ, EstimateFile, RecordingWriter, write_estimate};
 use nalgebra::{UnitQuaternion, Vector3};
+use typed_index_collections::TiVec;
 
 const SCENE: &str = r#"
 name = "throughput"
@@ -50,7 +51,7 @@ fn estimate() -> Estimate {
         objective: 0.0,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
         arcs: vec![ArcEstimate {
-            body: 0,
+            mechanism: MechanismIndex(0),
             epoch_s: 0.0,
             state: State {
                 position_m: Vector3::zeros(),
@@ -119,7 +120,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
     let take = recording.take(&scene)?;
     let sketch = Sketch {
         origin: Stamp(1_700_000_000_000_000_000),
-        bodies: Vec::new(),
+        tracks: TiVec::new(),
         marks_s: Vec::new(),
         marks: Vec::new(),
     };

@@ -2,8 +2,8 @@
 
 use enact::estimate::layout::Layout;
 use enact::estimate::problem::ArcCollision;
-use enact::estimate::problem::STATE;
 use enact::optimise::System;
+use enact::physics::state::DIMENSION as STATE;
 use nalgebra::DMatrix;
 
 use super::columns::{Columns, GAP};

@@ -6,8 +6,8 @@
 use std::collections::BTreeSet;
 
 use enact::estimate::layout::Layout;
-use enact::estimate::problem::STATE;
 use enact::optimise::block::BlockPattern;
+use enact::physics::state::DIMENSION as STATE;
 
 use super::parts::{Part, gravity, of_collision, of_goal};
 use super::split::{Grid, Split};

@@ -11,10 +11,11 @@ use std::cell::RefCell;
 
 use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::point::Point;
-use enact::estimate::problem::{Problem, STATE};
+use enact::estimate::problem::Problem;
 use enact::optimise::block::Block;
 use enact::optimise::envelope::Envelope;
 use enact::optimise::{Program, Structure, System};
+use enact::physics::state::DIMENSION as STATE;
 use enact::physics::state::StateTangent;
 use nalgebra::DVector;
 

@@ -1,9 +1,9 @@
 //! Gradient and Hessian of samples, priors and pulls by the grid's unknowns.
 
 use enact::estimate::context::SolveContext;
-use enact::estimate::problem::STATE;
 use enact::optimise::System;
 use enact::optimise::envelope::{Envelope, Pattern};
+use enact::physics::state::DIMENSION as STATE;
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::Chains;

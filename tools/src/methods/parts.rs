@@ -1,7 +1,7 @@
 //! Columns of the lifted problem's rows, in groups.
 
 use enact::estimate::problem::Problem;
-use enact::estimate::problem::STATE;
+use enact::physics::state::DIMENSION as STATE;
 
 /// A group of columns of the lifted problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

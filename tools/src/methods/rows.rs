@@ -1,8 +1,8 @@
 //! Rows of the lifted problem, picked out of its blocks.
 
 use enact::estimate::layout::Layout;
-use enact::estimate::problem::STATE;
 use enact::optimise::block::{Block, BlockPattern};
+use enact::physics::state::DIMENSION as STATE;
 use nalgebra::DMatrix;
 
 use super::columns::GAP;

@@ -4,7 +4,6 @@ use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
 use enact::motion::Guess;
-use enact::physics::flow;
 use enact::physics::state::StateTangent;
 
 use super::columns::Columns;
@@ -49,8 +48,8 @@ impl Setting {
             let samples = |piece: &usize| self.split.problem.arcs[*piece].samples.len();
             let piece = pieces.max_by_key(samples).expect("every arc has a piece");
             let past_s = self.guess.arcs[arc].epoch_s - self.split.epochs_s[piece];
-            let body = &self.problem.bodies[of.body];
-            flow::advance(body, &gravity, &place.lifted.arcs[piece], past_s)
+            let dynamics = &self.problem.dynamics[of.mechanism];
+            dynamics.advance(&gravity, &place.lifted.arcs[piece], past_s)
         });
         Point {
             arcs: arcs.collect(),

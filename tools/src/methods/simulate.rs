@@ -4,7 +4,7 @@ use enact::estimate::point::Point;
 use enact::estimate::problem::{ArcCollision, Problem, unit};
 use enact::physics::impact::{self, Impact};
 use enact::physics::state::StateTangent;
-use enact::physics::{State, flow};
+use enact::physics::{Dynamics, State};
 
 use super::columns::{Columns, GAP};
 use super::split::{Grid, Split};
@@ -59,8 +59,8 @@ pub fn simulate(
             };
             let jumped = bounced.retract(&gaps[index][body].component_mul(&units()));
             let lasts_s = split.epochs_s[side.after] - time_s;
-            let of = &problem.bodies[side.body];
-            point.arcs[side.after] = flow::advance(of, &gravity, &jumped, lasts_s);
+            let dynamics = &problem.dynamics[side.mechanism];
+            point.arcs[side.after] = dynamics.advance(&gravity, &jumped, lasts_s);
         }
     }
     let is_finite = point.arcs.iter().all(State::is_finite);
@@ -78,8 +78,8 @@ pub fn gaps(problem: &Problem, split: &Split, point: &Point) -> Vec<[StateTangen
         };
         for (body, side) in collision.sides.iter().enumerate() {
             let past_s = time_s - split.epochs_s[side.after];
-            let own = &problem.bodies[side.body];
-            let after = flow::advance(own, &gravity, &point.arcs[side.after], past_s);
+            let dynamics = &problem.dynamics[side.mechanism];
+            let after = dynamics.advance(&gravity, &point.arcs[side.after], past_s);
             let bounced = State {
                 velocity_m_s: impact.after[body].velocity_m_s,
                 angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
@@ -103,15 +103,15 @@ fn at(
     let problem = &split.problem;
     let gravity = problem.gravity(&point.parameters);
     let arriving = |side: &enact::estimate::problem::ArcPair| {
-        let body = &problem.bodies[side.body];
+        let dynamics = &problem.dynamics[side.mechanism];
         let past_s = time_s - split.epochs_s[side.before];
-        flow::advance(body, &gravity, &point.arcs[side.before], past_s)
+        dynamics.advance(&gravity, &point.arcs[side.before], past_s)
     };
     let first = arriving(&collision.sides[0]);
     let second = collision.sides.get(1).map(arriving);
-    let side = |body: usize, state| impact::Side {
-        body: &problem.bodies[collision.sides[body].body],
-        state,
+    let side = |side: usize, state| {
+        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+        impact::Side { body, state }
     };
     let law = collision.law(&point.parameters);
     let (a, b) = (side(0, &first), second.as_ref().map(|state| side(1, state)));

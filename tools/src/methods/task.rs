@@ -9,8 +9,8 @@ use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Guess;
 use enact::optimise::Schedule;
 use enact::optimise::finish::Tolerances;
-use enact::physics::Body;
 use enact::physics::body::Symmetry;
+use enact::physics::{Body, Dynamics};
 use nalgebra::Vector3;
 
 use super::model::Model;
@@ -148,7 +148,9 @@ impl Task {
             }
             Method::FullFlow => {
                 let mut problem = self.problem.clone();
-                problem.bodies = problem.bodies.iter().map(with_three_moments).collect();
+                for Dynamics::Free(body) in &mut problem.dynamics {
+                    *body = with_three_moments(body);
+                }
                 own(&problem, &Layout::new(&problem), guess, tolerances)
             }
             Method::Over(grid) => {
@@ -159,8 +161,8 @@ impl Task {
                 (setting.whole(&end.place), end.converged)
             }
             Method::Multiple(per_flight) => {
-                let bodies = self.problem.bodies.len();
-                let intervals = per_flight * self.problem.arcs.len().div_ceil(bodies);
+                let mechanisms = self.problem.dynamics.len();
+                let intervals = per_flight * self.problem.arcs.len().div_ceil(mechanisms);
                 self.solved(
                     Method::Over(Grid::Shooting { intervals }),
                     guess,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
-use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent};
+use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use nalgebra::Vector3;
 
 use super::Asked;
@@ -87,7 +87,7 @@ fn csv(file: &Path, interval_s: f64, samples: usize) -> Vec<TakeEvent> {
         .map(|(index, line)| {
             let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
             TakeEvent::Pose {
-                body: 0,
+                track: TrackIndex(0),
                 stream: 0,
                 sample: PoseSample {
                     stamp: Stamp((index as f64 * interval_s * 1e9).round() as i64),
@@ -113,7 +113,7 @@ pub fn hovering(file: &Path, stamps: &str, first_s: f64) -> Vec<Asked> {
     let recording = Recording::open(file).expect("a recording");
     let shape = "{ kind = \"cuboid\", size_mm = [600, 600, 150] }";
     let mut scene = flight(shape, 0.6, stamps, "");
-    scene.bodies[0].topic = "/cub1/pose".into();
+    scene.tracks[TrackIndex(0)].topic = "/cub1/pose".into();
     let Ok(take) = recording.take(&scene) else {
         eprintln!("skipped: {} has no poses as expected", file.display());
         return Vec::new();

@@ -1,6 +1,7 @@
 //! Dice of any size, thrown fast: what a hand really does and no bound may call absurd.
 
 use enact::math::so3;
+use enact::motion::{LinkIndex, TrackIndex};
 use enact::physics::contact;
 use enact::physics::{Body, Shape, State};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -60,11 +61,13 @@ impl Thrown {
     pub fn asked(&self, seed: u64) -> Result<Asked, String> {
         let mut scene = bounces(1, 0).map_err(|error| error.to_string())?.scene;
         let scale = 0.5 * self.side_m / HALF_M;
-        let cube = &mut scene.bodies[0];
+        let mount = &mut scene.tracks[TrackIndex(0)].link_from_tracker;
+        mount.translation.vector *= scale;
+        let cube = &mut scene.links[LinkIndex(0)];
         let moments_kg_m2 = cube.body.moments_kg_m2() * scale.powi(5);
         cube.body = Body::new(cube.body.mass_kg() * scale.powi(3), moments_kg_m2)
             .map_err(|error| error.to_string())?;
-        cube.body_from_tracker.translation.vector *= scale;
+
         let sides_m = Vector3::repeat(self.side_m);
         cube.shape = Shape::Cuboid {
             half_extents_m: 0.5 * sides_m,
@@ -79,7 +82,8 @@ impl Thrown {
             .collision()
             .ok_or("no bounce")?
             .contacts[0];
-        let corner = scene.bodies[0].features[touching.feature.ok_or("no feature")?].geometry;
+        let corner =
+            scene.links[LinkIndex(0)].features[touching.feature.ok_or("no feature")?].geometry;
         let contact::Feature::Point {
             point_m: corner_m, ..
         } = corner

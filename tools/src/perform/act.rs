@@ -1,11 +1,12 @@
 //! How a person acts a motion, and what the tracker makes of it.
 
 use enact::math::{Pose, so3};
-use enact::motion::{Mark, PoseSample, Stamp, TakeEvent, Timing};
+use enact::motion::{Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use typed_index_collections::TiVec;
 
 use super::acting::{Acting, Outliers};
 use super::performance::Performance;
@@ -27,7 +28,7 @@ enum Role {
     Outliers,
 }
 
-/// Streams of random numbers per body: more than an edited sketch has segments.
+/// Streams of random numbers per track: more than an edited sketch has segments.
 const STREAMS: usize = 64;
 
 fn stream(seed: u64, role: Role, channel: usize) -> ChaCha8Rng {
@@ -78,21 +79,22 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
         let marks = marks(&truth, acting, &tempo, seed).into_iter();
         deliveries.extend(marks.map(|mark| (mark.stamp, TakeEvent::Mark(mark), None)));
     }
-    for body in 0..truth.scene.bodies.len() {
+    for track in truth.scene.tracks.keys() {
         if is_edited {
-            deliveries.append(&mut edit(&truth, acting, seed, body));
+            deliveries.append(&mut edit(&truth, acting, seed, track));
         } else {
-            deliveries.append(&mut track(&truth, acting, &tempo, seed, body));
+            deliveries.append(&mut tracked(&truth, acting, &tempo, seed, track));
         }
     }
-    // Stable: simultaneous arrivals stay in the order marks, then bodies.
+    // Stable: simultaneous arrivals stay in the order marks, then tracks.
     deliveries.sort_by_key(|(measured, ..)| *measured);
     let latency_ns = (acting.latency_s * 1e9).round() as i64;
-    let mut sample_times_s = vec![Vec::new(); truth.scene.bodies.len()];
+    let mut sample_times_s: TiVec<TrackIndex, _> =
+        vec![Vec::new(); truth.scene.tracks.len()].into();
     let (mut events, mut arrivals) = (Vec::new(), Vec::new());
     for (measured, event, time_s) in deliveries {
-        if let (TakeEvent::Pose { body, .. }, Some(time_s)) = (&event, time_s) {
-            sample_times_s[*body].push(time_s);
+        if let (TakeEvent::Pose { track, .. }, Some(time_s)) = (&event, time_s) {
+            sample_times_s[*track].push(time_s);
         }
         events.push(event);
         arrivals.push(Stamp(measured.0 + latency_ns));
@@ -125,29 +127,35 @@ fn marks(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64) -> Vec<Mark> 
         .collect()
 }
 
-/// What the tracker makes of a body's whole motion.
-fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) -> Vec<Delivery> {
+/// What a tracker makes of the whole motion of its link.
+fn tracked(
+    truth: &Truth,
+    acting: &Acting,
+    tempo: &Tempo,
+    seed: u64,
+    track: TrackIndex,
+) -> Vec<Delivery> {
     // Trackers are not in step: the others fall anywhere between two samples of the first.
-    let late = if body == 0 {
+    let late = if track == TrackIndex(0) {
         0.0
     } else {
-        stream(seed, Role::Phase, body).random()
+        stream(seed, Role::Phase, track.into()).random()
     };
     let phase_s = late / acting.rate_hz;
     let whole_s = acting.hold_before_s + tempo.acted_duration_s() + acting.hold_after_s;
     let film = Film {
         acting,
         seed,
-        channel: body,
+        channel: track.into(),
         begin_s: phase_s - acting.hold_before_s,
         length_s: whole_s - phase_s,
     };
-    let mount = truth.scene.bodies[body].body_from_tracker;
-    let poses = |acted_s: f64| truth.world_from_body(body, tempo.physical_s(acted_s));
-    let shots = film.shots(&mount, poses).into_iter();
+    let of = &truth.scene.tracks[track];
+    let poses = |acted_s: f64| truth.world_from_body(of.link, tempo.physical_s(acted_s));
+    let shots = film.shots(&of.link_from_tracker, poses).into_iter();
     let delivery = |(acted_s, sample)| {
         let pose = TakeEvent::Pose {
-            body,
+            track,
             stream: 0,
             sample,
         };
@@ -156,14 +164,15 @@ fn track(truth: &Truth, acting: &Acting, tempo: &Tempo, seed: u64, body: usize) 
     shots.map(delivery).collect()
 }
 
-/// What an editor makes of a body's flights, one by one: each begins at the same stamp, wanders
+/// What an editor makes of a link's flights, one by one: each begins at the same stamp, wanders
 /// by itself, and takes a little more or less than its time.
-fn edit(truth: &Truth, acting: &Acting, seed: u64, body: usize) -> Vec<Delivery> {
-    let mount = truth.scene.bodies[body].body_from_tracker;
-    let flights = truth.arcs.iter().filter(|arc| arc.body == body);
+fn edit(truth: &Truth, acting: &Acting, seed: u64, track: TrackIndex) -> Vec<Delivery> {
+    let mount = truth.scene.tracks[track].link_from_tracker;
+    let mechanism = truth.scene.mechanism_seen_by(track);
+    let flights = truth.arcs.iter().filter(|arc| arc.mechanism == mechanism);
     let mut deliveries = Vec::new();
     for (number, arc) in flights.enumerate() {
-        let channel = body + STREAMS * number;
+        let channel = usize::from(track) + STREAMS * number;
         let pace = normal(&mut stream(seed, Role::Tempo, channel));
         let slowdown = acting.slowdown * (acting.tempo_variation * pace).exp();
         let time_s = |acted_s: f64| arc.start_s + acted_s / slowdown;
@@ -177,7 +186,7 @@ fn edit(truth: &Truth, acting: &Acting, seed: u64, body: usize) -> Vec<Delivery>
         let poses = |acted_s: f64| truth.flown(arc, time_s(acted_s)).world_from_body();
         for (acted_s, sample) in film.shots(&mount, poses) {
             let pose = TakeEvent::Pose {
-                body,
+                track,
                 stream: number,
                 sample,
             };
@@ -200,7 +209,7 @@ impl Film<'_> {
     /// Readings, and when they were really taken [s, acted].
     fn shots(
         &self,
-        body_from_tracker: &Pose,
+        link_from_tracker: &Pose,
         world_from_body: impl Fn(f64) -> Pose,
     ) -> Vec<(f64, PoseSample)> {
         let (acting, seed, channel) = (self.acting, self.seed, self.channel);
@@ -217,7 +226,7 @@ impl Film<'_> {
             let acted_s = index as f64 / acting.rate_hz + self.begin_s;
             let true_pose = world_from_body(acted_s);
             let seen = acting.measured(
-                &(hand.led_astray(&true_pose, acted_s) * body_from_tracker),
+                &(hand.led_astray(&true_pose, acted_s) * link_from_tracker),
                 &mut noise,
             );
             let seen = jumps.jumped(&seen);
@@ -232,7 +241,7 @@ impl Film<'_> {
     }
 }
 
-/// The wander of one body.
+/// The wander of one tracker.
 struct Hand {
     position: [Wander; 3],
     orientation: [Wander; 3],
@@ -242,9 +251,9 @@ struct Hand {
 }
 
 impl Hand {
-    fn draw(acting: &Acting, seed: u64, body: usize) -> Self {
-        let mut position = stream(seed, Role::PositionWander, body);
-        let mut orientation = stream(seed, Role::OrientationWander, body);
+    fn draw(acting: &Acting, seed: u64, channel: usize) -> Self {
+        let mut position = stream(seed, Role::PositionWander, channel);
+        let mut orientation = stream(seed, Role::OrientationWander, channel);
         let per_axis = acting.distortion / 3_f64.sqrt();
         Self {
             position: std::array::from_fn(|_| Wander::draw(&HAND_POSITION, &mut position)),

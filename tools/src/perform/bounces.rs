@@ -7,14 +7,15 @@
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Collision, Event, EventKind, Feature, Scene, SceneBody, Surface, Timing,
-    VelocityGaps, Weights,
+    ArcEstimate, Collision, Event, EventKind, Feature, FreeBody, LinkIndex, MechanismIndex, Scene,
+    Surface, Timing, TrackIndex, VelocityGaps, Weights,
 };
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use typed_index_collections::TiVec;
 
 use super::encounter::{Encounter, still};
 use super::truth::{Flight, Truth, TruthError, crossing_s};
@@ -181,13 +182,17 @@ impl Throw {
 /// The scene file of such a motion.
 pub fn scene_toml(truth: &Truth) -> String {
     let scene = &truth.scene;
-    let cube = &scene.bodies[0];
+    let cube = &scene.links[LinkIndex(0)];
     let half_m = match cube.shape {
         Shape::Cuboid { half_extents_m } => half_extents_m.x,
         _ => panic!("a scene file is written of cubes alone"),
     };
     let size_mm = 2e3 * half_m;
-    let tracker_mm = cube.body_from_tracker.translation.vector * 1e3;
+    let tracker_mm = scene.tracks[TrackIndex(0)]
+        .link_from_tracker
+        .translation
+        .vector
+        * 1e3;
     let moment_kg_m2 = cube.body.moments_kg_m2().x;
     let mut text = format!(
         "name = {:?}\n[timing]\nstamps = \"tempo\"\n[[body]]\nname = \"cube\"\n\
@@ -356,14 +361,18 @@ impl Bouncer {
             let (name, kind) = if is_last {
                 ("end".to_owned(), EventKind::End)
             } else {
-                let kind =
-                    EventKind::Collision(Collision::bounce(0, hop.corner, 0, hop.restitution));
+                let kind = EventKind::Collision(Collision::bounce(
+                    LinkIndex(0),
+                    hop.corner,
+                    0,
+                    hop.restitution,
+                ));
                 (format!("bounce {}", index + 1), kind)
             };
             events.push(Event { name, kind });
             event_times_s.push(end_s);
             arcs.push(ArcEstimate {
-                body: 0,
+                mechanism: MechanismIndex(0),
                 epoch_s: start_s,
                 state: hop.state,
                 start_s,
@@ -386,7 +395,7 @@ impl Bouncer {
             name: format!("corner_{corner}"),
             geometry: contact::Feature::corner(*point_m),
         };
-        let cube = SceneBody {
+        let cube = FreeBody {
             name: "cube".to_owned(),
             topic: "/tracker/cube/pose".to_owned(),
             body: self.body,
@@ -406,7 +415,7 @@ impl Bouncer {
             geometry: contact::Feature::face(Vector3::zeros(), Vector3::z()),
             obstacle: None,
         };
-        Scene {
+        let mut scene = Scene {
             name: "cube, bouncing".to_owned(),
             gravity_m_s2: self.gravity_m_s2,
             timing: Timing::Unknown {
@@ -414,7 +423,9 @@ impl Bouncer {
             },
             mark_sd_s: None,
             marks_topic: "/marks".to_owned(),
-            bodies: vec![cube],
+            links: TiVec::new(),
+            mechanisms: TiVec::new(),
+            tracks: TiVec::new(),
             surfaces: vec![table],
             obstacles: Vec::new(),
             events,
@@ -427,6 +438,8 @@ impl Bouncer {
                 position_m: 0.01,
                 orientation_rad: 0.1,
             },
-        }
+        };
+        scene.add(cube);
+        scene
     }
 }

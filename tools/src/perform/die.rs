@@ -4,7 +4,7 @@
 //! goal; that no impact joins them is what the estimator has to live with.
 
 use enact::math::{Pose, so3};
-use enact::motion::{GoalTarget, Scene};
+use enact::motion::{GoalTarget, LinkIndex, Scene};
 use nalgebra::Vector3;
 
 use super::truth::{Truth, TruthError};
@@ -77,7 +77,7 @@ pub fn reference_in(scene: &Scene) -> Result<Truth, TruthError> {
         event_times_s: Vec::new(),
         duration_s: 0.0,
     };
-    truth.fly_through(0, &poses, &FLIGHTS);
+    truth.fly_through(LinkIndex(0), &poses, &FLIGHTS);
     truth.event_times_s = truth.arcs[1..].iter().map(|arc| arc.start_s).collect();
     Ok(truth)
 }

@@ -13,7 +13,7 @@
 //! so that `u⁺ = −e u`; with `1/e` it is undone.
 
 use enact::math::so3;
-use enact::motion::{Partner, Quantity, Scene};
+use enact::motion::{LinkIndex, Partner, Quantity, Scene};
 use enact::physics::{Body, State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -30,10 +30,10 @@ pub fn still() -> State {
 /// Who meets whom where, and how hard they part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encounter {
-    /// A, the body with the corner.
-    pub body: usize,
+    /// A, the link with the corner.
+    pub link: LinkIndex,
     /// B, whose face it is; none: the static world.
-    pub other: Option<usize>,
+    pub other: Option<LinkIndex>,
     /// The corner [m, A].
     pub point_m: Vector3<f64>,
     /// A point of the face [m, B].
@@ -64,7 +64,7 @@ impl Inverse {
 }
 
 impl Encounter {
-    /// Of the scene's first body, whose corner hits a face of the static world that pushes
+    /// Of the scene's first link, whose corner hits a face of the static world that pushes
     /// straight.
     pub fn of_corner(
         body: &Body,
@@ -74,7 +74,7 @@ impl Encounter {
         restitution: f64,
     ) -> Self {
         Self {
-            body: 0,
+            link: LinkIndex(0),
             other: None,
             point_m,
             face_point_m,
@@ -92,14 +92,14 @@ impl Encounter {
         let [touching] = collision.contacts[..] else {
             return None;
         };
-        let moving = &scene.bodies[collision.body];
+        let moving = &scene.links[collision.link];
         let other = match collision.partner {
             Partner::World => None,
-            Partner::Body(other) => Some(other),
+            Partner::Link(other) => Some(other),
         };
         let face = match other {
             None => scene.surfaces[touching.other?].geometry,
-            Some(other) => scene.bodies[other].features[touching.other?].geometry,
+            Some(other) => scene.links[other].features[touching.other?].geometry,
         };
         let corner = moving.features[touching.feature?].geometry;
         let (
@@ -127,7 +127,7 @@ impl Encounter {
             })
             .sum();
         Some(Self {
-            body: collision.body,
+            link: collision.link,
             other,
             point_m,
             face_point_m,
@@ -136,7 +136,7 @@ impl Encounter {
             restitution: value_of(Quantity::Restitution { event }).unwrap_or(collision.restitution),
             inverse: [
                 Inverse::of(&moving.body),
-                other.map_or(Inverse::default(), |b| Inverse::of(&scene.bodies[b].body)),
+                other.map_or(Inverse::default(), |b| Inverse::of(&scene.links[b].body)),
             ],
         })
     }

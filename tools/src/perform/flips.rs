@@ -1,7 +1,7 @@
 //! A brick thrown spinning about its middle axis, which flips over and over, bounces once on a
 //! corner and flies on: for studies of bodies with three different moments.
 
-use enact::motion::{Collision, Event, EventKind, Feature, Scene};
+use enact::motion::{Collision, Event, EventKind, Feature, LinkIndex, Scene, TrackIndex};
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -142,9 +142,10 @@ fn lowest(state: &State) -> (f64, usize) {
 fn scene(like: &Scene, corner: usize) -> Scene {
     let mut scene = like.clone();
     scene.name = "brick, flipping".to_owned();
-    let brick_of = &mut scene.bodies[0];
+    scene.tracks[TrackIndex(0)].topic = "/tracker/brick/pose".to_owned();
+    let brick_of = &mut scene.links[LinkIndex(0)];
     brick_of.name = "brick".to_owned();
-    brick_of.topic = "/tracker/brick/pose".to_owned();
+
     brick_of.body = brick();
     brick_of.shape = Shape::Cuboid {
         half_extents_m: HALF_M,
@@ -157,7 +158,7 @@ fn scene(like: &Scene, corner: usize) -> Scene {
     scene.events = vec![
         Event {
             name: "bounce".to_owned(),
-            kind: EventKind::Collision(Collision::bounce(0, corner, 0, RESTITUTION)),
+            kind: EventKind::Collision(Collision::bounce(LinkIndex(0), corner, 0, RESTITUTION)),
         },
         Event {
             name: "end".to_owned(),

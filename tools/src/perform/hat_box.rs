@@ -5,7 +5,7 @@
 //! Then it is simulated forward.
 
 use enact::math::Pose;
-use enact::motion::{GoalTarget, Scene};
+use enact::motion::{GoalTarget, LinkIndex, Scene};
 use enact::physics::State;
 use nalgebra::Vector3;
 
@@ -17,8 +17,10 @@ pub const SCENE_TOML: &str = include_str!("../../../config/hat_box.toml");
 /// The scene file with more goals than physics meets.
 pub const BENT_TOML: &str = include_str!("../../../config/hat_box_bent.toml");
 
-const HAT: usize = 0;
-const BOX: usize = 1;
+/// The hat.
+pub const HAT: LinkIndex = LinkIndex(0);
+/// The box.
+pub const BOX: LinkIndex = LinkIndex(1);
 const BOUNCE: usize = 0;
 const MEETING: usize = 1;
 const LANDING: usize = 2;
@@ -57,8 +59,8 @@ pub fn truth_in(scene: &Scene) -> Result<Truth, TruthError> {
     let parameters = parameters();
     let meeting = Encounter::of(scene, &parameters, MEETING).ok_or(lacks("a meeting"))?;
     let bounce = Encounter::of(scene, &parameters, BOUNCE).ok_or(lacks("a bounce"))?;
-    let landing = |body, velocity_m_s, angular_velocity_rad_s| {
-        let pose = pose_goal(scene, LANDING, body).ok_or(lacks("poses at the landing"))?;
+    let landing = |link, velocity_m_s, angular_velocity_rad_s| {
+        let pose = pose_goal(scene, LANDING, link).ok_or(lacks("poses at the landing"))?;
         Ok(State {
             position_m: pose.translation.vector,
             orientation: pose.rotation,
@@ -113,16 +115,17 @@ pub fn bent_reference() -> Truth {
         (times_s[MEETING] - times_s[BOUNCE], 0.0),
         (times_s[LANDING] - times_s[MEETING], 0.0),
     ];
-    truth.arcs.retain(|arc| arc.body != BOX);
+    let moved = truth.scene.mechanism_of(BOX);
+    truth.arcs.retain(|arc| arc.mechanism != moved);
     truth.scene = scene;
     truth.is_physical = false;
     truth.fly_through(BOX, &poses, &flights);
     truth
 }
 
-fn pose_goal(scene: &Scene, event: usize, body: usize) -> Option<Pose> {
+fn pose_goal(scene: &Scene, event: usize, link: LinkIndex) -> Option<Pose> {
     let mut goals = scene.goals.iter();
-    let goal = goals.find(|goal| goal.event == event && goal.body == body)?;
+    let goal = goals.find(|goal| goal.event == event && goal.link == link)?;
     match goal.target {
         GoalTarget::Pose { world_from_body } => Some(world_from_body),
         GoalTarget::PositionWithin { .. } => None,

@@ -1,7 +1,8 @@
 //! A performance: what the tracker delivered, and what only its maker knows.
 
-use enact::motion::{BodySketch, Sample, Sketch, Stamp, TakeEvent, Timing};
+use enact::motion::{Sample, Sketch, Stamp, TakeEvent, Timing, TrackIndex, TrackSketch};
 use nalgebra::{Quaternion, UnitQuaternion};
+use typed_index_collections::TiVec;
 
 use super::acting::Acting;
 use super::tempo::Tempo;
@@ -22,9 +23,9 @@ pub struct Performance {
     pub events: Vec<TakeEvent>,
     /// When each of them arrived.
     pub arrivals: Vec<Stamp>,
-    /// Hidden physical time of every sample [s since the start of the motion], body by body, in
+    /// Hidden physical time of every sample [s since the start of the motion], track by track, in
     /// the order of the samples.
-    pub sample_times_s: Vec<Vec<f64>>,
+    pub sample_times_s: TiVec<TrackIndex, Vec<f64>>,
 }
 
 impl Performance {
@@ -37,21 +38,21 @@ impl Performance {
             TakeEvent::Mark(_) => None,
         });
         let origin = stamps.min().unwrap_or(self.acting.start);
-        let mut bodies = vec![BodySketch::default(); self.truth.scene.bodies.len()];
+        let seen = &self.truth.scene.tracks;
+        let mut tracks: TiVec<_, _> = vec![TrackSketch::default(); seen.len()].into();
         let mut marks_s = Vec::new();
         for event in &self.events {
             match event {
                 TakeEvent::Mark(mark) => marks_s.push(mark.stamp.seconds_since(origin)),
-                TakeEvent::Pose { body, sample, .. } => {
+                TakeEvent::Pose { track, sample, .. } => {
                     let [x, y, z, w] = sample.quaternion_xyzw;
                     let world_from_tracker = enact::math::Pose::from_parts(
                         sample.position_m.into(),
                         UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)),
                     );
-                    let tracker_from_body =
-                        self.truth.scene.bodies[*body].body_from_tracker.inverse();
+                    let tracker_from_body = seen[*track].link_from_tracker.inverse();
                     let world_from_body = world_from_tracker * tracker_from_body;
-                    let samples = &mut bodies[*body].samples;
+                    let samples = &mut tracks[*track].samples;
                     samples.push(Sample {
                         stamp: sample.stamp,
                         acted_s: sample.stamp.seconds_since(origin),
@@ -66,7 +67,7 @@ impl Performance {
         }
         Sketch {
             origin,
-            bodies,
+            tracks,
             marks: vec![None; marks_s.len()],
             marks_s,
         }

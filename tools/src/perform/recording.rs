@@ -6,9 +6,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use enact::motion::TakeEvent;
+use enact::motion::{TakeEvent, TrackIndex};
 use enact::write::{RecordingWriter, WriteError};
 use serde::Serialize;
+use typed_index_collections::TiVec;
 
 use crate::perform::{Acting, Performance, Style, Truth, die, hat_box, perform};
 
@@ -90,11 +91,11 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
     for (event, arrival) in performance.events.iter().zip(&performance.arrivals) {
         match event {
             TakeEvent::Pose {
-                body,
+                track,
                 stream,
                 sample,
             } => {
-                let topic = scene.stream_topic(*body, *stream);
+                let topic = scene.stream_topic(*track, *stream);
                 writer.pose(&topic, WORLD, *arrival, sample)?;
             }
             TakeEvent::Mark(mark) => writer.mark(&scene.marks_topic, *arrival, mark)?,
@@ -171,7 +172,7 @@ struct SamplesRecord<'a> {
 /// The attachment `truth.json`.
 pub fn truth_json(performance: &Performance) -> String {
     let truth = &performance.truth;
-    let name = |body: usize| truth.scene.bodies[body].name.as_str();
+
     let record = Record {
         note: if truth.is_physical { TRUTH } else { INTENTION },
         scene: &truth.scene.name,
@@ -208,7 +209,7 @@ pub fn truth_json(performance: &Performance) -> String {
             .map(|arc| {
                 let q = arc.state.orientation.quaternion();
                 ArcRecord {
-                    body: name(arc.body),
+                    body: truth.scene.name_of_mechanism(arc.mechanism),
                     start_s: rounded(arc.start_s),
                     end_s: rounded(arc.end_s),
                     position_m: arc.state.position_m.map(rounded).into(),
@@ -227,15 +228,15 @@ pub fn truth_json(performance: &Performance) -> String {
 
 fn samples(performance: &Performance) -> Vec<SamplesRecord<'_>> {
     let scene = &performance.truth.scene;
-    let mut records: BTreeMap<(usize, usize), SamplesRecord> = BTreeMap::new();
-    let mut times_s: Vec<_> = performance
+    let mut records: BTreeMap<(TrackIndex, usize), SamplesRecord> = BTreeMap::new();
+    let mut times_s: TiVec<TrackIndex, _> = performance
         .sample_times_s
         .iter()
         .map(|s| s.iter())
         .collect();
     for event in &performance.events {
         let TakeEvent::Pose {
-            body,
+            track,
             stream,
             sample,
         } = event
@@ -243,17 +244,17 @@ fn samples(performance: &Performance) -> Vec<SamplesRecord<'_>> {
             continue;
         };
         let record = records
-            .entry((*body, *stream))
+            .entry((*track, *stream))
             .or_insert_with(|| SamplesRecord {
-                body: &scene.bodies[*body].name,
-                topic: (scene.streams(*body) > 1).then(|| scene.stream_topic(*body, *stream)),
+                body: &scene.link_seen_by(*track).name,
+                topic: (scene.streams(*track) > 1).then(|| scene.stream_topic(*track, *stream)),
                 stamps_ns: Vec::new(),
                 times_s: Vec::new(),
             });
         record.stamps_ns.push(sample.stamp.0);
         record
             .times_s
-            .extend(times_s[*body].next().copied().map(rounded));
+            .extend(times_s[*track].next().copied().map(rounded));
     }
     records.into_values().collect()
 }

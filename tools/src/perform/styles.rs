@@ -3,7 +3,7 @@
 //! Each is built backward from its goal: from the goal's pose and a chosen landing velocity back
 //! to the bounce, through the inverted impact, back to the start. Then it is simulated forward.
 
-use enact::motion::{GoalTarget, Scene};
+use enact::motion::{GoalTarget, LinkIndex, Scene};
 use enact::physics::State;
 use nalgebra::Vector3;
 
@@ -83,9 +83,9 @@ impl Style {
 
     /// The true motion in a scene of one body, one bounce and a pose goal at the end.
     pub fn truth_in(self, scene: &Scene) -> Result<Truth, TruthError> {
-        if scene.bodies.len() != 1 {
+        if scene.links.len() != 1 {
             return Err(TruthError::Bodies {
-                count: scene.bodies.len(),
+                count: scene.links.len(),
                 expected: 1,
             });
         }
@@ -110,7 +110,7 @@ impl Style {
             velocity_m_s: chosen.velocity_m_s,
             angular_velocity_rad_s,
         };
-        let flight = Flight::of(scene, 0);
+        let flight = Flight::of(scene, LinkIndex(0));
         let after_bounce_s = crossing_s(SCAN_S, LONGEST_ARC_S, |time_s| {
             bounce.gap_m(&flight.advance(&landing, -time_s), &still())
         })

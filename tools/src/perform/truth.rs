@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use enact::math::{Pose, so3};
-use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, Scene};
+use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Scene};
 use enact::physics::{Body, State, flow};
 use nalgebra::Vector3;
 use thiserror::Error;
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::encounter::{Encounter, still};
 
@@ -25,7 +26,7 @@ pub struct Truth {
     pub is_physical: bool,
     /// True values of the scene's free parameters, in the scene's order.
     pub parameters: Vec<f64>,
-    /// In order of their ends, then of bodies; physical time is zero at the start of the motion.
+    /// In order of their ends, then of mechanisms; physical time is zero at the start of the motion.
     pub arcs: Vec<ArcEstimate>,
     /// Physical time of each of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
@@ -71,13 +72,14 @@ pub enum TruthError {
 }
 
 impl Truth {
-    /// State of a body at a physical time; at the instant of a bounce, the state after it.
+    /// State of a link at a physical time; at the instant of a bounce, the state after it.
     ///
     /// # Panics
-    /// If the body has no arc: a truth has arcs for every body of its scene.
-    pub fn state(&self, body: usize, time_s: f64) -> State {
-        let mut arcs = self.arcs.iter().filter(|arc| arc.body == body);
-        let first = arcs.next().expect("a truth has arcs for every body");
+    /// If the link has no arc: a truth has arcs for every mechanism of its scene.
+    pub fn state(&self, link: LinkIndex, time_s: f64) -> State {
+        let mechanism = self.scene.mechanism_of(link);
+        let mut arcs = self.arcs.iter().filter(|arc| arc.mechanism == mechanism);
+        let first = arcs.next().expect("a truth has arcs for every mechanism");
         let arc = arcs
             .take_while(|arc| arc.start_s <= time_s)
             .last()
@@ -85,23 +87,23 @@ impl Truth {
         self.flown(arc, time_s)
     }
 
-    /// Where a body is at a physical time.
-    pub fn world_from_body(&self, body: usize, time_s: f64) -> Pose {
-        self.state(body, time_s).world_from_body()
+    /// Where a link is at a physical time.
+    pub fn world_from_body(&self, link: LinkIndex, time_s: f64) -> Pose {
+        self.state(link, time_s).world_from_body()
     }
 
     /// The largest miss of a pose goal, metres and radians alike.
     pub fn goal_miss(&self) -> f64 {
         let miss = |goal: &Goal| match &goal.target {
             GoalTarget::Pose { world_from_body } => {
-                let pose = self.world_from_body(goal.body, self.event_times_s[goal.event]);
+                let pose = self.world_from_body(goal.link, self.event_times_s[goal.event]);
                 let turn = world_from_body.rotation.inverse() * pose.rotation;
                 let shift = pose.translation.vector - world_from_body.translation.vector;
                 shift.norm().max(so3::log(&turn).norm())
             }
             GoalTarget::PositionWithin { lower_m, upper_m } => {
                 let x = self
-                    .state(goal.body, self.event_times_s[goal.event])
+                    .state(goal.link, self.event_times_s[goal.event])
                     .position_m;
                 (lower_m - x).sup(&(x - upper_m)).max().max(0.0)
             }
@@ -111,16 +113,16 @@ impl Truth {
 }
 
 /// Simulates a scene through all its collisions in the scene's order, up to `duration_s`, with
-/// these values of its free parameters and one initial state per body.
+/// these values of its free parameters and one initial state per mechanism.
 pub fn simulate(
     scene: &Scene,
     parameters: &[f64],
     initial: &[State],
     duration_s: f64,
 ) -> Result<Truth, TruthError> {
-    if initial.len() != scene.bodies.len() {
+    if initial.len() != scene.mechanisms.len() {
         return Err(TruthError::Bodies {
-            count: scene.bodies.len(),
+            count: scene.mechanisms.len(),
             expected: initial.len(),
         });
     }
@@ -132,10 +134,11 @@ pub fn simulate(
         event_times_s: Vec::new(),
         duration_s,
     };
-    let mut flights: Vec<ArcEstimate> = initial
-        .iter()
-        .enumerate()
-        .map(|(body, state)| arc(body, *state, 0.0))
+    let mut flights: TiVec<MechanismIndex, ArcEstimate> = scene
+        .mechanisms
+        .keys()
+        .zip(initial)
+        .map(|(mechanism, state)| arc(mechanism, *state, 0.0))
         .collect();
     let mut now_s = 0.0;
     for (event, kind) in scene.events.iter().map(|event| &event.kind).enumerate() {
@@ -154,14 +157,14 @@ pub fn simulate(
     for flight in &mut flights {
         flight.end_s = duration_s;
     }
-    truth.arcs.append(&mut flights);
+    truth.arcs.append(flights.as_mut());
     Ok(truth)
 }
 
 /// An arc that begins, and has not ended.
-pub(super) fn arc(body: usize, state: State, start_s: f64) -> ArcEstimate {
+pub(super) fn arc(mechanism: MechanismIndex, state: State, start_s: f64) -> ArcEstimate {
     ArcEstimate {
-        body,
+        mechanism,
         epoch_s: start_s,
         state,
         start_s,
@@ -174,13 +177,14 @@ impl Truth {
     fn collide(
         &mut self,
         encounter: &Encounter,
-        flights: &mut [ArcEstimate],
+        flights: &mut TiSlice<MechanismIndex, ArcEstimate>,
         from_s: f64,
         event: usize,
     ) -> Result<f64, TruthError> {
         let states_at = |time_s: f64| {
-            let b = encounter.other.map(|b| self.flown(&flights[b], time_s));
-            let a = self.flown(&flights[encounter.body], time_s);
+            let flight_of = |link| &flights[self.scene.mechanism_of(link)];
+            let b = encounter.other.map(|b| self.flown(flight_of(b), time_s));
+            let a = self.flown(flight_of(encounter.link), time_s);
             (a, b.unwrap_or_else(still))
         };
         let flown_s = crossing_s(SCAN_S, self.duration_s - from_s, |time_s| {
@@ -195,11 +199,13 @@ impl Truth {
         let time_s = from_s + flown_s;
         let (a, b) = states_at(time_s);
         let (a, b) = encounter.after(&a, &b);
-        for (body, state) in [(encounter.body, a)]
+        for (link, state) in [(encounter.link, a)]
             .into_iter()
             .chain(encounter.other.map(|other| (other, b)))
         {
-            let mut ended = std::mem::replace(&mut flights[body], arc(body, state, time_s));
+            let mechanism = self.scene.mechanism_of(link);
+            let begun = arc(mechanism, state, time_s);
+            let mut ended = std::mem::replace(&mut flights[mechanism], begun);
             ended.end_s = time_s;
             self.arcs.push(ended);
         }
@@ -207,14 +213,14 @@ impl Truth {
         Ok(time_s)
     }
 
-    /// Adds a body's flights from pose to pose, from time zero on: durations \[s\], and whole turns
+    /// Adds a link's flights from pose to pose, from time zero on: durations \[s\], and whole turns
     /// beyond the least that the poses need.
-    pub(super) fn fly_through(&mut self, body: usize, poses: &[Pose], flights: &[(f64, f64)]) {
+    pub(super) fn fly_through(&mut self, link: LinkIndex, poses: &[Pose], flights: &[(f64, f64)]) {
         let mut start_s = 0.0;
         for (pair, (duration_s, turns)) in poses.windows(2).zip(flights) {
-            let flight = Flight::of(&self.scene, body);
+            let flight = Flight::of(&self.scene, link);
             let state = flight.between(&pair[0], &pair[1], *duration_s, *turns);
-            let mut flown = arc(body, state, start_s);
+            let mut flown = arc(self.scene.mechanism_of(link), state, start_s);
             start_s += duration_s;
             flown.end_s = start_s;
             self.arcs.push(flown);
@@ -223,16 +229,17 @@ impl Truth {
         self.duration_s = self.duration_s.max(start_s);
     }
 
-    /// In order of ends, then of bodies, as segments are.
+    /// In order of ends, then of mechanisms, as segments are.
     fn sort_arcs(&mut self) {
-        self.arcs
-            .sort_by(|x, y| x.end_s.total_cmp(&y.end_s).then(x.body.cmp(&y.body)));
+        self.arcs.sort_by(|x, y| {
+            let by_end = x.end_s.total_cmp(&y.end_s);
+            by_end.then(x.mechanism.cmp(&y.mechanism))
+        });
     }
 
     /// The state at a time on an arc or beyond.
     pub(super) fn flown(&self, arc: &ArcEstimate, time_s: f64) -> State {
-        flow::advance(
-            &self.scene.bodies[arc.body].body,
+        self.scene.dynamics(arc.mechanism).advance(
             &self.scene.gravity_m_s2,
             &arc.state,
             time_s - arc.epoch_s,
@@ -250,10 +257,10 @@ pub struct Flight<'a> {
 }
 
 impl<'a> Flight<'a> {
-    /// That body's of the scene.
-    pub fn of(scene: &'a Scene, body: usize) -> Self {
+    /// That link's of the scene.
+    pub fn of(scene: &'a Scene, link: LinkIndex) -> Self {
         Self {
-            body: &scene.bodies[body].body,
+            body: &scene.links[link].body,
             gravity_m_s2: &scene.gravity_m_s2,
         }
     }

@@ -1,6 +1,6 @@
 //! Hard bodies: thin rods, moments that are nearly equal, fast spin.
 
-use enact::motion::{Goal, GoalTarget};
+use enact::motion::{Goal, GoalTarget, LinkIndex};
 use enact::physics::Body;
 use nalgebra::Vector3;
 
@@ -8,7 +8,8 @@ use super::flights::spinning;
 use super::hit::{PENCIL, wall};
 use super::{Trouble, add_both};
 use crate::case::Case;
-use crate::perform::{Style, Truth, hat_box, simulate};
+use crate::perform::hat_box::{self, BOX, HAT};
+use crate::perform::{Style, Truth, simulate};
 
 /// Adds them.
 pub fn add(all: &mut Vec<Trouble>) {
@@ -19,11 +20,11 @@ pub fn add(all: &mut Vec<Trouble>) {
             Ok(Case::new(&truth, acting, seed))
         });
     }
-    for (heavy, name) in [(0, "hat : box"), (1, "box : hat")] {
+    for (heavy, light, name) in [(HAT, BOX, "hat : box"), (BOX, HAT, "box : hat")] {
         for ratio in [1e3, 1e6] {
             let name = format!("{name}, {ratio:.0e} : 1");
             add_both(all, "mass ratio", &name, move |acting, seed| {
-                Ok(Case::new(&heavier(heavy, ratio)?, acting, seed))
+                Ok(Case::new(&heavier(heavy, light, ratio)?, acting, seed))
             });
         }
     }
@@ -51,9 +52,9 @@ pub fn add(all: &mut Vec<Trouble>) {
 /// The tip-first motion of a pencil with other moments, of the same size.
 pub fn with_moments(shares: [f64; 3]) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
-    let body = scene.bodies[0].body;
+    let body = scene.links[LinkIndex(0)].body;
     let moments_kg_m2 = Vector3::from(shares) * body.moments_kg_m2().x;
-    scene.bodies[0].body =
+    scene.links[LinkIndex(0)].body =
         Body::new(body.mass_kg(), moments_kg_m2).map_err(|error| error.to_string())?;
     Style::Tip
         .truth_in(&scene)
@@ -62,25 +63,26 @@ pub fn with_moments(shares: [f64; 3]) -> Result<Truth, String> {
 
 /// Hat and box, one of them so many times heavier than the other: thrown as ever, so that they
 /// meet as ever, and part in another way. Their poses then are the goals.
-pub fn heavier(heavy: usize, ratio: f64) -> Result<Truth, String> {
+pub fn heavier(heavy: LinkIndex, light: LinkIndex, ratio: f64) -> Result<Truth, String> {
     let usual = hat_box::truth();
     let mut scene = usual.scene.clone();
-    let bodies = &mut scene.bodies;
-    let now = bodies[heavy].body.mass_kg() / bodies[1 - heavy].body.mass_kg();
+    let links = &mut scene.links;
+    let now = links[heavy].body.mass_kg() / links[light].body.mass_kg();
     let factor = ratio / now;
-    let body = &mut bodies[heavy].body;
+    let body = &mut links[heavy].body;
     *body = Body::new(factor * body.mass_kg(), factor * body.moments_kg_m2())
         .map_err(|error| error.to_string())?;
-    let initial = [usual.state(0, 0.0), usual.state(1, 0.0)];
+    let initial = [usual.state(HAT, 0.0), usual.state(BOX, 0.0)];
     let mut truth = simulate(&scene, &usual.parameters, &initial, usual.duration_s)
         .map_err(|error| error.to_string())?;
     let landing = scene.events.len() - 1;
-    truth.scene.goals = (0..2)
-        .map(|body| Goal {
+    truth.scene.goals = [HAT, BOX]
+        .into_iter()
+        .map(|link| Goal {
             event: landing,
-            body,
+            link,
             target: GoalTarget::Pose {
-                world_from_body: truth.world_from_body(body, truth.duration_s),
+                world_from_body: truth.world_from_body(link, truth.duration_s),
             },
         })
         .collect();

@@ -2,9 +2,9 @@
 //! solver.
 
 use enact::math::so3;
-use enact::motion::{ArcEstimate, Estimate, GoalTarget, Scene};
+use enact::motion::{ArcEstimate, Estimate, GoalTarget, LinkIndex, MechanismIndex, Scene};
+use enact::physics::State;
 use enact::physics::impact::{Law, Side};
-use enact::physics::{State, flow};
 
 use crate::perform::encounter::{Encounter, still};
 use crate::perform::{Truth, simulate};
@@ -53,10 +53,13 @@ pub fn check(scene: &Scene, estimate: &Estimate) -> Finding {
     simulated(scene, estimate).map_or(Finding::Agrees, Finding::Disagrees)
 }
 
-/// A body's arcs, in order.
-fn arcs(estimate: &Estimate, body: usize) -> Vec<&ArcEstimate> {
-    let of_body = estimate.arcs.iter().filter(|arc| arc.body == body);
-    let mut arcs: Vec<&ArcEstimate> = of_body.collect();
+/// A mechanism's arcs, in order.
+fn arcs(estimate: &Estimate, mechanism: MechanismIndex) -> Vec<&ArcEstimate> {
+    let own = estimate
+        .arcs
+        .iter()
+        .filter(|arc| arc.mechanism == mechanism);
+    let mut arcs: Vec<&ArcEstimate> = own.collect();
     arcs.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
     arcs
 }
@@ -66,9 +69,9 @@ fn parameters(estimate: &Estimate) -> Vec<f64> {
 }
 
 fn flown(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate, time_s: f64) -> State {
-    let body = &scene.bodies[arc.body].body;
+    let dynamics = scene.dynamics(arc.mechanism);
     let gravity = &estimate.gravity_m_s2;
-    flow::advance(body, gravity, &arc.state, time_s - arc.epoch_s)
+    dynamics.advance(gravity, &arc.state, time_s - arc.epoch_s)
 }
 
 /// The first gap that does not close.
@@ -85,8 +88,9 @@ fn gap(scene: &Scene, estimate: &Estimate) -> Option<String> {
         }
     }
     scene.goals.iter().find_map(|goal| {
-        let before = collisions_before(scene, goal.body, goal.event);
-        let arc = arcs(estimate, goal.body)[before];
+        let mechanism = scene.mechanism_of(goal.link);
+        let before = collisions_before(scene, mechanism, goal.event);
+        let arc = arcs(estimate, mechanism)[before];
         let state = flown(scene, estimate, arc, times_s[goal.event]);
         let (miss_m, miss_rad) = match &goal.target {
             GoalTarget::Pose { world_from_body } => {
@@ -104,24 +108,26 @@ fn gap(scene: &Scene, estimate: &Estimate) -> Option<String> {
     })
 }
 
-/// Collisions of a body before an event.
-fn collisions_before(scene: &Scene, body: usize, event: usize) -> usize {
+/// Collisions of a mechanism before an event.
+fn collisions_before(scene: &Scene, mechanism: MechanismIndex, event: usize) -> usize {
     let before = scene.events[..event].iter();
-    before
-        .filter(|event| event.kind.collision().is_some_and(|c| c.concerns(body)))
+    let collisions = before.filter_map(|event| event.kind.collision());
+    collisions
+        .filter(|collision| scene.takes_part(mechanism, collision))
         .count()
 }
 
 fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<String> {
     let collision = scene.events[event].kind.collision()?;
     let time_s = estimate.events[event].time_s;
-    let bodies: Vec<usize> = collision.bodies().collect();
-    let at = |body: usize, later: usize| {
-        let arc = collisions_before(scene, body, event) + later;
-        flown(scene, estimate, arcs(estimate, body)[arc], time_s)
+    let links: Vec<LinkIndex> = collision.links().collect();
+    let at = |link: LinkIndex, later: usize| {
+        let mechanism = scene.mechanism_of(link);
+        let arc = collisions_before(scene, mechanism, event) + later;
+        flown(scene, estimate, arcs(estimate, mechanism)[arc], time_s)
     };
-    let a = at(bodies[0], 0);
-    let b = bodies.get(1).map(|body| at(*body, 0));
+    let a = at(links[0], 0);
+    let b = links.get(1).map(|link| at(*link, 0));
     let (gap_m, speed_m_s, after) =
         if let Some(meet) = Encounter::of(scene, &parameters(estimate), event) {
             let b = b.unwrap_or_else(still);
@@ -133,12 +139,12 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
             )
         } else {
             let meeting = scene.meeting(event).ok().flatten()?;
-            let side = |body: usize, state| Side {
-                body: &scene.bodies[body].body,
+            let side = |link: LinkIndex, state| Side {
+                body: &scene.links[link].body,
                 state,
             };
-            let a_side = side(bodies[0], &a);
-            let b_side = b.as_ref().map(|state| side(bodies[1], state));
+            let a_side = side(links[0], &a);
+            let b_side = b.as_ref().map(|state| side(links[1], state));
             let law = Law::frictionless(collision.restitution);
             let impact = meeting.impact(&a_side, b_side.as_ref(), &law).ok()?;
             let pushed = |state: &State, index: usize| State {
@@ -156,8 +162,8 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
     if !(speed_m_s <= GAP[2]) {
         return Some(format!("recedes at {speed_m_s:.1e} m/s"));
     }
-    bodies.iter().enumerate().find_map(|(index, body)| {
-        let off = at(*body, 1).minus(&after[index]);
+    links.iter().enumerate().find_map(|(index, link)| {
+        let off = at(*link, 1).minus(&after[index]);
         let offs: Vec<f64> = (0..4)
             .map(|part| off.fixed_rows::<3>(3 * part).norm())
             .collect();
@@ -175,7 +181,7 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
 }
 
 /// Whether the contact point of a collision is inside the static surface it bounces off, in any
-/// flight of its body.
+/// flight of its mechanism.
 fn dips(scene: &Scene, estimate: &Estimate) -> bool {
     (0..scene.events.len()).any(|event| {
         let Some(meet) = Encounter::of(scene, &parameters(estimate), event) else {
@@ -184,7 +190,7 @@ fn dips(scene: &Scene, estimate: &Estimate) -> bool {
         if meet.other.is_some() {
             return false;
         }
-        let arcs = arcs(estimate, meet.body);
+        let arcs = arcs(estimate, scene.mechanism_of(meet.link));
         arcs.iter().any(|arc| {
             let steps = ((arc.end_s - arc.start_s) / DIP_STEP_S)
                 .clamp(1.0, 1e5)
@@ -205,12 +211,13 @@ fn grazes(scene: &Scene, estimate: &Estimate) -> bool {
         let Some(meet) = Encounter::of(scene, &parameters(estimate), event) else {
             return false;
         };
-        let arrived = |body: usize| {
-            let arc = arcs(estimate, body)[collisions_before(scene, body, event)];
+        let arrived = |link: LinkIndex| {
+            let mechanism = scene.mechanism_of(link);
+            let arc = arcs(estimate, mechanism)[collisions_before(scene, mechanism, event)];
             flown(scene, estimate, arc, estimate.events[event].time_s)
         };
         let b = meet.other.map_or_else(still, arrived);
-        meet.speed_m_s(&arrived(meet.body), &b).abs() < NO_SPEED_M_S
+        meet.speed_m_s(&arrived(meet.link), &b).abs() < NO_SPEED_M_S
     })
 }
 
@@ -237,8 +244,9 @@ fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
         _ => *times_s.last()?,
     };
     let scene = &scene;
-    let initial: Vec<State> = (0..scene.bodies.len())
-        .map(|body| flown(scene, estimate, arcs(estimate, body)[0], start_s))
+    let mechanisms = scene.mechanisms.keys();
+    let initial: Vec<State> = mechanisms
+        .map(|mechanism| flown(scene, estimate, arcs(estimate, mechanism)[0], start_s))
         .collect();
     let from = |initial: &[State]| {
         simulate(scene, &parameters(estimate), initial, duration_s).map(|truth| End::of(&truth))
@@ -248,22 +256,24 @@ fn simulated(scene: &Scene, estimate: &Estimate) -> Option<String> {
         Err(error) => return Some(format!("simulated: {error}")),
     };
     let mut allowed = SIMULATED;
-    for body in 0..initial.len() {
+    for index in 0..initial.len() {
         for axis in 0..12 {
             let mut nudged = initial.clone();
             let mut delta = enact::physics::state::StateTangent::zeros();
             delta[axis] = NUDGE;
-            nudged[body] = nudged[body].retract(&delta);
+            nudged[index] = nudged[index].retract(&delta);
             // Where a nudge ends a collision, a simulation cannot tell.
             allowed += from(&nudged).ok()?.off(&own);
         }
     }
     let estimated = End {
         times_s: times_s[..scene.events.len()].to_vec(),
-        states: (0..initial.len())
-            .map(|body| {
-                let flown_by = collisions_before(scene, body, scene.events.len());
-                let arc = arcs(estimate, body)[flown_by];
+        states: scene
+            .mechanisms
+            .keys()
+            .map(|mechanism| {
+                let flown_by = collisions_before(scene, mechanism, scene.events.len());
+                let arc = arcs(estimate, mechanism)[flown_by];
                 flown(scene, estimate, arc, start_s + duration_s)
             })
             .collect(),
@@ -280,11 +290,11 @@ struct End {
 
 impl End {
     fn of(truth: &Truth) -> Self {
-        let bodies = 0..truth.scene.bodies.len();
+        let links = truth.scene.links.keys();
         Self {
             times_s: truth.event_times_s.clone(),
-            states: bodies
-                .map(|body| truth.state(body, truth.duration_s))
+            states: links
+                .map(|link| truth.state(link, truth.duration_s))
                 .collect(),
         }
     }

@@ -1,7 +1,7 @@
 //! Hard motions: many bounces, grazing contacts, extreme restitution, two bounces at once.
 
 use enact::math::so3;
-use enact::motion::{Collision, Event, EventKind};
+use enact::motion::{Collision, Event, EventKind, LinkIndex};
 use enact::physics::{Body, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -87,19 +87,19 @@ pub fn vertical_drop() -> Result<Truth, String> {
 /// table. One end's impact does not move the other, or they would rattle.
 fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
-    let features = scene.bodies[0].features.clone();
+    let features = scene.links[LinkIndex(0)].features.clone();
     let named = |name: &str| features.iter().position(|f| f.name == name);
     let (tip, eraser) = (
         named("tip").ok_or("no tip")?,
         named("eraser").ok_or("none")?,
     );
-    let body = &mut scene.bodies[0].body;
+    let body = &mut scene.links[LinkIndex(0)].body;
     let heavy_ends = body.mass_kg() * 0.095 * 0.095;
     let moments_kg_m2 = Vector3::new(heavy_ends, heavy_ends, body.moments_kg_m2().z);
     *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|e| e.to_string())?;
     let bounce = |name: &str, feature: usize| Event {
         name: name.to_owned(),
-        kind: EventKind::Collision(Collision::bounce(0, feature, 0, 0.7)),
+        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), feature, 0, 0.7)),
     };
     let end = scene.events.pop().ok_or("no events")?;
     scene.events = vec![bounce("tip", tip), bounce("eraser", eraser), end];
@@ -117,7 +117,7 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
             velocity_m_s: Vector3::new(0.2, 0.1, -2.5),
             angular_velocity_rad_s: Vector3::zeros(),
         };
-        let flight = Flight::of(&scene, 0);
+        let flight = Flight::of(&scene, LinkIndex(0));
         let initial = flight.advance(&state, -0.3);
         let mut truth = simulate(&scene, &[], &[initial], 0.45).map_err(|e| e.to_string())?;
         let found_s = truth.event_times_s[1] - truth.event_times_s[0];
@@ -134,7 +134,7 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
 /// Ends it before either end of the pencil is in the table.
 fn end_above_the_table(truth: &mut Truth) {
     let lowest_m = |time_s: f64| {
-        let state = truth.state(0, time_s);
+        let state = truth.state(LinkIndex(0), time_s);
         state.position_m.z - 0.095 * (state.orientation * Vector3::z()).z.abs()
     };
     let mut end_s = truth.event_times_s[1] + 0.01;

@@ -2,7 +2,8 @@
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Collision, Event, EventKind, Feature, Goal, GoalTarget, Scene, VelocityGaps,
+    ArcEstimate, Collision, Event, EventKind, Feature, Goal, GoalTarget, LinkIndex, MechanismIndex,
+    Scene, TrackIndex, VelocityGaps,
 };
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -53,7 +54,7 @@ pub fn add(all: &mut Vec<Trouble>) {
         let infinite = Vector3::repeat(f64::INFINITY);
         case.performance.truth.scene.goals.push(Goal {
             event: 0,
-            body: 0,
+            link: LinkIndex(0),
             target: GoalTarget::PositionWithin {
                 lower_m: Vector3::new(-f64::INFINITY, -f64::INFINITY, 0.5),
                 upper_m: infinite,
@@ -95,7 +96,7 @@ fn gaining_ball() -> Truth {
             let x_m = along_m_s * time_s;
             Goal {
                 event,
-                body: 0,
+                link: LinkIndex(0),
                 target: GoalTarget::PositionWithin {
                     lower_m: Vector3::new(x_m, -f64::INFINITY, -f64::INFINITY),
                     upper_m: Vector3::new(x_m, f64::INFINITY, f64::INFINITY),
@@ -124,7 +125,7 @@ fn gaining_ball() -> Truth {
         (times_s[1], times_s[2]),
         (times_s[2], end_s),
     ];
-    let flight = Flight::of(&scene, 0);
+    let flight = Flight::of(&scene, LinkIndex(0));
     let mut orientation = UnitQuaternion::identity();
     let mut arcs = Vec::new();
     for (index, (state, (start_s, end_s))) in starts.iter().zip(spans).enumerate() {
@@ -135,7 +136,7 @@ fn gaining_ball() -> Truth {
             orientation = flight.advance(&state, end_s - start_s).orientation;
         }
         arcs.push(ArcEstimate {
-            body: 0,
+            mechanism: MechanismIndex(0),
             epoch_s,
             state,
             start_s,
@@ -156,12 +157,13 @@ fn ball_scene() -> Scene {
     let mut scene = Style::Tip.truth().scene;
     scene.name = "ball, hopping".to_owned();
     scene.obstacles.clear();
-    let ball = &mut scene.bodies[0];
+    scene.tracks[TrackIndex(0)].link_from_tracker = Pose::translation(0.0, 0.0, RADIUS_M);
+    let ball = &mut scene.links[LinkIndex(0)];
     ball.name = "ball".to_owned();
     ball.body = Body::new(0.05, Vector3::repeat(0.4 * 0.05 * RADIUS_M * RADIUS_M))
         .expect("a ball is a body");
     ball.shape = Shape::Sphere { radius_m: RADIUS_M };
-    ball.body_from_tracker = Pose::translation(0.0, 0.0, RADIUS_M);
+
     ball.features = vec![Feature {
         name: "surface".to_owned(),
         geometry: contact::Feature::Point {
@@ -171,7 +173,7 @@ fn ball_scene() -> Scene {
     }];
     let bounce = |index: usize| Event {
         name: format!("bounce {index}"),
-        kind: EventKind::Collision(Collision::bounce(0, 0, 0, 1.0)),
+        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 1.0)),
     };
     let end = Event {
         name: "end".to_owned(),

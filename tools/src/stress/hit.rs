@@ -1,7 +1,9 @@
 //! Motions with one bounce, built from the instant of the impact.
 
 use enact::math::so3;
-use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, Scene, Surface};
+use enact::motion::{
+    ArcEstimate, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Scene, Surface,
+};
 use enact::physics::{Body, State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
@@ -34,7 +36,7 @@ pub fn direction(rng: &mut impl Rng) -> Vector3<f64> {
 pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Truth, String> {
     let mut scene = scene.clone();
     let meet = Encounter::of(&scene, &[], 0).ok_or("no bounce of a corner")?;
-    let flight = Flight::of(&scene, 0);
+    let flight = Flight::of(&scene, LinkIndex(0));
     let initial = flight.advance(at, -before_s);
     let (after, _) = meet.after(at, &still());
     let end = flight.advance(&after, after_s);
@@ -42,13 +44,13 @@ pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Tru
     let end_event = scene.events.iter().position(|e| e.kind == EventKind::End);
     scene.goals = vec![Goal {
         event: end_event.ok_or("no end")?,
-        body: 0,
+        link: LinkIndex(0),
         target: GoalTarget::Pose {
             world_from_body: end.world_from_body(),
         },
     }];
     let arc = |state: State, start_s: f64, end_s: f64| ArcEstimate {
-        body: 0,
+        mechanism: MechanismIndex(0),
         epoch_s: start_s,
         state,
         start_s,
@@ -75,7 +77,7 @@ pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Tru
 /// The state in which the pencil of a style hits the table.
 pub fn at_impact(truth: &Truth) -> State {
     let arc = &truth.arcs[0];
-    Flight::of(&truth.scene, 0).advance(&arc.state, truth.event_times_s[0] - arc.epoch_s)
+    Flight::of(&truth.scene, LinkIndex(0)).advance(&arc.state, truth.event_times_s[0] - arc.epoch_s)
 }
 
 /// Moments of a pencil, in parts of that about its middle.
@@ -90,7 +92,7 @@ pub fn wall(
     seed: u64,
 ) -> Result<Truth, String> {
     let mut scene = Style::Tip.truth().scene;
-    let body = &mut scene.bodies[0].body;
+    let body = &mut scene.links[LinkIndex(0)].body;
     let moments_kg_m2 = Vector3::from(moments) * body.moments_kg_m2().x;
     *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|error| error.to_string())?;
     scene.obstacles.clear();

@@ -164,16 +164,16 @@ fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f6
 
 fn off_m(case: &Case, estimate: &Estimate, offset_s: f64) -> f64 {
     let truth = &case.performance.truth;
-    if truth.scene.bodies.len() > 1 || estimate.arcs.len() != truth.arcs.len() {
+    if truth.scene.links.len() > 1 || estimate.arcs.len() != truth.arcs.len() {
         return f64::NAN;
     }
     let arcs = estimate.arcs.iter().enumerate();
     let off_m = arcs.map(|(index, arc)| {
-        let body = &truth.scene.bodies[arc.body].body;
+        let dynamics = truth.scene.dynamics(arc.mechanism);
         let time_s = 0.5 * (arc.start_s + arc.end_s);
         let gravity = &estimate.gravity_m_s2;
         let at_s = time_s - arc.epoch_s;
-        let own = enact::physics::flow::advance(body, gravity, &arc.state, at_s);
+        let own = dynamics.advance(gravity, &arc.state, at_s);
         (own.position_m - case.true_state(index, time_s, offset_s).position_m).norm()
     });
     off_m.fold(0.0, f64::max)

@@ -1,6 +1,6 @@
 //! Scales: weights over decades, units by mistake, tempo.
 
-use enact::motion::{TakeEvent, Timing as Stamps};
+use enact::motion::{LinkIndex, TakeEvent, Timing as Stamps};
 use enact::physics::Body;
 
 use super::{Timing, Trouble, add_both};
@@ -46,7 +46,7 @@ pub fn add(all: &mut Vec<Trouble>) {
     ] {
         add_both(all, "units", name, move |acting, seed| {
             let mut case = Case::pencil(Style::Tip, acting, seed);
-            let body = &mut case.performance.truth.scene.bodies[0].body;
+            let body = &mut case.performance.truth.scene.links[LinkIndex(0)].body;
             *body = Body::new(mass * body.mass_kg(), moments * body.moments_kg_m2())
                 .map_err(|error| error.to_string())?;
             Ok(case)

@@ -1,7 +1,7 @@
 //! Trackers that jump, lose sight, or report a body the wrong way round.
 
 use enact::math::{Pose, so3};
-use enact::motion::{PoseSample, TakeEvent};
+use enact::motion::{PoseSample, TakeEvent, TrackIndex};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt};
 
@@ -47,8 +47,8 @@ pub fn add(all: &mut Vec<Trouble>) {
 /// Turns what the tracker saw of the body, about the centre of mass, during one arc or all.
 fn turn_sketch(case: &mut Case, arc: Option<usize>, turn: &UnitQuaternion<f64>) {
     let truth = case.performance.truth.clone();
-    let tracker = truth.scene.bodies[0].body_from_tracker;
-    let hidden_s: Vec<f64> = case.performance.sample_times_s[0].clone();
+    let tracker = truth.scene.tracks[TrackIndex(0)].link_from_tracker;
+    let hidden_s: Vec<f64> = case.performance.sample_times_s[TrackIndex(0)].clone();
     let poses = case.performance.events.iter_mut().filter_map(|e| match e {
         TakeEvent::Pose { sample, .. } => Some(sample),
         TakeEvent::Mark(_) => None,

@@ -106,12 +106,12 @@ fn send(arguments: &Arguments, node: &Node, part: &Part) -> anyhow::Result<Sent>
         let sample_ns = stamp(event).0 + moved_ns;
         match event {
             TakeEvent::Pose {
-                body,
+                track,
                 stream,
                 sample,
             } => {
                 let is_it =
-                    |t: &enact::ingest::live::StreamTopic| (t.body, t.stream) == (*body, *stream);
+                    |t: &enact::ingest::live::StreamTopic| (t.track, t.stream) == (*track, *stream);
                 let topic = topics
                     .iter()
                     .position(is_it)

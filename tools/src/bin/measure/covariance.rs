@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use anyhow::Result;
 use enact::math::Pose;
-use enact::motion::{Estimate, Timing, Verdict};
+use enact::motion::{Estimate, Timing, TrackIndex, Verdict};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -48,7 +48,7 @@ pub fn white_noise() -> Acting {
 /// weighed by that noise.
 pub fn weighed(style: Style, acting: &Acting) -> Truth {
     let mut scene = style.truth().scene;
-    scene.bodies[0].body_from_tracker = Pose::identity();
+    scene.tracks[TrackIndex(0)].link_from_tracker = Pose::identity();
     scene.weights.position_m = acting.noise_position_m;
     scene.weights.orientation_rad = acting.noise_orientation_rad;
     style.truth_in(&scene).expect("the style's own scene")

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
-use enact::motion::{DropReason, Scene, Stamp, TakeEvent, Verdict};
+use enact::motion::{DropReason, Scene, Stamp, TakeEvent, TrackIndex, Verdict};
 use enact::segment::clean::clean;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -176,8 +176,11 @@ fn outliers(options: &Options) -> Result<()> {
                     let Ok((sketch, counts)) = clean(case.scene(), &case.performance.events) else {
                         continue;
                     };
-                    let kept: BTreeSet<Stamp> =
-                        sketch.bodies[0].samples.iter().map(|s| s.stamp).collect();
+                    let kept: BTreeSet<Stamp> = sketch.tracks[TrackIndex(0)]
+                        .samples
+                        .iter()
+                        .map(|s| s.stamp)
+                        .collect();
                     let missed = bad.intersection(&kept).count();
                     let dropped = counts
                         .dropped
@@ -204,13 +207,10 @@ fn outliers(options: &Options) -> Result<()> {
                     let moved = arcs.map(|(a, b)| {
                         let middle_s = 0.5 * (b.start_s + b.end_s);
                         let at = |arc: &enact::motion::ArcEstimate| {
-                            enact::physics::flow::advance(
-                                &case.scene().bodies[arc.body].body,
-                                &with.estimate.gravity_m_s2,
-                                &arc.state,
-                                middle_s - arc.epoch_s,
-                            )
-                            .position_m
+                            let dynamics = case.scene().dynamics(arc.mechanism);
+                            let gravity = &with.estimate.gravity_m_s2;
+                            let later_s = middle_s - arc.epoch_s;
+                            dynamics.advance(gravity, &arc.state, later_s).position_m
                         };
                         (at(a) - at(b)).norm()
                     });
@@ -444,7 +444,10 @@ fn marks_off(options: &Options) -> Result<()> {
                             .iter()
                             .map(|time_s| case.performance.tempo.acted_s(*time_s))
                             .collect();
-                        let last_s = sketch.bodies[0].samples.last().map_or(0.0, |s| s.acted_s);
+                        let last_s = sketch.tracks[TrackIndex(0)]
+                            .samples
+                            .last()
+                            .map_or(0.0, |s| s.acted_s);
                         for (event, time_s) in times_s.iter().enumerate() {
                             sketch.marks_s[event] = *time_s;
                             if scene.events[event].kind.collision().is_some() {

@@ -2,7 +2,7 @@
 //! and number of samples beside the Cramér–Rao bound, and the coverage of reported intervals.
 
 use anyhow::Result;
-use enact::motion::{TakeEvent, Verdict};
+use enact::motion::{TakeEvent, TrackIndex, Verdict};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -132,7 +132,7 @@ fn numbers() -> Vec<Setting> {
         ..white_noise()
     };
     let mut truth = bounces(1, 1).expect("a motion with one bounce");
-    truth.scene.bodies[0].body_from_tracker = enact::math::Pose::identity();
+    truth.scene.tracks[TrackIndex(0)].link_from_tracker = enact::math::Pose::identity();
     truth.scene.weights.position_m = acting.noise_position_m;
     truth.scene.weights.orientation_rad = acting.noise_orientation_rad;
     let counts = [2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 50.0, 100.0];
@@ -203,8 +203,8 @@ fn level(setting: &Setting, seeds: u64) -> Level {
 fn narrow(case: &mut Case, window_s: f64) {
     let centre_s = case.performance.truth.event_times_s[0];
     let is_near = |case: &Case, event: &TakeEvent| match event {
-        TakeEvent::Pose { body, sample, .. } => {
-            (case.hidden_s(*body, sample.stamp) - centre_s).abs() < window_s
+        TakeEvent::Pose { track, sample, .. } => {
+            (case.hidden_s(*track, sample.stamp) - centre_s).abs() < window_s
         }
         TakeEvent::Mark(_) => true,
     };

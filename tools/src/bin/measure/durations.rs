@@ -7,7 +7,7 @@
 
 use anyhow::{Context, Result};
 use enact::config::scene_from_toml;
-use enact::motion::{Estimate, Scene, TakeEvent, Verdict};
+use enact::motion::{Estimate, Scene, TakeEvent, TrackIndex, Verdict};
 use serde::Serialize;
 
 use crate::results::Options;
@@ -114,7 +114,7 @@ fn pencil(style: Style, distortion: f64, seed: u64) -> Option<Told> {
     };
     let case = Case::pencil(style, &acting, seed);
     let estimate = case.estimated(&mut ()).ok()?.estimate;
-    let start_s = case.hidden_s(0, estimate.sample_times.first()?.stamp);
+    let start_s = case.hidden_s(TrackIndex(0), estimate.sample_times.first()?.stamp);
     let end_s = case.performance.truth.event_times_s.last()?;
     Some(Told::new(&estimate, end_s - start_s))
 }

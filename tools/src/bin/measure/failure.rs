@@ -11,7 +11,7 @@ use anyhow::Result;
 use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Sketch;
 use enact::optimise::finish::Tolerances;
-use enact::physics::Body;
+use enact::physics::Dynamics;
 use enact::physics::body::Symmetry;
 use rayon::prelude::*;
 
@@ -143,9 +143,9 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
 fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
     let is_known = tasks.all(|task| !task.problem.times_are_unknown());
-    let is_closed = |body: &Body| body.symmetry() != Symmetry::Asymmetric;
+    let is_closed = |Dynamics::Free(body): &Dynamics| body.symmetry() != Symmetry::Asymmetric;
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
-    let is_closed = tasks.all(|task| task.problem.bodies.iter().all(is_closed));
+    let is_closed = tasks.all(|task| task.problem.dynamics.iter().all(is_closed));
     let evaluations = if is_closed {
         EVALUATIONS
     } else {
@@ -288,11 +288,11 @@ fn succeeds_raw(asked: &Asked) -> bool {
     from.event_times_s.clone_from(&rough.point.event_times_s);
     for (index, arc) in from.arcs.iter_mut().enumerate() {
         let of = &task.problem.arcs[index];
-        let body = &task.problem.bodies[of.body];
+        let dynamics = &task.problem.dynamics[of.mechanism];
         let gravity = task.problem.gravity(&rough.point.parameters);
         let past_s = arc.epoch_s - guess.arcs[index].epoch_s;
         let state = &rough.point.arcs[index];
-        arc.state = enact::physics::flow::advance(body, &gravity, state, past_s);
+        arc.state = dynamics.advance(&gravity, state, past_s);
     }
     let one = Task {
         guesses: vec![from],

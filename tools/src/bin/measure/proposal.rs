@@ -12,7 +12,9 @@
 mod correction;
 
 use self::correction::{Correction, Prior};
-use enact::motion::{ArcGuess, Contacts, Guess, Sample, Scene, Segment, Sketch, Timing};
+use enact::motion::{
+    ArcGuess, Contacts, Guess, LinkIndex, Sample, Scene, Segment, Sketch, Timing, TrackIndex,
+};
 use enact::physics::contact::Frame;
 use enact::physics::flow;
 use enact::physics::impact::{ContactSet, Law, Side};
@@ -87,12 +89,12 @@ impl<'a> Stage<'a> {
             Some((*event, meetings.collect::<Option<Vec<_>>>()?))
         });
         let bounces = bounces.collect::<Option<Vec<_>>>()?;
-        (segments.len() == bounces.len() + 1 && scene.bodies.len() == 1).then_some(Self {
+        (segments.len() == bounces.len() + 1 && scene.links.len() == 1).then_some(Self {
             scene,
             sketch,
             segments,
             guesses,
-            body: &scene.bodies[0].body,
+            body: &scene.links[LinkIndex(0)].body,
             tempo_sd: match scene.timing {
                 Timing::Unknown {
                     tempo_sd_per_sqrt_s,
@@ -169,7 +171,7 @@ impl<'a> Stage<'a> {
     fn contact(&self, particle: &Particle, place: usize) -> Option<(f64, usize)> {
         const NEAR_M: f64 = 1e-6;
         const STEPS: usize = 200;
-        let radius_m = self.scene.bodies[0].shape.radius_m();
+        let radius_m = self.scene.links[LinkIndex(0)].shape.radius_m();
         let [_, middle_s, last_s] = particle.span_s;
         let mut time_s = middle_s;
         for _ in 0..STEPS {
@@ -246,7 +248,7 @@ impl<'a> Stage<'a> {
         let factor = factor.l();
         let (event, candidates) = &self.bounces[place];
         let range = self.segments[place].samples.clone();
-        let last = &self.sketch.bodies[0].samples[range.end - 1];
+        let last = &self.sketch.tracks[TrackIndex(0)].samples[range.end - 1];
         let marked_s =
             particle.span_s[2] + particle.rate * (self.sketch.marks_s[*event] - last.acted_s);
         let contact = self.contact(particle, place);
@@ -396,7 +398,7 @@ impl<'a> Stage<'a> {
         prior: &Prior,
     ) -> Option<Particle> {
         let range = self.segments[arc].samples.clone();
-        let all = &self.sketch.bodies[0].samples[range];
+        let all = &self.sketch.tracks[TrackIndex(0)].samples[range];
         let count = all.len().min(SAMPLES);
         let spread = |index: usize| index * (all.len() - 1) / (count - 1).max(1);
         let samples: Vec<Sample> = (0..count).map(|i| all[spread(i)]).collect();
@@ -405,7 +407,7 @@ impl<'a> Stage<'a> {
             .collect();
         let before_s = arc.checked_sub(1).map_or(0.0, |before| {
             let range = self.segments[before].samples.clone();
-            let samples = &self.sketch.bodies[0].samples[range];
+            let samples = &self.sketch.tracks[TrackIndex(0)].samples[range];
             0.5 * (samples[0].acted_s + samples[samples.len() - 1].acted_s)
         });
         let middle_s = 0.5 * (samples[0].acted_s + samples[count - 1].acted_s);

@@ -106,7 +106,11 @@ pub fn with_marks_as_they_are(case: &Case, sketch: &Sketch) -> Option<Sketch> {
     });
     let mut marks: Vec<Stamp> = marks.collect();
     marks.sort();
-    let sample = sketch.bodies.iter().flat_map(|body| &body.samples).next()?;
+    let sample = sketch
+        .tracks
+        .iter()
+        .flat_map(|track| &track.samples)
+        .next()?;
     let mut as_they_are = sketch.clone();
     if marks.len() != as_they_are.marks_s.len() {
         return None;

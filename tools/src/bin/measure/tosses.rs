@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use enact::config::scene_from_toml;
-use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Verdict};
+use enact::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex, Verdict};
 use enact::physics::contact;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -138,7 +138,7 @@ fn poses(file: &PathBuf) -> Result<Vec<(Vector3<f64>, UnitQuaternion<f64>)>> {
 }
 
 fn until_near_table(scene: &Scene, poses: &[(Vector3<f64>, UnitQuaternion<f64>)]) -> usize {
-    let features = scene.bodies[0].features.iter();
+    let features = scene.links[LinkIndex(0)].features.iter();
     let corners: Vec<Vector3<f64>> = features
         .filter_map(|feature| match feature.geometry {
             contact::Feature::Point { point_m, .. } => Some(point_m),
@@ -169,7 +169,7 @@ pub fn take(toss: &Toss, rate_hz: f64, samples: usize, marks: &[(f64, &str)]) ->
     let stamp = |place: f64| Stamp((place / rate_hz * 1e9).round() as i64);
     let poses = toss.poses.iter().take(samples).enumerate();
     let poses = poses.map(|(index, (position_m, q))| TakeEvent::Pose {
-        body: 0,
+        track: TrackIndex(0),
         stream: 0,
         sample: PoseSample {
             stamp: stamp(index as f64),

@@ -1,6 +1,6 @@
 //! Several cubes side by side, each with a bounce of its own, in one scene.
 
-use enact::motion::{Event, EventKind, SceneBody};
+use enact::motion::{Event, EventKind, FreeBody, LinkIndex, TrackIndex};
 use enact::physics::{State, flow};
 use nalgebra::Vector3;
 
@@ -35,18 +35,24 @@ pub fn crowd(count: usize) -> Case {
     }
     let mut scene = cubes[0].0.scene.clone();
     scene.name = format!("{count} cubes");
-    scene.bodies.clear();
+    scene.links.clear();
+    scene.mechanisms.clear();
+    scene.tracks.clear();
     scene.events.clear();
     let mut initial = Vec::new();
     for (index, (cube, state)) in cubes.iter().enumerate() {
-        scene.bodies.push(SceneBody {
+        let link = &cube.scene.links[LinkIndex(0)];
+        let link = scene.add(FreeBody {
             name: format!("cube {index}"),
             topic: format!("/tracker/cube_{index}/pose"),
-            ..cube.scene.bodies[0].clone()
+            body: link.body,
+            shape: link.shape.clone(),
+            body_from_tracker: cube.scene.tracks[TrackIndex(0)].link_from_tracker,
+            features: link.features.clone(),
         });
         let bounce = cube.scene.events[0].kind.collision();
         let mut bounce = bounce.expect("a bounce comes first").clone();
-        bounce.body = index;
+        bounce.link = link;
         scene.events.push(Event {
             name: format!("bounce {index}"),
             kind: EventKind::Collision(bounce),
@@ -75,7 +81,7 @@ pub fn crowd(count: usize) -> Case {
 fn begun(cube: &Truth, bounce_s: f64) -> Option<State> {
     let own_s = cube.event_times_s[0];
     let next_s = bounce_s + 2.0 * (cube.duration_s - own_s);
-    let body = &cube.scene.bodies[0].body;
+    let body = &cube.scene.links[LinkIndex(0)].body;
     let gravity_m_s2 = &cube.scene.gravity_m_s2;
     let first = &cube.arcs[0].state;
     let state = flow::advance(body, gravity_m_s2, first, own_s - bounce_s);

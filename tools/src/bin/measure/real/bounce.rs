@@ -3,7 +3,7 @@
 
 use anyhow::Result;
 use enact::config::scene_from_toml;
-use enact::motion::{Scene, Verdict};
+use enact::motion::{LinkIndex, Scene, Verdict};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::{Body, State, flow};
@@ -88,7 +88,7 @@ impl Setting {
         let mut with_impact = scene_from_toml(&with_impact)?;
         let before = scene_from_toml(&format!("{head}{}", end("impact")))?;
         let mut corners_m = Vec::new();
-        for feature in &mut with_impact.bodies[0].features {
+        for feature in &mut with_impact.links[LinkIndex(0)].features {
             if let Feature::Point {
                 point_m,
                 radius_m: r,
@@ -100,7 +100,7 @@ impl Setting {
             }
         }
         Ok(Self {
-            body: before.bodies[0].body,
+            body: before.links[LinkIndex(0)].body,
             corners_m,
             radius_m,
             with_impact,

@@ -1,46 +1,44 @@
-//! The motion of one body: its estimated arcs, and bounds of its speeds.
+//! The motion of one link: its estimated arcs, and bounds of its speeds.
 
 use nalgebra::Vector3;
 
-use crate::motion::{ArcEstimate, Estimate, SceneBody};
+use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
-use crate::physics::{Body, State, flow};
+use crate::physics::{Body, Dynamics, State};
 
 /// Moments closer than this, relative to the largest, are treated as equal in the bound.
 const APART: f64 = 1e-6;
 
-/// A body of the scene, its solid, and its arcs in order of time.
-pub(super) struct Track<'a> {
-    pub(super) of_scene: &'a SceneBody,
+/// A link of the scene, its solid, and its arcs in order of time.
+pub(super) struct MovingLink<'a> {
+    pub(super) of_scene: &'a Link,
     pub(super) solid: Solid,
     pub(super) radius_m: f64,
     pub(super) arcs: Vec<&'a ArcEstimate>,
+    dynamics: Dynamics,
     gravity_m_s2: Vector3<f64>,
 }
 
-impl<'a> Track<'a> {
-    pub(super) fn new(index: usize, of_scene: &'a SceneBody, estimate: &'a Estimate) -> Self {
+impl<'a> MovingLink<'a> {
+    pub(super) fn new(scene: &'a Scene, index: LinkIndex, estimate: &'a Estimate) -> Self {
+        let of_scene = &scene.links[index];
+        let mechanism = of_scene.mechanism;
+        let is_its = |arc: &&ArcEstimate| arc.mechanism == mechanism && arc.end_s >= arc.start_s;
         Self {
             of_scene,
             solid: of_scene.shape.solid().expect("scenes have valid shapes"),
             radius_m: of_scene.shape.radius_m(),
-            arcs: estimate
-                .arcs
-                .iter()
-                .filter(|arc| arc.body == index && arc.end_s >= arc.start_s)
-                .collect(),
+            arcs: estimate.arcs.iter().filter(is_its).collect(),
+            dynamics: scene.dynamics(mechanism),
             gravity_m_s2: estimate.gravity_m_s2,
         }
     }
 
     /// The state on an arc.
     pub(super) fn state(&self, arc: &ArcEstimate, time_s: f64) -> State {
-        flow::advance(
-            &self.of_scene.body,
-            &self.gravity_m_s2,
-            &arc.state,
-            time_s - arc.epoch_s,
-        )
+        let since_s = time_s - arc.epoch_s;
+        self.dynamics
+            .advance(&self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.
@@ -53,7 +51,7 @@ impl<'a> Track<'a> {
         self.arcs.iter().copied().find(|arc| arc.start_s == time_s)
     }
 
-    /// Upper bound of the speed of all points of the body on a part of an arc [m/s]: `|v| + |ω| r`.
+    /// Upper bound of the speed of all points of the link on a part of an arc [m/s]: `|v| + |ω| r`.
     pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
         // |v| is convex in time: largest at an end.
         let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
