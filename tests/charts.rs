@@ -11,6 +11,7 @@ use enact::physics::Body;
 use enact::physics::body::Symmetry;
 use enact::physics::flow::Spin;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde_json::Value;
 
 use enact_tools::front::Turning;
 use enact_tools::reference::Pair;
@@ -20,17 +21,10 @@ use enact_tools::reference::Pair;
 const LONGEST_S: f64 = 1.0;
 
 fn turnings() -> Vec<Turning> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/charts");
-    let mut turnings: Vec<Turning> = Vec::new();
-    for entry in fs::read_dir(&folder).expect("the charts are committed") {
-        let path = entry.expect("an entry").path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with("flow_") && name.ends_with(".numbers.json") {
-            let text = fs::read_to_string(&path).expect("a text");
-            turnings.push(serde_json::from_str(&text).expect("a turning"));
-        }
-    }
-    turnings
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/results/flow.json");
+    let text = fs::read_to_string(path).expect("the measurements are committed");
+    let mut record: Value = serde_json::from_str(&text).expect("a record");
+    serde_json::from_value(record["numbers"]["flow"].take()).expect("turnings")
 }
 
 #[test]

@@ -12,6 +12,7 @@ use enact::motion::{
 use enact::pipeline::{Outcome, Pipeline, Preview};
 use enact::verify::credible;
 use enact_tools::nonsense::{Asked, faults, real};
+use enact_tools::tosses::real_folder;
 use nalgebra::Vector3;
 
 /// The answer to a row of the study at a seed.
@@ -497,7 +498,7 @@ fn report(recording: &enact::ingest::Recording) -> serde_json::Value {
 
 #[test]
 fn real_takes_of_no_flight_are_never_physical() {
-    let Some(folder) = real::folder() else { return };
+    let Some(folder) = real_folder() else { return };
     for file in real::files(&folder.join("not_throws"), "mcap") {
         let estimate = real::carried(&file).answered().expect("an answer").estimate;
         assert_eq!(estimate.verdict, Verdict::Failed, "{}", file.display());
@@ -518,7 +519,7 @@ fn real_takes_of_no_flight_are_never_physical() {
 /// Two hinged boxes whose gravity is free: in three of four tosses that shows.
 #[test]
 fn real_hinged_boxes_are_mostly_not_one_body() {
-    let Some(folder) = real::folder() else { return };
+    let Some(folder) = real_folder() else { return };
     let files = real::files(&folder.join("elbow"), "csv");
     let physical = files.iter().filter(|file| {
         let estimate = real::elbow(file).answered().expect("an answer").estimate;

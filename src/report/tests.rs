@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::motion::fixture::{FIRST_NS, counts, estimate, scene, sketch};
-use crate::motion::{End, Measured, Progress, Reason, Stamp};
+use crate::motion::{End, Measured, MechanismIndex, Progress, Reason, Stamp};
 
 #[test]
 fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
@@ -101,7 +101,7 @@ fn reasons_have_words_and_numbers() {
         ),
         (
             End::FlightReversed {
-                body: 0,
+                mechanism: MechanismIndex(0),
                 start_s: 1.0,
                 end_s: 0.75,
             },

@@ -11,6 +11,8 @@ use super::drawing;
 use super::error::WriteError;
 use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME};
 use super::topics;
+use typed_index_collections::TiSlice;
+
 use crate::math::Pose;
 use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Track};
 use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
@@ -176,7 +178,7 @@ pub fn transforms(frames: &[(String, PoseSample)]) -> Option<Vec<u8>> {
 
 /// The message of [`ShownTopic::scene`].
 pub fn scene(scene: &Scene, now: Stamp) -> Option<Vec<u8>> {
-    let side_m = surface_side_m(scene, &[]);
+    let side_m = surface_side_m(scene, TiSlice::from_ref(&[]));
     drawing::live_scene_update(scene, DEFAULT_WORLD_FRAME, now, side_m).ok()
 }
 
@@ -201,7 +203,7 @@ mod tests {
         })
         .expect("a motion");
         let now = Stamp(7);
-        let at = |time_s: f64| showing.at(0, time_s, now)[0].expect("a pose");
+        let at = |time_s: f64| showing.at(LinkIndex(0), time_s, now)[0].expect("a pose");
         let duration_s = showing.duration_s();
         assert!(duration_s > 0.0);
         assert_eq!(at(0.0).stamp, now);
@@ -209,7 +211,7 @@ mod tests {
         assert!(distance_m > 0.0);
         assert_eq!(at(duration_s + 0.4), at(duration_s));
         // The ghost is never ahead of its last sample.
-        assert!(showing.at(0, duration_s, now)[1].is_some());
+        assert!(showing.at(LinkIndex(0), duration_s, now)[1].is_some());
     }
 
     #[test]

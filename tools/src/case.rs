@@ -1,6 +1,4 @@
 //! One performance and everything that is needed to judge the estimate of it.
-//!
-//! Tests include this file too, beside `mod perform;`.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +7,7 @@ use enact::estimate::problem::Problem;
 use enact::initialise;
 use enact::motion::{
     ArcGuess, Feature, Guess, LinkIndex, Observer, Scene, Segment, Sketch, Stamp, TakeEvent,
-    TrackIndex, Verdict,
+    TrackIndex, VelocityGaps, Verdict,
 };
 use enact::physics::{State, contact, flow};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
@@ -105,6 +103,37 @@ impl Case {
         )
     }
 
+    /// The problem of an outcome, and the truth as a guess for it: the program's own guess where
+    /// velocities may jump, for then no motion is true.
+    pub fn posed(&self, outcome: &Outcome) -> (Posed, Guess) {
+        self.with_truth(Posed::new(&outcome.scene, &outcome.sketch), outcome)
+    }
+
+    /// The same without the performer's marks: for methods and solvers that are asked about the
+    /// samples alone.
+    pub fn posed_without_marks(&self, outcome: &Outcome) -> (Posed, Guess) {
+        let posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
+        self.with_truth(posed, outcome)
+    }
+
+    fn with_truth(&self, mut posed: Posed, outcome: &Outcome) -> (Posed, Guess) {
+        if is_bent(&outcome.scene) {
+            posed.problem = posed.problem.with_velocity_gaps();
+            posed.layout = Layout::new(&posed.problem);
+            let guess = posed.guesses[0].clone();
+            return (posed, guess);
+        }
+        let mut guess = self.true_guess(&posed, &outcome.sketch);
+        if !posed.problem.times_are_unknown() {
+            // Stamps are rounded to nanoseconds, and where they are called physical by mistake the
+            // true times are those of another problem.
+            for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
+                arc.sample_times_s.clone_from(&own.sample_times_s);
+            }
+        }
+        (posed, guess)
+    }
+
     /// The truth as a guess, at the epochs of the program's own.
     pub fn true_guess(&self, posed: &Posed, sketch: &Sketch) -> Guess {
         let offset_s = self.offset_s(posed, sketch);
@@ -128,6 +157,20 @@ impl Case {
             event_times_s: event_times_s.map(|time_s| time_s + offset_s).collect(),
             parameters: own.parameters.clone(),
         }
+    }
+}
+
+/// Whether velocities may jump in a scene.
+pub fn is_bent(scene: &Scene) -> bool {
+    scene.velocity_gaps == VelocityGaps::Always
+}
+
+/// The verdict of a right answer: a motion with jumps is none that physics allows.
+pub fn best_verdict(scene: &Scene) -> Verdict {
+    if is_bent(scene) {
+        Verdict::Plausible
+    } else {
+        Verdict::Physical
     }
 }
 

@@ -1,6 +1,4 @@
 //! The covariance of an estimate by dense algebra that shares nothing with the library's.
-//!
-//! Tests include this file too, beside `mod case;`.
 
 use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::covariance::Covariance;

@@ -1,6 +1,4 @@
 //! How far an estimate is from the truth, and whether it does what it says.
-//!
-//! Tests include this file too, beside `mod case;`.
 
 use enact::math::so3;
 use enact::motion::{End, Estimate, GoalTarget};

@@ -1,10 +1,7 @@
 //! Hands that wander otherwise than the performance maker's: rougher, smoother, steadily away, and a
 //! real one.
-//!
-//! Tests include this file too, beside `mod perform;`.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use enact::math::{Pose, so3};
 use enact::motion::{PoseSample, TakeEvent, TrackIndex};
@@ -15,6 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use typed_index_collections::TiVec;
 
 use crate::perform::{Acting, Performance};
+use crate::tosses::real_folder;
 
 /// A way of going astray. Times are those of the physical motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,9 +152,7 @@ fn real(acted_s: f64, length_s: f64, rng: &mut ChaCha8Rng) -> Option<Astray> {
     /// Half the window of the moving average that is taken off, in samples.
     const HALF: usize = 100;
     let file = "handheld/vicon_handheld_primesense_2.csv";
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/real");
-    let folder = std::env::var_os("ENACT_REAL").map_or(beside, Into::into);
-    let text = std::fs::read_to_string(folder.join(file)).ok()?;
+    let text = std::fs::read_to_string(real_folder()?.join(file)).ok()?;
     let rows: Vec<Vec<f64>> = text
         .lines()
         .skip(1)

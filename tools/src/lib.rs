@@ -24,5 +24,6 @@ pub mod perform;
 pub mod reference;
 pub mod starts;
 pub mod stress;
+pub mod tosses;
 pub mod tracker;
 pub mod ways;

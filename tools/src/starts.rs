@@ -1,6 +1,4 @@
 //! Many starts for one problem: what the best known optimum is.
-//!
-//! Tests include this file too, beside `mod case;`.
 
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe};

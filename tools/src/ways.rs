@@ -1,6 +1,4 @@
 //! Scenes, and hands that act them, on which intervals are put to the test.
-//!
-//! Tests include this file too, beside `mod case;` and `mod hands;`.
 
 use std::rc::Rc;
 

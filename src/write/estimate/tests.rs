@@ -13,7 +13,7 @@ mod skip;
 use self::skip::skip;
 use super::*;
 use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
-use crate::motion::{Against, Mark, Penetration, Settled, TrackIndex, Verification};
+use crate::motion::{Against, LinkIndex, Mark, Penetration, Settled, TrackIndex, Verification};
 use crate::sampling::SamplingError;
 use crate::settle::settle;
 use crate::verify::verify;

@@ -25,4 +25,4 @@ pub mod touch;
 
 pub use judge::{Judged, judged};
 pub use split::Grid;
-pub use task::{Answer, Method, Task};
+pub use task::{Answer, Method, Part, Task};

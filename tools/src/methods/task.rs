@@ -39,6 +39,19 @@ pub enum Method {
     Multiple(usize),
     /// An evolution strategy with so many evaluations.
     Sampling(usize),
+    /// The program with a part of its recipe left out.
+    Without(Part),
+}
+
+/// A part of the program's recipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The descent with all constraints as a penalty.
+    Sweep,
+    /// The rounds of multipliers before the finish.
+    Multipliers,
+    /// The pull of events to where they begin, while the sweep's weight is small.
+    Pull,
 }
 
 impl Method {
@@ -55,6 +68,9 @@ impl Method {
                 format!("multiple shooting, {per_flight} intervals per flight")
             }
             Method::Sampling(_) => "evolution strategy (CMA-ES)".into(),
+            Method::Without(Part::Sweep) => "enact without its sweep".into(),
+            Method::Without(Part::Multipliers) => "enact without multiplier rounds".into(),
+            Method::Without(Part::Pull) => "enact without the events' pull".into(),
         }
     }
 }
@@ -85,6 +101,10 @@ pub struct Answer {
     pub is_in_order: bool,
     /// From guess to answer \[s\].
     pub took_s: f64,
+    /// All unknowns, and the times at which flights have their states \[s\].
+    pub point: Point,
+    /// The times at which flights have their states \[s\].
+    pub epochs_s: Vec<f64>,
 }
 
 impl Answer {
@@ -115,7 +135,7 @@ impl Answer {
 impl Task {
     /// The answer of a method; of several guesses the best, as the program does.
     pub fn answer(&self, method: Method, tolerances: &Tolerances) -> Answer {
-        let mut best: Option<(Point, bool, Judged)> = None;
+        let mut best: Option<(Point, bool, Judged, &Guess)> = None;
         let mut took_s = 0.0;
         for guess in &self.guesses {
             let begin = Instant::now();
@@ -126,17 +146,19 @@ impl Task {
             let rank = |converged: bool, judged: &Judged| (!converged, judged.objective);
             let is_better = best
                 .as_ref()
-                .is_none_or(|(_, c, j)| rank(converged, &judged) < rank(*c, j));
+                .is_none_or(|(_, c, j, _)| rank(converged, &judged) < rank(*c, j));
             if is_better {
-                best = Some((point, converged, judged));
+                best = Some((point, converged, judged, guess));
             }
         }
-        let (point, converged, judged) = best.expect("a guess at least");
+        let (point, converged, judged, guess) = best.expect("a guess at least");
         Answer {
             is_in_order: point.event_times_s.is_sorted(),
             judged,
             converged,
             took_s,
+            epochs_s: recipe::epochs_s(guess),
+            point,
         }
     }
 
@@ -144,14 +166,24 @@ impl Task {
         match method {
             Method::Program => {
                 let layout = Layout::new(&self.problem);
-                own(&self.problem, &layout, guess, tolerances)
+                own(&self.problem, &layout, guess, &ending_at(tolerances))
+            }
+            Method::Without(part) => {
+                let layout = Layout::new(&self.problem);
+                own(
+                    &self.problem,
+                    &layout,
+                    guess,
+                    &without(part, ending_at(tolerances)),
+                )
             }
             Method::FullFlow => {
                 let mut problem = self.problem.clone();
                 for Dynamics::Free(body) in &mut problem.dynamics {
                     *body = with_three_moments(body);
                 }
-                own(&problem, &Layout::new(&problem), guess, tolerances)
+                let layout = Layout::new(&problem);
+                own(&problem, &layout, guess, &ending_at(tolerances))
             }
             Method::Over(grid) => {
                 let setting = Setting::new(&self.problem, guess, grid);
@@ -181,15 +213,19 @@ impl Task {
     }
 }
 
-fn own(
-    problem: &Problem,
-    layout: &Layout,
-    guess: &Guess,
-    tolerances: &Tolerances,
-) -> (Point, bool) {
-    let recipe = ending_at(tolerances);
-    let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());
+fn own(problem: &Problem, layout: &Layout, guess: &Guess, recipe: &Recipe) -> (Point, bool) {
+    let solution = recipe::solve(problem, layout, guess, recipe, &mut ());
     (solution.point, solution.finished.converged)
+}
+
+/// A recipe with a part left out.
+fn without(part: Part, mut recipe: Recipe) -> Recipe {
+    match part {
+        Part::Sweep => recipe.schedule.sweep_weights.clear(),
+        Part::Multipliers => recipe.schedule.multiplier_rounds = (0, 0),
+        Part::Pull => recipe.event_sd_s = f64::INFINITY,
+    }
+    recipe
 }
 
 /// The program's recipe with those tolerances.

@@ -11,25 +11,13 @@ use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use nalgebra::Vector3;
 
 use super::Asked;
+use crate::tosses::RATES_HZ;
 
-/// Camera rate of the tosses \[Hz\].
-const TOSS_HZ: f64 = 148.308;
 /// Samples of the boxes' first flight that are surely before the table.
 const ELBOW_SAMPLES: usize = 12;
 /// A window of the hovering vehicle, and from one to the next \[s\].
 const WINDOW_S: f64 = 2.0;
 const STRIDE_S: f64 = 8.0;
-
-/// Where the data are, if they are there: `ENACT_REAL`, or `../shared/real`.
-pub fn folder() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/real");
-    let real = std::env::var_os("ENACT_REAL").map_or(beside, PathBuf::from);
-    if real.is_dir() {
-        return Some(real);
-    }
-    eprintln!("skipped: no real recordings at {}", real.display());
-    None
-}
 
 /// The files of a folder with that extension, in order of name.
 pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
@@ -58,7 +46,7 @@ pub fn elbow(file: &Path) -> Asked {
     let shape = "{ kind = \"cuboid\", size_mm = [100, 50, 50] }";
     Asked {
         scene: flight(shape, 0.37, "physical", FREE_GRAVITY),
-        events: csv(file, 1.0 / TOSS_HZ, ELBOW_SAMPLES),
+        events: csv(file, 1.0 / RATES_HZ[0], ELBOW_SAMPLES),
     }
 }
 
@@ -67,7 +55,7 @@ pub fn toss(file: &Path, samples: usize) -> Asked {
     let shape = "{ kind = \"cuboid\", size_mm = [104.8, 104.8, 104.8] }";
     Asked {
         scene: flight(shape, 0.37, "physical", FREE_GRAVITY),
-        events: csv(file, 1.0 / TOSS_HZ, samples),
+        events: csv(file, 1.0 / RATES_HZ[0], samples),
     }
 }
 

@@ -7,7 +7,7 @@ use enact::pipeline::{Outcome, PipelineError};
 use enact::report::reason_text;
 
 use super::check::{Finding, check};
-use crate::case::{Case, Posed};
+use crate::case::Case;
 use crate::starts::{Optimum, is_best, lowest, starts};
 
 /// What the program says.
@@ -139,14 +139,7 @@ fn weighed(case: &Case, answer: &Answer) -> Judged {
 /// The lowest optimum, and how far the estimate is from the truth. Eight starts at known times
 /// of up to three segments, fewer of what is larger.
 fn best_known(case: &Case, outcome: &Outcome, seed: u64) -> (Option<Optimum>, f64) {
-    let posed = Posed::new(case.scene(), &outcome.sketch);
-    let mut guess = case.true_guess(&posed, &outcome.sketch);
-    if !posed.problem.times_are_unknown() {
-        // Where stamps are called physical by mistake, the true times are those of another problem.
-        for (arc, own) in guess.arcs.iter_mut().zip(&posed.guesses[0].arcs) {
-            arc.sample_times_s.clone_from(&own.sample_times_s);
-        }
-    }
+    let (posed, guess) = case.posed(outcome);
     let mut starts = starts(&posed, &guess, seed);
     // The truth, swept too, the program's own and the truth shaken come first.
     starts.truncate(

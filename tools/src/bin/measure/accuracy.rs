@@ -9,7 +9,8 @@ use anyhow::Result;
 use enact::motion::Verdict;
 use serde::Serialize;
 
-use crate::results::Options;
+use crate::options::Options;
+use crate::record::Record;
 use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent};
 use enact_tools::case::Case;
@@ -18,6 +19,8 @@ use enact_tools::perform::{Acting, Style, Truth, bounces};
 
 /// Its interval is 8 ms, a whole number of nanoseconds.
 const WHOLE_RATE_HZ: f64 = 125.0;
+/// Performances of a row whose tempo varies.
+const SEEDS: u64 = 50;
 /// Motions with three bounces.
 const BOUNCING: u64 = 20;
 
@@ -37,7 +40,7 @@ struct Row {
 }
 
 /// Runs it.
-pub fn run(options: &Options) -> Result<()> {
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let exact = Acting {
         rate_hz: WHOLE_RATE_HZ,
         ..Acting::exact()
@@ -66,7 +69,7 @@ pub fn run(options: &Options) -> Result<()> {
         for style in Style::ALL {
             // Without noise a seed is in the tempo only.
             let seeds = if acting.tempo_variation > 0.0 {
-                options.range()
+                options.seeds(SEEDS)
             } else {
                 0..1
             };
@@ -77,8 +80,8 @@ pub fn run(options: &Options) -> Result<()> {
         let runs = (0..BOUNCING).filter_map(|seed| Some((seed, bounces(3, seed).ok()?)));
         rows.push(row("cube, 3 bounces".into(), (name, acting, target), runs));
     }
-    options.show(table(&rows));
-    options.write_json("accuracy", &rows)
+    record.table(table(&rows));
+    record.numbers("rows", &rows)
 }
 
 fn row(
@@ -117,6 +120,7 @@ fn row(
 
 fn table(rows: &[Row]) -> Table {
     let mut table = Table::new(
+        "exact",
         "Exact performances: largest relative error, median (worst) over the runs",
         &[
             "acted",

@@ -1,339 +1,282 @@
 //! How often the program finds the best known optimum, and what it takes.
 
-use std::ops::Range;
+mod rows;
+
 use std::time::Instant;
 
 use anyhow::Result;
 use enact::motion::Verdict;
-use serde::{Serialize, Serializer};
+use enact::report::reason_text;
+use serde::Serialize;
 
-use crate::results::Options;
+use crate::options::Options;
+use crate::record::Record;
 use crate::statistics::{largest, median, rms};
-use crate::table::{Table, number, percent};
-use enact_tools::case::{Case, Posed};
+use crate::table::{Table, number, percent, share};
+use enact_tools::case::{Case, best_verdict};
 use enact_tools::errors::{goal_gap, has_converged, sample_time_errors_s, simulated_goal_gap};
-use enact_tools::perform::{Acting, Style};
 use enact_tools::starts::{is_best, lowest, starts};
+use rows::Row;
 
-/// How long the hand rests after the landing in the recordings of this repository \[s\].
-const REST_S: f64 = 0.3;
+/// Performances of a row.
+const SEEDS: u64 = 50;
 
-/// A style, acted in one way, at all seeds.
+/// One performance. Numbers of what was refused are none.
 #[derive(Serialize)]
-struct Row {
-    style: &'static str,
-    timing_known: bool,
-    distortion: f64,
-    rest_s: f64,
-    #[serde(rename = "not_physical_or_not_best", serialize_with = "failing")]
-    seeds: Vec<Seed>,
-}
-
-/// One performance.
-#[derive(Serialize)]
-struct Seed {
+struct Judged {
     seed: u64,
+    /// By the gaps that the solver left.
     verdict: &'static str,
+    /// With all checks.
+    checked: &'static str,
     reason: String,
+    has_converged: bool,
+    /// Whether it has the verdict that its scene allows and the lowest objective known.
+    is_best: bool,
     objective: f64,
     /// Lowest objective of any start that converged, and which start it was.
-    lowest: Option<f64>,
-    lowest_start: Option<String>,
-    is_best: bool,
-    has_converged: bool,
+    lowest: Option<(f64, String)>,
     starts_tried: usize,
     iterations: usize,
-    time_s: f64,
-    goal_gap_m: f64,
-    goal_gap_rad: f64,
-    simulated_gap_m: f64,
-    simulated_gap_rad: f64,
-    sample_time_rms_s: f64,
-    sample_time_rms_without_offset_s: f64,
+    time_ms: f64,
+    /// How far the goals are missed \[m, rad\]: by the estimate's arcs, and simulated.
+    goal_gap: (f64, f64),
+    simulated_gap: (f64, f64),
+    /// Largest distance of an event from the true one \[ms\].
+    event_error_ms: f64,
+    /// Rms error of the sample times: as it is, and with the best constant taken off \[ms\].
+    sample_times_ms: (f64, f64),
+}
+
+/// A row and what became of it.
+#[derive(Serialize)]
+struct Block {
+    table: &'static str,
+    name: String,
+    timing_known: bool,
+    seeds: Vec<Judged>,
 }
 
 /// Runs it.
-pub fn run(options: &Options) -> Result<()> {
-    let mut rows = Vec::new();
-    for style in Style::ALL {
-        for distortion in [1.0, 2.0, 4.0, 8.0] {
-            rows.push(row(
-                style,
-                Acting::timing_known(),
-                distortion,
-                options.range(),
-            ));
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let mut blocks = Vec::new();
+    for row in rows::all() {
+        if !options.wants(&row.name) {
+            continue;
         }
+        let seeds = options.seeds(SEEDS);
+        let seeds: Vec<Judged> = seeds.filter_map(|seed| judged(&row, seed)).collect();
+        let good = seeds.iter().filter(|seed| seed.is_best).count();
+        eprintln!("  {}: {good} of {}", row.name, seeds.len());
+        blocks.push(Block {
+            table: row.table,
+            name: row.name,
+            timing_known: row.acting.is_timing_known(),
+            seeds,
+        });
     }
-    // A recorder that stops with the motion, and one that runs on while the hand rests.
-    for hold_after_s in [0.0, REST_S] {
-        for style in Style::ALL {
-            for distortion in [1.0, 2.0, 4.0] {
-                let acting = Acting {
-                    hold_after_s,
-                    ..Acting::default()
-                };
-                rows.push(row(style, acting, distortion, options.range()));
-            }
-        }
+    for (name, title) in [
+        ("pencils", "A pencil that bounces into a mug"),
+        ("scenes", "Several bodies and many bounces"),
+        (
+            "scales",
+            "Cubes of any size and speed, and how marks are made",
+        ),
+    ] {
+        let own: Vec<&Block> = blocks.iter().filter(|block| block.table == name).collect();
+        record.table(found(name, title, &own));
+        let count = |is: fn(&Judged) -> bool| {
+            own.iter()
+                .flat_map(|block| &block.seeds)
+                .filter(|seed| is(seed))
+                .count()
+        };
+        record.say(format!(
+            "{title}: {} of {} performances end at the best optimum known.",
+            percent(count(|seed| seed.is_best), count(|_| true)),
+            count(|_| true),
+        ));
     }
-    options.show(found(&rows));
-    options.show(timing(&rows));
-    options.show(failures(&rows));
-    options.write_json("answer", &rows)?;
-    let header = "style,timing_known,rest_s,distortion,seed,verdict,converged,best,objective,lowest,\
-                  starts,iterations,time_ms,sample_time_rms_ms,without_offset_ms";
-    options.write_csv("answer", header, &lines(&rows))
+    record.table(sample_times(&blocks));
+    record.table(failures(&blocks));
+    record.numbers("rows", &blocks)
 }
 
-/// The full account of these only; all seeds are in the CSV.
-fn failing<S: Serializer>(seeds: &[Seed], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(seeds.iter().filter(|seed| !seed.is_best))
-}
-
-fn lines(rows: &[Row]) -> Vec<String> {
-    let mut lines = Vec::new();
-    for row in rows {
-        let Row {
-            style,
-            timing_known,
-            rest_s,
-            distortion,
-            ..
-        } = row;
-        for seed in &row.seeds {
-            lines.push(format!(
-                "{style},{timing_known},{rest_s},{distortion},{},{},{},{},{:.6e},{:.6e},{},{},{:.3},{:.3},{:.3}",
-                seed.seed,
-                seed.verdict,
-                seed.has_converged,
-                seed.is_best,
-                seed.objective,
-                seed.lowest.unwrap_or(f64::NAN),
-                seed.starts_tried,
-                seed.iterations,
-                1e3 * seed.time_s,
-                1e3 * seed.sample_time_rms_s,
-                1e3 * seed.sample_time_rms_without_offset_s,
-            ));
-        }
-    }
-    lines
-}
-
-fn row(style: Style, acting: Acting, distortion: f64, seeds: Range<u64>) -> Row {
-    let acting = Acting {
-        distortion,
-        ..acting
-    };
-    Row {
-        style: style.as_str(),
-        timing_known: acting.is_timing_known(),
-        distortion,
-        rest_s: acting.hold_after_s,
-        seeds: seeds.map(|seed| one(style, &acting, seed)).collect(),
-    }
-}
-
-fn one(style: Style, acting: &Acting, seed: u64) -> Seed {
-    let case = Case::pencil(style, acting, seed);
-    let begin = Instant::now();
-    let outcome = case.estimated(&mut ());
-    let time_s = begin.elapsed().as_secs_f64();
-    let mut result = Seed {
+/// What became of a performance; `None` where no motion is found.
+fn judged(row: &Row, seed: u64) -> Option<Judged> {
+    let case = row.case(seed)?;
+    let pipeline = case.pipeline();
+    let began = Instant::now();
+    let outcome = pipeline.estimate(&mut ());
+    let time_ms = 1e3 * began.elapsed().as_secs_f64();
+    let none = (f64::NAN, f64::NAN);
+    let refused = |reason: String| Judged {
         seed,
         verdict: "refused",
-        reason: String::new(),
+        checked: "refused",
+        reason,
+        has_converged: false,
+        is_best: false,
         objective: f64::NAN,
         lowest: None,
-        lowest_start: None,
-        is_best: false,
-        has_converged: false,
         starts_tried: 0,
         iterations: 0,
-        time_s,
-        goal_gap_m: f64::NAN,
-        goal_gap_rad: f64::NAN,
-        simulated_gap_m: f64::NAN,
-        simulated_gap_rad: f64::NAN,
-        sample_time_rms_s: f64::NAN,
-        sample_time_rms_without_offset_s: f64::NAN,
+        time_ms,
+        goal_gap: none,
+        simulated_gap: none,
+        event_error_ms: f64::NAN,
+        sample_times_ms: none,
     };
     let outcome = match outcome {
         Ok(outcome) => outcome,
-        Err(error) => {
-            result.reason = error.to_string();
-            return result;
-        }
+        Err(error) => return Some(refused(error.to_string())),
     };
     let estimate = &outcome.estimate;
-    result.verdict = estimate.verdict.as_str();
-    result.reason = enact::report::reason_text(&outcome.scene, &estimate.reason);
-    result.has_converged = has_converged(estimate);
-    result.objective = estimate.objective;
-    result.starts_tried = estimate.counters.starts;
-    result.iterations = estimate.counters.iterations;
-    (result.goal_gap_m, result.goal_gap_rad) = goal_gap(&case, estimate);
-    (result.simulated_gap_m, result.simulated_gap_rad) = simulated_goal_gap(&case, estimate);
-    (
-        result.sample_time_rms_s,
-        result.sample_time_rms_without_offset_s,
-    ) = sample_time_errors_s(&case, &outcome);
-    let posed = Posed::new(case.scene(), &outcome.sketch);
-    let true_guess = case.true_guess(&posed, &outcome.sketch);
-    let is_physical = estimate.verdict == Verdict::Physical;
-    match lowest(&posed, &starts(&posed, &true_guess, seed)) {
-        Some(optimum) => {
-            result.is_best = is_physical && is_best(estimate.objective, optimum.objective);
-            result.lowest = Some(optimum.objective);
-            result.lowest_start = Some(optimum.start);
-        }
-        None => result.is_best = is_physical,
-    }
-    result
+    let (posed, truth) = case.posed(&outcome);
+    let known = lowest(&posed, &starts(&posed, &truth, seed));
+    let is_right = estimate.verdict == best_verdict(case.scene());
+    let is_lowest = |lowest: f64| is_best(estimate.objective, lowest);
+    let errors = estimate.events.iter().zip(&truth.event_times_s);
+    let errors = errors.map(|(event, true_s)| 1e3 * (event.time_s - true_s).abs());
+    // Of the others no table tells; what an editing interface leaves has no hidden times.
+    let sample_times_s = match row.table {
+        "pencils" => sample_time_errors_s(&case, &outcome),
+        _ => none,
+    };
+    Some(Judged {
+        verdict: estimate.verdict.as_str(),
+        checked: case.checked().map_or("refused", Verdict::as_str),
+        has_converged: has_converged(estimate),
+        is_best: is_right
+            && known
+                .as_ref()
+                .is_none_or(|known| is_lowest(known.objective)),
+        objective: estimate.objective,
+        lowest: known.map(|known| (known.objective, known.start)),
+        starts_tried: estimate.counters.starts,
+        iterations: estimate.counters.iterations,
+        goal_gap: goal_gap(&case, estimate),
+        simulated_gap: simulated(&case, estimate),
+        event_error_ms: errors.fold(0.0, f64::max),
+        sample_times_ms: (1e3 * sample_times_s.0, 1e3 * sample_times_s.1),
+        ..refused(reason_text(case.scene(), &estimate.reason))
+    })
 }
 
-impl Row {
-    fn of(&self, value: impl Fn(&Seed) -> f64) -> Vec<f64> {
+/// Only of what has goals and flies without jumps.
+fn simulated(case: &Case, estimate: &enact::motion::Estimate) -> (f64, f64) {
+    if case.scene().goals.is_empty() || estimate.verdict != Verdict::Physical {
+        return (f64::NAN, f64::NAN);
+    }
+    simulated_goal_gap(case, estimate)
+}
+
+impl Block {
+    /// Of those that have an estimate.
+    fn of(&self, value: impl Fn(&Judged) -> f64) -> Vec<f64> {
         let estimated = self.seeds.iter().filter(|seed| seed.verdict != "refused");
         estimated.map(value).collect()
     }
 
-    fn count(&self, holds: impl Fn(&Seed) -> bool) -> usize {
-        self.seeds.iter().filter(|seed| holds(seed)).count()
-    }
-
-    /// Largest of the physical ones.
-    fn largest(&self, value: impl Fn(&Seed) -> f64) -> String {
+    /// Largest of the physical ones, of both parts of a gap.
+    fn gap(&self, value: impl Fn(&Judged) -> (f64, f64)) -> String {
         let physical = self.seeds.iter().filter(|seed| seed.verdict == "physical");
-        number(largest(&physical.map(value).collect::<Vec<f64>>()))
+        let (m, rad): (Vec<f64>, Vec<f64>) = physical.map(value).unzip();
+        format!("{}, {}", number(largest(&m)), number(largest(&rad)))
     }
 
-    fn head(&self) -> [String; 3] {
-        let timing = match (self.timing_known, self.rest_s > 0.0) {
-            (true, _) => "known",
-            (false, false) => "unknown",
-            (false, true) => "unknown, rest",
-        };
-        [
-            self.style.to_owned(),
-            timing.to_owned(),
-            format!("{}×", self.distortion),
-        ]
+    fn share(&self, is: impl Fn(&Judged) -> bool) -> String {
+        share(&self.seeds, is)
     }
 }
 
-fn found(rows: &[Row]) -> Table {
-    let mut table = Table::new(
-        "The right answer",
-        &[
-            "style",
-            "timing",
-            "distortion",
-            "n",
-            "physical",
-            "converged",
-            "best known optimum",
-            "largest goal gap m, rad",
-            "the same simulated",
-            "iterations median (max)",
-            "time ms median (max)",
-        ],
-    );
-    for row in rows {
-        let iterations = row.of(|seed| seed.iterations as f64);
-        let time_ms = row.of(|seed| 1e3 * seed.time_s);
-        let both = |m: String, rad: String| format!("{m}, {rad}");
-        table.row(row.head().into_iter().chain([
-            row.seeds.len().to_string(),
-            percent(
-                row.count(|seed| seed.verdict == "physical"),
-                row.seeds.len(),
-            ),
-            percent(row.count(|seed| seed.has_converged), row.seeds.len()),
-            percent(row.count(|seed| seed.is_best), row.seeds.len()),
-            both(
-                row.largest(|s| s.goal_gap_m),
-                row.largest(|s| s.goal_gap_rad),
-            ),
-            both(
-                row.largest(|s| s.simulated_gap_m),
-                row.largest(|s| s.simulated_gap_rad),
-            ),
-            format!("{:.0} ({:.0})", median(&iterations), largest(&iterations)),
-            format!("{:.2} ({:.1})", median(&time_ms), largest(&time_ms)),
-        ]));
+fn found(name: &str, title: &str, blocks: &[&Block]) -> Table {
+    let header = [
+        "performed",
+        "n",
+        "gaps closed",
+        "physical",
+        "plausible",
+        "converged",
+        "best known optimum",
+        "largest goal gap m, rad",
+        "the same simulated",
+        "event error ms median (max)",
+        "iterations median (max)",
+        "time ms median (max)",
+    ];
+    let mut table = Table::new(name, title, &header);
+    for block in blocks {
+        let both = |value: fn(&Judged) -> f64| {
+            let values = block.of(value);
+            format!("{} ({})", number(median(&values)), number(largest(&values)))
+        };
+        table.row([
+            block.name.clone(),
+            block.seeds.len().to_string(),
+            block.share(|seed| seed.verdict == "physical"),
+            block.share(|seed| seed.checked == "physical"),
+            block.share(|seed| seed.checked == "plausible"),
+            block.share(|seed| seed.has_converged),
+            block.share(|seed| seed.is_best),
+            block.gap(|seed| seed.goal_gap),
+            block.gap(|seed| seed.simulated_gap),
+            both(|seed| seed.event_error_ms),
+            both(|seed| seed.iterations as f64),
+            both(|seed| seed.time_ms),
+        ]);
     }
     table
 }
 
-fn timing(rows: &[Row]) -> Table {
-    let mut table = Table::new(
-        "Recovered sample times, error against the hidden ones",
-        &[
-            "style",
-            "timing",
-            "distortion",
-            "rms ms",
-            "rms ms, best offset taken off",
-            "worst seed ms, offset taken off",
-        ],
-    );
-    for row in rows.iter().filter(|row| !row.timing_known) {
-        let raw = row.of(|seed| 1e3 * seed.sample_time_rms_s);
-        let centred = row.of(|seed| 1e3 * seed.sample_time_rms_without_offset_s);
-        table.row(row.head().into_iter().chain([
-            number(rms(&raw)),
+fn sample_times(blocks: &[Block]) -> Table {
+    let header = [
+        "performed",
+        "rms ms",
+        "rms ms, best offset taken off",
+        "worst seed ms, offset taken off",
+    ];
+    let title = "Recovered sample times of pencils, error against the hidden ones";
+    let mut table = Table::new("sample_times", title, &header);
+    let is_told = |block: &&Block| block.table == "pencils" && !block.timing_known;
+    for block in blocks.iter().filter(is_told) {
+        let centred = block.of(|seed| seed.sample_times_ms.1);
+        table.row([
+            block.name.clone(),
+            number(rms(&block.of(|seed| seed.sample_times_ms.0))),
             number(rms(&centred)),
             number(largest(&centred)),
-        ]));
+        ]);
     }
     table
 }
 
-fn failures(rows: &[Row]) -> Table {
-    let mut table = Table::new(
-        "Seeds that are not physical or not at the best known optimum (the first 12 of a row)",
-        &[
-            "style",
-            "timing",
-            "distortion",
-            "not physical",
-            "physical, but above the best (objective over lowest)",
-        ],
-    );
-    for row in rows {
-        let list = |texts: Vec<String>| {
-            let more = texts.len().saturating_sub(12);
-            let shown = texts[..texts.len() - more].join(", ");
-            if more > 0 {
-                format!("{shown}, {more} more")
-            } else {
-                shown
+/// Seeds that are not at the best known optimum.
+fn failures(blocks: &[Block]) -> Table {
+    let header = [
+        "performed",
+        "without its verdict",
+        "above the best (objective over lowest)",
+    ];
+    let title = "Seeds that do not end at the best known optimum";
+    let mut table = Table::new("failures", title, &header);
+    let list = |texts: Vec<String>| match texts.len().saturating_sub(12) {
+        0 => texts.join(", "),
+        more => format!("{}, {more} more", texts[..12].join(", ")),
+    };
+    for block in blocks {
+        let (mut without, mut above) = (Vec::new(), Vec::new());
+        for seed in block.seeds.iter().filter(|seed| !seed.is_best) {
+            match &seed.lowest {
+                Some((lowest, _)) if !is_best(seed.objective, *lowest) => {
+                    above.push(format!("{} ({:.4})", seed.seed, seed.objective / lowest));
+                }
+                _ => without.push(seed.seed.to_string()),
             }
-        };
-        let unphysical = row.seeds.iter().filter(|seed| seed.verdict != "physical");
-        let unphysical: Vec<String> = unphysical.map(|seed| seed.seed.to_string()).collect();
-        let above = row
-            .seeds
-            .iter()
-            .filter(|seed| seed.verdict == "physical" && !seed.is_best);
-        let above: Vec<String> = above
-            .map(|seed| format!("{} ({})", seed.seed, ratio(seed)))
-            .collect();
-        if !unphysical.is_empty() || !above.is_empty() {
-            table.row(
-                row.head()
-                    .into_iter()
-                    .chain([list(unphysical), list(above)]),
-            );
+        }
+        if !(without.is_empty() && above.is_empty()) {
+            table.row([block.name.clone(), list(without), list(above)]);
         }
     }
     table
-}
-
-fn ratio(seed: &Seed) -> String {
-    seed.lowest.map_or("–".into(), |lowest| {
-        format!("{:.4}", seed.objective / lowest)
-    })
 }

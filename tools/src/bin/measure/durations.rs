@@ -10,13 +10,16 @@ use enact::config::scene_from_toml;
 use enact::motion::{Estimate, Scene, TakeEvent, TrackIndex, Verdict};
 use serde::Serialize;
 
-use crate::results::Options;
+use crate::options::Options;
+use crate::record::Record;
 use crate::statistics::{median, quantile};
 use crate::table::{Table, number};
-use crate::tosses::{RATES_HZ, Toss, folder, read, scene_toml, take};
 use enact_tools::case::{Case, estimated};
 use enact_tools::perform::{Acting, Style};
+use enact_tools::tosses::{self, FREE_LAW_TOML, IMPACT_TOML, RATES_HZ, Toss, end_toml, scene_toml};
 
+/// Performances of a pencil.
+const SEEDS: u64 = 60;
 /// So many times slower than they were.
 const SLOWDOWN: f64 = 2.5;
 /// Samples after the first impact.
@@ -91,20 +94,20 @@ impl Row {
 }
 
 /// Runs it.
-pub fn run(options: &Options) -> Result<()> {
-    let mut rows = tosses()?;
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let mut rows = of_tosses()?;
     for style in Style::ALL {
         for distortion in [1.0, 2.0, 4.0] {
             let what = format!("pencil, {} first, {distortion}×", style.as_str());
             let told: Vec<Told> = options
-                .range()
+                .seeds(SEEDS)
                 .filter_map(|seed| pencil(style, distortion, seed))
                 .collect();
             rows.push(Row::new(what, &told));
         }
     }
-    options.show(table(&rows));
-    options.write_json("durations", &rows)
+    record.table(table(&rows));
+    record.numbers("rows", &rows)
 }
 
 fn pencil(style: Style, distortion: f64, seed: u64) -> Option<Told> {
@@ -120,30 +123,24 @@ fn pencil(style: Style, distortion: f64, seed: u64) -> Option<Told> {
 }
 
 /// Rows of the tosses, if they are there.
-fn tosses() -> Result<Vec<Row>> {
-    let Some(folder) = folder() else {
+fn of_tosses() -> Result<Vec<Row>> {
+    let Some((_, tosses)) = tosses::all()? else {
         return Ok(Vec::new());
     };
-    let text = scene_toml()?;
-    let tosses = read(&folder, &scene_from_toml(&text)?)?;
-    let (head, _) = text.split_once("[[event]]").context("events")?;
+    let (head, _) = scene_toml().split_once("[[event]]").context("events")?;
     let head = head.replace("\"physical\"", "\"tempo\"");
     let head = format!("gravity_m_s2 = [0, 0, -9.648]\n{head}");
-    let end = |name: &str| format!("[[event]]\nname = \"{name}\"\nkind = \"end\"\n");
-    let impact = "[[event]]\nname = \"impact\"\nkind = \"collision\"\nbody = \"cube\"\n\
-                  surface = \"table\"\nrestitution = 0.3\nfriction = 0.15\n";
-    let free = "[[free]]\nquantity = \"impact.restitution\"\n\
-                [[free]]\nquantity = \"impact.friction\"\nlower = 0\nupper = 2\n";
+    let end = end_toml("end");
     let scenes = [
-        ("first flight", format!("{head}{}", end("end")), 0),
+        ("first flight", format!("{head}{end}"), 0),
         (
             "flight and impact, its law free",
-            format!("{head}{impact}{}{free}", end("end")),
+            format!("{head}{IMPACT_TOML}{end}{FREE_LAW_TOML}"),
             AFTER_IMPACT,
         ),
         (
             "flight and impact of another law",
-            format!("{head}{impact}{}", end("end")),
+            format!("{head}{IMPACT_TOML}{end}"),
             AFTER_IMPACT,
         ),
     ];
@@ -177,12 +174,13 @@ fn slowed(toss: &Toss, after: usize) -> Option<Vec<TakeEvent>> {
     if after > 0 {
         marks.insert(0, (toss.flight as f64 - 0.5, "impact"));
     }
-    let events = || take(toss, RATES_HZ[0] / SLOWDOWN, count, &marks);
+    let events = || toss.take(RATES_HZ[0] / SLOWDOWN, count, &marks);
     (count <= toss.poses.len()).then(events)
 }
 
 fn table(rows: &[Row]) -> Table {
     let mut table = Table::new(
+        "durations",
         "Durations of what was acted slowly",
         &[
             "what",

@@ -1,141 +1,53 @@
-//! Success rate of each method as one trouble grows.
+//! Success rate of each method and of each peer as one trouble grows.
 //!
-//! [`cases`] makes every problem once, with where to start and the best known answer, so that other
-//! solvers may be asked the same. Marks and outliers act before any solve: all methods get what the
-//! program's segmentation makes of them, unless a curve says otherwise. General solvers ([`peers`]) are
-//! asked where they are installed.
+//! [`asked::cases`] makes every problem once, with where to start and the best known answer, so that
+//! other solvers may be asked the same. Marks and outliers act before any solve: all methods get what
+//! the program's segmentation makes of them, unless a curve says otherwise. General solvers ([`peers`])
+//! are asked where they are installed.
+//!
+//! [`peers`]: crate::peers
+
+mod asked;
+mod troubles;
 
 use std::time::Instant;
 
 use anyhow::Result;
 use enact::estimate::recipe::{self, Recipe};
-use enact::motion::Sketch;
 use enact::optimise::finish::Tolerances;
 use enact::physics::Dynamics;
 use enact::physics::body::Symmetry;
 use rayon::prelude::*;
 
 use crate::figure::{Axis, Curve, Figure, Mark};
-use crate::peers::{self, PEERS};
-use crate::tasks::{posing, with_marks_as_they_are};
-use crate::troubles::{Trouble, troubles};
-use crate::{Book, Options};
-use enact_tools::case::{Case, Posed};
-use enact_tools::export;
-use enact_tools::methods::{Answer, Grid, Method, Task};
+use crate::options::Options;
+use crate::peers::PEERS;
+use crate::record::Record;
+use crate::statistics::wilson;
+use asked::{Asked, LIMIT_S, STARTS};
+use enact_tools::methods::{Answer, Grid, Method, Part, Task};
+use enact_tools::starts::is_best;
+use troubles::{Trouble, troubles};
 
-/// Performances of each setting.
-const SEEDS: u64 = 24;
 /// Evaluations of the evolution strategy, and the most performances that it is asked.
 const EVALUATIONS: usize = 30_000;
 const SAMPLED: u64 = 6;
-/// The most performances that peers are asked, and how long they may take \[s\].
-const PEERED: u64 = 6;
-const LIMIT_S: f64 = 1.0;
 /// Where a turn has no closed form an evaluation takes thirty times as long: a tenth of them.
 const SHARE: usize = 10;
-/// Starts among which the best optimum is.
-const STARTS: usize = 6;
-/// Two-sided, 95 %.
-const NORMAL: f64 = 1.96;
-
-/// One performance of one setting of a trouble.
-pub struct Asked {
-    /// Index of the trouble.
-    pub trouble: usize,
-    /// Index of its setting.
-    pub setting: usize,
-    /// Of the performance.
-    pub seed: u64,
-    /// Problem, guesses, best known objective; none where segmentation refused it, which fails
-    /// every method.
-    pub task: Option<Task>,
-    /// The same with the performer's marks as they are.
-    as_they_are: Option<Posed>,
-    /// What peers make of it, those that were asked.
-    peers: Vec<peers::Answer>,
-}
-
-/// Every problem of this part, trouble by trouble, setting by setting.
-pub fn cases(troubles: &[Trouble], quick: bool) -> Vec<Asked> {
-    let seeds = if quick { 2 } else { SEEDS };
-    let mut all = Vec::new();
-    for (trouble, of) in troubles.iter().enumerate() {
-        for setting in 0..of.settings.len() {
-            all.extend((0..seeds).map(|seed| (trouble, setting, seed)));
-        }
-    }
-    let made = all.into_par_iter().filter_map(|(trouble, setting, seed)| {
-        let of = &troubles[trouble];
-        // A seed without a motion is no performance.
-        let case = (of.make)(of.settings[setting], seed).ok()?;
-        let posing = posing(&case, seed, if quick { 3 } else { STARTS }).ok();
-        let raw = posing.as_ref().filter(|_| of.acts_before);
-        let raw = raw.and_then(|posing| as_they_are(&case, &posing.sketch));
-        let task = posing.map(|posing| posing.task);
-        // Without any optimum there is nothing to miss.
-        let is_task = task.as_ref().is_none_or(|task| task.best.is_some());
-        is_task.then_some(Asked {
-            trouble,
-            setting,
-            seed,
-            task,
-            as_they_are: raw,
-            peers: Vec::new(),
-        })
-    });
-    made.collect()
-}
-
-fn as_they_are(case: &Case, sketch: &Sketch) -> Option<Posed> {
-    let sketch = with_marks_as_they_are(case, sketch)?;
-    enact::segment::cut(case.scene(), &sketch).ok()?;
-    Some(Posed::without_marks(case.scene(), &sketch))
-}
-
-/// Asks the peers for the same, in two processes: here only success counts.
-fn ask_peers(asked: &mut [Asked], quick: bool) -> Result<()> {
-    let seeds = if quick { 1 } else { PEERED };
-    let mut given: Vec<&mut Asked> = asked
-        .iter_mut()
-        .filter(|asked| asked.seed < seeds && asked.task.is_some())
-        .collect();
-    let settings = peers::Settings {
-        repeats: 1,
-        limit_s: LIMIT_S,
-        tolerance: 1e-8,
-        from: "start",
-        peers: PEERS,
-    };
-    let half = given.len().div_ceil(2).max(1);
-    let halves = given.par_chunks_mut(half).map(|asked| -> Result<()> {
-        let tasks = asked.iter().filter_map(|asked| asked.task.as_ref());
-        let problem =
-            |task: &Task| export::problem("", &task.problem, &task.layout, &task.guesses[0], &[]);
-        let problems: Vec<export::Problem> = tasks.map(problem).collect();
-        let report = peers::solve(&problems, &settings)?;
-        for answer in report.into_iter().flat_map(|report| report.answers) {
-            asked[answer.problem].peers.push(answer);
-        }
-        Ok(())
-    });
-    halves.collect()
-}
 
 /// Makes one figure for each trouble.
-pub fn run(options: &Options, book: &mut Book) -> Result<()> {
-    let troubles = troubles();
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let troubles = troubles(options.quick);
     let begin = Instant::now();
-    let mut asked = cases(&troubles, options.quick);
+    let mut asked = asked::cases(&troubles, options);
     let seconds = || begin.elapsed().as_secs_f64();
     eprintln!("  {} problems: {:.1} s", asked.len(), seconds());
-    ask_peers(&mut asked, options.quick)?;
+    asked::ask_peers(&mut asked)?;
     eprintln!("  peers: {:.1} s", seconds());
     for (index, trouble) in troubles.iter().enumerate() {
         let asked: Vec<&Asked> = asked.iter().filter(|a| a.trouble == index).collect();
-        let begin = Instant::now();
-        book.keep(figure(trouble, &asked, options.quick))?;
-        eprintln!("  {}: {:.1} s", trouble.name, begin.elapsed().as_secs_f64());
+        record.figure(figure(trouble, &asked, options.quick));
+        eprintln!("  {}: {:.1} s", trouble.name, seconds());
     }
     Ok(())
 }
@@ -146,16 +58,7 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
     let is_closed = |Dynamics::Free(body): &Dynamics| body.symmetry() != Symmetry::Asymmetric;
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
     let is_closed = tasks.all(|task| task.problem.dynamics.iter().all(is_closed));
-    let evaluations = if is_closed {
-        EVALUATIONS
-    } else {
-        EVALUATIONS / SHARE
-    };
-    let evaluations = if quick {
-        evaluations / 100
-    } else {
-        evaluations
-    };
+    let evaluations = EVALUATIONS / if is_closed { 1 } else { SHARE } / if quick { 100 } else { 1 };
     let methods = methods(is_known, evaluations);
     let mut rates = rates(trouble, asked, &methods);
     let of_peers = PEERS.iter().zip(rates.split_off(methods.len()));
@@ -178,15 +81,21 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
         let name = "sliding grid, lifted event times, marks as they are";
         curves.push(Curve::new(name, points.collect()));
     }
+    let late: Vec<String> = PEERS.iter().filter_map(|name| late(name, asked)).collect();
+    let late = if late.is_empty() {
+        String::new()
+    } else {
+        format!(", which stops {}", late.join(", "))
+    };
     Figure {
         name: format!("failure_{}", trouble.name),
         title: format!("How often the best optimum is found: {}", trouble.what),
         note: format!(
             "Up to {} performances of each setting (evolution strategy: {SAMPLED}, {evaluations} \
-             evaluations; peers: {PEERED}, at most {LIMIT_S} s each). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
+             evaluations; peers: at most {LIMIT_S} s each{late}). Success: violation within 1e-6 units, events in order, objective within 2e-5 of \
              the best of all methods and {STARTS} starts, the truth among them. Bars: 95 % intervals (Wilson). All methods \
              get the program's segmentation{}.",
-            if quick { 2 } else { SEEDS },
+            asked.iter().map(|a| a.index + 1).max().unwrap_or(0),
             if trouble.acts_before {
                 "; of marks as they are it counts whether the end leads to the best optimum after they \
                  are refined"
@@ -203,6 +112,17 @@ fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
     }
 }
 
+/// How often the limit of time is what stops a peer, if ever.
+fn late(name: &str, asked: &[&Asked]) -> Option<String> {
+    let answers = asked.iter().flat_map(|asked| &asked.peers);
+    let own: Vec<bool> = answers
+        .filter(|a| a.peer == name)
+        .map(|a| a.is_late())
+        .collect();
+    let late = own.iter().filter(|late| **late).count();
+    (late > 0).then(|| format!("{name} in {late} of {}", own.len()))
+}
+
 fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
     let mut all = vec![
         Method::Program,
@@ -210,6 +130,8 @@ fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
         Method::Multiple(1),
         Method::Multiple(3),
         Method::Over(Grid::Shooting { intervals: 1 }),
+        Method::Without(Part::Sweep),
+        Method::Without(Part::Multipliers),
     ];
     if is_known {
         all.push(Method::Sampling(evaluations));
@@ -221,13 +143,12 @@ fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
 /// of them; `None` of those that were not asked.
 fn judge(asked: &Asked, methods: &[Method]) -> Vec<Option<bool>> {
     let is_asked = |method: &Method| match method {
-        Method::Sampling(_) => asked.seed < SAMPLED,
+        Method::Sampling(_) => asked.index < SAMPLED,
         _ => true,
     };
     let asked_methods = methods.iter().map(is_asked);
     let Some(task) = &asked.task else {
-        let asked_peers = PEERS.iter().map(|_| asked.seed < PEERED);
-        let all = asked_methods.chain(asked_peers);
+        let all = asked_methods.chain(PEERS.iter().map(|_| true));
         return all.map(|is_asked| is_asked.then_some(false)).collect();
     };
     let answers = methods.iter().zip(asked_methods);
@@ -301,7 +222,7 @@ fn succeeds_raw(asked: &Asked) -> bool {
     let near = recipe.without_sweep();
     let end = recipe::solve(&one.problem, &one.layout, &one.guesses[0], &near, &mut ());
     let best = one.best.unwrap_or(f64::NAN);
-    end.finished.converged && enact_tools::starts::is_best(2.0 * end.system.cost, best)
+    end.finished.converged && is_best(2.0 * end.system.cost, best)
 }
 
 /// A share with Wilson's interval.
@@ -312,12 +233,8 @@ fn rate(x: f64, count: usize, of: usize) -> Mark {
             ..Mark::at(x, 0.0)
         };
     }
-    let (n, share) = (of as f64, count as f64 / of as f64);
-    let square = NORMAL * NORMAL / n;
-    let middle = (share + 0.5 * square) / (1.0 + square);
-    let half = NORMAL * (share * (1.0 - share) / n + 0.25 * square / n).sqrt() / (1.0 + square);
     Mark {
-        spread: Some([(middle - half).max(0.0), (middle + half).min(1.0)]),
-        ..Mark::at(x, share)
+        spread: Some(wilson(count, of)),
+        ..Mark::at(x, count as f64 / of as f64)
     }
 }

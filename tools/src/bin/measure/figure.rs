@@ -149,16 +149,3 @@ fn both_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f6
     let ends = Option::<[Option<f64>; 2]>::deserialize(deserializer)?;
     Ok(ends.and_then(|[least, greatest]| Some([least?, greatest?])))
 }
-
-/// A table for the page.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
-pub struct Sheet {
-    /// Name of its file.
-    pub name: String,
-    /// What it shows.
-    pub title: String,
-    /// First row.
-    pub header: Vec<String>,
-    /// The others, as long as the first.
-    pub rows: Vec<Vec<String>>,
-}

@@ -18,10 +18,11 @@ use std::time::Instant;
 use anyhow::Result;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::Options;
-use crate::book::Book;
-use crate::figure::{Axis, Curve, Figure, Mark, Sheet};
+use crate::figure::{Axis, Curve, Figure, Mark};
+use crate::options::Options;
+use crate::record::Record;
 use crate::statistics::median;
+use crate::table::Table;
 use enact_tools::front::{Point, Task, Turning};
 use enact_tools::reference::{self, Pair};
 use method::{Method, Start, Turned};
@@ -66,17 +67,27 @@ const BODIES: [(&str, &str, [f64; 3], [f64; 3]); 7] = [
 const DURATIONS_S: [f64; 3] = [0.1, 1.0, 10.0];
 /// The one that is drawn; the others are in the table and in the numbers.
 const DRAWN_S: f64 = 1.0;
+/// Bodies, times asked for and errors that are drawn.
+const DRAWN: [(&str, usize, Error); 7] = [
+    ("cube", 60, Error::Rotation),
+    ("top", 60, Error::Rotation),
+    ("generic", 60, Error::Rotation),
+    ("middle", 60, Error::Rotation),
+    ("generic", 1, Error::Rotation),
+    ("separatrix", 1, Error::Derivative),
+    ("axis", 1, Error::Derivative),
+];
 /// Times asked for.
 const SAMPLES: [usize; 2] = [1, 60];
 
 /// Runs it.
-pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut turnings = Vec::new();
     for (name, title, moments, omega) in BODIES {
         let start = Start { moments, omega };
         let mut tasks = Vec::new();
         for duration_s in DURATIONS_S {
-            if options.quick && duration_s > 1.0 {
+            if options.quick && duration_s != DRAWN_S {
                 continue;
             }
             let truth = Truth::of(&start, duration_s);
@@ -93,16 +104,26 @@ pub fn run(options: &Options, book: &mut Book) -> Result<()> {
             chosen: method::ours(&start).to_owned(),
             tasks,
         };
-        let drawn = |task: &&Task| task.duration_s == DRAWN_S;
-        for task in turning.tasks.iter().filter(drawn) {
-            book.keep(figure(&turning, task, Error::Rotation))?;
-            book.keep(figure(&turning, task, Error::Derivative))?;
+        for (_, samples, error) in DRAWN.iter().filter(|(drawn, ..)| *drawn == name) {
+            let is_drawn = |task: &&Task| (task.duration_s, task.samples) == (DRAWN_S, *samples);
+            if let Some(task) = turning.tasks.iter().find(is_drawn) {
+                record.figure(figure(&turning, task, *error));
+            }
         }
-        book.numbers(&format!("flow_{name}"), &turning)?;
         turnings.push(turning);
     }
-    book.tabulate(fronts(&turnings))?;
-    book.tabulate(references(&turnings))
+    let tasks = || turnings.iter().flat_map(|turning| &turning.tasks);
+    let ahead = tasks()
+        .filter(|task| task.ahead_of_ours().is_empty())
+        .count();
+    record.say(format!(
+        "In {ahead} of {} tasks no flow is at once faster than enact's, as exact to rounding in the turn and its derivative, \
+         and more exact in one.",
+        tasks().count()
+    ));
+    record.table(fronts(&turnings));
+    record.table(references(&turnings));
+    record.numbers("flow", &turnings)
 }
 
 fn task(start: &Start, samples: usize, duration_s: f64, truth: &Truth, quick: bool) -> Task {
@@ -322,35 +343,7 @@ fn figure(turning: &Turning, task: &Task, error: Error) -> Figure {
     }
 }
 
-fn fronts(turnings: &[Turning]) -> Sheet {
-    let mut rows = Vec::new();
-    for turning in turnings {
-        for task in &turning.tasks {
-            let ours = task.ours();
-            let other = task.fastest_exact_other();
-            let faster = task.as_exact_and_faster().into_iter();
-            let faster = faster.min_by(|a, b| a.fastest_s.total_cmp(&b.fastest_s));
-            let named = |point: &Point| format!("{} {}", point.method, point.setting);
-            rows.push(vec![
-                turning.title.clone(),
-                format!("{} s", task.duration_s),
-                task.samples.to_string(),
-                format!("{:.3} µs", 1e6 * ours.fastest_s),
-                format!("{:.0e}", ours.error_rad.unwrap_or(f64::NAN)),
-                format!("{:.0e}", ours.derivative_error.unwrap_or(f64::NAN)),
-                other.map_or("none".to_owned(), named),
-                other.map_or("–".to_owned(), |other| {
-                    format!("{:.2}", other.fastest_s / ours.fastest_s)
-                }),
-                faster.map_or("nothing".to_owned(), named),
-                if task.ahead_of_ours().is_empty() {
-                    "yes".to_owned()
-                } else {
-                    "no".to_owned()
-                },
-            ]);
-        }
-    }
+fn fronts(turnings: &[Turning]) -> Table {
     let header = [
         "body",
         "duration",
@@ -363,31 +356,46 @@ fn fronts(turnings: &[Turning]) -> Sheet {
         "as exact to rounding, and faster",
         "program on the front",
     ];
-    Sheet {
-        name: "flow_fronts".to_owned(),
-        header: header.map(str::to_owned).to_vec(),
-        rows,
-        ..Sheet::default()
+    let mut table = Table::new("fronts", "", &header);
+    for turning in turnings {
+        for task in &turning.tasks {
+            let ours = task.ours();
+            let other = task.fastest_exact_other();
+            let faster = task.as_exact_and_faster().into_iter();
+            let faster = faster.min_by(|a, b| a.fastest_s.total_cmp(&b.fastest_s));
+            let named = |point: &Point| format!("{} {}", point.method, point.setting);
+            let over = |other: &Point| format!("{:.2}", other.fastest_s / ours.fastest_s);
+            let is_front = task.ahead_of_ours().is_empty();
+            table.row([
+                turning.title.clone(),
+                format!("{} s", task.duration_s),
+                task.samples.to_string(),
+                format!("{:.3} µs", 1e6 * ours.fastest_s),
+                format!("{:.0e}", ours.error_rad.unwrap_or(f64::NAN)),
+                format!("{:.0e}", ours.derivative_error.unwrap_or(f64::NAN)),
+                other.map_or("none".to_owned(), named),
+                other.map_or("–".to_owned(), over),
+                faster.map_or("nothing".to_owned(), named),
+                if is_front { "yes" } else { "no" }.to_owned(),
+            ]);
+        }
     }
+    table
 }
 
-fn references(turnings: &[Turning]) -> Sheet {
-    let rows = turnings.iter().map(|turning| {
-        let worst = |index: usize| {
-            let all = turning.tasks.iter().map(|task| task.reference[index]);
-            format!("{:.0e}", all.fold(0.0, f64::max))
-        };
-        vec![turning.title.clone(), worst(0), worst(1)]
-    });
+fn references(turnings: &[Turning]) -> Table {
     let header = [
         "body",
         "rotations differ by at most, rad",
         "derivatives, relative",
     ];
-    Sheet {
-        name: "flow_references".to_owned(),
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-        ..Sheet::default()
+    let mut table = Table::new("references", "", &header);
+    for turning in turnings {
+        let worst = |index: usize| {
+            let all = turning.tasks.iter().map(|task| task.reference[index]);
+            format!("{:.0e}", all.fold(0.0, f64::max))
+        };
+        table.row([turning.title.clone(), worst(0), worst(1)]);
     }
+    table
 }

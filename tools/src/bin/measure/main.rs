@@ -1,62 +1,172 @@
-//! Measurements.
+//! Measurements of the program, on performances whose truth is known and on real recordings.
+//!
+//! ```text
+//! cargo run --release --bin measure                          # everything, in hours
+//! cargo run --release --bin measure -- --quick               # that everything runs, in a minute
+//! cargo run --release --bin measure -- --only flow peers     # two subjects
+//! cargo run --release --bin measure -- --draw                # pages and drawings from the numbers
+//! ```
+//!
+//! Every subject leaves a [`record::Record`] in `tools/results`: tables, figures, raw numbers, and
+//! on what they were measured. Its page and its drawings are made from that alone. Run it on a
+//! machine that does nothing else: times are measured.
 
 mod accuracy;
 mod answer;
-mod book;
-mod chart;
-mod covariance;
-mod coverage;
+mod cost;
 mod damage;
-mod data;
+mod draw;
 mod durations;
-mod estimation;
 mod failure;
 mod figure;
 mod flow;
-mod growth;
-mod nonsense_table;
+mod methods;
+mod nonsense;
+mod options;
 mod page;
-mod pages;
 mod peers;
-mod phases;
-mod plot;
-mod proposal;
-mod proposals;
-mod real;
-mod results;
+mod posing;
+mod record;
 mod run;
-mod scale;
-mod scales;
-mod scaling;
-mod scenes;
 mod sequences;
 mod statistics;
-mod stopwatch;
-mod stress_table;
-mod study;
+mod stress;
 mod table;
-mod tasks;
 mod tosses;
-mod troubles;
-mod tuned;
+mod uncertainty;
 
+use std::time::Instant;
+
+use anyhow::Result;
 use clap::Parser;
 
-use book::Book;
-use chart::Options;
-use study::Study;
+use options::Options;
+use record::Record;
+use run::Run;
 
-#[derive(Parser)]
-enum Cli {
-    /// Studies
-    Study(study::Cli),
-    /// Charts
-    Chart(chart::Options),
+/// What is measured.
+struct Subject {
+    /// Of its files.
+    name: &'static str,
+    /// In the list of pages.
+    title: &'static str,
+    /// The page, with places for figures and tables.
+    text: &'static str,
+    /// Measures it.
+    run: fn(&Options, &mut Record) -> Result<()>,
 }
 
-fn main() -> anyhow::Result<()> {
-    match Cli::parse() {
-        Cli::Study(cli) => study::run(cli),
-        Cli::Chart(options) => chart::run(options),
+macro_rules! subject {
+    ($name:literal, $title:literal, $run:path) => {
+        Subject {
+            name: $name,
+            title: $title,
+            text: include_str!(concat!("pages/", $name, ".md")),
+            run: $run,
+        }
+    };
+}
+
+/// In the order of the list of pages.
+const SUBJECTS: &[Subject] = &[
+    subject!(
+        "answer",
+        "how often the motion is the right one, and what it takes",
+        answer::run
+    ),
+    subject!(
+        "accuracy",
+        "how exactly exact performances are recovered",
+        accuracy::run
+    ),
+    subject!(
+        "uncertainty",
+        "how certain an estimate is, and whether it says so",
+        uncertainty::run
+    ),
+    subject!("peers", "general solvers on the same problems", peers::run),
+    subject!(
+        "methods",
+        "other methods of estimation on the same problems",
+        methods::run
+    ),
+    subject!(
+        "failure",
+        "where methods and peers fail as a trouble grows",
+        failure::run
+    ),
+    subject!(
+        "stress",
+        "where the program fails, and what it says then",
+        stress::run
+    ),
+    subject!(
+        "nonsense",
+        "wrong models, right ones, and real recordings of no flight",
+        nonsense::run
+    ),
+    subject!(
+        "damage",
+        "outliers, wrong units, marks that are off or absent",
+        damage::run
+    ),
+    subject!(
+        "sequences",
+        "what touches, where scenes leave that open",
+        sequences::run
+    ),
+    subject!(
+        "cost",
+        "time and memory against samples, bounces and bodies",
+        cost::run
+    ),
+    subject!(
+        "flow",
+        "the free turn of a body beside other ways to compute it",
+        flow::run
+    ),
+    subject!(
+        "tosses",
+        "real tosses of a cube: gravity, impacts, predictions",
+        tosses::run
+    ),
+    subject!(
+        "durations",
+        "how long motions last that were acted in a tempo of their own",
+        durations::run
+    ),
+];
+
+fn main() -> Result<()> {
+    let options = Options::parse();
+    if let Some(size) = &options.memory {
+        let bytes = cost::memory::peak_bytes(size);
+        println!("{}", bytes.map_or(String::new(), |bytes| bytes.to_string()));
+        return Ok(());
     }
+    let is_known = |name: &String| SUBJECTS.iter().any(|subject| subject.name == name);
+    if let Some(name) = options.only.iter().find(|name| !is_known(name)) {
+        let names: Vec<&str> = SUBJECTS.iter().map(|subject| subject.name).collect();
+        anyhow::bail!("no subject {name:?}; there are {}", names.join(", "));
+    }
+    for subject in SUBJECTS {
+        if options.draw
+            || !(options.only.is_empty() || options.only.iter().any(|n| n == subject.name))
+        {
+            continue;
+        }
+        eprintln!("{}", subject.name);
+        let here = Run::here(options.quick);
+        let mut record = Record::default();
+        let begin = Instant::now();
+        (subject.run)(&options, &mut record)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        eprintln!("{}: {seconds:.1} s", subject.name);
+        record.run = Run { seconds, ..here };
+        // What leaves rows out is no measurement of the subject.
+        if options.rows.is_none() {
+            record.save(&options.folder, subject.name)?;
+        }
+    }
+    page::write_all(&options.folder, SUBJECTS)
 }

@@ -5,9 +5,9 @@
 //! peers, and that is said.
 
 mod account;
+mod figures;
 mod front;
-mod present;
-pub mod scenes;
+mod scenes;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,13 +16,13 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
-use crate::{Book, Options};
-use enact_tools::case::Case;
+use crate::options::Options;
+use crate::record::Record;
+use crate::table::Table;
+use account::Account;
 use enact_tools::export;
 use enact_tools::starts::is_best;
 use scenes::Given;
-
-pub use account::redraw;
 
 /// Violation up to which a motion counts \[units\].
 pub const FEASIBLE: f64 = 1e-6;
@@ -111,6 +111,11 @@ impl Answer {
         self.objective.is_some() && self.is_in_order && self.violation.is_some_and(|v| v < FEASIBLE)
     }
 
+    /// Whether the limit of time stopped it.
+    pub fn is_late(&self) -> bool {
+        self.status == "over the limit"
+    }
+
     /// Whether it is the motion of that objective, or as good.
     pub fn is_success(&self, lowest: f64) -> bool {
         self.is_motion()
@@ -159,63 +164,69 @@ pub fn solve(problems: &[export::Problem], settings: &Settings) -> Result<Option
 }
 
 /// Runs it.
-pub fn run(options: &Options, book: &mut Book) -> Result<()> {
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     if !are_installed() {
-        println!("peers: none installed, skipped (tools/peers/install.sh installs them)");
+        println!("peers: none installed, left out (tools/peers/install.sh installs them)");
         return Ok(());
     }
-    let (distortions, seeds): (&[f64], u64) = if options.quick {
-        (&[1.0], 1)
-    } else {
-        (&[1.0, 2.0, 4.0], 6)
-    };
     let settings = Settings {
-        repeats: if options.quick { 2 } else { 3 },
-        limit_s: if options.quick { 0.5 } else { 2.0 },
+        repeats: options.either(2, 3),
+        limit_s: options.either(0.5, 2.0),
         tolerance: 1e-8,
         from: "start",
         peers: PEERS,
     };
-    let mut scenes = Vec::new();
-    let mut problems = Vec::new();
-    let mut owns = Vec::new();
-    for scenario in scenes::all(distortions) {
-        let first = problems.len();
-        for seed in 0..seeds {
-            let case = Case::new(&(scenario.truth)(seed), &scenario.acting, seed);
-            if let Some(Given { problem, own }) =
-                scenes::given(&scenario.name, &case, seed, settings.repeats)
-            {
-                problems.push(problem);
-                owns.push(own);
-            }
-        }
-        scenes.push((scenario.name, first..problems.len()));
+    let distortions = options.either(&[1.0][..], &[1.0, 2.0, 4.0]);
+    let mut account = Account::default();
+    for scene in scenes::all(distortions) {
+        let seeds = options.seeds(scenes::SEEDS);
+        let given = seeds.filter_map(|seed| scene.given(seed, settings.repeats));
+        account.add(&scene, given.collect());
     }
+    let problems: Vec<export::Problem> = account
+        .given
+        .iter()
+        .map(|given| given.problem.clone())
+        .collect();
     let Some(report) = solve(&problems, &settings)? else {
         return Ok(());
     };
-    account::show(&scenes, &owns, &report, &settings, book)?;
-    front::run(&settings, (options, book))?;
-    // Formulas that were wrong would fail from there too.
-    let control = Settings {
+    account.show(&report, &settings, record)?;
+    front::run(&settings, options, record)?;
+    control(&account.given, settings, record)
+}
+
+/// How many motions the peers find from the truth: formulas that were wrong would fail there too.
+fn control(given: &[Given], settings: Settings, record: &mut Record) -> Result<()> {
+    let settings = Settings {
         repeats: 1,
         from: "truth",
         ..settings
     };
-    let few: Vec<export::Problem> = scenes
-        .iter()
-        .filter(|(_, range)| !range.is_empty())
-        .map(|(_, range)| problems[range.start].clone())
-        .filter(|problem| {
-            problem
-                .points
-                .iter()
-                .any(|point| point.name == control.from)
-        })
-        .collect();
-    if let Some(report) = solve(&few, &control)? {
-        account::show_control(few.len(), &report);
+    let mut few: Vec<export::Problem> = Vec::new();
+    for Given { problem, .. } in given {
+        let has_truth = problem
+            .points
+            .iter()
+            .any(|point| point.name == settings.from);
+        if has_truth && few.iter().all(|other| other.name != problem.name) {
+            few.push(problem.clone());
+        }
     }
+    let Some(report) = solve(&few, &settings)? else {
+        return Ok(());
+    };
+    let title = "From the truth, one problem of each scene that has one";
+    let mut table = Table::new("control", title, &["peer", "problems", "motions found"]);
+    for name in PEERS {
+        let answers = report.answers.iter().filter(|answer| answer.peer == *name);
+        let motions = answers.filter(|answer| answer.is_motion()).count();
+        table.row([
+            (*name).to_owned(),
+            few.len().to_string(),
+            motions.to_string(),
+        ]);
+    }
+    record.table(table);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! On what something was measured. The charts and the studies include this file.
+//! On what something was measured.
 
 use std::fs;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use serde::{Deserialize, Serialize};
 
 /// On what a part was measured.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Run {
     /// Model of the processor.
     pub processor: String,
@@ -42,7 +42,7 @@ impl Run {
 /// What is measured: the last commit, and whether anything but results was changed since.
 fn revision() -> String {
     let commit = said("git", &["describe", "--always"]);
-    let sources = [".", ":!tools/charts", ":!tools/study/results"];
+    let sources = [".", ":!tools/results"];
     let status = ["status", "--porcelain", "--untracked-files=no", "--"];
     let changed = output("git", &[&status[..], &sources].concat());
     match changed.as_deref() {
@@ -70,7 +70,7 @@ fn said(command: &str, arguments: &[&str]) -> String {
 fn output(command: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(command)
         .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .output();
     Some(
         String::from_utf8_lossy(&output.ok()?.stdout)

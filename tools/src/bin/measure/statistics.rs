@@ -58,3 +58,16 @@ pub fn exponent(x: &[f64], y: &[f64]) -> f64 {
     let square: f64 = x.iter().map(|x| (x - mean_x) * (x - mean_x)).sum();
     cross / square
 }
+
+/// Half widths of the 50, 90 and 95 % intervals of a normal distribution [standard deviations].
+pub const INTERVALS: [(f64, f64); 3] = [(50.0, 0.674_49), (90.0, 1.644_85), (95.0, 1.959_96)];
+
+/// Wilson's 95 % interval of a share.
+pub fn wilson(count: usize, of: usize) -> [f64; 2] {
+    let (n, share) = (of as f64, count as f64 / of as f64);
+    let width = INTERVALS[2].1;
+    let square = width * width / n;
+    let middle = (share + 0.5 * square) / (1.0 + square);
+    let half = width * (share * (1.0 - share) / n + 0.25 * square / n).sqrt() / (1.0 + square);
+    [(middle - half).max(0.0), (middle + half).min(1.0)]
+}

@@ -96,75 +96,41 @@ pub fn methods(start: &Start) -> Vec<Method> {
         },
         method("elliptic functions", String::new(), closed_form),
     ];
-    let tolerances = || [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15];
-    for tolerance in tolerances() {
-        methods.push(method(
-            "Taylor, order 8",
-            named(tolerance),
-            move |s, t, o| {
-                taylor::<9>(s, t, tolerance, o);
-            },
-        ));
+    type Series = fn(&Start, &[f64], f64, &mut Vec<Turned>);
+    let series: [(&str, Series); 4] = [
+        ("Taylor, order 8", taylor::<9>),
+        ("Taylor, order 14", taylor::<15>),
+        ("Taylor, order 20", taylor::<21>),
+        ("Taylor, order 28", taylor::<29>),
+    ];
+    for (name, run) in series {
+        for tolerance in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15] {
+            let setting = format!("{tolerance:e}");
+            methods.push(method(name, setting, move |s, t, o| {
+                run(s, t, tolerance, o)
+            }));
+        }
     }
-    for tolerance in tolerances() {
-        methods.push(method(
-            "Taylor, order 14",
-            named(tolerance),
-            move |s, t, o| {
-                taylor::<15>(s, t, tolerance, o);
-            },
-        ));
+    let steps: [(&str, Series); 2] = [
+        ("Runge–Kutta, order 4", runge_kutta::turns),
+        ("Lie group (RKMK), order 4", lie::turns),
+    ];
+    for (name, run) in steps {
+        for step_s in [3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4] {
+            let setting = format!("{} ms", 1e3 * step_s);
+            methods.push(method(name, setting, move |s, t, o| run(s, t, step_s, o)));
+        }
     }
-    for tolerance in tolerances() {
-        methods.push(method(
-            "Taylor, order 20",
-            named(tolerance),
-            move |s, t, o| {
-                taylor::<21>(s, t, tolerance, o);
-            },
-        ));
-    }
-    for tolerance in tolerances() {
-        methods.push(method(
-            "Taylor, order 28",
-            named(tolerance),
-            move |s, t, o| {
-                taylor::<29>(s, t, tolerance, o);
-            },
-        ));
-    }
-    for step_s in [3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4] {
-        let setting = || format!("{} ms", 1e3 * step_s);
-        methods.push(method(
-            "Runge–Kutta, order 4",
-            setting(),
-            move |s, t, o| {
-                runge_kutta::turns(s, t, step_s, o);
-            },
-        ));
-        methods.push(method(
-            "Lie group (RKMK), order 4",
-            setting(),
-            move |s, t, o| {
-                lie::turns(s, t, step_s, o);
-            },
-        ));
-    }
-    for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
-        methods.push(method(
-            "DOP853, order 8",
-            named(tolerance),
-            move |s, t, o| {
-                library::turns(s, t, library::Scheme::DormandPrince853, tolerance, o);
-            },
-        ));
-        methods.push(method(
-            "Verner, order 9",
-            named(tolerance),
-            move |s, t, o| {
-                library::turns(s, t, library::Scheme::Verner9, tolerance, o);
-            },
-        ));
+    for (name, scheme) in [
+        ("DOP853, order 8", library::Scheme::DormandPrince853),
+        ("Verner, order 9", library::Scheme::Verner9),
+    ] {
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
+            let setting = format!("{tolerance:e}");
+            let run =
+                move |s: &Start, t: &[f64], o: &mut _| library::turns(s, t, scheme, tolerance, o);
+            methods.push(method(name, setting, run));
+        }
     }
     methods
 }
@@ -180,10 +146,6 @@ fn method(
         is_ours: false,
         run: Box::new(run),
     }
-}
-
-fn named(tolerance: f64) -> String {
-    format!("{tolerance:e}")
 }
 
 /// One time as its events are evaluated, several as its samples are.

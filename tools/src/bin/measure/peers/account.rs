@@ -3,163 +3,176 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 use serde_json::json;
 
-use super::present::present;
-use super::scenes::Own;
-use super::{Answer, FEASIBLE, Report, Settings};
-use crate::Book;
-use crate::figure::or_nan;
+use super::scenes::{Given, Own, Scene};
+use super::{Agreement, Answer, FEASIBLE, Report, Settings, figures};
+use crate::record::Record;
 use crate::statistics::{median, quantile};
+use crate::table::percent;
 use enact_tools::starts::is_best;
 
 /// What this program is called beside its peers.
 pub const OWN: &str = "enact";
 pub const WHOLE: &str = "enact, whole estimate";
-/// Every scene together.
-pub const ALL: &str = "all";
-/// Name of the numbers.
-const NUMBERS: &str = "peers";
 
 /// One solver on one problem.
-#[derive(Clone, Debug, Serialize)]
 struct Cell {
     seconds: [f64; 2],
     /// Without what is spent in Python callbacks.
     solver_seconds: f64,
+    /// Over the lowest known, of a motion.
     objective: Option<f64>,
     succeeds: bool,
     is_late: bool,
 }
 
+/// A scene and its problems.
+pub struct Block {
+    pub name: String,
+    pub what: String,
+    /// How much the hand wanders; none of all scenes together.
+    pub distortion: Option<f64>,
+    pub bounces: Option<usize>,
+    problems: Range<usize>,
+}
+
 /// One solver on all problems of a scene; not a number where nothing is to be said.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Serialize)]
 pub struct Row {
+    /// Index of the scene.
+    pub block: usize,
     pub scene: String,
     pub solver: String,
     pub problems: usize,
     pub succeeds: usize,
+    /// Stopped by the limit of time.
     pub late: usize,
     /// Median time, of those that succeed \[s\].
-    #[serde(deserialize_with = "or_nan")]
     pub seconds: f64,
     /// Median time of ours, of all \[s\].
-    #[serde(deserialize_with = "or_nan")]
     pub own_seconds: f64,
     /// Time over ours, where both succeed: quartile, median, quartile.
-    #[serde(deserialize_with = "or_nans")]
     pub ratio: [f64; 3],
     /// Median of the same without Python callbacks.
-    #[serde(deserialize_with = "or_nan")]
-    pub solver_ratio: f64,
+    solver_ratio: f64,
     /// Median of greatest over least time of the repeats, of those that succeed.
-    #[serde(deserialize_with = "or_nan")]
-    pub spread: f64,
+    spread: f64,
     /// Median of the objective over the lowest known, of all motions.
-    #[serde(deserialize_with = "or_nan")]
-    pub objective: f64,
+    objective: f64,
 }
 
-fn or_nans<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
-    let numbers = <[Option<f64>; 3]>::deserialize(deserializer)?;
-    Ok(numbers.map(|number| number.unwrap_or(f64::NAN)))
+/// All problems, scene by scene.
+#[derive(Default)]
+pub struct Account {
+    pub given: Vec<Given>,
+    pub blocks: Vec<Block>,
 }
 
-/// What tables and figures are made of.
-#[derive(Deserialize)]
-pub struct Measured {
-    /// Longest time of a solve \[s\].
-    pub limit_s: f64,
-    /// Solves of each problem.
-    pub repeats: usize,
-    /// Scene by scene, solver by solver.
-    pub rows: Vec<Row>,
+impl Account {
+    /// Adds a scene's problems.
+    pub fn add(&mut self, scene: &Scene, given: Vec<Given>) {
+        let first = self.given.len();
+        self.given.extend(given);
+        self.blocks.push(Block {
+            name: scene.name.clone(),
+            what: scene.what.clone(),
+            distortion: Some(scene.acting.distortion),
+            bounces: scene.bounces,
+            problems: first..self.given.len(),
+        });
+    }
+
+    /// Keeps raw numbers, and what is made of them.
+    pub fn show(
+        &mut self,
+        report: &Report,
+        settings: &Settings,
+        record: &mut Record,
+    ) -> Result<()> {
+        self.blocks.push(Block {
+            name: "all".to_owned(),
+            what: "all".to_owned(),
+            distortion: None,
+            bounces: None,
+            problems: 0..self.given.len(),
+        });
+        let solvers: Vec<&str> = [OWN, WHOLE]
+            .into_iter()
+            .chain(settings.peers.iter().copied())
+            .collect();
+        let owns = self.given.iter().map(|given| &given.own);
+        let cells = owns
+            .enumerate()
+            .map(|(problem, own)| cells(problem, &solvers, own, report));
+        let cells: Vec<Vec<Option<Cell>>> = cells.collect();
+        let mut rows = Vec::new();
+        for (index, block) in self.blocks.iter().enumerate() {
+            for (at, solver) in solvers.iter().enumerate() {
+                rows.push(row(
+                    (index, &block.name),
+                    (at, solver),
+                    &cells[block.problems.clone()],
+                ));
+            }
+        }
+        record.say(agreement(&report.agreements));
+        for row in &rows[rows.len() - solvers.len()..] {
+            record.say(said(row, settings.limit_s));
+        }
+        record.table(figures::table(&rows, &self.blocks, &solvers));
+        for figure in figures::all(&rows, &self.blocks, &solvers, settings) {
+            record.figure(figure);
+        }
+        let owns: Vec<&Own> = self.given.iter().map(|given| &given.own).collect();
+        record.numbers(
+            "peers",
+            &json!({
+                "limit_s": settings.limit_s,
+                "repeats": settings.repeats,
+                "rows": rows,
+                "own": owns,
+                "report": report,
+            }),
+        )
+    }
 }
 
-/// Keeps raw numbers, and what is made of them.
-pub fn show(
-    scenes: &[(String, Range<usize>)],
-    owns: &[Own],
-    report: &Report,
-    settings: &Settings,
-    book: &mut Book,
-) -> Result<()> {
-    let agreements = &report.agreements;
-    let worst = |of: fn(&super::Agreement) -> f64| agreements.iter().map(of).fold(0.0, f64::max);
-    println!(
-        "peers: on {} problems, at every start and solution, objectives agree to {:.1e} of them, \
-         constraints to {:.1e} units, derivatives with difference quotients to {:.1e}; {} refused",
-        agreements.len(),
+/// How well the peers' formulas agree with ours.
+fn agreement(all: &[Agreement]) -> String {
+    let worst = |of: fn(&Agreement) -> f64| all.iter().map(of).fold(0.0, f64::max);
+    format!(
+        "On {} problems, at every start and solution, the peers' objectives agree with ours to {:.1e} of them, constraints to \
+         {:.1e} units, derivatives with difference quotients to {:.1e}; {} problems are refused.",
+        all.len(),
         worst(|a| a.objective),
         worst(|a| a.constraint),
         worst(|a| a.derivative),
-        agreements.iter().filter(|a| a.refused.is_some()).count(),
-    );
-    for agreement in agreements.iter().filter(|a| a.refused.is_some()) {
-        println!("  problem {}: {:?}", agreement.problem, agreement.refused);
-    }
-    let own_names = [OWN, WHOLE].map(str::to_owned);
-    let names: Vec<String> = own_names.into_iter().chain(peers(report)).collect();
-    let cells: Vec<Vec<Option<Cell>>> = (0..owns.len())
-        .map(|problem| cells(problem, &names, &owns[problem], report))
-        .collect();
-    let all = (ALL.to_owned(), 0..owns.len());
-    let rows: Vec<Row> = scenes
-        .iter()
-        .chain([&all])
-        .flat_map(|(scene, range)| {
-            let cells = &cells[range.clone()];
-            (0..names.len()).map(move |solver| (scene, solver, cells))
-        })
-        .map(|(scene, solver, cells)| row(scene, &names[solver], solver, cells))
-        .collect();
-    let raw = json!({
-        "versions": report.versions,
-        "limit_s": settings.limit_s,
-        "repeats": settings.repeats,
-        "rows": rows,
-        "own": owns,
-        "agreements": report.agreements,
-        "answers": report.answers,
-    });
-    book.numbers(NUMBERS, &raw)?;
-    redraw(book)
+        all.iter().filter(|a| a.refused.is_some()).count(),
+    )
 }
 
-/// Makes table and figures from the numbers that were kept, if there are any.
-pub fn redraw(book: &mut Book) -> Result<()> {
-    match book.read::<Measured>(NUMBERS) {
-        Some(measured) => present(&measured, book),
-        None => Ok(()),
-    }
-}
-
-/// Prints how many motions the peers find from the truth.
-pub fn show_control(problems: usize, report: &Report) {
-    println!(
-        "From the truth, of {problems} problems, one of each scene that has one, a motion is found by"
-    );
-    for name in peers(report) {
-        let answers = report.answers.iter().filter(|answer| answer.peer == name);
-        let motions = answers.filter(|answer| answer.is_motion()).count();
-        println!("  {name}: {motions}");
-    }
-}
-
-/// Names of the peers in the order in which they answered.
-fn peers(report: &Report) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for answer in &report.answers {
-        if !names.contains(&answer.peer) {
-            names.push(answer.peer.clone());
-        }
-    }
-    names
+/// One solver on all problems, in a sentence.
+fn said(row: &Row, limit_s: f64) -> String {
+    let share = percent(row.succeeds, row.problems);
+    let late = if row.late > 0 {
+        format!(", {} stopped by the limit of {limit_s} s", row.late)
+    } else {
+        String::new()
+    };
+    let ends = match row.solver.as_str() {
+        WHOLE => "has the verdict that the scene allows",
+        _ => "ends at the best known optimum",
+    };
+    format!(
+        "{} {ends} in {share} of {} problems, in {:.1} times enact's time{late}.",
+        row.solver, row.problems, row.ratio[1]
+    )
 }
 
 /// What every solver made of a problem; `None` of those that were not given it.
-fn cells(problem: usize, names: &[String], own: &Own, report: &Report) -> Vec<Option<Cell>> {
+fn cells(problem: usize, names: &[&str], own: &Own, report: &Report) -> Vec<Option<Cell>> {
     let answers = || report.answers.iter().filter(|a| a.problem == problem);
     let motions = answers().filter(|answer| answer.is_motion());
     let own_is_motion = own.violation < FEASIBLE && own.is_in_order;
@@ -176,7 +189,7 @@ fn cells(problem: usize, names: &[String], own: &Own, report: &Report) -> Vec<Op
             .filter(|_| answer.is_motion())
             .map(|o| o / lowest),
         succeeds: answer.is_success(lowest),
-        is_late: answer.status == "over the limit",
+        is_late: answer.is_late(),
     };
     let of_own = |seconds: [f64; 2], objective: f64, is_motion: bool| Cell {
         seconds,
@@ -187,7 +200,7 @@ fn cells(problem: usize, names: &[String], own: &Own, report: &Report) -> Vec<Op
     };
     names
         .iter()
-        .map(|name| match name.as_str() {
+        .map(|name| match *name {
             OWN => Some(of_own(own.seconds, own.objective, own_is_motion)),
             WHOLE => Some(whole(own)),
             name => answers().find(|answer| answer.peer == name).map(of_peer),
@@ -207,7 +220,11 @@ fn whole(own: &Own) -> Cell {
     }
 }
 
-fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> Row {
+fn row(
+    (block, scene): (usize, &str),
+    (solver, name): (usize, &str),
+    cells: &[Vec<Option<Cell>>],
+) -> Row {
     let all = || cells.iter().filter_map(|cells| cells[solver].as_ref());
     let good = || all().filter(|cell| cell.succeeds);
     let both = || {
@@ -228,6 +245,7 @@ fn row(scene: &str, name: &str, solver: usize, cells: &[Vec<Option<Cell>>]) -> R
         .collect();
     let of_good = |value: fn(&Cell) -> f64| median(&good().map(value).collect::<Vec<f64>>());
     Row {
+        block,
         scene: scene.to_owned(),
         solver: name.to_owned(),
         problems: all().count(),

@@ -8,12 +8,15 @@ use enact::optimise::finish::Tolerances;
 use super::scenes::timed;
 use super::{Answer, Settings, solve};
 use crate::figure::{Axis, Curve, Figure, Mark};
+use crate::options::Options;
+use crate::record::Record;
 use crate::statistics::median;
-use crate::{Book, Options};
 use enact_tools::case::{Case, Posed};
 use enact_tools::export;
 use enact_tools::perform::{Acting, Style, Truth, bounces, hat_box};
 
+/// Performances of a scene.
+const SEEDS: u64 = 30;
 /// Violations of constraints at which solvers may end \[units\].
 const TOLERANCES: &[f64] = &[1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10];
 const FEWER_TOLERANCES: &[f64] = &[1e-2, 1e-8];
@@ -44,12 +47,8 @@ type Reached = (f64, Option<f64>);
 type Performed = Box<dyn Fn(u64) -> Truth>;
 
 /// Keeps a figure for each of some scenes.
-pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Result<()> {
-    let (tolerances, seeds) = if options.quick {
-        (FEWER_TOLERANCES, 1)
-    } else {
-        (TOLERANCES, 5)
-    };
+pub fn run(settings: &Settings, options: &Options, record: &mut Record) -> Result<()> {
+    let tolerances = options.either(FEWER_TOLERANCES, TOLERANCES);
     let truths: [(&str, &str, Performed); 3] = [
         (
             "tip",
@@ -64,11 +63,12 @@ pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Resul
         ),
     ];
     for (name, title, truth) in truths {
-        let subjects: Vec<Subject> = (0..seeds)
+        let subjects: Vec<Subject> = options
+            .seeds(SEEDS)
             .filter_map(|seed| subject(&truth(seed), seed))
             .collect();
         let curves = curves(&subjects, tolerances, settings)?;
-        book.keep(Figure {
+        record.figure(Figure {
             name: format!("peers_front_{name}"),
             title: format!("Time against distance from the optimum: {title}"),
             note: format!(
@@ -82,7 +82,7 @@ pub fn run(settings: &Settings, (options, book): (&Options, &mut Book)) -> Resul
             x: Axis::logarithmic("distance from the optimum"),
             y: Axis::logarithmic("time, s"),
             curves,
-        })?;
+        });
     }
     Ok(())
 }

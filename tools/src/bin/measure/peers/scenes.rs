@@ -4,24 +4,27 @@ use std::time::Instant;
 
 use enact::estimate::point::Point;
 use enact::estimate::recipe::{self, Recipe, Solution};
-use enact::motion::Verdict;
-
 use serde::Serialize;
 
-use crate::tasks::{is_bent, posed_with_truth};
-use enact_tools::case::Case;
+use enact_tools::case::{Case, best_verdict, is_bent};
 use enact_tools::export;
 use enact_tools::perform::{Acting, Style, Truth, bounces, die, hat_box};
 use enact_tools::starts::{lowest, starts};
 
+/// Performances of a scene.
+pub const SEEDS: u64 = 30;
+
 /// A scene, acted in one way.
-pub struct Scenario {
+pub struct Scene {
     /// For tables.
     pub name: String,
+    /// What is varied besides, in words, and bounces of a cube.
+    pub what: String,
+    pub bounces: Option<usize>,
     /// How.
     pub acting: Acting,
     /// What, at a seed.
-    pub truth: Box<dyn Fn(u64) -> Truth>,
+    truth: Box<dyn Fn(u64) -> Truth>,
 }
 
 /// Bounces of the cube at the default distortion, and at others.
@@ -29,12 +32,15 @@ const COUNTS: &[usize] = &[1, 2, 4, 6, 8, 12];
 const FEWER_COUNTS: &[usize] = &[1, 4, 8];
 
 /// Every scene at those distortions; timing is known but where it is said not to be.
-pub fn all(distortions: &[f64]) -> Vec<Scenario> {
+pub fn all(distortions: &[f64]) -> Vec<Scene> {
     let mut all = Vec::new();
     for distortion in distortions {
-        let mut add = |name: String, acting: Acting, truth: Box<dyn Fn(u64) -> Truth>| {
-            all.push(Scenario {
-                name: format!("{name} {distortion}×"),
+        type Make = Box<dyn Fn(u64) -> Truth>;
+        let mut add = |what: String, bounces: Option<usize>, acting: Acting, truth: Make| {
+            all.push(Scene {
+                name: format!("{what}, {distortion}×"),
+                what,
+                bounces,
                 acting: Acting {
                     distortion: *distortion,
                     ..acting
@@ -45,23 +51,17 @@ pub fn all(distortions: &[f64]) -> Vec<Scenario> {
         for style in Style::ALL {
             for (timing, acting) in [
                 ("", Acting::timing_known()),
-                (" timing unknown,", Acting::default()),
+                (", timing unknown", Acting::default()),
             ] {
-                let name = format!("pencil, {} first,{timing}", style.as_str());
-                add(name, acting, Box::new(move |_| style.truth()));
+                let name = format!("pencil, {} first{timing}", style.as_str());
+                add(name, None, acting, Box::new(move |_| style.truth()));
             }
         }
         let known = Acting::timing_known;
-        add(
-            "hat and box,".into(),
-            known(),
-            Box::new(|_| hat_box::truth()),
-        );
-        add(
-            "die,".into(),
-            Acting::edited(),
-            Box::new(|_| die::reference()),
-        );
+        let hat = Box::new(|_| hat_box::truth());
+        add("hat and box".into(), None, known(), hat);
+        let die = Box::new(|_| die::reference());
+        add("die".into(), None, Acting::edited(), die);
         let counts = if *distortion == 1.0 {
             COUNTS
         } else {
@@ -69,7 +69,8 @@ pub fn all(distortions: &[f64]) -> Vec<Scenario> {
         };
         for count in counts.iter().copied() {
             let truth = move |seed| bounces(count, seed).expect("a bouncing cube");
-            add(format!("cube, {count} bounces,"), known(), Box::new(truth));
+            let name = format!("cube, {count} bounces");
+            add(name, Some(count), known(), Box::new(truth));
         }
     }
     all
@@ -99,47 +100,41 @@ pub struct Given {
     pub own: Own,
 }
 
-/// Poses the problem of a performance, solves it, and exports it; `None` where the performance is
-/// refused.
-pub fn given(name: &str, case: &Case, seed: u64, repeats: usize) -> Option<Given> {
-    let pipeline = case.pipeline();
-    let (outcome, whole_seconds) = timed(repeats, || pipeline.clone().estimate(&mut ()));
-    let outcome = outcome.ok()?;
-    let (posed, true_guess) = posed_with_truth(case, &outcome);
-    let is_bent = is_bent(&outcome);
-    let mut others = Vec::new();
-    let guess = &posed.guesses[0];
-    let solve = || -> Solution {
-        let recipe = Recipe::default();
-        recipe::solve(&posed.problem, &posed.layout, guess, &recipe, &mut ())
-    };
-    let (solution, seconds) = timed(repeats, solve);
-    others.push(("solution", solution.point.clone()));
-    if !is_bent {
-        others.push(("truth", Point::new(&posed.problem, &true_guess)));
+impl Scene {
+    /// Poses the problem of a performance, solves it, and exports it; `None` where the performance
+    /// is refused.
+    pub fn given(&self, seed: u64, repeats: usize) -> Option<Given> {
+        let case = Case::new(&(self.truth)(seed), &self.acting, seed);
+        let pipeline = case.pipeline();
+        let (outcome, whole_seconds) = timed(repeats, || pipeline.clone().estimate(&mut ()));
+        let outcome = outcome.ok()?;
+        let (posed, truth) = case.posed_without_marks(&outcome);
+        let guess = &posed.guesses[0];
+        let solve = || -> Solution {
+            let recipe = Recipe::default();
+            recipe::solve(&posed.problem, &posed.layout, guess, &recipe, &mut ())
+        };
+        let (solution, seconds) = timed(repeats, solve);
+        let true_point = Point::new(&posed.problem, &truth);
+        let mut others = vec![("solution", &solution.point)];
+        if !is_bent(case.scene()) {
+            others.push(("truth", &true_point));
+        }
+        let best = lowest(&posed, &starts(&posed, &truth, seed));
+        Some(Given {
+            problem: export::problem(&self.name, &posed.problem, &posed.layout, guess, &others),
+            own: Own {
+                seconds,
+                whole_seconds,
+                objective: 2.0 * solution.system.cost,
+                violation: solution.system.violation(),
+                iterations: solution.work.iterations,
+                is_in_order: solution.point.event_times_s.is_sorted(),
+                whole_is_motion: outcome.estimate.verdict == best_verdict(case.scene()),
+                lowest: best.map(|best| best.objective),
+            },
+        })
     }
-    let others: Vec<_> = others.iter().map(|(name, point)| (*name, point)).collect();
-    let problem = export::problem(name, &posed.problem, &posed.layout, guess, &others);
-    // A bent motion is none where velocities should be continuous.
-    let expected = if is_bent {
-        Verdict::Plausible
-    } else {
-        Verdict::Physical
-    };
-    let best = lowest(&posed, &starts(&posed, &true_guess, seed));
-    Some(Given {
-        problem,
-        own: Own {
-            seconds,
-            whole_seconds,
-            objective: 2.0 * solution.system.cost,
-            violation: solution.system.violation(),
-            iterations: solution.work.iterations,
-            is_in_order: solution.point.event_times_s.is_sorted(),
-            whole_is_motion: outcome.estimate.verdict == expected,
-            lowest: best.map(|best| best.objective),
-        },
-    })
 }
 
 /// What a function gives, and its least and greatest time \[s\].
