@@ -1,6 +1,6 @@
 //! What of a scene is drawn, where and in which colour, apart from the formats in which it is said.
 //!
-//! [`visuals`] lists bodies, obstacles, surfaces and goals with their shapes; [`primitives`] takes a
+//! [`visuals`](visuals()) lists bodies, obstacles, surfaces and goals with their shapes; [`primitives`] takes a
 //! shape apart into boxes, balls, cones' frusta and triangles, and [`mesh`](mesh()) covers any with
 //! triangles. Scene updates and URDF are written from these.
 
