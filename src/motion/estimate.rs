@@ -1,4 +1,4 @@
-//! What comes out: a physical motion, its timing, and an honest account of both.
+//! The result of an estimation: a motion, its timing, and how well both are met and determined.
 
 use nalgebra::Vector3;
 
@@ -22,7 +22,7 @@ pub struct ArcEstimate {
     pub end_s: f64,
 }
 
-/// What is left of the constraints at an event, largest of each kind.
+/// Remaining violations of the constraints at an event, the largest of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gap {
     /// Contact and position \[m\].
@@ -61,22 +61,22 @@ pub struct EventEstimate {
     pub sd_s: Option<f64>,
     /// Acted time, refined [s since `Sketch::origin`].
     pub acted_s: f64,
-    /// What is left of the constraints there.
+    /// Remaining violations of the constraints at it.
     pub gap: Gap,
 }
 
-/// How long the motion lasts.
+/// The duration of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DurationEstimate {
     /// Physical time from the beginning of the first flight to the end of the last \[s\].
     pub duration_s: f64,
-    /// Its standard deviation \[s\], zero where it is fixed; `None` where nothing determines it.
+    /// Its standard deviation \[s\], zero where it is fixed; `None` where it is undetermined.
     pub sd_s: Option<f64>,
 }
 
 impl DurationEstimate {
-    /// A deviation beyond this share of the duration leaves it undetermined: one in twenty would be
-    /// off by more than a fifth.
+    /// Greatest standard deviation of a determined duration, relative to it: beyond, one in twenty
+    /// would be off by more than a fifth.
     pub const SHARE_MAX: f64 = 0.1;
 
     /// Whether the performance determines it, to within [`Self::SHARE_MAX`].
@@ -101,7 +101,7 @@ pub struct ParameterEstimate {
     pub upper: f64,
 }
 
-/// How well one segment fits.
+/// Residuals of one segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentResidual {
     /// Index into `Scene::bodies`.
@@ -114,21 +114,21 @@ pub struct SegmentResidual {
     pub orientation_rms_rad: f64,
 }
 
-/// Where a sample lies on the physical time line.
+/// The physical time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTime {
     /// Index into `Scene::bodies`.
     pub body: usize,
-    /// The sample.
+    /// Stamp of the sample.
     pub stamp: Stamp,
     /// Its physical time [s since the first sample].
     pub time_s: f64,
 }
 
-/// Work done, by kind: golden in the tests.
+/// Counts of work by kind; tests hold golden values of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Evaluations with a factorisation, in sweep, multiplier rounds and finish.
+    /// Steps computed in sweep, multiplier rounds and finish.
     pub iterations: usize,
     /// Evaluations of all sample residuals.
     pub evaluations: usize,
@@ -138,7 +138,7 @@ pub struct Counters {
     pub fit_iterations: usize,
     /// Rounds of mark refinement and of time assignment.
     pub assignment_rounds: usize,
-    /// Starts tried.
+    /// Number of guesses tried.
     pub starts: usize,
 }
 
@@ -155,7 +155,7 @@ impl Counters {
 }
 
 impl Estimate {
-    /// Holds doubts against it: the verdict is the best that all of them leave.
+    /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));
         for doubt in &doubts {
@@ -168,21 +168,21 @@ impl Estimate {
 /// The result of an estimation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// How far the motion may be called physical.
+    /// How physical the motion is.
     pub verdict: Verdict,
     /// Why the solver stopped, with the measured value and the threshold.
     pub reason: String,
-    /// What checks hold against it, the gravest first; none where nobody looked.
+    /// Doubts from the checks, the gravest first; none where no check was made.
     pub doubts: Vec<Doubt>,
-    /// Sum of squared weighted residuals, priors included.
+    /// Objective (paper eq. 1, 6): sum of squared weighted residuals, priors included.
     pub objective: f64,
-    /// Gravity it was estimated with, or that was estimated [m/s², world].
+    /// Gravity, given or estimated [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// The motion: arcs body by body, in order of time.
     pub arcs: Vec<ArcEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
-    /// How long it lasts.
+    /// The duration of the motion.
     pub duration: DurationEstimate,
     /// The scene's free parameters.
     pub parameters: Vec<ParameterEstimate>,
@@ -190,7 +190,7 @@ pub struct Estimate {
     pub residuals: Vec<SegmentResidual>,
     /// Physical time of every used sample, body by body.
     pub sample_times: Vec<SampleTime>,
-    /// Names of what the performance does not determine.
+    /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<String>,
     /// Work done.
     pub counters: Counters,

@@ -1,4 +1,4 @@
-//! How a motion goes on past the sketch until it rests.
+//! The continuation of a motion past the sketch until it rests (paper §6.2.3).
 
 use crate::math::Pose;
 
@@ -13,7 +13,7 @@ pub struct Settled {
     pub bodies: Vec<SettledBody>,
     /// Whether all bodies came to rest; otherwise some still move at the limit.
     pub at_rest: bool,
-    /// Largest speed of a centre of mass on the way [m/s], of states at multiples of the interval.
+    /// Largest speed of a centre of mass [m/s] among the states at multiples of the interval.
     pub largest_speed_m_s: f64,
 }
 
