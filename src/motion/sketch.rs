@@ -47,7 +47,8 @@ pub struct MarkTime {
     pub acted_s: f64,
     /// Its standard deviation, in acted time \[s\].
     pub sd_s: f64,
-    /// How often it counts in the objective, where samples count once; one until flights are fitted.
+    /// How often it counts in the objective, where samples count once; one until flights are
+    /// fitted.
     pub counted: f64,
 }
 
@@ -129,7 +130,8 @@ pub struct MarkChanges {
     pub proposed: Vec<usize>,
     /// Events whose mark was far from any kink of the stream and was moved to one.
     pub moved: Vec<usize>,
-    /// Starts and ends whose mark was before the first sample or after the last and was moved there.
+    /// Starts and ends whose mark was before the first sample or after the last and was moved
+    /// there.
     pub late: Vec<usize>,
     /// Marks that stand for no event.
     pub ignored: usize,
