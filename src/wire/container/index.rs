@@ -281,7 +281,8 @@ impl Container {
         gathered.redefined.extend(redefined);
     }
 
-    /// Ends the walk: takes definitions that are still missing from the summary, and counts messages.
+    /// Ends the walk: takes definitions that are still missing from the summary, and counts
+    /// messages.
     fn conclude(&mut self, mut gathered: Gathered) {
         let is_lost = |id: &u16| !self.channels.contains_key(id);
         if !gathered.waiting.is_empty() || gathered.tallies.keys().any(is_lost) {
