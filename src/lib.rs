@@ -14,10 +14,10 @@
 //! the physical times `t` of the samples where the stamps only give an order:
 //!
 //! ```text
-//! min   Σ_i ‖W (Φ(q, t_i) ⊟ s_i)‖² + priors(u) + tempo(t)     how far from what was acted
-//! s.t.  φ(Φ(q, τ)) = 0, approaching                           contact at a collision
-//!       q⁺ = Impact(q⁻, u)                                    continuity over it
-//!       goals, bounds, order of events
+//! min   Σ_i ‖W (Φ(q, t_i) ⊟ s_i)‖² + priors(u) + tempo(t)   distance from what was acted (eq. 1, 6)
+//! s.t.  φ(Φ(q, τ)) = 0, approaching                         contact at a collision (§5.2)
+//!       q⁺ = Impact(q⁻, u)                                  continuity over it (eq. 3, 8)
+//!       goals (§3.1), bounds (§6), order of times (eq. 7)
 //! ```
 //!
 //! # The rooms

@@ -1,8 +1,9 @@
 //! Stages 2 to 4c as one pure state machine: event in, checked estimate out.
 //!
-//! A driver pushes what its source delivers, in whatever order that is, and calls
-//! [`Pipeline::finish`] when the take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events alone; clocks,
-//! files and threads are the driver's. The same take gives the same [`Outcome`] bit for bit.
+//! A driver pushes the events of its source, in any order, and calls [`Pipeline::finish`] when the
+//! take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events
+//! alone; clocks, files and threads belong to the driver. The same take gives the same [`Outcome`]
+//! bit for bit.
 
 mod follow;
 mod infer;
@@ -23,7 +24,7 @@ use crate::segment;
 use crate::settle::settle;
 use crate::verify::verify;
 
-/// One take of one scene on its way to an estimate.
+/// One take of one scene, to be estimated.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     scene: Scene,
@@ -31,7 +32,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Begins a take of that scene.
+    /// An empty take of a scene.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,
@@ -39,7 +40,7 @@ impl Pipeline {
         }
     }
 
-    /// A take of that scene that is over.
+    /// A complete take of a scene.
     pub fn of(scene: Scene, events: impl IntoIterator<Item = TakeEvent>) -> Self {
         Self {
             scene,
@@ -47,19 +48,19 @@ impl Pipeline {
         }
     }
 
-    /// The scene it was begun with.
+    /// The scene as given.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Takes in what the source delivered; in any order.
+    /// Adds an event, in any order.
     pub fn push(&mut self, event: TakeEvent) {
         self.events.push(event);
     }
 
-    /// Marks for what was pushed, in order of time, whatever marks are in it: of every collision
-    /// of the scene, or of `count` on each track, and its start and end at the first and the last
-    /// sample.
+    /// Proposes marks for the take, in order of time and without use of its own marks: for every
+    /// collision of the scene, or `count` on each track, and its start and end at the first and the
+    /// last sample. Fails where there are too few samples or no clear proposals.
     pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
         let marks = count.map_or(self.marks(), |count| {
             count + self.scene.events.len().max(1) - 1
@@ -101,9 +102,9 @@ impl Pipeline {
         Ok(marks)
     }
 
-    /// The estimate from all that was pushed, checked, and continued until it rests if the scene
+    /// The estimate from all events, checked, and continued until it rests if the scene
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
-    /// means that there is nothing to estimate from.
+    /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let mut outcome = self.solved(observer)?;
         if outcome.estimate.verdict != Verdict::Failed {
@@ -123,7 +124,7 @@ impl Pipeline {
         Ok(outcome)
     }
 
-    /// The estimate from all that was pushed, unchecked: its verdict is that of its gaps alone.
+    /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let outcome = self.solved(observer)?;
         observer.phase(Phase::Done);
@@ -148,24 +149,24 @@ impl Pipeline {
         ))
     }
 
-    /// Marks that were pushed: by these repeated collisions are counted.
+    /// Number of marks: it determines how often a repeated collision happens.
     pub fn marks(&self) -> usize {
         let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
         self.events.iter().filter(is_mark).count()
     }
 }
 
-/// A mark as the stream suggests it.
+/// A proposed mark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkProposal {
-    /// Whose kink it is; `None` for start and end.
+    /// The track whose motion has the kink (index into `Scene::tracks`); `None` for start and end.
     pub track: Option<TrackIndex>,
-    /// Its event (index into `Scene::events`), if as many were looked for as the scene has.
+    /// Its event (index into `Scene::events`), if as many were searched for as the scene has.
     pub event: Option<usize>,
-    /// When, on the clock of the samples.
+    /// Its time on the clock of the samples.
     pub stamp: Stamp,
-    /// The same [s since the first sample].
+    /// Its time [s since the first sample].
     pub time_s: f64,
-    /// See [`segment::Proposal::score`]; none for start and end.
+    /// See [`segment::Proposal::score`]; `None` for start and end.
     pub score: Option<f64>,
 }

@@ -254,7 +254,7 @@ fn an_error_names_its_file() {
     );
 }
 
-/// Scraps that mean something to the format, to reach beyond the parser.
+/// Fragments that are meaningful to the format, so that random texts pass the parser.
 fn scrap() -> impl Strategy<Value = String> {
     prop_oneof![
         Just("nan".to_owned()),

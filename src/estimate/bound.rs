@@ -4,7 +4,8 @@
 //! For any multipliers `ν` and weight `w`, weak duality gives
 //!
 //! ```text
-//! min over x  f(x) + Σ (½ w dist²(c(x) + ν/w, [lower, upper]) − ½ ν²/w)  ≤  constrained minimum of f
+//! min over x   f(x) + Σ (½ w dist²(c(x) + ν/w, [lower, upper]) − ½ ν²/w)
+//!     ≤ minimum of f under the constraints
 //! ```
 //!
 //! since the terms of the sum are at most zero where the constraints hold. Multipliers from a round

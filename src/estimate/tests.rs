@@ -1,5 +1,5 @@
-//! Derivatives of the whole problem against numeric ones, on a scene in which everything that
-//! can be free is free; and bounds that act.
+//! Compares derivatives of the whole problem with numeric ones, on a scene in which every quantity
+//! that can be free is free; and tests active bounds.
 
 use nalgebra::{DVector, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
@@ -295,8 +295,8 @@ fn lengths(layout: &Layout) -> Vec<f64> {
 }
 
 /// Runs `check` on context, guidance, point and step lengths: for one body, for two that stick and
-/// that slide, for several contacts at once; with known and unknown times, and read so fast that
-/// samples share the nodes of those.
+/// that slide, for several contacts at once; with known and unknown times, and at a sampling rate
+/// at which samples share nodes.
 pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &Point, &[f64])) {
     let timings = [
         Timing::Known,

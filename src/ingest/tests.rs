@@ -1,4 +1,4 @@
-//! Sources agree with one another; every way in which a recording can be unusable is named.
+//! Sources agree with one another; every reason why a recording is unusable is reported.
 
 use std::collections::BTreeMap;
 use std::path::Path;

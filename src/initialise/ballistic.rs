@@ -1,14 +1,19 @@
 //! A ballistic curve through the centres of mass of one segment, by linear least squares.
 //!
 //! With `a` the acted time from the segment's middle and physical time running `c` times as
-//! fast, `x(a) = x + v' a + ½ c² g a²` is linear in `x`, `v' = c v` and `c²`: a duration that
-//! is unknown costs one more column, not a search.
+//! fast,
+//!
+//! ```text
+//! min over x, v', c²   Σ |x + v' a_i + ½ c² g a_i² − x_i|²,   v' = c v
+//! ```
+//!
+//! is linear: an unknown duration (paper §6.2.1) costs one more column, not a search.
 
 use nalgebra::Vector3;
 
 use crate::motion::Sample;
 
-/// Slowest and fastest rate of physical against acted time that is believed.
+/// Least and greatest accepted rate of physical against acted time.
 const RATES: (f64, f64) = (0.02, 5.0);
 
 /// Position and velocity at the middle of a segment.
@@ -24,7 +29,7 @@ pub struct Ballistic {
     pub square_m2: f64,
 }
 
-/// Fits `samples` about acted time `middle_s`. `rate` is the known rate, or `None` to find it.
+/// Fits `samples` about acted time `middle_s`. `rate` is the known rate, or `None` to estimate it.
 pub fn fit(
     samples: &[Sample],
     middle_s: f64,

@@ -1,32 +1,32 @@
-//! How unevenly a flight was acted, read off its turning.
+//! Corrects the uneven tempo of a flight by the body's rotation.
 //!
-//! Of a body with two or three equal moments the angular speed is constant in free flight
-//! (`|ω|² = ω_a² + |ω_t|²`, both of which the flow keeps), so the angle it turns by is a clock.
-//! A performer who hurries and hesitates by tens of milliseconds puts a fast spin a whole turn
-//! off, and no solver finds its way back from there; this clock starts it at the right turn.
+//! The angular speed of a body with two or three equal moments is constant in free flight
+//! (`|ω|² = ω_a² + |ω_t|²`, both terms of which are constant), so that its angle of rotation is
+//! proportional to physical time. With a fast spin, a tempo that is off by tens of milliseconds
+//! puts the orientation a whole turn off, from where no solver returns; these times start it at the
+//! right turn.
 
 use crate::motion::{Sample, Scene, Segment, Sketch};
 use crate::physics::Dynamics;
 use crate::physics::body::Symmetry;
 
-/// Turn that a speed is read from \[rad\]: large beside a hand's wander, and less than what could
-/// be taken for a turn the other way.
+/// Angle over which a speed is measured \[rad\]: large relative to a hand's wander, and less than
+/// half a turn, which would be ambiguous.
 const CHORD_RAD: f64 = 0.8;
-/// Chord \[rad\] at which the clock is believed by half: what a hand wanders by in that time.
+/// Angle \[rad\] at which clock and acted time have equal weight: a hand's wander in that time.
 const BELIEVED_RAD: f64 = 0.3;
-/// Chord between neighbours \[rad\] beyond which a stream does not tell which way a body turned.
+/// Angle between neighbours \[rad\] beyond which the direction of rotation is ambiguous.
 const ALIASED_RAD: f64 = 2.0;
-/// Samples of a flight at least.
+/// Least number of samples of a flight.
 const SAMPLES_MIN: usize = 8;
-/// A window that lasts so many times its share of the flight has a gap: what the body turned by
-/// in there is not seen.
+/// A window that lasts so many times its share of the flight contains a gap, in which the rotation
+/// is unknown.
 const GAP: f64 = 2.0;
-/// Fastest and slowest rate of the clock against its mean.
+/// Least and greatest rate of the clock relative to its mean.
 const RATES: (f64, f64) = (0.2, 5.0);
 
-/// The sketch with acted times replaced by a clock's, in which its bodies turn evenly: of as many
-/// bodies as fly between two collisions, the one that turns most tells. Every flight keeps its
-/// first and its last time.
+/// The sketch with acted times replaced by times in which its bodies rotate evenly. Between two
+/// collisions the body that turns most is used. Every flight keeps its first and its last time.
 pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
     let mut tellers: Vec<(f64, &[Sample], Vec<f64>)> = Vec::new();
     for segment in segments {
@@ -79,8 +79,8 @@ fn last_s(samples: &[Sample]) -> f64 {
     samples[samples.len() - 1].acted_s
 }
 
-/// What the body turns by in all \[rad\], and the clock's times of `samples`; `None` where they
-/// are few or too far apart to tell.
+/// The body's total angle \[rad\], and the clock's times of `samples`; `None` where they are too
+/// few or too far apart.
 fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
     let count = samples.len();
     if count < SAMPLES_MIN {
@@ -94,7 +94,7 @@ fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
         return None;
     }
     while 4 * found.stride <= count && found.chord_rad < CHORD_RAD {
-        // A chord is no longer than its parts together: as many of them as that takes at least.
+        // A chord is at most as long as its parts together, which gives the least number of parts.
         let at_least = found.stride as f64 * (CHORD_RAD / found.chord_rad).min(count as f64);
         let more = found.stride + (found.stride / 16).max(1);
         found = speeds(more.max(at_least as usize).min(count / 4 + 1))?;
@@ -117,13 +117,13 @@ fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
 
 /// Angular speeds over windows of samples.
 struct Speeds {
-    /// Steps of a window.
+    /// Number of sampling intervals of a window.
     stride: usize,
     /// Speed from every sample that begins a window without a gap [rad/s, acted time].
     from: Vec<Option<f64>>,
     /// Mean speed.
     mean_rad_s: f64,
-    /// Mean turn in a window.
+    /// Mean angle in a window.
     chord_rad: f64,
 }
 

@@ -1,10 +1,9 @@
-//! Which features touch at a collision (paper §5.1): read off the pose that the arc fits say.
+//! Infers which features touch at a collision (paper §5.1) from the poses of the arc fits.
 //!
-//! Against a plane the lowest feature touches first, so that candidates are ranked by their gaps
-//! where the fits before and after say the body is at the event. Two solids are first led back
-//! along their flights to where they begin to overlap; there the pair of features that touches
-//! is the nearest, counting how far its points are beside either (as geometry features are
-//! endless).
+//! Against a plane the lowest feature touches first, so that candidates are ranked by their gaps in
+//! the poses of the fits before and after the event. Two solids are first moved back along their
+//! flights to the beginning of their overlap; there candidates are ranked by their gap plus the
+//! distance of their contact points from the solids (since features are infinite as geometry).
 
 use nalgebra::Vector3;
 
@@ -17,20 +16,20 @@ use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::shape::Solid;
 use crate::physics::{Shape, State};
 
-/// Longest flight by which two solids are led back \[s\], and steps of the bisection.
+/// Longest time by which two solids are moved back \[s\], and number of bisections.
 const BACK_S: f64 = 0.25;
 const HALVINGS: usize = 16;
-/// How far a touching point may lie off a solid, relative to the solid's radius.
+/// Distance of a contact point from a solid that is not counted, relative to the solid's radius.
 const SLACK: f64 = 0.02;
-/// Candidates farther from touching than the first by more spreads than this are not likely.
+/// Greatest distance of a likely candidate beyond the first, in spreads.
 const SPREADS_MAX: f64 = 4.0;
 
-/// A candidate, and how far the performance is from it.
+/// A candidate, and its distance from the performance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// What touches.
+    /// The contacts.
     pub contacts: Contacts,
-    /// How far the pose must change for it to be what touches first \[m\].
+    /// Change of the pose for which these contacts would touch first \[m\].
     pub reach_m: f64,
 }
 
@@ -39,14 +38,14 @@ pub struct Reach {
 pub struct Ranking {
     /// The collision (index into `Scene::events`).
     pub event: usize,
-    /// What touches first comes first.
+    /// Candidates; the one that touches first comes first.
     pub candidates: Vec<Reach>,
-    /// How far the surface of the bodies may be off there \[m\].
+    /// Uncertainty of the bodies' surfaces at the event \[m\].
     pub spread_m: f64,
 }
 
 impl Ranking {
-    /// Whether the second is as good as the first, as far as the performance tells.
+    /// Whether the second is as good as the first within the uncertainty.
     pub fn is_ambiguous(&self) -> bool {
         const SPREADS: f64 = 2.0;
         let reach_m = |index: usize| self.candidates.get(index).map(|c| c.reach_m);
@@ -65,9 +64,9 @@ impl Ranking {
     }
 }
 
-/// Ranks what may touch at an open collision by the arc fits on both sides of it.
+/// Ranks the candidates of an open collision by the arc fits on both sides of it.
 ///
-/// Empty where no pair of features may touch there.
+/// There are none where no pair of features may touch.
 pub fn rank(
     scene: &Scene,
     sketch: &Sketch,
@@ -109,7 +108,7 @@ pub fn rank(
         }
     }
     candidates.sort_by(|a, b| a.reach_m.total_cmp(&b.reach_m));
-    // As far as fits are from samples there, or half as far as even the first is from touching.
+    // The distance of fits from samples, or half that of the first candidate from touching.
     let first_m = candidates.first().map_or(0.0, |first| first.reach_m);
     Ranking {
         event,
@@ -150,7 +149,7 @@ impl View<'_> {
         })
     }
 
-    /// The pose that a goal asks of a link at the event.
+    /// The pose that a goal requires of a link at the event.
     fn goal(&self, link: LinkIndex) -> Option<Frame> {
         let at = |goal: &&Goal| goal.event == self.event && goal.link == link;
         match &self.scene.goals.iter().find(at)?.target {
@@ -162,7 +161,8 @@ impl View<'_> {
         }
     }
 
-    /// By the fit of an arc, so long after the event; through the pose of a goal there.
+    /// The state by the fit of an arc, a time after the event; moved through the pose of a goal
+    /// there.
     fn state(&self, arc: usize, after_s: f64) -> State {
         let fit = &self.guess.arcs[arc];
         let mechanism = self.segments[arc].mechanism;
@@ -185,7 +185,7 @@ impl View<'_> {
         meeting.ok()?.map(|meeting| meeting.contacts()[0])
     }
 
-    /// Gap of contacts with a plane, the lowest of several: the mean by both fits.
+    /// Gap of contacts with a plane, the lowest of several, averaged over both fits.
     fn gap_m(&self, contacts: &Contacts, link: LinkIndex) -> Option<f64> {
         let arcs = [true, false].map(|ends| self.arc(link, ends));
         let mut sum = (0.0, 0.0);
@@ -220,7 +220,7 @@ impl View<'_> {
         gaps.into_iter().map(reach).collect()
     }
 
-    /// Against an obstacle, or against the other link.
+    /// Candidates against an obstacle, or against the other link.
     fn against_solid(&self, candidates: &[Contacts], obstacle: Option<usize>) -> Vec<Reach> {
         let Some(pair) = Solids::new(self, obstacle) else {
             return Vec::new();
@@ -252,8 +252,8 @@ impl View<'_> {
         gaps.into_iter().map(reach).collect()
     }
 
-    /// Root mean square distance of fits from samples beside the event, plus the angle's times
-    /// the radius; of the worse link \[m\].
+    /// Root mean square distance of fits from samples near the event, plus the rms angle times the
+    /// radius; the greatest over the links \[m\].
     fn spread_m(&self) -> f64 {
         let links = self.links().into_iter();
         links.map(|link| self.spread_of_m(link)).fold(0.0, f64::max)
@@ -342,7 +342,8 @@ impl<'a> Solids<'a> {
         distance.unwrap_or(f64::INFINITY)
     }
 
-    /// When they begin to overlap, relative to the event \[s\]; zero where they do not by then.
+    /// Beginning of their overlap relative to the event \[s\]; zero where they do not overlap at
+    /// it.
     fn first_overlap_s(&self) -> f64 {
         if self.distance_m(0.0) >= 0.0 || self.distance_m(-BACK_S) < 0.0 {
             return 0.0;
@@ -359,8 +360,8 @@ impl<'a> Solids<'a> {
         apart_s
     }
 
-    /// Size of a contact's gap at that moment, and how far its points are beside the solids \[m\];
-    /// `None` where it recedes from what stands still.
+    /// Size of a contact's gap at that time plus the distance of its points from the solids \[m\];
+    /// `None` where it recedes from a fixed solid.
     fn nearness_m(&self, contact: &Contact, after_s: f64) -> Option<f64> {
         let (first, second) = self.states(after_s);
         let there = second.map_or_else(Frame::world, |state| Frame::of(&state));
@@ -376,7 +377,7 @@ impl<'a> Solids<'a> {
             Some(_) => Pose::from(touch.on_b_m),
             None => self.standing.inverse() * Pose::from(touch.on_b_m),
         };
-        // What fits are off by may put a point beside its solid.
+        // Errors of the fits may put a point off its solid.
         let off_m = |which: usize, at: &Pose| {
             let slack_m = SLACK * self.shapes[which].radius_m();
             let distance = self.solids[which].distance_m(&Pose::identity(), &self.point, at);
@@ -385,7 +386,7 @@ impl<'a> Solids<'a> {
                 .map(|distance_m| (distance_m - slack_m).max(0.0))
         };
         let beside_m = off_m(0, &Pose::from(touch.on_a_m))? + off_m(1, &on_second_m)?;
-        // The far sides of what stands still; two bodies may push each other ahead.
+        // Excludes the far sides of fixed solids; one of two bodies may recede before the other.
         let meets = second.is_some() || speed_m_s < 0.0;
         meets.then_some(touch.gap_m.abs() + beside_m)
     }
@@ -395,8 +396,7 @@ fn pose(state: &State) -> Pose {
     Pose::from_parts(state.position_m.into(), state.orientation)
 }
 
-/// Rate of the gap [m/s]; negative approaching. Where the second stands still its point does not
-/// matter.
+/// Rate of the gap [m/s]; negative approaching. For a fixed second solid its point does not matter.
 fn approach_m_s(touch: &Touch, first: &State, second: &State) -> f64 {
     let velocity = |state: &State, point_m: &Vector3<f64>| {
         state.velocity_m_s + state.orientation * state.angular_velocity_rad_s.cross(point_m)

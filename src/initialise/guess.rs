@@ -1,4 +1,4 @@
-//! All arcs on one time line.
+//! Fits all segments and places the fits on one time line (paper §6.2.1).
 
 use nalgebra::Vector3;
 
@@ -8,14 +8,14 @@ use super::turn::{self, Reading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
-/// Guesses at most.
+/// Greatest number of guesses.
 const GUESSES_MAX: usize = 5;
 
-/// Root mean square angle \[rad\] above which a turn may fit in several ways: measured, below it
-/// no performance had two minima.
+/// Root mean square angle \[rad\] above which the fit of a rotation may be ambiguous: below it, no
+/// measured performance had two minima.
 const AMBIGUOUS_RMS_RAD: f64 = 0.35;
 
-/// Rate of physical against acted time where no segment tells: people act about so slowly.
+/// Rate of physical against acted time where no segment determines it: a typical one.
 const RATE_OTHERWISE: f64 = 0.4;
 
 /// Guesses and the iterations they took.
@@ -27,8 +27,8 @@ pub struct Guessed {
     pub fit_iterations: usize,
 }
 
-/// Fits every segment by itself and puts the fits on one time line: where the tempo is unknown
-/// each stretch between marks runs at the rate of the fits it belongs to.
+/// Fits every segment by itself and places the fits on one time line: where the tempo is unknown,
+/// time between two marks runs at the mean rate of the fits there.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     let known = match scene.timing {
         Timing::Known | Timing::Edited => Some(1.0),
@@ -104,7 +104,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     }
 }
 
-/// The guess with every choice of turns, those with the least squares first.
+/// The guess with every choice of rotations, those with the least sum of squares first.
 fn combine(guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
     let mut choices: Vec<(f64, Vec<TurnFit>)> = vec![(0.0, Vec::new())];
     for fits in turns {
@@ -154,7 +154,7 @@ fn rates<'s>(
         .get(sorted.len() / 2)
         .copied()
         .unwrap_or(RATE_OTHERWISE);
-    // An actor does not change tempo by more than this from one flight to the next.
+    // A performer's tempo does not change by more than this from one flight to the next.
     found
         .iter()
         .map(|rate| rate.unwrap_or(median).clamp(median / 3.0, median * 3.0))

@@ -1,8 +1,8 @@
 //! Stage 3: a first guess, arc by arc (paper §6.2.1): the centre of mass first, with an
-//! unknown duration where the tempo is unknown ([`ballistic`], on a [`clock`] that the turning
-//! tells), then orientation ([`turn`]),
-//! then all arcs on one time line ([`guess()`]); from these what touches where the scene leaves
-//! that open ([`contact`]), and what marks weigh beside samples ([`weigh()`]).
+//! unknown duration where the tempo is unknown ([`ballistic`], in the times of a [`clock`] from the
+//! body's rotation), then orientation ([`turn`]), then all arcs on one time line ([`guess()`]).
+//! From these follow the contacts that the scene leaves open ([`contact`], paper §5.1), and the
+//! weight of marks relative to samples ([`weigh()`]).
 
 pub mod ballistic;
 pub mod clock;

@@ -1,5 +1,10 @@
-//! A free turn through the orientations of one segment, by Levenberg–Marquardt from several
-//! starts: where the performance turns unevenly, the least squares have several minima.
+//! A free rotation through the orientations of one segment (paper §6.2.1), by Levenberg–Marquardt:
+//!
+//! ```text
+//! min over R, ω   Σ |Log(R_iᵀ R(s_i))|²,   R(s) the free rotation from R, ω
+//! ```
+//!
+//! from several starts, since it has several minima where the performance rotates unevenly.
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 
@@ -9,32 +14,33 @@ use crate::physics::body::Symmetry;
 use crate::physics::flow;
 use crate::physics::observe::TurnTerms;
 
-/// Samples that the starts are compared on; all are used by the last fit.
+/// Number of samples on which the starts are compared; the last fit uses all.
 const SCOUTS: usize = 14;
-/// Root mean square angle below which a fit from the mean rate is the only one: no other start
-/// found another in any performance.
+/// Root mean square angle below which the fit from the mean rate is accepted: no other start found
+/// another one in any performance.
 const CLEAR_RMS_RAD: f64 = 0.2;
-/// Neighbours that a mean rate is taken from are no further apart than this.
+/// Greatest angle between neighbours from which a mean rate is computed.
 const NEIGHBOURS_RAD: f64 = 2.0;
-/// Readings of the first window of [`grow`], at least and at most.
+/// Least and greatest number of readings of the first window of [`grow`].
 const FIRST_WINDOW: (usize, usize) = (4, 8);
-/// It ends where the body has turned by this \[rad\], a third of a flip: eight readings of eight
-/// flips in 0.7 s are most of a flip, from whose mean rate one fit in twelve went wrong.
+/// The first window ends where the body has turned by this \[rad\], a third of a flip: eight
+/// readings of eight flips in 0.7 s are most of a flip, from whose mean rate one fit in twelve went
+/// wrong.
 const FIRST_TURN_RAD: f64 = 3.0;
-/// Of more than twice as many readings only so many are looked at: where to begin, they tell.
+/// Of more than twice as many readings only so many are used: they suffice for a start.
 const READINGS_MAX: usize = 512;
-/// Iterations of one fit at most.
+/// Greatest number of iterations of one fit.
 const ITERATIONS_MAX: usize = 25;
 
 /// A measured orientation, `s` seconds from the epoch.
 pub type Reading = (f64, UnitQuaternion<f64>);
 
-/// Orientation and angular velocity at the epoch, and how well they fit.
+/// Orientation and angular velocity at the epoch, with the sum of squares of the fit.
 #[derive(Clone, Copy, Debug)]
 pub struct TurnFit {
     /// World from body.
     pub orientation: UnitQuaternion<f64>,
-    /// [rad/s, body].
+    /// Angular velocity [rad/s, body].
     pub angular_velocity_rad_s: Vector3<f64>,
     /// Sum of squared angles \[rad²\].
     pub square_rad2: f64,
@@ -74,12 +80,12 @@ pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
     fit_from_means(body, readings)
 }
 
-/// A tumbling body's mean rate says nothing about a flip: from the mean rate of the first few
-/// readings, fits on ever more of them, each half as many again, so that none has to find more
-/// than a part of a flip.
+/// Fit for bodies with three different moments, whose mean rate over a flip is meaningless: starts
+/// from the mean rate of the first few readings and fits ever more of them, each time half as many
+/// again, so that no fit has to find more than a part of a flip.
 fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
     let count = readings.len();
-    // Their epoch is the first reading until all take part.
+    // The epoch is the first reading until all readings are used.
     let first_s = readings.first().map_or(0.0, |reading| reading.0);
     let from_first: Vec<Reading> = readings.iter().map(|(s, r)| (s - first_s, *r)).collect();
     let mut window = first_window(readings);
@@ -103,7 +109,7 @@ fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
     TurnFit { iterations, ..best }
 }
 
-/// Readings of the first window.
+/// Number of readings of the first window.
 fn first_window(readings: &[Reading]) -> usize {
     let (least, most) = FIRST_WINDOW;
     let steps = readings.windows(2).take(most - 1);
@@ -142,9 +148,8 @@ fn fit_from_means(body: &Body, readings: &[Reading]) -> TurnFit {
     TurnFit { iterations, ..best }
 }
 
-/// Distinct local minima near `readings`, best first, and the iterations it took to find them:
-/// `best`, those of the starts of [`fit`], and those of starts that make up to a turn more or
-/// less about each axis.
+/// Distinct local minima, best first, and the number of iterations: `best`, those from the starts
+/// of [`fit`], and those from starts with up to one turn more or less about each axis.
 pub fn alternatives(body: &Body, readings: &[Reading], best: TurnFit) -> (Vec<TurnFit>, usize) {
     let stride = readings.len().div_ceil(SCOUTS).max(1);
     let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
@@ -178,7 +183,7 @@ pub fn alternatives(body: &Body, readings: &[Reading], best: TurnFit) -> (Vec<Tu
     (found, iterations)
 }
 
-/// First half, middle, last half of `count` readings; none of too few.
+/// First half, middle and last half of `count` readings; empty where there are too few.
 fn windows(count: usize) -> Vec<std::ops::Range<usize>> {
     if count < 8 {
         return Vec::new();
@@ -194,8 +199,8 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
         Symmetry::Spherical | Symmetry::Asymmetric => Vector3::zeros(),
         Symmetry::Axial { axis } => Vector3::ith(axis, 1.0),
     };
-    // Neighbours far enough apart that noise is small beside the turn between them, and near
-    // enough that it is less than half a turn: more would be taken for less the other way.
+    // Neighbours far enough apart that noise is small relative to the angle between them, and near
+    // enough that it is less than half a turn: more would look like less in the other direction.
     let steps = readings.windows(2);
     let turned_rad: f64 = steps.map(|pair| pair[0].1.angle_to(&pair[1].1)).sum();
     let per_step_rad = turned_rad / readings.len().saturating_sub(1).max(1) as f64;
@@ -277,7 +282,7 @@ fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
     }
 }
 
-/// A damped step and the decrease it promises; `None` where nothing is determined.
+/// A damped step and its predicted decrease; `None` where the matrix is not positive definite.
 fn step(terms: &TurnTerms, damping: f64) -> Option<(Vector6<f64>, f64)> {
     let mut matrix = Matrix6::zeros();
     matrix

@@ -1,17 +1,19 @@
-//! What a mark weighs beside samples.
+//! The weight of marks relative to samples.
 //!
-//! In the objective samples count one by one, in the scene's units. But a hand that wanders does so
-//! about as slowly as flights last: the samples of a flight are worth one, which is off by as much
-//! as the hand. By how much the hand is off is seen where flights meet, before they are made to:
-//! between two that are fitted alone, and between one and a goal. Marks are weighed by as much as
-//! samples count too often; of a performance that needs no bending they weigh little.
+//! In the objective samples count one by one, in the scene's unit `u`. But a hand wanders about as
+//! slowly as flights last: the `n` samples of a flight are together worth one, with the hand's
+//! error `e`. They count `n/u²` instead of `1/e²`, too often by `n e²/u²`, and marks are made to
+//! count as much too often. The error is estimated where flights meet: from the distance between
+//! two that are fitted alone, and between one and a goal. For a performance close to a motion it is
+//! small.
 
 use nalgebra::Vector3;
 
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
 use crate::physics::flow;
 
-/// Lets marks count as often as the samples of the flights in `guess` do.
+/// Sets how often marks count ([`MarkTime::counted`](crate::motion::MarkTime::counted)) to how
+/// often the samples of the flights in `guess` do.
 pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &Guess) {
     let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
     let per_flight = samples as f64 / segments.len().max(1) as f64;
@@ -23,7 +25,7 @@ pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &G
     }
 }
 
-/// Mean square by which positions of flights are off per axis, from how they meet at events \[m²\].
+/// Mean square error of flights' positions per axis, from their distances at events \[m²\].
 fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
     let arrival = |index: usize, event: usize| {
         let arc = &guess.arcs[index];
@@ -46,7 +48,7 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
         };
         if let Some(before) = ending(segment.mechanism, event) {
             let (from, to) = (arrival(before, event), arrival(index, event));
-            // Both are off.
+            // The difference has the errors of both flights.
             squares_m2.push(0.5 * across_m2(to.0 - from.0, to.1 - from.1));
         }
     }
@@ -62,7 +64,7 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
     squares_m2.iter().sum::<f64>() / squares_m2.len().max(1) as f64
 }
 
-/// Mean square per axis of what is across a relative velocity: what is along it may be the mark's
+/// Mean square per axis perpendicular to the relative velocity: the part along it may be the mark's
 /// own error.
 fn across_m2(apart_m: Vector3<f64>, velocity_m_s: Vector3<f64>) -> f64 {
     let along_m = velocity_m_s

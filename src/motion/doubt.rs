@@ -1,26 +1,27 @@
-//! What speaks against a motion whose gaps are closed: a measured value beyond its bound.
+//! Doubts about a motion whose gaps are closed: a measured value is beyond its bound.
 
 use super::index::{LinkIndex, MechanismIndex};
 use super::scene::{Against, Scene};
 use super::verdict::Verdict;
 
-/// One thing that speaks against a motion.
+/// One doubt about a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
-    /// What was measured.
+    /// The measured quantity.
     pub about: About,
-    /// Where.
+    /// Its place in the motion.
     pub place: Place,
-    /// What it is, in the unit of `about`; infinite where the performance does not determine it.
+    /// Measured value, in the unit of `about`; infinite where the performance does not determine
+    /// it.
     pub value: f64,
-    /// What it may be, in the same unit.
+    /// Greatest accepted value, in the same unit.
     pub bound: f64,
 }
 
-/// What is measured of a motion.
+/// A quantity measured of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
-    /// How deep a solid is inside another.
+    /// Depth of an overlap of solids.
     Overlap,
     /// How much nearer another part is than the one that is expected to touch.
     WrongFeature,
@@ -30,19 +31,19 @@ pub enum About {
     Spin,
     /// Way of a flight over the way that was acted.
     Way,
-    /// Acted over physical duration: at most.
+    /// Acted over physical duration.
     Slowness,
-    /// Physical over acted duration: at most.
+    /// Physical over acted duration.
     Haste,
     /// Root mean square residual of a flight, in units of the scene's weights.
     Residual,
     /// Root mean square angle of a flight's orientations from those acted.
     Orientation,
-    /// Root mean square of what free flights alone leave, in units of the scene's weights.
+    /// Root mean square residual of flights fitted alone, in units of the scene's weights.
     Alone,
-    /// Root mean square of what the motion leaves, over that of each flight alone.
+    /// Root mean square residual of the motion, over that of flights fitted alone.
     Misfit,
-    /// Root mean square of what free flights leave, over that of flights whose acceleration is free.
+    /// Root mean square residual of free flights, over that of flights with a free acceleration.
     Fall,
     /// Angle between gravity and the acceleration that the flights show.
     FallDirection,
@@ -50,21 +51,21 @@ pub enum About {
     AfterMark,
     /// How much earlier than its mark an event is, in acted time.
     BeforeMark,
-    /// How far an estimated gravity is from the scene's, as a part of that.
+    /// Relative deviation of an estimated gravity from the scene's.
     Gravity,
-    /// Standard deviation of an estimated gravity, as a part of the scene's.
+    /// Standard deviation of an estimated gravity, relative to the scene's.
     GravitySpread,
-    /// How far beyond the end of a flight a sample is that is compared with it.
+    /// Time of a sample beyond the end of the flight with which it is compared.
     Outside,
     /// A parameter at the end of its range.
     AtBound,
-    /// Root mean square residual of the whole, in units of the scene's weights, beyond which several
-    /// motions may fit.
+    /// Root mean square residual of the whole motion, in units of the scene's weights; beyond its
+    /// bound several motions may fit.
     Ambiguity,
 }
 
 impl About {
-    /// The word for it in files and reports.
+    /// Its name in files and reports.
     pub fn as_str(self) -> &'static str {
         match self {
             About::Overlap => "overlap",
@@ -112,8 +113,8 @@ impl About {
         }
     }
 
-    /// The best verdict that it leaves: `physical` where it is only to be said, `failed` where no
-    /// hand does such a thing.
+    /// The best verdict that it permits: `physical` where it is only reported, `failed` where no
+    /// hand moves so.
     pub fn best(self) -> Verdict {
         match self {
             About::Outside | About::AtBound | About::Ambiguity => Verdict::Physical,
@@ -136,16 +137,16 @@ impl About {
     }
 }
 
-/// Where of a motion.
+/// A place in a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
-    /// All of it.
+    /// The whole motion.
     Motion,
     /// One flight.
     Flight {
         /// What flies.
         mechanism: MechanismIndex,
-        /// When it begins \[s\].
+        /// Beginning of the flight \[s\].
         start_s: f64,
     },
     /// An event (index into `Scene::events`).
@@ -158,7 +159,7 @@ pub enum Place {
         link: LinkIndex,
         /// What it is inside of.
         against: Against,
-        /// When \[s\].
+        /// Physical time \[s\].
         time_s: f64,
     },
     /// A link's parts at a collision.
@@ -169,13 +170,13 @@ pub enum Place {
         link: LinkIndex,
         /// What should touch (indices into `Link::features`).
         expected: Vec<usize>,
-        /// What is nearer, if the scene names it.
+        /// The feature that is nearer, if the scene names it.
         found: Option<usize>,
     },
 }
 
 impl Place {
-    /// The scene's name for it; `None` for all of the motion.
+    /// Its name in the scene; `None` for the whole motion.
     pub fn name<'a>(&self, scene: &'a Scene) -> Option<&'a str> {
         match self {
             Place::Motion => None,
@@ -186,7 +187,7 @@ impl Place {
         }
     }
 
-    /// When it is, where it is at one time: the beginning of a flight \[s\].
+    /// Its time \[s\], for a place at one time; for a flight, its beginning.
     pub fn time_s(&self) -> Option<f64> {
         match self {
             Place::Flight {
@@ -199,8 +200,7 @@ impl Place {
 }
 
 impl Doubt {
-    /// A doubt where the value is beyond its bound; `None` elsewhere. A value that is no number is
-    /// beyond all bounds.
+    /// A doubt where the value is beyond its bound; `None` otherwise. NaN is beyond all bounds.
     pub fn beyond(about: About, place: Place, value: f64, bound: f64) -> Option<Self> {
         (!(value <= bound)).then_some(Self {
             about,

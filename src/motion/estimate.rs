@@ -1,4 +1,4 @@
-//! What comes out: a physical motion, its timing, and an honest account of both.
+//! The result of an estimation: a motion, its timing, and how well both are met and determined.
 
 use nalgebra::Vector3;
 
@@ -24,7 +24,7 @@ pub struct ArcEstimate {
     pub end_s: f64,
 }
 
-/// What is left of the constraints at an event, largest of each kind.
+/// Remaining violations of the constraints at an event, the largest of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gap {
     /// Contact and position \[m\].
@@ -63,22 +63,22 @@ pub struct EventEstimate {
     pub sd_s: Option<f64>,
     /// Acted time, refined [s since `Sketch::origin`].
     pub acted_s: f64,
-    /// What is left of the constraints there.
+    /// Remaining violations of the constraints at it.
     pub gap: Gap,
 }
 
-/// How long the motion lasts.
+/// The duration of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DurationEstimate {
     /// Physical time from the beginning of the first flight to the end of the last \[s\].
     pub duration_s: f64,
-    /// Its standard deviation \[s\], zero where it is fixed; `None` where nothing determines it.
+    /// Its standard deviation \[s\], zero where it is fixed; `None` where it is undetermined.
     pub sd_s: Option<f64>,
 }
 
 impl DurationEstimate {
-    /// A deviation beyond this share of the duration leaves it undetermined: one in twenty would be
-    /// off by more than a fifth.
+    /// Greatest standard deviation of a determined duration, relative to it: beyond, one in twenty
+    /// would be off by more than a fifth.
     pub const SHARE_MAX: f64 = 0.1;
 
     /// Whether the performance determines it, to within [`Self::SHARE_MAX`].
@@ -103,7 +103,7 @@ pub struct ParameterEstimate {
     pub upper: f64,
 }
 
-/// How well one segment fits.
+/// Residuals of one segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentResidual {
     /// The track that the samples are of.
@@ -116,12 +116,12 @@ pub struct SegmentResidual {
     pub orientation_rms_rad: f64,
 }
 
-/// Where a sample lies on the physical time line.
+/// The physical time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTime {
     /// The track that the sample is of.
     pub track: TrackIndex,
-    /// The sample.
+    /// Stamp of the sample.
     pub stamp: Stamp,
     /// Its physical time [s since the first sample].
     pub time_s: f64,
@@ -138,10 +138,10 @@ pub enum Undetermined {
     Duration,
 }
 
-/// Work done, by kind: golden in the tests.
+/// Counts of work by kind; tests hold golden values of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Evaluations with a factorisation, in sweep, multiplier rounds and finish.
+    /// Steps computed in sweep, multiplier rounds and finish.
     pub iterations: usize,
     /// Evaluations of all sample residuals.
     pub evaluations: usize,
@@ -151,7 +151,7 @@ pub struct Counters {
     pub fit_iterations: usize,
     /// Rounds of mark refinement and of time assignment.
     pub assignment_rounds: usize,
-    /// Starts tried.
+    /// Number of guesses tried.
     pub starts: usize,
 }
 
@@ -168,7 +168,7 @@ impl Counters {
 }
 
 impl Estimate {
-    /// Holds doubts against it: the verdict is the best that all of them leave.
+    /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));
         for doubt in &doubts {
@@ -181,21 +181,21 @@ impl Estimate {
 /// The result of an estimation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// How far the motion may be called physical.
+    /// How physical the motion is.
     pub verdict: Verdict,
     /// Why the estimation ended, with the measured values and their bounds.
     pub reason: Reason,
-    /// What checks hold against it, the gravest first; none where nobody looked.
+    /// Doubts from the checks, the gravest first; none where no check was made.
     pub doubts: Vec<Doubt>,
-    /// Sum of squared weighted residuals, priors included.
+    /// Objective (paper eq. 1, 6): sum of squared weighted residuals, priors included.
     pub objective: f64,
-    /// Gravity it was estimated with, or that was estimated [m/s², world].
+    /// Gravity, given or estimated [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// The motion: arcs mechanism by mechanism, in order of time.
     pub arcs: Vec<ArcEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
-    /// How long it lasts.
+    /// The duration of the motion.
     pub duration: DurationEstimate,
     /// The scene's free parameters.
     pub parameters: Vec<ParameterEstimate>,
@@ -203,7 +203,7 @@ pub struct Estimate {
     pub residuals: Vec<SegmentResidual>,
     /// Physical time of every used sample, track by track.
     pub sample_times: Vec<SampleTime>,
-    /// What the performance does not determine: parameters, then times, then the duration.
+    /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<Undetermined>,
     /// Work done.
     pub counters: Counters,

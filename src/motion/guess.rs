@@ -1,8 +1,8 @@
-//! Where the estimation starts from.
+//! The start of the estimation (paper §6.2.1).
 
 use crate::physics::State;
 
-/// A first guess of everything that is unknown.
+/// A first guess of all unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guess {
     /// One per segment.

@@ -1,7 +1,7 @@
-//! The nouns that the stages exchange: what a tracker said ([`take`]), what is to be
-//! estimated ([`scene`]), the performance as the estimator sees it ([`sketch`]), what comes
-//! out ([`estimate`]) and why the estimation ended ([`reason`]), what checks say of it ([`verification`]) and what speaks against it
-//! ([`doubt`]), how it goes on ([`settled`]), and who watches meanwhile ([`observe`]).
+//! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
+//! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
+//! ([`verification`]), doubts about it ([`doubt`]), its continuation ([`settled`]), and the
+//! observer of a run ([`observe`]).
 
 pub mod doubt;
 pub mod estimate;

@@ -1,34 +1,35 @@
-//! How the pipeline is watched and stopped from outside: it reads no clock and prints nothing.
+//! The interface by which a run is observed and stopped from outside; the core itself reads no
+//! clock and prints nothing.
 
-/// What the pipeline is about to do.
+/// A phase of the pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
-    /// Sort, check and mount the samples; match the marks.
+    /// Sort and check the samples, transform them to the body; match the marks.
     Clean,
     /// Refine the marks.
     Marks,
     /// Fit each arc by itself.
     ArcFits,
-    /// Search for what touches at each collision.
+    /// Search for the features that touch at each collision.
     Sequence,
-    /// Bring the constraints in as a growing penalty.
+    /// Constraints as a quadratic penalty.
     Sweep,
-    /// Tighten them by multipliers.
+    /// Multiplier rounds on the augmented Lagrangian.
     Multipliers,
-    /// Newton steps on the optimality conditions.
+    /// Newton steps on the KKT conditions.
     Finish,
-    /// What the performance determines, and how well.
+    /// Standard deviations, and what is undetermined.
     Covariance,
     /// Check the motion independently.
     Verify,
-    /// Simulate on until it rests.
+    /// Continue the motion by simulation until it rests.
     Settle,
-    /// Nothing more.
+    /// The run has ended.
     Done,
 }
 
 impl Phase {
-    /// The word for it in files and reports.
+    /// Its name in files and reports.
     pub fn as_str(self) -> &'static str {
         match self {
             Phase::Clean => "clean",
@@ -46,18 +47,18 @@ impl Phase {
     }
 }
 
-/// Somebody outside the core: measures phases, ends a run that takes too long.
+/// An observer of a run: it may measure phases, and end a run that takes too long.
 pub trait Observer {
-    /// A phase begins; the one before it, if any, has ended. Phases may come again.
+    /// A phase begins; the previous one, if any, has ended. Phases may repeat.
     fn phase(&mut self, phase: Phase) {
         let _ = phase;
     }
 
-    /// Asked between iterations; `true` ends the run with what it has.
+    /// Called between iterations; `true` ends the run with the result so far.
     fn should_stop(&mut self) -> bool {
         false
     }
 }
 
-/// Watches nothing, stops nothing.
+/// No observer.
 impl Observer for () {}

@@ -1,13 +1,13 @@
 //! What a scene leaves open: features that touch at a collision, and how often one repeats.
 //!
-//! A collision that names no feature, or no surface, is open: what touches is inferred from the
-//! performance. Among what may touch are the features that the scene declares for a link; of a
-//! link without any, all of its shape's.
+//! A collision that names no feature, or no surface, is open: its contacts are inferred from the
+//! performance (paper §5.1). Candidates are the features that the scene declares for a link; for a
+//! link without any, all features of its shape.
 
 use super::index::LinkIndex;
 use super::scene::{Collision, Event, EventKind, Link, Partner, Scene, Touching};
 
-/// What may touch at a collision: one [`Touching`] per contact.
+/// A choice of contacts at a collision: one [`Touching`] per contact.
 pub type Contacts = Vec<Touching>;
 
 impl Link {
@@ -21,8 +21,8 @@ impl Link {
         (0..self.features.len()).filter(is_declared).collect()
     }
 
-    /// Features that may touch where a scene leaves that open (indices into `features`): those
-    /// that are declared, or else all.
+    /// Candidates where a scene leaves the feature open (indices into `features`): the declared
+    /// ones, or all if there are none.
     pub fn candidate_features(&self) -> Vec<usize> {
         let declared = self.declared_features();
         if declared.is_empty() {
@@ -34,7 +34,7 @@ impl Link {
 }
 
 impl Scene {
-    /// Whether a collision leaves open what touches.
+    /// Whether a collision leaves its contacts open.
     pub fn is_open(&self, event: usize) -> bool {
         let collision = self.events[event].kind.collision();
         collision.is_some_and(|collision| {
@@ -44,15 +44,15 @@ impl Scene {
         })
     }
 
-    /// Collisions that leave open what touches (indices into `events`).
+    /// Collisions that leave their contacts open (indices into `events`).
     pub fn open_events(&self) -> Vec<usize> {
         (0..self.events.len())
             .filter(|event| self.is_open(*event))
             .collect()
     }
 
-    /// Everything that may touch at an open collision, in the order of the features: pairs for
-    /// which contact and impact are known. At several contacts all hit the same surface.
+    /// All candidates at an open collision, in the order of the features: pairs whose contact and
+    /// impact are supported. Several contacts are all with the same surface.
     pub fn candidates(&self, event: usize) -> Vec<Contacts> {
         let Some(collision) = self.events[event].kind.collision() else {
             return Vec::new();
@@ -96,7 +96,7 @@ impl Scene {
         .collect()
     }
 
-    /// Says what touches at a collision, and puts the goals there in touch where they nearly are.
+    /// Sets the contacts of a collision, and moves goals there into contact where they nearly are.
     ///
     /// # Panics
     /// Where the event is no collision.
@@ -107,13 +107,13 @@ impl Scene {
         collision.contacts = contacts.to_vec();
         for goal in 0..self.goals.len() {
             if self.goals[goal].event == event {
-                // A goal that is apart from these contacts is what the estimate will say.
+                // A goal that is far from these contacts shows as a gap of the estimate.
                 let _ = self.snap_to_contact(goal);
             }
         }
     }
 
-    /// What touches at a collision, in words: `corner +x +y -z on table`; `None` where that is
+    /// The contacts of a collision in words: `corner +x +y -z on table`; `None` where they are
     /// open.
     pub fn contact_words(&self, event: usize) -> Option<String> {
         let collision = self.events[event].kind.collision()?;

@@ -1,10 +1,10 @@
-//! The beginning of a scene: what of it has happened when so many events are marked.
+//! The beginning of a scene: the part up to the last marked event.
 
 use super::scene::{Cone, Scene, Timing};
 
 impl Scene {
-    /// The scene with its first `count` events alone: goals and parameters of later ones are
-    /// dropped. A repeated collision is to be written out first ([`Scene::with_marks`]).
+    /// The scene with only its first `count` events: goals and parameters of later ones are
+    /// dropped. Write out a repeated collision first ([`Scene::with_marks`]).
     pub fn first_events(&self, count: usize) -> Scene {
         let mut scene = self.clone();
         scene.events.truncate(count);
@@ -28,8 +28,8 @@ impl Scene {
         scene
     }
 
-    /// How many of its events marks with these names stand for: as many as there are marks, and
-    /// up to the last one that is named. Of an edited sketch all, for it has no marks.
+    /// Number of events marked by marks with these names: as many as there are marks, and at least
+    /// up to the last named one. For an edited sketch all, since it has no marks.
     pub fn events_marked<'a>(&self, names: impl Iterator<Item = Option<&'a str>>) -> usize {
         if self.timing == Timing::Edited {
             return self.events.len();

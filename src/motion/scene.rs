@@ -1,6 +1,6 @@
 //! The scene: bodies, static world, expected events, goals, free parameters, weights.
 //!
-//! Plain validated data in SI units. `config` makes it from TOML; the stages trust it.
+//! Plain validated data in SI units. `config` makes it from TOML; the stages do not check it again.
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -15,7 +15,7 @@ use crate::physics::{Body, Dynamics, Shape};
 /// Everything that is known about a performance before it is seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Name, for people.
+    /// Name, for reports.
     pub name: String,
     /// Gravity in world axes [m/s²].
     pub gravity_m_s2: Vector3<f64>,
@@ -38,22 +38,22 @@ pub struct Scene {
     pub obstacles: Vec<Obstacle>,
     /// What happens, in order of time.
     pub events: Vec<Event>,
-    /// What must hold at events.
+    /// Goals: hard conditions at events (paper §3.1).
     pub goals: Vec<Goal>,
-    /// What the estimation may change besides the motion.
+    /// Free parameters `u` of the estimation.
     pub parameters: Vec<FreeParameter>,
     /// Pairs of parameters whose norm is bounded: tilts of a normal within a cone.
     pub cones: Vec<Cone>,
-    /// Whether velocities may change at collisions as no impact would change them.
+    /// Whether velocities after collisions may differ from those by the impact law.
     pub velocity_gaps: VelocityGaps,
-    /// What one unit of residual is.
+    /// Units of residuals.
     pub weights: Weights,
-    /// How long the motion may go on by simulation after its end until it rests \[s\]; `None`:
-    /// it ends where the performance does.
+    /// Longest simulation after the motion's end until it rests \[s\] (paper §6.2.3); `None`: the
+    /// motion ends with the performance.
     pub settle_s: Option<f64>,
 }
 
-/// What a body may run into.
+/// Something with which a body may collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
     /// A plane that stands for itself (index into `Scene::surfaces`).
@@ -65,7 +65,7 @@ pub enum Against {
 }
 
 impl Scene {
-    /// The name of what a body may run into.
+    /// The name of something with which a body may collide.
     pub fn name_of(&self, against: Against) -> &str {
         match against {
             Against::Surface(surface) => &self.surfaces[surface].name,
@@ -76,10 +76,10 @@ impl Scene {
 }
 
 impl Scene {
-    /// Where the bodies of a collision touch and by which law; `None` where the scene leaves a
-    /// feature open, or where the event is no collision.
+    /// The contacts of a collision; `None` where the scene leaves a feature open, or where the
+    /// event is no collision.
     ///
-    /// Fails where features never touch, or where no impact is known for them.
+    /// Fails where two features are no supported pair, or their impact is not supported.
     pub fn meeting(&self, event: usize) -> Result<Option<ContactSet>, CollisionError> {
         match self.events[event].kind.collision() {
             Some(collision) => self.meeting_of(event, &collision.contacts),
@@ -87,7 +87,7 @@ impl Scene {
         }
     }
 
-    /// [`Scene::meeting`] as if those were the collision's contacts.
+    /// [`Scene::meeting`] with the given contacts in place of the collision's.
     pub fn meeting_of(
         &self,
         event: usize,
@@ -219,13 +219,13 @@ impl Scene {
     }
 }
 
-/// Why bodies cannot collide as a scene says.
+/// Why the collision of a scene is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CollisionError {
-    /// Two features never touch.
+    /// Two features are no supported pair.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// No impact is known for the contacts.
+    /// The contacts together are not supported.
     #[error(transparent)]
     ContactSet(#[from] ContactSetError),
 }
@@ -235,10 +235,10 @@ pub enum CollisionError {
 pub enum Timing {
     /// Stamps are physical times.
     Known,
-    /// An edited sketch: every segment has a stream and physical times of its own; where one
-    /// ends another need not begin. Collisions are where segments meet: marks are not read.
+    /// An edited sketch: every segment has a stream and physical times of its own, and need not
+    /// begin where another ends. Collisions are at the joints of segments: marks are not read.
     Edited,
-    /// The performer's tempo is unknown and smooth: the logarithm of its rate wanders as
+    /// Timing unknown (paper §4.3): the performer's tempo is smooth; the logarithm of its rate is
     /// Brownian motion of this strength [1/√s of acted time].
     Unknown {
         /// Standard deviation of the log-rate's change after one second.
@@ -300,16 +300,16 @@ pub struct FreeBody {
     pub shape: Shape,
     /// Pose of the tracker's frame in its axes.
     pub body_from_tracker: Pose,
-    /// What of it may touch something.
+    /// Its features that may touch something.
     pub features: Vec<Feature>,
 }
 
 /// A named part of a link's surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
-    /// Unique within the link.
+    /// Name, unique within the link.
     pub name: String,
-    /// What it is, in the link's axes.
+    /// Geometry in link axes.
     pub geometry: contact::Feature,
 }
 
@@ -318,14 +318,16 @@ pub struct Feature {
 pub struct Surface {
     /// Unique name.
     pub name: String,
-    /// What it is, in world axes.
+    /// Geometry in world axes.
     pub geometry: contact::Feature,
-    /// The obstacle it belongs to (index into `Scene::obstacles`); planes stand for themselves.
+    /// The obstacle to which it belongs (index into `Scene::obstacles`); `None` for a plane by
+    /// itself.
     pub obstacle: Option<usize>,
 }
 
 impl Surface {
-    /// A point and the unit normal of a plane that stands for itself.
+    /// A point and the unit normal of a plane that belongs to no obstacle; `None` for other
+    /// surfaces.
     pub fn plane(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
         match (self.geometry, self.obstacle) {
             (contact::Feature::Face { point_m, normal }, None) => Some((point_m, normal)),
@@ -341,7 +343,7 @@ pub struct Obstacle {
     pub name: String,
     /// Its shape.
     pub shape: Shape,
-    /// Where it stands.
+    /// Its pose.
     pub world_from_shape: Pose,
 }
 
@@ -361,14 +363,14 @@ pub enum EventKind {
     Start,
     /// A body hits something.
     Collision(Collision),
-    /// It does so as often as there are marks; each hit becomes an event of its own before a
-    /// take is read ([`Scene::with_marks`]).
+    /// A collision that repeats as often as there are marks; each becomes an event of its own
+    /// before a take is read ([`Scene::with_marks`]).
     Collisions {
-        /// What each of them is.
+        /// Each of the collisions.
         each: Collision,
-        /// At least so many, at least one.
+        /// Least number, one or more.
         least: usize,
-        /// At most so many.
+        /// Greatest number.
         most: usize,
     },
     /// The performance ends; samples after it are not used. Only as the last event. Its time
@@ -377,7 +379,7 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// The word for it in files and reports.
+    /// Its name in files and reports.
     pub fn as_str(&self) -> &'static str {
         match self {
             EventKind::Start => "start",
@@ -402,7 +404,7 @@ pub struct Collision {
     pub link: LinkIndex,
     /// What it hits.
     pub partner: Partner,
-    /// Where they touch, one to three places at once.
+    /// Their contacts, one to three at once.
     pub contacts: Vec<Touching>,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
@@ -453,18 +455,19 @@ pub struct Touching {
     pub other: Option<usize>,
 }
 
-/// A hard condition on a link at an event (just before it, if it is a collision).
+/// A goal (paper §3.1): a hard condition on a link at an event (just before it, if it is a
+/// collision).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// Index into `Scene::events`.
     pub event: usize,
     /// The link that it is asked of.
     pub link: LinkIndex,
-    /// What must hold.
+    /// The condition.
     pub target: GoalTarget,
 }
 
-/// What a goal asks for.
+/// The condition of a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GoalTarget {
     /// The link's pose.
@@ -482,12 +485,12 @@ pub enum GoalTarget {
     },
 }
 
-/// A quantity the estimation may change.
+/// A free parameter `u`: a quantity that the estimation may change, within bounds (paper §6).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeParameter {
     /// Unique name, as in the scene file: `gravity.z`, `bounce.restitution`.
     pub name: String,
-    /// What it is.
+    /// The quantity.
     pub quantity: Quantity,
     /// Value to start from, in the quantity's unit.
     pub initial: f64,
@@ -500,8 +503,8 @@ pub struct FreeParameter {
 }
 
 impl FreeParameter {
-    /// A change of it that matters: its prior's standard deviation or the width of its bounds,
-    /// whichever is less, or one.
+    /// A typical change of it: its prior's standard deviation or the width of its bounds, whichever
+    /// is less; one where it has neither.
     pub fn length(&self) -> f64 {
         let width = self.upper - self.lower;
         let width = if width > 0.0 && width.is_finite() {
@@ -541,7 +544,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The event that it belongs to, if to one (index into `Scene::events`).
+    /// The event to which it belongs (index into `Scene::events`); `None` for gravity.
     pub fn event(self) -> Option<usize> {
         match self {
             Quantity::Gravity { .. } => None,
@@ -551,7 +554,7 @@ impl Quantity {
         }
     }
 
-    /// The same at another event, if it is of one.
+    /// The quantity at another event; gravity is unchanged.
     pub fn at_event(self, moved: impl Fn(usize) -> usize) -> Self {
         match self {
             Quantity::Gravity { .. } => self,
@@ -578,19 +581,19 @@ pub struct Cone {
     pub limit: f64,
 }
 
-/// Whether velocities may be left discontinuous: physics bent where goals cannot be met otherwise
-/// (paper §6.2). Poses stay continuous and goals are met all the same.
+/// Whether velocity continuity may be relaxed where goals cannot be met otherwise (paper §6.2,
+/// overconstrained sketches). Poses stay continuous and goals are met nevertheless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityGaps {
-    /// Only where there is no motion without.
+    /// Only where there is no motion without gaps.
     WhenNeeded,
     /// From the start: the scene is known to be overconstrained.
     Always,
-    /// In no case: then there is no motion.
+    /// Never: an overconstrained scene then has no motion.
     Never,
 }
 
-/// What one unit of residual is: the objective is the sum of squared residuals in these units.
+/// Units of residuals: the objective (paper eq. 1) is the sum of squared residuals in these units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Position \[m\].

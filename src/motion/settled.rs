@@ -1,4 +1,4 @@
-//! How a motion goes on past the sketch until it rests.
+//! The continuation of a motion past the sketch until it rests (paper §6.2.3).
 
 use typed_index_collections::TiVec;
 
@@ -16,7 +16,7 @@ pub struct Settled {
     pub links: TiVec<LinkIndex, SettledLink>,
     /// Whether all links came to rest; otherwise some still move at the limit.
     pub at_rest: bool,
-    /// Largest speed of a centre of mass on the way [m/s], of states at multiples of the interval.
+    /// Largest speed of a centre of mass [m/s] among the states at multiples of the interval.
     pub largest_speed_m_s: f64,
 }
 

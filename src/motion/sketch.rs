@@ -14,7 +14,7 @@ use super::take::Stamp;
 pub struct Sample {
     /// When the tracker measured it.
     pub stamp: Stamp,
-    /// The same in seconds since [`Sketch::origin`].
+    /// Acted time [s since [`Sketch::origin`]].
     pub acted_s: f64,
     /// Centre of mass [m, world].
     pub position_m: Vector3<f64>,
@@ -25,7 +25,7 @@ pub struct Sample {
 /// The samples of one track, strictly increasing in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrackSketch {
-    /// In order of time.
+    /// Samples in order of time.
     pub samples: Vec<Sample>,
 }
 
@@ -38,18 +38,19 @@ pub struct Sketch {
     pub tracks: TiVec<TrackIndex, TrackSketch>,
     /// Acted time of each of the scene's events, where the stream is cut [s since `origin`].
     pub marks_s: Vec<f64>,
-    /// When the performer says that each of them was; `None` where nobody marked it.
+    /// The performer's mark of each event; `None` for an unmarked one.
     pub marks: Vec<Option<MarkTime>>,
 }
 
-/// A mark as what it is: a measurement of its event's acted time.
+/// A mark as a measurement of its event's acted time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkTime {
-    /// As it was made [s since [`Sketch::origin`]].
+    /// Acted time of the mark [s since [`Sketch::origin`]].
     pub acted_s: f64,
     /// Its standard deviation, in acted time \[s\].
     pub sd_s: f64,
-    /// How often it counts beside samples that count one by one; one until flights are fitted.
+    /// How often it counts in the objective, where samples count once; one until flights are
+    /// fitted.
     pub counted: f64,
 }
 
@@ -90,7 +91,7 @@ pub enum DropReason {
 }
 
 impl DropReason {
-    /// The word for it in reports.
+    /// Its name in reports.
     pub fn as_str(self) -> &'static str {
         match self {
             DropReason::NotFinite => "not_finite",
@@ -105,35 +106,36 @@ impl DropReason {
     }
 }
 
-/// What became of the samples.
+/// Counts of the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SampleCounts {
-    /// Delivered.
+    /// Samples delivered.
     pub read: usize,
-    /// In the objective.
+    /// Samples in the objective.
     pub used: usize,
-    /// Left out, by reason.
+    /// Samples left out, by reason.
     pub dropped: BTreeMap<DropReason, usize>,
-    /// Arrived after a sample with a later stamp, and sorted in.
+    /// Samples that arrived after one with a later stamp, and were sorted in.
     pub reordered: usize,
-    /// Quaternions within 1 % of unit norm, normalised.
+    /// Quaternions within 1 % of unit norm that were normalised.
     pub normalised: usize,
     /// Quaternions whose sign was flipped for continuity.
     pub flipped: usize,
     /// Intervals longer than 2.5 times the median one.
     pub gaps: usize,
-    /// What became of the performer's marks.
+    /// Changes of the performer's marks.
     pub marks: MarkChanges,
 }
 
-/// Where marks are not those that the performer made. Events are indices into `Scene::events`.
+/// Marks that are not those that the performer made. Events are indices into `Scene::events`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MarkChanges {
-    /// Events without a mark, put where the stream suggests, or at its first or last sample.
+    /// Events without a mark, placed where the stream suggests, or at its first or last sample.
     pub proposed: Vec<usize>,
-    /// Events whose mark was far from any kink of the stream, and was put at one.
+    /// Events whose mark was far from any kink of the stream and was moved to one.
     pub moved: Vec<usize>,
-    /// Starts and ends whose mark came before the first sample or after the last, put there.
+    /// Starts and ends whose mark was before the first sample or after the last and was moved
+    /// there.
     pub late: Vec<usize>,
     /// Marks that stand for no event.
     pub ignored: usize,

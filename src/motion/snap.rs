@@ -5,15 +5,15 @@ use thiserror::Error;
 use super::scene::{Goal, GoalTarget, Partner, Scene};
 use crate::physics::contact::{Degenerate, Frame};
 
-/// How far from touching the goal of a collision may be typed \[m\].
+/// Largest gap of a goal's pose at a collision that is corrected \[m\].
 const SNAP_M: f64 = 1e-3;
-/// The same of further contacts, which the first one's correction leaves as they are \[m\].
+/// Largest gap of further contacts, which are not corrected \[m\].
 const FURTHER_M: f64 = 1e-9;
 
 /// Why a goal cannot hold at its collision.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SnapError {
-    /// In its pose the features make no contact.
+    /// In its pose a contact is degenerate.
     #[error(transparent)]
     Degenerate(#[from] Degenerate),
     /// In its pose the features are apart, or inside one another.
@@ -34,9 +34,9 @@ pub enum SnapError {
 }
 
 impl Scene {
-    /// Puts the pose that a goal asks for at a collision in touch with what it touches there: typed
-    /// digits leave a gap that no motion could close. Other goals stay, and those at collisions
-    /// that are open.
+    /// Moves the pose of a goal at a collision into contact: typed digits leave a gap that no
+    /// motion could close. Other goals and those at open collisions are unchanged. Fails where the
+    /// gap is too large or a contact is degenerate.
     pub fn snap_to_contact(&mut self, goal: usize) -> Result<(), SnapError> {
         let Goal {
             event,

@@ -1,9 +1,9 @@
-//! A take as the trackers and the performer gave it: integer nanoseconds, tracker frames.
+//! A take as trackers and performer delivered it: integer nanoseconds, tracker frames.
 
 use super::index::TrackIndex;
 use crate::math::Pose;
 
-/// A point in time in integer nanoseconds, of whatever clock the tracker used.
+/// A point in time in integer nanoseconds, on the tracker's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stamp(pub i64);
 
@@ -46,10 +46,10 @@ pub struct Mark {
     pub event: Option<String>,
 }
 
-/// What a source of takes delivers, in any order of stamps.
+/// An event that a source delivers, in any order of stamps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TakeEvent {
-    /// A tracker reading.
+    /// A tracker reading of a track.
     Pose {
         /// Of which of the scene's tracks.
         track: TrackIndex,
@@ -62,24 +62,24 @@ pub enum TakeEvent {
     Mark(Mark),
 }
 
-/// What the stamps of a live tracker are made from.
+/// The source of a live tracker's stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StampSource {
     /// The driver's own times on the system clock.
     Sample,
-    /// The device's clock, brought to ours.
+    /// The device's clock, mapped to this machine's.
     Device,
     /// The sequence numbers of a tracker that keeps this rate.
     Sequence {
         /// Readings per second.
         rate_hz: f64,
     },
-    /// When readings arrive, with the jitter taken off.
+    /// Arrivals of the readings, with the jitter filtered out.
     Receipt,
 }
 
 impl StampSource {
-    /// The word for it in scene files and reports.
+    /// Its name in scene files and reports.
     pub fn as_str(self) -> &'static str {
         match self {
             StampSource::Sample => "sample",

@@ -1,24 +1,24 @@
-//! Acted to physical time, and back.
+//! The map between acted and physical time.
 
 use super::estimate::SampleTime;
 use super::take::Stamp;
 
-/// Samples over which the tempo before the first and after the last of them is read.
+/// Number of samples at each end from which the tempo beyond them is computed.
 const TEMPO_SAMPLES: usize = 8;
 
-/// When on the physical time line each acted time is: linear between samples that have both, and
-/// beyond them at the tempo of the nearest few.
+/// Physical time as a function of acted time: linear between samples, and beyond them at the tempo
+/// of the nearest few.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeMap {
-    /// Acted, physical \[s\].
+    /// Pairs of acted and physical time \[s\].
     knots: Vec<(f64, f64)>,
     /// Physical per acted time before the first knot and after the last.
     tempos: (f64, f64),
 }
 
 impl TimeMap {
-    /// Of an estimate's samples, acted times being counted from `origin`. `None` where fewer than
-    /// two of them differ, or where time stands still or runs backwards at an end.
+    /// The map of an estimate's samples; acted times are relative to `origin`. `None` where fewer
+    /// than two times differ, or where time stands still or runs backwards at an end.
     pub fn new(sample_times: &[SampleTime], origin: Stamp) -> Option<Self> {
         let times = sample_times.iter();
         let mut knots: Vec<(f64, f64)> = times
@@ -50,7 +50,7 @@ impl TimeMap {
         from.0 + (time_s - from.1) / tempo
     }
 
-    /// A knot and the tempo about it, after which `is_before` ends to hold.
+    /// The last knot for which `is_before` holds, and the tempo after it.
     fn piece(&self, is_before: impl Fn(&(f64, f64)) -> bool) -> ((f64, f64), f64) {
         let after = self.knots.partition_point(is_before);
         let from = self.knots[after.saturating_sub(1)];

@@ -1,18 +1,19 @@
-//! What a motion may be called.
+//! The verdict about an estimated motion.
 
-/// How far the motion may be called physical; the worse, the greater.
+/// How physical a motion is, in order from best to worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// Every gap is within tolerance, and where the motion was checked nothing speaks against it.
+    /// Every gap is within tolerance, and checks, if made, raised no doubt.
     Physical,
-    /// The goals are met; some velocity gaps are left, and listed, or doubts.
+    /// The goals are met; some velocity gaps or doubts remain, and are listed.
     Plausible,
-    /// Neither, or no hand moves so; the reason or the doubt is given beside it.
+    /// Goals or contacts are not met, or no hand moves so; the reason or the doubt is given with
+    /// it.
     Failed,
 }
 
 impl Verdict {
-    /// The word for it in files and reports.
+    /// Its name in files and reports.
     pub fn as_str(self) -> &'static str {
         match self {
             Verdict::Physical => "physical",

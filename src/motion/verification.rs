@@ -1,4 +1,4 @@
-//! What checks that are independent of the estimation say of an estimated motion.
+//! Results of the checks that are independent of the estimation.
 
 use nalgebra::Vector3;
 
@@ -11,17 +11,17 @@ use super::scene::Against;
 pub struct Penetration {
     /// The link.
     pub link: LinkIndex,
-    /// What it is inside of.
+    /// The solid in which it is.
     pub against: Against,
-    /// When \[s\].
+    /// Physical time \[s\].
     pub time_s: f64,
-    /// How deep \[m\], positive.
+    /// Depth \[m\], positive.
     pub depth_m: f64,
     /// The link's deepest point [m, link].
     pub point_m: Vector3<f64>,
 }
 
-/// What of a link touches first at a collision, by its whole shape.
+/// The first touch of a link at a collision, by its whole shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
     /// Index into `Scene::events`.
@@ -37,47 +37,46 @@ pub struct Touch {
     /// The named feature to which that point belongs, an expected one where there are several;
     /// `None` where the scene names none there.
     pub found: Option<usize>,
-    /// How much nearer that point is than the expected features \[m\]: what would have been
-    /// inside when they touch.
+    /// How much nearer that point is than the expected features \[m\]: its depth when they touch.
     pub lead_m: f64,
-    /// When that point would have touched \[s\]; the event's time where nothing leads.
+    /// Time at which that point would have touched \[s\]; the event's time where nothing leads.
     pub found_time_s: f64,
     /// Deepest overlap of the shape about expected features in the flights before and after
-    /// \[m\], zero or more. Where a feature stands for more than a point of the shape, as a tip
-    /// for the rim about it, this is what the simplification costs.
+    /// \[m\], zero or more. Where a feature represents more than a point of the shape, as a tip
+    /// the rim around it, this is the error of the simplification.
     pub overlap_m: f64,
     /// Whether another part than expected leads by more than the tolerance.
     pub is_wrong: bool,
 }
 
-/// How far the single shot is from the estimate at one instant.
+/// Difference between the single shot and the estimate at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// The link.
     pub link: LinkIndex,
     /// The collision that is about to happen (index into `Scene::events`); `None`: the end.
     pub event: Option<usize>,
-    /// Of the instant itself \[s\].
+    /// Difference of the instants themselves \[s\].
     pub time_s: f64,
-    /// Of the centre of mass \[m\].
+    /// Distance of the centres of mass \[m\].
     pub position_m: f64,
-    /// Of the orientation \[rad\].
+    /// Angle between the orientations \[rad\].
     pub orientation_rad: f64,
-    /// Of the velocity [m/s].
+    /// Difference of the velocities [m/s].
     pub velocity_m_s: f64,
-    /// Of the angular velocity [rad/s].
+    /// Difference of the angular velocities [rad/s].
     pub angular_velocity_rad_s: f64,
 }
 
-/// A simulation from the first states alone, beside the estimate.
+/// A simulation from the first states alone, compared with the estimate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SingleShot {
-    /// Just before every collision of every link, and at its end.
+    /// Deviations just before every collision of every link, and at its end.
     pub deviations: Vec<Deviation>,
-    /// Collisions after which the simulation began anew from the estimate's state: those with
+    /// Collisions after which the simulation restarted from the estimate's state: those with
     /// velocity gaps (indices into `Scene::events`).
     pub restarts: Vec<usize>,
-    /// Collisions that it did not find near their time (indices into `Scene::events`).
+    /// Collisions that were not found near their time (indices into `Scene::events`).
     pub missed: Vec<usize>,
 }
 
@@ -96,32 +95,33 @@ impl SingleShot {
     }
 }
 
-/// Largest relative violations of the laws of conservation.
+/// Largest relative violations of the conservation laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// Of energy over flights, to the largest energy in them.
+    /// Energy over flights, relative to the largest energy in them.
     pub flight_energy: f64,
-    /// Of momentum over flights.
+    /// Momentum over flights.
     pub flight_momentum: f64,
-    /// Of angular momentum over flights.
+    /// Angular momentum over flights.
     pub flight_angular_momentum: f64,
-    /// Of kinetic energy over impacts, beside what restitution and friction take, to that
+    /// Kinetic energy over impacts, except the loss by restitution and friction, relative to that
     /// before.
     pub impact_energy: f64,
-    /// Of momentum over impacts: of two bodies together, and of each across the normals.
+    /// Momentum over impacts: of two bodies together, and of each perpendicular to the normals.
     pub impact_momentum: f64,
-    /// Of each body's angular momentum about the contact over impacts.
+    /// Angular momentum of each body about the contact over impacts.
     pub impact_angular_momentum: f64,
 }
 
-/// What the checks found.
+/// The results of all checks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verification {
-    /// Overlaps up to this depth are the scene's inaccuracy \[m\]; no deeper one is missed.
+    /// Overlaps up to this depth are attributed to the scene's inaccuracy \[m\]; no deeper one is
+    /// missed.
     pub tolerance_m: f64,
     /// The deepest overlap beyond the tolerance, if there is one.
     pub deepest: Option<Penetration>,
-    /// Which parts touch, collision by collision.
+    /// The first touches, collision by collision.
     pub touches: Vec<Touch>,
     /// The forward simulation.
     pub single_shot: SingleShot,

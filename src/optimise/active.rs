@@ -67,8 +67,8 @@ impl ActiveSet {
         .unzip()
     }
 
-    /// Adds the bounds that the step `delta` would violate and drops those whose `multipliers` after
-    /// it have the wrong sign. Returns whether anything changed.
+    /// Adds the bounds that the step `delta` would violate and drops those whose `multipliers`
+    /// after it have the wrong sign. Returns whether anything changed.
     pub fn revise(
         &mut self,
         structure: &Structure,

@@ -6,10 +6,10 @@
 //! accepted: λ ← λ max(1/3, 1 − (2ρ − 1)³);   refused: λ ← 2λ, then 4λ, 8λ, …
 //! ```
 //!
-//! with `g_L` the gradient of the augmented Lagrangian `L`, `W` and `d` its weights and distances of
-//! active rows. The rule for `λ` is that of H. B. Nielsen, "Damping Parameter in Marquardt's Method"
-//! (IMM-REP-1999-05). The damping matrix `D` is fixed ([`Program::damping`]): the diagonal of the
-//! normal matrix would let the constraints' weight damp the motion along their valley.
+//! with `g_L` the gradient of the augmented Lagrangian `L`, `W` and `d` its weights and distances
+//! of active rows. The rule for `λ` is that of H. B. Nielsen, "Damping Parameter in Marquardt's
+//! Method" (IMM-REP-1999-05). The damping matrix `D` is fixed ([`Program::damping`]): the diagonal
+//! of the normal matrix would let the constraints' weight damp the motion along their valley.
 
 use nalgebra::DVector;
 
@@ -91,8 +91,8 @@ impl<'a, P: Program> Descent<'a, P> {
         self.work.evaluations += 1;
     }
 
-    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`]; returns the number of
-    /// steps.
+    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`]; returns the number
+    /// of steps.
     pub fn run(
         &mut self,
         guidance: &P::Guidance,
@@ -135,9 +135,9 @@ impl<'a, P: Program> Descent<'a, P> {
                 self.damping *= growth;
                 growth *= 2.0;
             }
-            // Estimate of the decrease that remains: the error of the model and the part that damping
-            // held back. At a kink (a contact between sticking and sliding, a bound) predictions
-            // stay large though no step gains anything; idle steps end it there.
+            // Estimate of the decrease that remains: the error of the model and the part that
+            // damping held back. At a kink (a contact between sticking and sliding, a bound)
+            // predictions stay large though no step gains anything; idle steps end it there.
             let left = (gained - predicted).abs() + damped;
             idle = if gained.abs() < patience.gain {
                 idle + 1
@@ -192,8 +192,8 @@ impl<'a, P: Program> Descent<'a, P> {
         })
     }
 
-    /// Evaluates the step and, where it gains less than 0.9 of the predicted decrease, the corrected
-    /// step; leaves the better one in `trial` and returns its augmented Lagrangian.
+    /// Evaluates the step and, where it gains less than 0.9 of the predicted decrease, the
+    /// corrected step; leaves the better one in `trial` and returns its augmented Lagrangian.
     fn try_step(
         &mut self,
         guidance: &P::Guidance,

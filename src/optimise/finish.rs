@@ -1,8 +1,8 @@
 //! The finish: sequential quadratic programming by KKT steps ([`super::kkt`]) until the constraints
 //! hold to rounding.
 //!
-//! Steps are accepted by the ℓ₁ merit `f + μ Σ |violation|` with `μ = 1.5 max |ν|`: in full, in full
-//! with a second-order correction, or halved (Nocedal and Wright, *Numerical Optimization*,
+//! Steps are accepted by the ℓ₁ merit `f + μ Σ |violation|` with `μ = 1.5 max |ν|`: in full, in
+//! full with a second-order correction, or halved (Nocedal and Wright, *Numerical Optimization*,
 //! chapter 18). Halving shortens the whole step, since damping the Hessian would do nothing: the
 //! constraints determine nearly every unknown.
 
@@ -18,8 +18,8 @@ use super::work::Work;
 
 /// Greatest number of revisions of the active set before clarabel decides.
 const ACTIVE_ROUNDS: usize = 12;
-/// Convergence is slow where, after [`SLOW_STEPS`] steps, a step predicts more than this share of the
-/// decrease that the previous one predicted. The constraints' curvature is then added to `H`.
+/// Convergence is slow where, after [`SLOW_STEPS`] steps, a step predicts more than this share of
+/// the decrease that the previous one predicted. The constraints' curvature is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
 /// Greatest number of halvings of a step.
@@ -151,8 +151,8 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The step with the curvature of the constraints in the Hessian; `None` where the model is then
-    /// not convex on the active rows.
+    /// The step with the curvature of the constraints in the Hessian; `None` where the model is
+    /// then not convex on the active rows.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut curved = self.system.hessian.clone();
         let at = (&self.point, &self.system);

@@ -1,4 +1,5 @@
-//! Newton steps on the Karush–Kuhn–Tucker (KKT) conditions `∇f + Jᵀ ν = 0, c = 0` of the active rows.
+//! Newton steps on the Karush–Kuhn–Tucker (KKT) conditions `∇f + Jᵀ ν = 0, c = 0` of the active
+//! rows.
 //!
 //! The linearised conditions
 //!

@@ -8,13 +8,13 @@
 //! `H`, and `c` has values, bounds and a Jacobian `J`. A row with `lower = upper` is an equality.
 //!
 //! A problem is a [`Program`]: it says which unknowns are coupled ([`Structure`]), evaluates
-//! everything at a point ([`System`]) and moves points by steps. Nothing here knows what the unknowns
-//! are. [`schedule`] leads from a start to the optimum: [`descend`] minimises the augmented
-//! [`lagrangian`] by Levenberg–Marquardt, then [`finish`] takes sequential-quadratic-programming steps
-//! with [`kkt`]; [`active`] and [`qp`] find the active set. Matrices are [`envelope`]s, constraints are
-//! stored in [`block`]s. The methods are those of Nocedal and Wright, *Numerical Optimization*
-//! (2nd edition): chapter 10 (Levenberg–Marquardt), 16 (quadratic programmes), 17 (augmented
-//! Lagrangian), 18 (sequential quadratic programming).
+//! everything at a point ([`System`]) and moves points by steps. Nothing here knows what the
+//! unknowns are. [`schedule`] leads from a start to the optimum: [`descend`] minimises the
+//! augmented [`lagrangian`] by Levenberg–Marquardt, then [`finish`] takes
+//! sequential-quadratic-programming steps with [`kkt`]; [`active`] and [`qp`] find the active set.
+//! Matrices are [`envelope`]s, constraints are stored in [`block`]s. The methods are those of
+//! Nocedal and Wright, *Numerical Optimization* (2nd edition): chapter 10 (Levenberg–Marquardt), 16
+//! (quadratic programmes), 17 (augmented Lagrangian), 18 (sequential quadratic programming).
 
 pub mod active;
 pub mod block;

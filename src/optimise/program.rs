@@ -41,9 +41,9 @@ pub trait Program {
     /// Weights of constraints are multiplied by it, so that they keep their proportion to the cost.
     fn information(&self) -> (f64, f64);
 
-    /// Adds the constraints' curvature `Σ_k ν_k ∇²c_k` with multipliers `ν`, row by row, to a Hessian.
-    /// Rows with [`Block::curvature`](super::block::Block::curvature) are left out: theirs is added
-    /// by the optimiser.
+    /// Adds the constraints' curvature `Σ_k ν_k ∇²c_k` with multipliers `ν`, row by row, to a
+    /// Hessian. Rows with [`Block::curvature`](super::block::Block::curvature) are left out: theirs
+    /// is added by the optimiser.
     fn add_curvature(
         &self,
         at: (&Self::Point, &System),

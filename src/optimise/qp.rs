@@ -90,7 +90,8 @@ pub fn multipliers(structure: &Structure, system: &System) -> Option<Vec<f64>> {
         }
     }
     for (circle, z) in circles.iter().zip(z[sides.len()..].chunks_exact(3)) {
-        // The cone's force along the radius is |z|, the curved row's is its multiplier times 2/limit.
+        // The cone's force along the radius is |z|, the curved row's is its multiplier times
+        // 2/limit.
         if z[0] > ZERO * largest {
             multipliers[circle.index] = 0.5 * circle.limit * z[1].hypot(z[2]);
         }
@@ -107,8 +108,8 @@ struct RowCircle {
     values: [f64; 2],
 }
 
-/// The cones of all curved rows `(p₀² + p₁²)/limit² ≤ 1`, whose derivatives are `2p/limit²` and whose
-/// curvature is `2/limit²`.
+/// The cones of all curved rows `(p₀² + p₁²)/limit² ≤ 1`, whose derivatives are `2p/limit²` and
+/// whose curvature is `2/limit²`.
 fn circles(structure: &Structure, system: &System) -> Vec<RowCircle> {
     let mut circles = Vec::new();
     let mut index = 0;

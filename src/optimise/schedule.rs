@@ -7,9 +7,9 @@
 //!
 //! Hard constraints from the beginning would be imposed on gaps of a hundred units; general solvers
 //! then leave the optimum near the start for another one. One sweep weight is enough for the
-//! estimation: with states held at the middle of their arcs, slower sweeps (weights 0.1, 1, 10, 100)
-//! reached the same optima, in twice the iterations, on pencils at up to eight times the distortion
-//! and on up to twenty bounces.
+//! estimation: with states held at the middle of their arcs, slower sweeps (weights 0.1, 1, 10,
+//! 100) reached the same optima, in twice the iterations, on pencils at up to eight times the
+//! distortion and on up to twenty bounces.
 
 use super::descend::{Descent, Patience};
 use super::finish::{Finish, Finished, Tolerances};
@@ -34,8 +34,8 @@ const PATIENT: f64 = 1e-7;
 /// whose multiplier rounds go on until the violation is below this, in units.
 const PATIENT_BELOW: f64 = 1e-5;
 
-/// Weights, numbers of rounds and stopping rules. Weights per squared unit and gains are multiples of
-/// the program's [`information`](Program::information).
+/// Weights, numbers of rounds and stopping rules. Weights per squared unit and gains are multiples
+/// of the program's [`information`](Program::information).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// Weights of the sweep, per squared unit.
@@ -78,8 +78,8 @@ impl Schedule {
         100.0 * self.multiplier_weight
     }
 
-    /// The schedule for a start near the optimum: multiplier rounds at once, with a smaller gain, and
-    /// no retries.
+    /// The schedule for a start near the optimum: multiplier rounds at once, with a smaller gain,
+    /// and no retries.
     pub fn without_sweep(&self) -> Self {
         Self {
             sweep_weights: Vec::new(),
@@ -100,9 +100,9 @@ impl Schedule {
         }
     }
 
-    /// The schedule with its weights multiplied by a program's [`Program::information`]. Where least
-    /// and greatest information differ, the sweep repeats its weights at levels from one to the
-    /// other: a weight that is strong against one part of the cost is weak against the other.
+    /// The schedule with its weights multiplied by a program's [`Program::information`]. Where
+    /// least and greatest information differ, the sweep repeats its weights at levels from one to
+    /// the other: a weight that is strong against one part of the cost is weak against the other.
     pub fn scaled(&self, (least, most): (f64, f64)) -> Self {
         let between = ((most / least).log(SWEEP_RATIO).ceil() as i32).max(0);
         let levels = (0..=between).map(|level| (least * SWEEP_RATIO.powi(level)).min(most));
@@ -169,8 +169,8 @@ impl<T> Solution<T> {
     }
 }
 
-/// Minimises the cost of `program` under its constraints from a start; `guidance` gives the temporary
-/// terms of each stage.
+/// Minimises the cost of `program` under its constraints from a start; `guidance` gives the
+/// temporary terms of each stage.
 ///
 /// Not converging is no failure: [`Solution::finished`] says what is left.
 pub fn solve<P: Program>(

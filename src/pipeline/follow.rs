@@ -1,9 +1,9 @@
-//! The cut follows the solution.
+//! Assigns samples to flights again after the estimation has moved the events.
 //!
-//! Samples are assigned to flights where the marks say, within what the stream tells. The estimation
-//! then moves the events, and a sample may end up compared with a flight that is over, or that has
-//! not begun. So samples are assigned again once the events have settled, and the estimation goes on
-//! from where it was, until every sample is of the flight that it is compared with.
+//! Samples are first assigned to flights by the refined marks. The estimation then moves the
+//! events, so that a sample may be compared with a flight outside of its time. Samples are then
+//! assigned again by the estimated events, and the estimation continues from its solution, until
+//! every sample is compared with the flight to which it belongs.
 
 use std::ops::Range;
 
@@ -17,14 +17,14 @@ use crate::motion::{
 use crate::segment;
 use crate::segment::cut::{SAMPLES_MIN, median_interval_s};
 
-/// Times that samples are assigned again, or left out, at most.
+/// Greatest number of rounds in which samples are assigned again or left out.
 const ROUNDS: usize = 6;
-/// An event may leave samples behind by so many median intervals, beside which samples are left out
-/// anyway, before they are fetched.
+/// Distance of an event from a segment's samples, in median intervals, above which the samples
+/// between them are added; samples next to a collision are left out in any case.
 const BEHIND_INTERVALS: f64 = 3.0;
 
-/// Assigns samples anew and estimates again, until none is compared with a flight that is over; where
-/// that leads nowhere those that are on the wrong side are left out.
+/// Assigns samples anew and estimates again, until none is compared with a flight outside of its
+/// time; where that fails, samples on the wrong side are left out.
 pub(super) fn follow(
     sketch: &mut Sketch,
     cut: &mut Cut,
@@ -32,7 +32,7 @@ pub(super) fn follow(
     observer: &mut dyn Observer,
 ) {
     let scene = &inferred.scene;
-    // The events of an edited sketch are where its segments meet.
+    // The events of an edited sketch are fixed at the joints of its segments.
     if scene.timing == Timing::Edited {
         return;
     }
@@ -76,7 +76,7 @@ struct Assigned {
     segments: Vec<Segment>,
 }
 
-/// Acted times of an estimate's events, beside samples that are not where they belong.
+/// Acted times of an estimate's events, and the sketch whose samples are checked against them.
 struct Acted<'a> {
     scene: &'a Scene,
     sketch: &'a Sketch,
@@ -85,8 +85,8 @@ struct Acted<'a> {
 }
 
 impl<'a> Acted<'a> {
-    /// `None` where every sample is of the flight that it is compared with, and no event has left any
-    /// behind.
+    /// `None` where every sample belongs to the flight with which it is compared, and none is
+    /// missing.
     fn new(known: &Known<'a>, scene: &'a Scene, sketch: &'a Sketch) -> Option<Self> {
         let segments = known.segments;
         let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
@@ -132,12 +132,12 @@ impl<'a> Acted<'a> {
             || begins.is_some_and(|(event_s, before_s)| before_s > event_s + slack_s)
     }
 
-    /// The cut at these times; `None` where it is the one that was, or cannot be made.
+    /// The cut at these times; `None` where it is the old one, or cannot be made.
     fn assigned(&self) -> Option<Assigned> {
         let mut sketch = self.sketch.clone();
         let cuts = sketch.marks_s.iter_mut().zip(&self.events_s);
         for ((cut_s, event_s), of) in cuts.zip(&self.scene.events) {
-            // What comes before a start or after an end is not in the sketch any more.
+            // Samples before a start or after an end are no longer in the sketch.
             *cut_s = match of.kind {
                 EventKind::Start => cut_s.max(*event_s),
                 EventKind::End => cut_s.min(*event_s),
@@ -148,8 +148,8 @@ impl<'a> Acted<'a> {
         (segments != self.segments).then_some(Assigned { sketch, segments })
     }
 
-    /// The cut that was, without samples that do not belong there; `None` where there are none, or
-    /// where too few would be left.
+    /// The old cut without samples that do not belong to their segment; `None` where there are
+    /// none, or where too few would remain.
     fn without_those_outside(&self) -> Option<Assigned> {
         let segments: Vec<Segment> = self
             .segments
@@ -167,7 +167,7 @@ impl<'a> Acted<'a> {
     }
 }
 
-/// The motion of the new cut from the old one; `None` where that leads nowhere.
+/// The solution of the new cut, started from the old one; `None` where it does not converge.
 fn solved(
     known: &Known,
     scene: &Scene,

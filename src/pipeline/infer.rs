@@ -1,5 +1,5 @@
-//! What touches where a scene leaves that open: read off the arc fits, solved, checked; searched
-//! where the fits do not tell or the check fails.
+//! Infers the contacts that a scene leaves open (paper §5.1): from the arc fits, solved and
+//! checked; by a search where the fits are ambiguous or the check fails.
 
 use super::search::{Field, Found, SearchWork, search};
 use super::sound::is_sound;
@@ -8,21 +8,21 @@ use crate::estimate::{self, Recipe, Solved};
 use crate::initialise::contact;
 use crate::motion::{Contacts, Guess, Observer, Scene, Segment, Sketch, VelocityGaps};
 
-/// A motion that costs more than so many times what the fits of its arcs do makes one look for
-/// others.
+/// Greatest cost of a motion relative to that of the fits of its arcs; above it others are
+/// searched.
 const FAR: f64 = 60.0;
 
-/// A motion in a scene that says everything.
+/// A motion, with a scene in which all contacts are known.
 pub(super) struct Inferred {
     pub(super) scene: Scene,
     pub(super) solved: Solved,
     /// Collisions whose contacts the scene left open.
     pub(super) events: Vec<usize>,
-    /// If there was a search.
+    /// Work of the search, if there was one.
     pub(super) search: Option<SearchWork>,
 }
 
-/// Estimates, and infers on the way what the scene leaves open.
+/// Estimates the motion, and infers the contacts that the scene leaves open.
 pub(super) fn infer(
     scene: &Scene,
     sketch: &Sketch,
@@ -49,8 +49,8 @@ pub(super) fn infer(
     for ranking in &rankings {
         understood.set_contacts(ranking.event, &ranking.candidates[0].contacts);
     }
-    // Where physics is bent a wrong contact costs little, and the objective says less than the
-    // pose.
+    // With velocity gaps a wrong contact costs little, so that the objective is less informative
+    // than the pose.
     let is_bent = scene.velocity_gaps == VelocityGaps::Always
         || Problem::new(&understood, sketch, segments).is_overconstrained();
     let mut first = None;
@@ -72,7 +72,7 @@ pub(super) fn infer(
         }
         first = Some(solved);
     }
-    // Where the likeliest is clear, but no good, the fits are misleading.
+    // Where the first candidate is clear but gives no good motion, the fits are misleading.
     let open = rankings.iter().map(|ranking| {
         let reaches = match first {
             Some(_) => &ranking.candidates,

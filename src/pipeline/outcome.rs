@@ -1,4 +1,4 @@
-//! What a take becomes, or why it becomes nothing.
+//! The result of a take, or the reason why there is none.
 
 use thiserror::Error;
 
@@ -7,49 +7,49 @@ use super::search::SearchWork;
 use crate::motion::{Estimate, Observer, SampleCounts, Scene, Settled, Sketch, Verification};
 use crate::segment::SegmentError;
 
-/// What a take became.
+/// The result of a take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The scene as it was understood: repeated collisions written out, contacts filled in.
+    /// The scene as estimated: repeated collisions written out, contacts filled in.
     pub scene: Scene,
     /// Collisions whose contacts were inferred (indices into `scene.events`).
     pub inferred: Vec<usize>,
-    /// The search for them, if there was one.
+    /// Work of the search for them, if there was one.
     pub search: Option<SearchWork>,
-    /// The performance as it was estimated from.
+    /// The performance as used by the estimation.
     pub sketch: Sketch,
     /// Acted time of each event's mark before it was refined [s since the sketch's origin]; `None`
-    /// where nobody made one.
+    /// for an event without a mark.
     pub marks_made_s: Vec<Option<f64>>,
-    /// What became of its samples.
+    /// Counts of its samples.
     pub counts: SampleCounts,
     /// The physical motion, whatever its verdict.
     pub estimate: Estimate,
-    /// What independent checks say of it; `None` where there were none: the estimation failed,
-    /// or nobody asked.
+    /// Result of the independent checks; `None` where there were none: the estimation failed,
+    /// or checks were not wanted.
     pub verification: Option<Verification>,
-    /// How it goes on until it rests, if the scene asks for that and the estimation did not fail.
+    /// Its continuation until it rests, if the scene asks for that and the estimation did not fail.
     pub settled: Option<Settled>,
 }
 
 /// Why a take has no estimate at all.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PipelineError {
-    /// It makes no sketch of the scene.
+    /// The take gives no sketch of the scene.
     #[error(transparent)]
     Segment(#[from] SegmentError),
-    /// A collision that leaves open what touches, where nothing may.
+    /// A collision leaves its contacts open, and there is no candidate.
     #[error(
         "nothing can touch at `{event}`: expected a feature and a surface, or shapes that meet there"
     )]
     NoContact {
-        /// Its name.
+        /// Name of the event.
         event: String,
     },
 }
 
 impl Outcome {
-    /// Before any check. `marks_made_s` are those of the marks as they were made.
+    /// An outcome without checks. `marks_made_s` are the times of the marks as they were made.
     pub(super) fn unchecked(
         inferred: Inferred,
         marks_made_s: Vec<Option<f64>>,

@@ -1,18 +1,18 @@
-//! What the estimate so far is, while the performer acts.
+//! Previews: estimates during the performance.
 //!
-//! Of a scene whose first `k` events are marked that is the estimate of those events, with the
-//! flight after the last of them open, from all samples so far; later events, their goals and
-//! their parameters do not count. When the last event is marked it is the whole scene's.
+//! When the first `k` events of a scene are marked, the preview is the estimate of those events,
+//! with the flight after the last of them open, from all samples so far; later events, their goals
+//! and their parameters are left out. When the last event is marked it is that of the whole scene.
 //!
-//! With every mark it begins anew, as the final estimate does. In between it goes on from the last
-//! answer: states, times, parameters and contacts are those of before, moved to where the
-//! flights' middles are now, and the Newton steps of the finish suffice. Where they do not, where
-//! another contact would come first, and whenever an open flight has grown by half, it begins
-//! anew too: a start from too few samples must not be kept for ever. Where samples come to fit
-//! worse than they did it is tried both ways, and the better is kept.
+//! With every mark the estimation begins anew, as the final one does. Between marks it continues
+//! from the last solution: states, times, parameters and contacts are kept, moved to the flights'
+//! new middles, and the steps of the finish suffice. It also begins anew where they do not suffice,
+//! where another contact would come first, and whenever an open flight has grown by half, so that a
+//! start from too few samples is not kept. Where samples fit worse than before, both are tried and
+//! the better is kept.
 //!
-//! Unnamed marks of a scene whose collision repeats are taken for collisions: that the last of
-//! them was the end is known when the take is over.
+//! Unnamed marks of a scene with a repeated collision are taken as collisions: that the last one
+//! was the end is known only when the take is over.
 
 use super::follow::follow;
 use super::infer::Inferred;
@@ -26,13 +26,13 @@ use crate::motion::{
 };
 use crate::segment;
 
-/// How much more samples there are before the estimation begins anew.
+/// Growth of the number of samples after which the estimation begins anew.
 const GROWTH: f64 = 1.5;
 
-/// How much worse samples may fit than they did then.
+/// Growth of the objective per sample after which both ways are tried.
 const DOUBT: f64 = 1.25;
 
-/// A performance that is being acted.
+/// A performance in progress.
 #[derive(Clone, Debug)]
 pub struct Preview {
     scene: Scene,
@@ -40,22 +40,22 @@ pub struct Preview {
     last: Option<Last>,
 }
 
-/// The last answer.
+/// The last preview.
 #[derive(Clone, Debug)]
 struct Last {
-    /// The scene that was asked about.
+    /// The part of the scene that was estimated.
     asked: Scene,
     segments: Vec<Segment>,
     outcome: Outcome,
-    /// What the solver says of it, before doubts.
+    /// The solver's verdict, before doubts.
     solved: Verdict,
     begun: Begun,
 }
 
-/// How it was when the estimation was last begun anew.
+/// The state when the estimation last began anew.
 #[derive(Clone, Copy, Debug)]
 struct Begun {
-    /// Samples that were used.
+    /// Number of samples used.
     samples: usize,
     /// The objective, divided by them.
     per_sample: f64,
@@ -70,18 +70,17 @@ impl Begun {
     }
 }
 
-/// An estimate so far.
+/// A preview.
 #[derive(Clone, Copy, Debug)]
 pub struct Previewed<'a> {
-    /// It, in the part of the scene that was marked; whether bodies run into something was not
-    /// looked at.
+    /// The estimate of the marked part of the scene; overlaps of bodies were not checked.
     pub outcome: &'a Outcome,
-    /// Whether it went on from the one before.
+    /// Whether it continued from the previous one.
     pub is_warm: bool,
 }
 
 impl Preview {
-    /// Begins a take of that scene.
+    /// An empty take of a scene.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,
@@ -90,18 +89,18 @@ impl Preview {
         }
     }
 
-    /// Takes in what the source delivered; in any order.
+    /// Adds an event, in any order.
     pub fn push(&mut self, event: TakeEvent) {
         self.events.push(event);
     }
 
-    /// Marks that were pushed.
+    /// Number of marks so far.
     pub fn marks(&self) -> usize {
         self.mark_names().count()
     }
 
-    /// The estimate from what was pushed. `None` before the start that a scene waits for; an error
-    /// where there is nothing to estimate from yet, such as too few samples after a mark.
+    /// The estimate from the events so far. `None` before the scene's start event; an error
+    /// where an estimate is not possible yet, such as with too few samples after a mark.
     pub fn estimate(
         &mut self,
         observer: &mut dyn Observer,
@@ -121,7 +120,7 @@ impl Preview {
         let last = last.filter(|last| (used as f64) < GROWTH * last.begun.samples as f64);
         let marks = sketch.marks.clone();
         let warm = last.and_then(|last| {
-            // They weigh what they did.
+            // Marks keep their weights.
             sketch.marks.clone_from(&last.outcome.sketch.marks);
             let solved = last.next(&sketch, &cut.segments, observer)?;
             Some((last.begun, last.continued(solved)))
@@ -168,14 +167,14 @@ impl Preview {
         }))
     }
 
-    /// The part of the scene that was marked.
+    /// The marked part of the scene.
     fn scene_so_far(&self) -> Option<Scene> {
         let events = &self.scene.events;
         let marks = self.marks();
         let is_named = |name: &str| self.mark_names().any(|mark| mark == Some(name));
         let repeat =
             |event: &&crate::motion::Event| matches!(event.kind, EventKind::Collisions { .. });
-        // Events after the repeated one are still to come, but for those that a mark names.
+        // Events after the repeated one are still to come, except those that a mark names.
         let after = events.iter().rev().take_while(|event| !repeat(event));
         let to_come = after.filter(|event| !is_named(&event.name)).count();
         let whole = self.scene.with_marks(marks + to_come);
@@ -193,7 +192,7 @@ impl Preview {
 }
 
 impl Last {
-    /// That motion in place of this one, in the scene as it is understood.
+    /// The new motion in place of this one, in the scene with its inferred contacts.
     fn continued(self, solved: Solved) -> Inferred {
         Inferred {
             scene: self.outcome.scene,
@@ -203,7 +202,7 @@ impl Last {
         }
     }
 
-    /// The motion that goes on from this one; `None` where that does not lead to a motion.
+    /// The motion estimated from this one as the start; `None` where that gives no motion.
     fn next(
         &self,
         sketch: &Sketch,

@@ -1,17 +1,18 @@
-//! Which features hit at each of several collisions: best-first search (paper §5.1, §7).
+//! Collision sequence: which features touch at each of several collisions, by best-first search
+//! (paper §5.1, §7).
 //!
-//! A node is what hits at the first `k` open collisions. Its bound is that of the arcs up to the
-//! next, plus what the arcs after that cost at the least: fits by themselves, or in pairs over a
-//! collision with whatever feature suits them best ([`ahead`]). A child begins with a bound that is
-//! there already, by its pair of arcs. When its turn comes its own is raised, until it is above
-//! the next node's or can be no better; a complete sequence is solved then. The first solved one
-//! to come up again is the best of all: none that is left can cost less, as far as bounds are (see
-//! [`estimate::bound`]).
+//! A node is a choice of features for the first `k` open collisions. Its bound is a lower bound of
+//! the cost of the arcs up to the next open collision, plus lower bounds of the later arcs: alone,
+//! or in pairs over a collision with the feature that suits them best ([`ahead`]). A child begins
+//! with the bound of its pair of arcs. When it is the lowest in the queue, its own bound is raised
+//! until it is above the next node's or cannot be raised; a complete sequence is then solved. The
+//! first solved sequence to become the lowest again is the best of all: the others cost at least
+//! their bounds (see [`estimate::bound`] for what these prove).
 //!
-//! The sequence that is likeliest by the fits waits in the queue as a whole from the start. Where
-//! bounds of a few arcs are stuck at local minima above it, it is found none the less.
+//! The likeliest sequence by the fits is in the queue as a whole from the start, so that it is
+//! found even where bounds of a few arcs are stuck at local minima above its cost.
 //!
-//! A motion in which another feature would have touched first is none, and is passed over.
+//! A motion in which another feature would have touched first is discarded.
 
 mod ahead;
 mod lower_bound;
@@ -26,13 +27,13 @@ use crate::motion::{
     Contacts, Counters, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
 
-/// Iterations of the whole problem after which the search ends with what it has; those of a part
-/// count by its arcs.
+/// Number of iterations of the whole problem after which the search ends with its best result;
+/// iterations of a part count in proportion to its arcs.
 const ITERATIONS_MAX: f64 = 1200.0;
-/// A sequence without velocity gaps is looked for up to so many times the cost of the best with.
+/// Sequences without velocity gaps are searched up to so many times the cost of the best one with.
 const BENT: f64 = 2.0;
 
-/// What is searched, and in what.
+/// The input of a search.
 pub(super) struct Field<'a> {
     pub(super) scene: &'a Scene,
     pub(super) sketch: &'a Sketch,
@@ -40,29 +41,29 @@ pub(super) struct Field<'a> {
     pub(super) guesses: &'a [Guess],
     /// Whether no sequence can do without velocity gaps.
     pub(super) is_bent: bool,
-    /// Open collisions in order of time, each with what may touch, likeliest first.
+    /// Open collisions in order of time, each with its candidates, likeliest first.
     pub(super) open: &'a [(usize, Vec<Contacts>)],
-    /// A sequence (indices into the candidates) that is solved already.
+    /// A sequence (indices into the candidates) that is already solved.
     pub(super) first: Option<(Vec<usize>, Solved)>,
 }
 
 /// The work of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SearchWork {
-    /// Sequences that there are.
+    /// Number of possible sequences.
     pub sequences: f64,
-    /// Partial sequences that came up.
+    /// Partial sequences examined.
     pub nodes: usize,
     /// Lower bounds computed: of single arcs, of pairs, of partial sequences.
     pub bounds: usize,
     /// Sequences that were solved in full.
     pub solves: usize,
-    /// Whether no other sequence can be better, as far as bounds are.
+    /// Whether no other sequence can be better by the bounds.
     pub is_proven: bool,
 }
 
 impl SearchWork {
-    /// Adds what another search of the same field took.
+    /// Adds the work of another search of the same field.
     fn add(&mut self, other: &Self) {
         self.nodes += other.nodes;
         self.bounds += other.bounds;
@@ -70,9 +71,9 @@ impl SearchWork {
     }
 }
 
-/// What a search found.
+/// The result of a search.
 pub(super) struct Found {
-    /// What touches at each open collision (indices into the candidates).
+    /// The choice at each open collision (indices into the candidates).
     pub(super) choice: Vec<usize>,
     pub(super) solved: Solved,
     pub(super) work: SearchWork,
@@ -98,8 +99,8 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
     let failures = if may_bend { 1 } else { usize::MAX };
     search.run(f64::INFINITY, failures, observer);
     if may_bend && search.best().is_none() && !observer.should_stop() {
-        // Physics may have to bend: then only sequences that do without and are not much worse
-        // are worth more tries.
+        // Velocity gaps may be necessary: then only sequences without them that are not much worse
+        // are tried further.
         let mut bent = Search::new(field, recipe, true);
         bent.known = search.bent();
         bent.run(f64::INFINITY, usize::MAX, observer);
@@ -120,24 +121,24 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
 #[derive(Clone, Debug)]
 struct Node {
     cost: f64,
-    /// What it costs at least by what was known when it was made.
+    /// Its lower bound when it was made.
     made_at: f64,
     stage: NodeState,
-    /// Number in order of making, for ties.
+    /// Serial number, for ties.
     number: usize,
     choice: Vec<usize>,
     /// Bounds of the first arcs, without the last choice and without the one before.
     before: [f64; 2],
 }
 
-/// What a node's cost is.
+/// What is known of a node's cost.
 #[derive(Clone, Debug)]
 enum NodeState {
-    /// At least that, by its own bound as far as that is raised.
+    /// A lower bound that can still be raised.
     Rising(LowerBound),
-    /// At least that, and no more work makes it better.
+    /// A lower bound that cannot be raised.
     Bounded,
-    /// That: all is known, and it is solved. Index into the solutions.
+    /// The exact cost of a solved complete sequence. Index into the solutions.
     Solved(usize),
 }
 
@@ -174,29 +175,29 @@ impl SolvedSequence {
 struct SolvedSequence {
     choice: Vec<usize>,
     solved: Solved,
-    /// Whether it is a motion, in which nothing else would have touched first.
+    /// Whether it is a motion in which no other feature would have touched first.
     is_sound: bool,
 }
 
 struct Search<'a> {
     field: &'a Field<'a>,
     recipe: &'a Recipe,
-    /// The scene, with velocity gaps only where it always has them: costs must compare.
+    /// The scene, with velocity gaps only where it always has them, so that costs are comparable.
     scene: Scene,
     queue: BinaryHeap<Reverse<Node>>,
     solutions: Vec<SolvedSequence>,
-    /// Those that were there before.
+    /// Sequences that were solved before.
     known: Vec<(Vec<usize>, Solved)>,
     best: Option<usize>,
     made: usize,
-    /// Least cost of all arcs that begin at or after an open collision.
+    /// Lower bound of all arcs that begin at or after an open collision.
     tails: Vec<f64>,
-    /// Least cost of the arcs on both sides of an open collision, by candidate; together with
-    /// other arcs that neighbouring groups have besides.
+    /// Lower bound of the arcs on both sides of an open collision, by candidate, including the
+    /// other arcs of the neighbouring groups.
     pairs: Vec<Option<Vec<f64>>>,
     work: SearchWork,
     counters: Counters,
-    /// Of the whole problem.
+    /// Iterations so far, in those of the whole problem.
     iterations: f64,
 }
 
@@ -242,8 +243,8 @@ impl<'a> Search<'a> {
         scene
     }
 
-    /// Searches on until a sequence is proven the best, all that is left costs more than `limit`,
-    /// so many solves in all found no motion, or the search is too long.
+    /// Continues the search until a sequence is proven the best, all others cost more than `limit`,
+    /// so many `failures` to find a motion have occurred, or the search is too long.
     fn run(&mut self, limit: f64, failures: usize, observer: &mut dyn Observer) {
         if self.made == 0 {
             self.begin();
@@ -267,8 +268,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The root, and the likeliest sequence as a whole: where it is the best, all others only need
-    /// to be shown worse, and no partial sequence must lead there.
+    /// Puts the root and the likeliest complete sequence in the queue: where that is the best, all
+    /// others only need to be shown worse.
     fn begin(&mut self) {
         self.expand(&[], 0.0, [0.0; 2]);
         let choice = vec![0; self.field.open.len()];
@@ -288,7 +289,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Solutions whose velocities jump.
+    /// Solutions with velocity gaps.
     fn bent(&self) -> Vec<(Vec<usize>, Solved)> {
         let jumps = |s: &&SolvedSequence| s.solved.estimate.verdict == Verdict::Plausible;
         let solutions = self.solutions.iter().filter(jumps);
@@ -297,7 +298,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// Brings a node to its next stage, or above the next one.
+    /// Brings a node to its next state, or its bound above that of the next node.
     fn advance(&mut self, mut node: Node, observer: &mut dyn Observer) {
         let depth = node.choice.len();
         if let NodeState::Rising(bound) = &mut node.stage {
@@ -374,7 +375,7 @@ impl<'a> Search<'a> {
         self.solutions.push(solution);
     }
 
-    /// As in a scene that says all, where velocities jump only if they must.
+    /// Estimates with all contacts known; velocity gaps only where needed.
     fn estimate(&mut self, scene: &Scene, observer: &mut dyn Observer) -> Solved {
         self.work.solves += 1;
         let Field {
@@ -395,7 +396,8 @@ impl<'a> Search<'a> {
         solved
     }
 
-    /// The best sound solution: the one that came up first, or else of those that wait.
+    /// The best sound solution: the first to become the lowest, else the best of those in the
+    /// queue.
     fn best(&self) -> Option<usize> {
         let sound = (0..self.solutions.len()).filter(|index| self.solutions[*index].is_sound);
         let objective = |index: &usize| self.solutions[*index].solved.estimate.objective;
@@ -403,7 +405,7 @@ impl<'a> Search<'a> {
             .or_else(|| sound.min_by(|a, b| objective(a).total_cmp(&objective(b))))
     }
 
-    /// The best that was found, or the best that is known where none is sound.
+    /// The best sound solution, or the best known one where none is sound.
     fn conclude(mut self, observer: &mut dyn Observer) -> Found {
         let rank = |solution: &SolvedSequence| {
             let estimate = &solution.solved.estimate;
@@ -440,8 +442,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The longest sequence that was looked into, completed one by one: by the least bound among
-    /// what suits each next pair of arcs best.
+    /// The longest partial sequence examined, completed step by step by the least bound among the
+    /// best candidates of each next pair of arcs.
     fn likeliest(&mut self) -> Vec<usize> {
         const LOOKED_INTO: usize = 3;
         let deepest = self.queue.iter().min_by(|Reverse(a), Reverse(b)| {
@@ -464,7 +466,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Places in the list of open collisions, and candidates.
+/// A choice as pairs of a place in the list of open collisions and a candidate.
 fn places(choice: &[usize]) -> Vec<(usize, usize)> {
     choice.iter().copied().enumerate().collect()
 }

@@ -3,7 +3,7 @@
 use crate::motion::{Estimate, Scene, Verdict};
 use crate::verify::touches;
 
-/// Whether a motion is one, and what its open collisions say is what touches first there.
+/// Whether the estimate is a motion, and the inferred contacts of its open collisions touch first.
 pub(super) fn is_sound(scene: &Scene, estimate: &Estimate, open: &[usize]) -> bool {
     let is_wrong = || {
         let touches = touches(scene, estimate);

@@ -14,7 +14,7 @@ use crate::verify::credible;
 #[derive(Clone, Debug)]
 pub(super) struct Cut {
     pub(super) segments: Vec<Segment>,
-    /// Rounds of refinement.
+    /// Number of rounds of mark refinement.
     pub(super) rounds: usize,
     /// See [`Outcome::marks_made_s`].
     pub(super) marks_made_s: Vec<Option<f64>>,
@@ -35,7 +35,7 @@ pub(super) fn cut(
     let mut rounds = segment::refine(scene, sketch);
     counts.marks.moved = segment::relocate_marks(scene, sketch);
     if !counts.marks.moved.is_empty() {
-        // A mark that was far from any kink is none; that it was is said.
+        // A mark that was far from any kink is not used; the counts report it.
         for event in &counts.marks.moved {
             marks_made_s[*event] = Some(sketch.marks_s[*event]);
         }
@@ -50,7 +50,7 @@ pub(super) fn cut(
     })
 }
 
-/// Stages 3 and 4.
+/// Stages 3 and 4: guesses, then the estimation.
 pub(super) fn solve(
     scene: &Scene,
     sketch: &mut Sketch,
@@ -72,7 +72,7 @@ pub(super) fn solve(
     Ok(inferred)
 }
 
-/// Counts the samples that segments use; what lies between a track's segments is near a collision.
+/// Counts the samples that segments use; those between a track's segments are near a collision.
 pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
     counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
     for (index, track) in sketch.tracks.iter_enumerated() {
@@ -91,8 +91,8 @@ pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut Sample
     }
 }
 
-/// What speaks against a motion whose gaps are closed: what checks found that were made, and whether it
-/// could be what was acted. Nothing of one that failed.
+/// Doubts about a motion whose gaps are closed: from the checks that were made, and from its
+/// credibility. None for a failed estimate.
 pub(super) fn doubts(outcome: &Outcome) -> Vec<Doubt> {
     if outcome.estimate.verdict == Verdict::Failed {
         return Vec::new();

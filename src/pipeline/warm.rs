@@ -1,15 +1,15 @@
-//! An estimate as the guess for the next one, from a few samples more.
+//! An estimate as the guess for the next one, which has a few more samples.
 
 use crate::motion::{ArcEstimate, ArcGuess, Estimate, Guess, Scene, Segment, Sketch, TimeMap};
 
-/// What is estimated already.
+/// An existing estimate.
 pub(super) struct Known<'a> {
     pub(super) segments: &'a [Segment],
     pub(super) estimate: &'a Estimate,
 }
 
-/// The known estimate, carried over to a sketch of the same events: samples that it has not seen
-/// go on at its last tempo. `None` where the segments are others.
+/// The known estimate as a guess for a sketch of the same events: new samples continue at its last
+/// tempo. `None` where the segments differ.
 pub(super) fn guess(
     known: &Known,
     scene: &Scene,
@@ -17,7 +17,7 @@ pub(super) fn guess(
     segments: &[Segment],
 ) -> Option<Guess> {
     let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
-    // The first sample that is used has its acted time: a convention of the estimation.
+    // Convention of the estimation: the first sample used has its acted time as physical time.
     let firsts = segments.iter().map(|segment| {
         let samples = &sketch.tracks[segment.track].samples;
         samples[segment.samples.start].acted_s

@@ -55,7 +55,8 @@ impl PrefixSums {
     }
 
     /// Sums for the integral of angular momentum \[rad, world\]:
-    /// `Σ R_i (I/I_max) Log(R_{i−1}ᵀ R_i)`. In free flight angular momentum is constant, and its integral a straight line.
+    /// `Σ R_i (I/I_max) Log(R_{i−1}ᵀ R_i)`. In free flight angular momentum is constant, and its
+    /// integral a straight line.
     pub(super) fn of_turns(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Self {
         let moments = scene.link_seen_by(index).body.moments_kg_m2();
         let moments = moments / moments.max();

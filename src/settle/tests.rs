@@ -1,4 +1,4 @@
-//! What falls comes to rest where it should, and begins where the estimate ends.
+//! A falling body comes to rest where it should, and begins where the estimate ends.
 
 use super::*;
 use crate::config::scene_from_toml;

@@ -1,4 +1,4 @@
-//! Hand-made motions of which the answers are known.
+//! Hand-made motions with known results.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -161,7 +161,8 @@ fn a_flight_through_a_thin_wall_and_through_another_body_is_found() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
-    /// Against ten thousand looks at each flight of a spinning pencil over a table and a post.
+    /// Compares with ten thousand distance queries on each flight of a spinning pencil over a table
+    /// and a post.
     #[test]
     fn nothing_deeper_than_the_tolerance_is_missed(
         height in 0.1..0.6f64,
@@ -198,7 +199,7 @@ proptest! {
     }
 }
 
-/// The motion about a bounce of that point of the body, in that state but for its height.
+/// The motion about a bounce of a point of the body, in a state with its height adjusted.
 fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
     let time_s = 0.4;
     let mut before = before;

@@ -1,4 +1,5 @@
-//! The parts against independent ones: derivatives numeric, algebra dense, noise made up.
+//! Compares the parts with independent computations: numeric derivatives, dense algebra, made
+//! noise.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,7 +11,7 @@ use crate::estimate::outcome;
 use crate::estimate::tests::each_case;
 use crate::motion::TrackIndex;
 
-/// A repeatable stand-in for noise, uniform with variance one.
+/// Pseudo-random noise from a fixed seed, uniform with variance one.
 struct Random(u64);
 
 impl Random {
@@ -143,7 +144,8 @@ fn the_likelihood_is_that_of_contrasts() {
     );
 }
 
-/// A constant and a slope on every axis, orthonormal: what a flight's own fit takes away.
+/// A constant and a slope on every axis, orthonormal: the directions that a flight's own fit
+/// absorbs.
 fn constants_and_slopes(bins: &Bins) -> Vec<Vec<Six>> {
     let count = bins.count() as f64;
     let middle = 0.5 * (count - 1.0);
@@ -166,7 +168,7 @@ fn constants_and_slopes(bins: &Bins) -> Vec<Vec<Six>> {
         .collect()
 }
 
-/// Weights that sum residuals over all bins alike: what a slow wander pushes.
+/// Equal weights of all residuals in all bins: the sum on which a slow wander acts most.
 fn alike(bins: &Bins) -> super::trace::Trace {
     super::trace::Trace {
         sums: vec![[1.0; 6]; bins.count()],
@@ -195,8 +197,8 @@ fn white_noise_is_seen_as_such() {
     assert!((0.9..1.5).contains(&ratio), "{ratio}");
 }
 
-/// A wander that goes astray like a random walk, of which the fit has absorbed line and constant.
-/// Without saying so, what is left looks small.
+/// A wander like a random walk, of which the fit has absorbed line and constant. If that is not
+/// accounted for, the remaining residuals look small.
 #[test]
 fn what_the_fit_absorbs_of_a_slow_wander_counts() {
     const SAMPLES: usize = 5;

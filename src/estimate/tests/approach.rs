@@ -1,11 +1,11 @@
-//! Contacts approach: a condition of every collision, and a stricter one while the sweep leads.
+//! Contacts must approach: a constraint of every collision, stricter during the sweep.
 
 use super::*;
 use crate::estimate::recipe::Lead;
 use crate::optimise::Stage;
 use crate::optimise::block::Block;
 
-/// The rows of approach speeds, each with its value, its limit and by how much it is broken.
+/// The rows of approach speeds, each with its value, its limit and its violation.
 fn approaches(block: &Block) -> Vec<(f64, f64, f64)> {
     let row = |row: usize| (block.values[row], block.bounds[row].1, block.violation(row));
     block.leads.clone().map(row).collect()

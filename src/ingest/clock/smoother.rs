@@ -8,8 +8,8 @@ const CONSTANT_S: f64 = 1.0;
 ///
 /// With `n` periods `T` since the last stamp `t`, arrival `r`, prediction `p = t + n T` and error
 /// `e = r − p`: `t ← p + α e`, `T ← T + β e / n`; `α = 2 x`, `β = x²`,
-/// `x = min(n T / CONSTANT_S, 1/2)`. At the beginning it averages: at the `i`-th sample `x` is at least `2/i`, about the gains
-/// of a line fitted to all samples so far.
+/// `x = min(n T / CONSTANT_S, 1/2)`. At the beginning it averages: at the `i`-th sample `x` is at
+/// least `2/i`, about the gains of a line fitted to all samples so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoother {
     /// The first arrival \[ns\]; later times are relative to it, so that floats are precise.

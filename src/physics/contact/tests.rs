@@ -33,7 +33,7 @@ fn rim(at: [f64; 3], axis: [f64; 3], radius_m: f64) -> Feature {
     }
 }
 
-/// Every pair that is known, sharp and rounded, in metres of unit scale.
+/// Every supported pair, sharp and rounded, of a size of about one metre.
 fn pairs() -> Vec<(&'static str, Contact)> {
     let flat = face([0.2, -0.1, 0.3], [0.2, -0.3, 1.0]);
     let ring = rim([0.1, 0.2, -0.8], [0.1, -0.2, -1.0], 0.4);

@@ -1,4 +1,5 @@
-//! The flow against general integration, the reference to thirty digits, and itself.
+//! Compares the flow with a general integrator, with the reference to thirty digits, and with
+//! itself.
 
 use nalgebra::{Matrix3, Quaternion, SMatrix, UnitQuaternion, Vector3};
 
@@ -196,8 +197,8 @@ fn spin_error(omega: &Vector3<f64>, exact: &Motion) -> f64 {
         .sqrt()
 }
 
-/// A free turn's errors \[rad\], relative to the first speed; and what half a rounding of `ω(0)`
-/// makes of both.
+/// Errors of a free rotation \[rad\] and of its angular velocity relative to the initial speed; and
+/// the changes of both by half a rounding error of `ω(0)`.
 struct Accuracy {
     angle: f64,
     spin: f64,

@@ -10,7 +10,7 @@ use crate::physics::state::{State, StateTangent};
 
 mod derivatives;
 
-/// Draws after which there should have been what is wanted.
+/// Number of random draws after which a suitable case must have occurred.
 pub(super) const DRAWS: usize = 10_000;
 
 /// Bodies, poses and contacts of unit scale, from a seed.

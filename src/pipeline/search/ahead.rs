@@ -1,4 +1,5 @@
-//! Bounds of a search: of single arcs and of pairs, which look ahead, and of partial sequences.
+//! Lower bounds of a search: of single arcs and pairs for the rest of a sequence, and of partial
+//! sequences.
 
 use super::lower_bound::{LowerBound, lowest};
 use super::{Search, places};
@@ -17,7 +18,8 @@ impl Search<'_> {
         (0..self.field.segments.len()).filter(is_in).collect()
     }
 
-    /// Bounds of single arcs and of pairs, and from these of all that comes after a node.
+    /// Computes bounds of single arcs and of pairs, and from these the bounds of all arcs after a
+    /// node.
     pub(super) fn look_ahead(&mut self) {
         let depth = self.field.open.len();
         let groups: Vec<Vec<usize>> = (0..=depth).map(|from| self.group(from)).collect();
@@ -56,7 +58,7 @@ impl Search<'_> {
         }
     }
 
-    /// The bound of arcs with some open collisions known: places in the list, and candidates.
+    /// A bound of some arcs with some open collisions known, as places in the list and candidates.
     pub(super) fn least(
         &self,
         known: &[(usize, usize)],
@@ -66,7 +68,7 @@ impl Search<'_> {
         let guesses = self.field.guesses;
         let mut starts: Vec<(usize, Bound)> = Vec::new();
         for (index, guess) in guesses.iter().enumerate() {
-            // Guesses may differ in other arcs only.
+            // Guesses that differ in other arcs only give the same bound.
             let is_same = |(other, _): &(usize, Bound)| {
                 let other = &guesses[*other];
                 arcs.iter().all(|arc| other.arcs[*arc] == guess.arcs[*arc])
@@ -84,7 +86,7 @@ impl Search<'_> {
         }
     }
 
-    /// Raises a bound until it is above `ceiling` or can be no better.
+    /// Raises a bound until it is above `ceiling` or cannot be raised.
     pub(super) fn tighten(&mut self, least: &mut LowerBound, ceiling: f64) {
         let scene = self.with(&least.known);
         self.work.bounds += usize::from(!least.is_begun);
@@ -110,8 +112,8 @@ impl Search<'_> {
         }
     }
 
-    /// Finds the least of several bounds, and which it is; the others are raised until they are
-    /// above it.
+    /// Raises several bounds until the least of them is final and the others are above it; returns
+    /// its index.
     pub(super) fn race(&mut self, bounds: &mut [LowerBound]) -> usize {
         loop {
             let (first, next) = lowest(bounds, LowerBound::cost);
@@ -122,7 +124,7 @@ impl Search<'_> {
         }
     }
 
-    /// Bound of the arcs up to the first collision that is open still.
+    /// Bound of the arcs up to the first collision that is still open.
     pub(super) fn prefix(&self, choice: &[usize]) -> LowerBound {
         let arcs: Vec<usize> = (0..=choice.len())
             .flat_map(|from| self.group(from))

@@ -10,7 +10,7 @@ pub(super) struct LowerBound {
     pub(super) known: Vec<(usize, usize)>,
     pub(super) arcs: Vec<usize>,
     pub(super) own_priors: bool,
-    /// By guess.
+    /// One bound for each guess.
     pub(super) starts: Vec<(usize, Bound)>,
 }
 
@@ -30,7 +30,7 @@ impl LowerBound {
     }
 }
 
-/// The lowest of what is never empty, and the cost of the next.
+/// Index of the lowest of a list that is not empty, and the cost of the second lowest.
 pub(super) fn lowest<T>(all: &[T], cost: impl Fn(&T) -> f64) -> (usize, f64) {
     let mut order: Vec<(f64, usize)> = all.iter().map(cost).zip(0..).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -243,7 +243,7 @@ fn each_fault_is_dropped_once_and_counted() {
     }
 }
 
-/// Readings are late that come after a later one, not only after the one before.
+/// Readings count as late after any later one, not only after their predecessor.
 #[test]
 fn all_that_come_late_are_counted() {
     let scene = scene();

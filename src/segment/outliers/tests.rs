@@ -136,7 +136,7 @@ fn a_centimetre_is_no_jump_and_three_are() {
     }
 }
 
-/// Where nothing moves nothing is usual, and the least limits are all there is.
+/// Where nothing moves the usual distance is zero, and the least limits apply.
 #[test]
 fn at_rest_a_centimetre_and_some_degrees_are_the_limits() {
     let resting = || {

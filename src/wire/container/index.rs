@@ -281,8 +281,8 @@ impl Container {
         gathered.redefined.extend(redefined);
     }
 
-    /// Everything is walked through: what is still not defined is looked for in the summary, and
-    /// messages are counted.
+    /// Ends the walk: takes definitions that are still missing from the summary, and counts
+    /// messages.
     fn conclude(&mut self, mut gathered: Gathered) {
         let is_lost = |id: &u16| !self.channels.contains_key(id);
         if !gathered.waiting.is_empty() || gathered.tallies.keys().any(is_lost) {

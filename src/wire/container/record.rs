@@ -250,7 +250,7 @@ pub(super) fn chunk_header(bytes: &[u8], at: usize) -> Option<ChunkHeader> {
 }
 
 /// Unpacks the chunk in `bytes[at..end]` into `records`, which holds whole verified records
-/// afterwards, or nothing. Its record's type and length are not looked at.
+/// afterwards, or nothing. Its record's opcode and length are ignored.
 pub(super) fn unpack_chunk(
     bytes: &[u8],
     at: usize,

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | `enact<topic>`, as in `enact/tracker/pencil/pose` | [`PoseRecord`] `enact.Pose.1` | a tracker's driver | poses of the body with that topic in the scene |
 //! | `enact<marks_topic>`, as in `enact/marks` | [`MarkRecord`] `enact.Mark.1` | a foot pedal, a key | an event happens now |
-//! | `enact/control` | [`ControlRecord`] `enact.Control.1` | whoever directs | start, stop or discard a take, ask how it stands |
+//! | `enact/control` | [`ControlRecord`] `enact.Control.1` | a remote control | start, stop or discard a take, ask how it stands |
 //! | `enact/take` | [`TakeRecord`] `enact.Take.1` | `enact capture` | what became of the takes |
 //! | `enact/estimate` | [`EstimateRecord`] `enact.Estimate.1` | `enact capture`, `enact replay` | verdict and numbers of an estimate |
 //! | `enact/estimate/<body>/pose` | [`EstimatedPoseRecord`] `enact.EstimatedPose.1` | the same | its motion, frame by frame, after its `enact/estimate` |

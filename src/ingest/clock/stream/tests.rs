@@ -92,8 +92,8 @@ fn a_clock_that_is_set_does_not_tear_the_stamps_apart() {
     }
 }
 
-/// Before a stream has a cadence its clock is only seen to go back; and where a publisher begins
-/// again, its numbers do not tell either.
+/// Before a stream has a cadence, only steps back of its clock are detected; after a restart of the
+/// publisher sequence numbers do not help either.
 #[test]
 fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
     const HOUR: i64 = 3_600_000 * MS;
@@ -141,7 +141,7 @@ fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
     }
 }
 
-/// Our own clock is never set during a take; were it, stamps by arrival would stand still.
+/// The clock of a take is never set; if it were, stamps by arrival would stand still.
 #[test]
 fn stamps_by_arrival_never_go_back() {
     let mut readings: Vec<Reading> = (0..600).map(reading).collect();

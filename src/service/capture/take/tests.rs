@@ -74,8 +74,8 @@ fn what_came_is_in_the_file_after_chunk_ms() {
     }
 }
 
-/// Arrivals are told by a clock that is never set: where the system's stands does not matter once
-/// a take has begun.
+/// Arrivals are stamped by a clock that is never set: changes of the system clock do not matter
+/// once a take has begun.
 #[test]
 fn log_times_follow_no_clock_that_can_be_set() {
     let folder = tempfile::tempdir().expect("folder");
