@@ -376,7 +376,7 @@ fn a_flight_between_poses_leads_from_one_to_the_other() {
 fn the_estimators_law_agrees_on_the_meeting() {
     let truth = hat_box::truth();
     for (event, other) in [(0, None), (1, Some(HAT))] {
-        let meeting = truth.scene.meeting(event).unwrap().unwrap();
+        let meeting = truth.scene.contact_set(event).unwrap().unwrap();
         let (before, after) = around(&truth, BOX, event);
         let partner = other.map(|link| around(&truth, link, event));
         let body_of = |link: LinkIndex| &truth.scene.links[link].body;

@@ -255,8 +255,8 @@ fn quantity(
         let index = events.iter().position(|event| event.name == event_name)?;
         Some((index, events[index].kind.collision()?))
     };
-    type Found = fn(usize, &Collision) -> (Quantity, f64);
-    let of_collision: [(&str, Found); 4] = [
+    type CollisionQuantity = fn(usize, &Collision) -> (Quantity, f64);
+    let of_collision: [(&str, CollisionQuantity); 4] = [
         (".restitution", |event, collision| {
             (Quantity::Restitution { event }, collision.restitution)
         }),

@@ -70,7 +70,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.goals = goals(&raw.goal, &scene)?;
     (scene.parameters, scene.cones) = parameters(&raw.free, &gravity_m_s2, &scene.events)?;
     for (event, spanned) in raw.event.iter().enumerate() {
-        scene.meeting(event).map_err(|error| Fault {
+        scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),
             message: error.to_string(),
         })?;

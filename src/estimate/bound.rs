@@ -75,12 +75,12 @@ pub struct Bound {
     pub cost: f64,
     /// The bound from completed rounds.
     floor: f64,
-    stage: Progress,
+    stage: BoundStage,
     place: Option<Standing>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Progress {
+enum BoundStage {
     Sweep { steps: usize },
     Round { number: usize, steps: usize },
     Done,
@@ -99,7 +99,7 @@ impl Default for Bound {
         Self {
             cost: 0.0,
             floor: 0.0,
-            stage: Progress::Sweep { steps: 0 },
+            stage: BoundStage::Sweep { steps: 0 },
             place: None,
         }
     }
@@ -108,7 +108,7 @@ impl Default for Bound {
 impl Bound {
     /// Whether further work cannot raise it.
     pub fn is_done(&self) -> bool {
-        self.stage == Progress::Done
+        self.stage == BoundStage::Done
     }
 
     /// Raises it, always with the same part and recipe, until it is above `ceiling` or cannot be
@@ -136,24 +136,24 @@ impl Bound {
             None => Tightening::new(&context, &leading, &schedule, start),
         };
         let is_tied = !run.lagrangian.multipliers.is_empty();
-        if !is_tied && self.stage == (Progress::Sweep { steps: 0 }) {
+        if !is_tied && self.stage == (BoundStage::Sweep { steps: 0 }) {
             self.begin_round(&mut run, 0, &exact, &schedule);
         }
-        while self.stage != Progress::Done && self.cost <= ceiling {
+        while self.stage != BoundStage::Done && self.cost <= ceiling {
             match self.stage {
-                Progress::Sweep { steps } => {
+                BoundStage::Sweep { steps } => {
                     self.sweep(&mut run, steps, (&leading, &exact), &schedule)
                 }
-                Progress::Round { number, steps } => {
+                BoundStage::Round { number, steps } => {
                     let is_last = number + 1 == ROUNDS || !is_tied;
                     self.round(&mut run, (number, steps, is_last), &exact, &schedule);
                 }
-                Progress::Done => {}
+                BoundStage::Done => {}
             }
         }
         let mut counters = Counters::default();
         solve::add(&mut counters, &run.descent.work, 0);
-        if self.stage != Progress::Done {
+        if self.stage != BoundStage::Done {
             self.place = Some(run.place());
         }
         counters
@@ -176,7 +176,7 @@ impl Bound {
             let value = lagrangian.merit(&run.descent.system) - may_gain;
             self.cost = self.floor.max(value);
         }
-        self.stage = Progress::Sweep { steps };
+        self.stage = BoundStage::Sweep { steps };
         if taken < LEG || steps >= schedule.sweep_steps {
             self.begin_round(run, 0, exact, schedule);
         }
@@ -197,7 +197,7 @@ impl Bound {
             run.lagrangian.update(&run.descent.system);
         }
         run.descent.damping = run.descent.damping.clamp(DAMPING.0, DAMPING.1);
-        self.stage = Progress::Round { number, steps: 0 };
+        self.stage = BoundStage::Round { number, steps: 0 };
     }
 
     fn round(
@@ -214,11 +214,11 @@ impl Bound {
         if value.is_finite() {
             self.cost = self.floor.max(value);
         }
-        self.stage = Progress::Round { number, steps };
+        self.stage = BoundStage::Round { number, steps };
         if taken < LEG || may_gain < SHARE * value || steps >= STEPS {
             self.floor = self.cost;
             if is_last {
-                self.stage = Progress::Done;
+                self.stage = BoundStage::Done;
             } else {
                 self.begin_round(run, number + 1, exact, schedule);
             }
@@ -251,12 +251,12 @@ impl<'a> Tightening<'a> {
 
     fn resumed(
         context: &'a SolveContext<'a>,
-        stage: Progress,
+        stage: BoundStage,
         (leading, exact): (&Guidance, &Guidance),
         schedule: &Schedule,
         place: Standing,
     ) -> Self {
-        let is_sweep = matches!(stage, Progress::Sweep { .. });
+        let is_sweep = matches!(stage, BoundStage::Sweep { .. });
         let guidance = if is_sweep { leading } else { exact };
         let mut descent = Descent::new(context, place.point);
         descent.refresh(guidance);

@@ -89,7 +89,7 @@ pub struct ArcCollision {
     /// The body, and the other one unless it hits the static world.
     pub sides: Vec<ArcPair>,
     /// Its contacts.
-    pub meeting: ContactSet,
+    pub contacts: ContactSet,
     /// Whether a goal fixes the body in contact, so that no row is needed for the gap.
     pub touches_by_goal: bool,
     /// Restitution, friction and tilt, where they are not free.
@@ -321,7 +321,7 @@ impl Problem {
     /// coincidence, no motion satisfies all of them.
     pub fn is_overconstrained(&self) -> bool {
         let collisions = self.collisions.iter().map(|collision| {
-            let contacts = collision.meeting.contacts().len();
+            let contacts = collision.contacts.as_slice().len();
             let arcs = collision.sides.iter().map(|side| side.after);
             let states: usize = arcs.map(|arc| self.dimension(arc)).sum();
             let contacts = if collision.touches_by_goal {
@@ -452,8 +452,8 @@ fn collisions(
         Some(ArcCollision {
             event,
             sides: collision.links().map(side).collect::<Option<_>>()?,
-            meeting: scene
-                .meeting(event)
+            contacts: scene
+                .contact_set(event)
                 .expect("a collision that the scene's makers checked")
                 .expect("contacts that stages before found"),
             touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),

@@ -518,7 +518,7 @@ fn the_meetings_approach_and_one_slides_and_the_other_sticks() {
             ..impact::Law::frictionless(0.55)
         };
         let impact = collision
-            .meeting
+            .contacts
             .impact(&side(0), Some(&side(1)), &law)
             .unwrap();
         assert!(impact.speeds_m_s[0] < -0.1, "{impact:?}");

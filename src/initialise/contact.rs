@@ -181,8 +181,8 @@ impl View<'_> {
     }
 
     fn contact(&self, touching: &Touching) -> Option<Contact> {
-        let meeting = self.scene.meeting_of(self.event, &[*touching]);
-        meeting.ok()?.map(|meeting| meeting.contacts()[0])
+        let set = self.scene.contact_set_of(self.event, &[*touching]);
+        set.ok()?.map(|set| set.as_slice()[0])
     }
 
     /// Gap of contacts with a plane, the lowest of several, averaged over both fits.

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::ballistic;
 use super::clock;
-use super::turn::{self, Reading, TurnFit};
+use super::turn::{self, OrientationReading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
@@ -57,7 +57,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             .map(|sample| time_line.at(sample.acted_s))
             .collect();
         let epoch_s = time_line.at(middle_s);
-        let readings: Vec<Reading> = samples
+        let readings: Vec<OrientationReading> = samples
             .iter()
             .zip(&sample_times_s)
             .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))

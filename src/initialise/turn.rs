@@ -33,7 +33,7 @@ const READINGS_MAX: usize = 512;
 const ITERATIONS_MAX: usize = 25;
 
 /// A measured orientation, `s` seconds from the epoch.
-pub type Reading = (f64, UnitQuaternion<f64>);
+pub type OrientationReading = (f64, UnitQuaternion<f64>);
 
 /// Orientation and angular velocity at the epoch, with the sum of squares of the fit.
 #[derive(Clone, Copy, Debug)]
@@ -51,10 +51,10 @@ pub struct TurnFit {
 /// Fits `readings`, in order of time: from the mean rate of all, and from fits to the first
 /// half, the middle and the last half; a body with three different moments also from fits that
 /// grow from its first readings.
-pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
+pub fn fit(body: &Body, readings: &[OrientationReading]) -> TurnFit {
     let stride = readings.len() / READINGS_MAX;
     if stride > 1 {
-        let some: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
+        let some: Vec<OrientationReading> = readings.iter().copied().step_by(stride).collect();
         let of_some = fit(body, &some);
         let for_each = readings.len() as f64 / some.len() as f64;
         return TurnFit {
@@ -83,11 +83,12 @@ pub fn fit(body: &Body, readings: &[Reading]) -> TurnFit {
 /// Fit for bodies with three different moments, whose mean rate over a flip is meaningless: starts
 /// from the mean rate of the first few readings and fits ever more of them, each time half as many
 /// again, so that no fit has to find more than a part of a flip.
-fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
+fn grow(body: &Body, readings: &[OrientationReading]) -> TurnFit {
     let count = readings.len();
     // The epoch is the first reading until all readings are used.
     let first_s = readings.first().map_or(0.0, |reading| reading.0);
-    let from_first: Vec<Reading> = readings.iter().map(|(s, r)| (s - first_s, *r)).collect();
+    let from_first: Vec<OrientationReading> =
+        readings.iter().map(|(s, r)| (s - first_s, *r)).collect();
     let mut window = first_window(readings);
     let mut best = start(body, &from_first[..window]);
     let mut iterations = 0;
@@ -110,7 +111,7 @@ fn grow(body: &Body, readings: &[Reading]) -> TurnFit {
 }
 
 /// Number of readings of the first window.
-fn first_window(readings: &[Reading]) -> usize {
+fn first_window(readings: &[OrientationReading]) -> usize {
     let (least, most) = FIRST_WINDOW;
     let steps = readings.windows(2).take(most - 1);
     let turned = steps.scan(0.0, |turned_rad, pair| {
@@ -121,9 +122,9 @@ fn first_window(readings: &[Reading]) -> usize {
     (1 + within.count()).max(least).min(readings.len())
 }
 
-fn fit_from_means(body: &Body, readings: &[Reading]) -> TurnFit {
+fn fit_from_means(body: &Body, readings: &[OrientationReading]) -> TurnFit {
     let stride = readings.len().div_ceil(SCOUTS).max(1);
-    let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
+    let scouts: Vec<OrientationReading> = readings.iter().copied().step_by(stride).collect();
     let mut best = descend(body, &scouts, start(body, readings));
     let mut iterations = best.iterations;
     let clear = scouts.len() as f64 * CLEAR_RMS_RAD * CLEAR_RMS_RAD;
@@ -150,9 +151,13 @@ fn fit_from_means(body: &Body, readings: &[Reading]) -> TurnFit {
 
 /// Distinct local minima, best first, and the number of iterations: `best`, those from the starts
 /// of [`fit`], and those from starts with up to one turn more or less about each axis.
-pub fn alternatives(body: &Body, readings: &[Reading], best: TurnFit) -> (Vec<TurnFit>, usize) {
+pub fn alternatives(
+    body: &Body,
+    readings: &[OrientationReading],
+    best: TurnFit,
+) -> (Vec<TurnFit>, usize) {
     let stride = readings.len().div_ceil(SCOUTS).max(1);
-    let scouts: Vec<Reading> = readings.iter().copied().step_by(stride).collect();
+    let scouts: Vec<OrientationReading> = readings.iter().copied().step_by(stride).collect();
     let span_s = readings[readings.len() - 1].0 - readings[0].0;
     let mut starts: Vec<TurnFit> = windows(scouts.len())
         .into_iter()
@@ -194,7 +199,7 @@ fn windows(count: usize) -> Vec<std::ops::Range<usize>> {
 /// The mean rate of `readings`, from the orientation nearest the epoch.
 ///
 /// A symmetric top keeps the rate of its axis in the world and the rate about it in the body.
-fn start(body: &Body, readings: &[Reading]) -> TurnFit {
+fn start(body: &Body, readings: &[OrientationReading]) -> TurnFit {
     let axis = match body.symmetry() {
         Symmetry::Spherical | Symmetry::Asymmetric => Vector3::zeros(),
         Symmetry::Axial { axis } => Vector3::ith(axis, 1.0),
@@ -232,13 +237,13 @@ fn start(body: &Body, readings: &[Reading]) -> TurnFit {
     }
 }
 
-fn evaluate(body: &Body, readings: &[Reading], fit: &TurnFit) -> TurnTerms {
+fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> TurnTerms {
     let start = (&fit.orientation, &fit.angular_velocity_rad_s);
     let readings = readings.iter().map(|(s, measured)| (*s, measured));
     TurnTerms::of(body, start, readings)
 }
 
-fn descend(body: &Body, readings: &[Reading], from: TurnFit) -> TurnFit {
+fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {
     let mut fit = from;
     let mut terms = evaluate(body, readings, &fit);
     let (mut damping, mut growth) = (1e-4, 2.0);
@@ -326,7 +331,7 @@ mod tests {
             let orientation = UnitQuaternion::from_euler_angles(0.3, 1.0, -2.0);
             let omega = Vector3::new(9.0, -6.0, 14.0);
             let mut spin = Spin::new(&body, &omega);
-            let readings: Vec<Reading> = (0..60)
+            let readings: Vec<OrientationReading> = (0..60)
                 .map(|i| f64::from(i) / 120.0 - 0.25)
                 .map(|s| (s, orientation * spin.turn_and_derivative(s).0))
                 .collect();
@@ -337,7 +342,12 @@ mod tests {
     }
 
     /// Readings of a tumbling brick at 120 Hz, with a smooth wander of 8° rms and noise of 0.3°.
-    fn tumble(body: &Body, omega: &Vector3<f64>, count: usize, seed: u64) -> Vec<Reading> {
+    fn tumble(
+        body: &Body,
+        omega: &Vector3<f64>,
+        count: usize,
+        seed: u64,
+    ) -> Vec<OrientationReading> {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let normal = rand_distr::StandardNormal;
         let mut draw = || -> f64 { normal.sample(&mut random) };
@@ -370,7 +380,11 @@ mod tests {
     }
 
     /// The fit that the true motion leads to.
-    fn from_the_truth(body: &Body, readings: &[Reading], omega: Vector3<f64>) -> TurnFit {
+    fn from_the_truth(
+        body: &Body,
+        readings: &[OrientationReading],
+        omega: Vector3<f64>,
+    ) -> TurnFit {
         let truth = TurnFit {
             orientation: UnitQuaternion::identity(),
             angular_velocity_rad_s: omega,

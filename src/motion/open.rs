@@ -91,7 +91,7 @@ impl Scene {
         all.filter(|contacts: &Contacts| {
             let is_new = |index: usize| !contacts[..index].contains(&contacts[index]);
             (0..contacts.len()).all(is_new)
-                && matches!(self.meeting_of(event, contacts), Ok(Some(_)))
+                && matches!(self.contact_set_of(event, contacts), Ok(Some(_)))
         })
         .collect()
     }

@@ -80,15 +80,15 @@ impl Scene {
     /// event is no collision.
     ///
     /// Fails where two features are no supported pair, or their impact is not supported.
-    pub fn meeting(&self, event: usize) -> Result<Option<ContactSet>, CollisionError> {
+    pub fn contact_set(&self, event: usize) -> Result<Option<ContactSet>, CollisionError> {
         match self.events[event].kind.collision() {
-            Some(collision) => self.meeting_of(event, &collision.contacts),
+            Some(collision) => self.contact_set_of(event, &collision.contacts),
             None => Ok(None),
         }
     }
 
-    /// [`Scene::meeting`] with the given contacts in place of the collision's.
-    pub fn meeting_of(
+    /// [`Scene::contact_set`] with the given contacts in place of the collision's.
+    pub fn contact_set_of(
         &self,
         event: usize,
         touchings: &[Touching],
@@ -115,15 +115,15 @@ impl Scene {
         let is_tilted = frees(|event| Quantity::Tilt { event, tangent: 0 })
             || frees(|event| Quantity::Tilt { event, tangent: 1 });
         let has_friction = collision.friction > 0.0 || frees(|event| Quantity::Friction { event });
-        let meeting = if has_friction {
+        let set = if has_friction {
             ContactSet::with_friction(&contacts)?
         } else {
             ContactSet::frictionless(&contacts)?
         };
         if is_tilted {
-            meeting.check_tilt()?;
+            set.check_tilt()?;
         }
-        Ok(Some(meeting))
+        Ok(Some(set))
     }
 
     /// Adds a body that flies freely.

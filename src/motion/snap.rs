@@ -56,10 +56,10 @@ impl Scene {
         else {
             return Ok(());
         };
-        let Ok(Some(meeting)) = self.meeting(event) else {
+        let Ok(Some(set)) = self.contact_set(event) else {
             return Ok(());
         };
-        for (index, contact) in meeting.contacts().iter().enumerate() {
+        for (index, contact) in set.as_slice().iter().enumerate() {
             let frame = Frame {
                 position_m: world_from_body.translation.vector,
                 orientation: world_from_body.rotation,

@@ -46,7 +46,7 @@ pub struct Descent<'a, P: Program> {
 const IDLE_STEPS: usize = 2;
 
 /// A damped step.
-struct Direction {
+struct DampedStep {
     delta: DVector<f64>,
     /// Decrease of the undamped quadratic model over the step.
     predicted: f64,
@@ -114,7 +114,7 @@ impl<'a, P: Program> Descent<'a, P> {
         let mut idle = 0;
         for step in 1..=patience.steps {
             let before = lagrangian.merit(&self.system);
-            let Some(Direction {
+            let Some(DampedStep {
                 delta,
                 predicted,
                 damped,
@@ -160,7 +160,7 @@ impl<'a, P: Program> Descent<'a, P> {
     }
 
     /// The damped step; `None` where the matrix is not positive definite.
-    fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<Direction> {
+    fn direction(&mut self, lagrangian: &AugmentedLagrangian) -> Option<DampedStep> {
         let structure = self.program.structure();
         self.work.iterations += 1;
         self.work.factorisations += 1;
@@ -185,7 +185,7 @@ impl<'a, P: Program> Descent<'a, P> {
         let size: f64 = delta.iter().zip(&self.scale).map(|(d, s)| d * d * s).sum();
         let damped = self.damping * size;
         let predicted = 0.5 * (-self.gradient.dot(&delta) + damped);
-        Some(Direction {
+        Some(DampedStep {
             delta,
             predicted,
             damped,

@@ -119,7 +119,7 @@ pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer
 
 /// A partial sequence.
 #[derive(Clone, Debug)]
-struct Node {
+struct PartialSequence {
     cost: f64,
     /// Its lower bound when it was made.
     made_at: f64,
@@ -142,7 +142,7 @@ enum NodeState {
     Solved(usize),
 }
 
-impl Ord for Node {
+impl Ord for PartialSequence {
     fn cmp(&self, other: &Self) -> Ordering {
         self.cost
             .total_cmp(&other.cost)
@@ -151,19 +151,19 @@ impl Ord for Node {
     }
 }
 
-impl PartialOrd for Node {
+impl PartialOrd for PartialSequence {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Node {
+impl PartialEq for PartialSequence {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Node {}
+impl Eq for PartialSequence {}
 
 impl SolvedSequence {
     /// Half the sum of squared residuals.
@@ -184,7 +184,7 @@ struct Search<'a> {
     recipe: &'a Recipe,
     /// The scene, with velocity gaps only where it always has them, so that costs are comparable.
     scene: Scene,
-    queue: BinaryHeap<Reverse<Node>>,
+    queue: BinaryHeap<Reverse<PartialSequence>>,
     solutions: Vec<SolvedSequence>,
     /// Sequences that were solved before.
     known: Vec<(Vec<usize>, Solved)>,
@@ -274,7 +274,7 @@ impl<'a> Search<'a> {
         self.expand(&[], 0.0, [0.0; 2]);
         let choice = vec![0; self.field.open.len()];
         let stage = NodeState::Rising(self.prefix(&choice));
-        let node = Node {
+        let node = PartialSequence {
             cost: self.tails[0],
             made_at: self.tails[0],
             stage,
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
     }
 
     /// Brings a node to its next state, or its bound above that of the next node.
-    fn advance(&mut self, mut node: Node, observer: &mut dyn Observer) {
+    fn advance(&mut self, mut node: PartialSequence, observer: &mut dyn Observer) {
         let depth = node.choice.len();
         if let NodeState::Rising(bound) = &mut node.stage {
             let next = self.queue.peek();
@@ -328,7 +328,7 @@ impl<'a> Search<'a> {
             });
             let made_at = cost.max(by_pair);
             let choice = [choice, &[candidate]].concat();
-            let node = Node {
+            let node = PartialSequence {
                 cost: made_at,
                 made_at,
                 stage: NodeState::Rising(self.prefix(&choice)),
@@ -341,7 +341,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn solve(&mut self, node: Node, observer: &mut dyn Observer) {
+    fn solve(&mut self, node: PartialSequence, observer: &mut dyn Observer) {
         if self.solutions.iter().any(|s| s.choice == node.choice) {
             return;
         }
@@ -362,7 +362,7 @@ impl<'a> Search<'a> {
             solved,
         };
         if solution.is_sound {
-            self.queue.push(Reverse(Node {
+            self.queue.push(Reverse(PartialSequence {
                 cost: solution.cost(),
                 made_at: solution.cost(),
                 stage: NodeState::Solved(self.solutions.len()),

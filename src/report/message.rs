@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::estimate::EstimateReport;
 use super::reported::Reported;
-use super::time_map::TimeMap;
+use super::time_map::TimeMapMessage;
 use crate::motion::{ArcEstimate, Scene, Stamp};
 
 /// JSON schema of [`EstimateMessage`].
@@ -19,7 +19,7 @@ pub struct EstimateMessage {
     /// Collision-free flights, body by body in order of time.
     pub arcs: Vec<ArcLine>,
     /// Acted time against physical time.
-    pub time_map: TimeMap,
+    pub time_map: TimeMapMessage,
 }
 
 /// A flight: between its start and its end the body moves as a free rigid body from the state at the
@@ -52,7 +52,7 @@ impl EstimateMessage {
         Self {
             report: EstimateReport::new(of),
             arcs: arcs.map(|arc| ArcLine::new(scene, arc)).collect(),
-            time_map: TimeMap::new(scene, of.sketch, estimate, zero),
+            time_map: TimeMapMessage::new(scene, of.sketch, estimate, zero),
         }
     }
 }

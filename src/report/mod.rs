@@ -31,4 +31,4 @@ pub use reason::{MeasuredLine, TerminationLine, reason_text};
 pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;
 pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
-pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMap};
+pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMapMessage};

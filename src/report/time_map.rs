@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::motion::{Estimate, Scene, Sketch, Stamp};
 
-/// JSON schema of [`TimeMap`].
+/// JSON schema of [`TimeMapMessage`].
 pub const TIME_MAP_SCHEMA: &str = include_str!("time_map.schema.json");
 
 /// A stamp as foxglove's JSON has it: exact, where one number would lose nanoseconds.
@@ -25,7 +25,7 @@ impl From<Stamp> for Time {
 
 /// Acted time, in seconds since `origin`, against physical time, in seconds since `physical_zero`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TimeMap {
+pub struct TimeMapMessage {
     origin: Time,
     physical_zero: Time,
     bodies: Vec<BodyTimes>,
@@ -46,7 +46,7 @@ struct EventTime {
     physical_s: f64,
 }
 
-impl TimeMap {
+impl TimeMapMessage {
     /// The map of an estimate, body by body and event by event; physical time zero is stamped `zero`.
     pub fn new(scene: &Scene, sketch: &Sketch, estimate: &Estimate, zero: Stamp) -> Self {
         let bodies = scene.tracks.keys().map(|track| {

@@ -33,7 +33,7 @@ const GAP_RATIO: f64 = 2.5;
 const SPAN_LIMIT_S: f64 = 86_400.0;
 
 /// Readings by track and stream.
-type Streams = TiVec<TrackIndex, Vec<Vec<PoseSample>>>;
+type SegmentStreams = TiVec<TrackIndex, Vec<Vec<PoseSample>>>;
 
 /// The sketch of a take, with counts of its samples: streams sorted by stamp, without unusable
 /// readings, as poses of the bodies, from the scene's start event to its end.
@@ -129,7 +129,7 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
 
 /// The usable part of a take.
 struct Usable {
-    /// Streams by track, in order of time; none is empty.
+    /// SegmentStreams by track, in order of time; none is empty.
     streams: TiVec<TrackIndex, Vec<PoseSample>>,
     marks: Vec<Mark>,
     extents: TiVec<TrackIndex, Extent>,
@@ -174,7 +174,7 @@ fn delivered(
     scene: &Scene,
     events: &[TakeEvent],
     counts: &mut SampleCounts,
-) -> Result<(Streams, Vec<Mark>), SegmentError> {
+) -> Result<(SegmentStreams, Vec<Mark>), SegmentError> {
     let delivered = sorted(scene, events, counts)?;
     if counts.read > 0 {
         return Ok(delivered);
@@ -193,9 +193,9 @@ fn sorted(
     scene: &Scene,
     events: &[TakeEvent],
     counts: &mut SampleCounts,
-) -> Result<(Streams, Vec<Mark>), SegmentError> {
+) -> Result<(SegmentStreams, Vec<Mark>), SegmentError> {
     let tracks = scene.tracks.keys();
-    let mut streams: Streams = tracks
+    let mut streams: SegmentStreams = tracks
         .map(|track| vec![Vec::new(); scene.streams(track)])
         .collect();
     let mut latest: BTreeMap<(TrackIndex, usize), Stamp> = BTreeMap::new();

@@ -77,7 +77,7 @@ fn outliers(stream: &[PoseSample]) -> Vec<bool> {
 }
 
 /// A pose, and its time in median intervals.
-struct Reading {
+struct PlacedPose {
     time: f64,
     position_m: Vector3<f64>,
     quaternion: Vector4<f64>,
@@ -85,7 +85,7 @@ struct Reading {
 
 /// Readings and the usual distances between them.
 struct Path {
-    readings: Vec<Reading>,
+    readings: Vec<PlacedPose>,
     position: Usual,
     orientation: Usual,
 }
@@ -145,9 +145,9 @@ impl Path {
             .collect();
         let middle = intervals_ns.len() / 2;
         let interval_ns = (*intervals_ns.select_nth_unstable(middle).1).max(1);
-        let readings: Vec<Reading> = stream
+        let readings: Vec<PlacedPose> = stream
             .iter()
-            .map(|sample| Reading {
+            .map(|sample| PlacedPose {
                 time: (sample.stamp.0 - origin.0) as f64 / interval_ns as f64,
                 position_m: sample.position_m,
                 quaternion: Vector4::from(sample.quaternion_xyzw).normalize(),

@@ -44,14 +44,14 @@ pub(super) fn balance(world: &World) -> Balance {
                 link.ending_at(event.time_s)?,
                 link.starting_at(event.time_s)?,
             ];
-            Some(Side {
+            Some(BeforeAfter {
                 body: &link.of_scene.body,
                 states: arcs.map(|arc| link.state(arc, event.time_s)),
             })
         };
         let links = [law.link].into_iter().chain(law.other);
-        let sides: Option<Vec<Side>> = links.map(side).collect();
-        if let Some(impact) = sides.and_then(|sides| Impact::new(&law, sides)) {
+        let sides: Option<Vec<BeforeAfter>> = links.map(side).collect();
+        if let Some(impact) = sides.and_then(|sides| EstimatedImpact::new(&law, sides)) {
             impact.check(&law, &mut balance);
         }
     }
@@ -84,27 +84,28 @@ fn flight(
 }
 
 /// A body just before an impact and just after.
-struct Side<'a> {
+struct BeforeAfter<'a> {
     body: &'a Body,
     states: [State; 2],
 }
 
 /// An impact with its states and contact geometry.
-struct Impact<'a> {
-    sides: Vec<Side<'a>>,
+struct EstimatedImpact<'a> {
+    sides: Vec<BeforeAfter<'a>>,
     /// Unit, tilted, towards the first side \[world\]; contact by contact.
     normals: Vec<Vector3<f64>>,
     /// From the sides' centres to the points of contact [m, world].
     arms_m: Vec<Vec<Vector3<f64>>>,
 }
 
-impl<'a> Impact<'a> {
+impl<'a> EstimatedImpact<'a> {
     /// `None` where a contact is degenerate.
-    fn new(law: &Law, sides: Vec<Side<'a>>) -> Option<Self> {
-        let frame = |side: Option<&Side>| side.map_or(Frame::world(), |s| Frame::of(&s.states[0]));
+    fn new(law: &Law, sides: Vec<BeforeAfter<'a>>) -> Option<Self> {
+        let frame =
+            |side: Option<&BeforeAfter>| side.map_or(Frame::world(), |s| Frame::of(&s.states[0]));
         let frames = [frame(sides.first()), frame(sides.get(1))];
         let (mut normals, mut arms_m) = (Vec::new(), vec![Vec::new(); sides.len()]);
-        for contact in law.meeting.contacts() {
+        for contact in law.contacts.as_slice() {
             let touch = contact.touch(&frames[0], &frames[1]).ok()?;
             let tilt: Vector3<f64> = contact
                 .tilt_axes()
@@ -128,8 +129,9 @@ impl<'a> Impact<'a> {
     }
 
     fn check(&self, law: &Law, balance: &mut Balance) {
-        let is_smooth = !law.meeting.has_friction();
-        let momentum = |side: &Side, at: usize| side.states[at].velocity_m_s * side.body.mass_kg();
+        let is_smooth = !law.contacts.has_friction();
+        let momentum =
+            |side: &BeforeAfter, at: usize| side.states[at].velocity_m_s * side.body.mass_kg();
         let (mut sum, mut size) = (Vector3::zeros(), 0.0);
         for (index, side) in self.sides.iter().enumerate() {
             let change = momentum(side, 1) - momentum(side, 0);
@@ -179,7 +181,7 @@ impl<'a> Impact<'a> {
     fn taken_j(&self, law: &Law) -> Option<[f64; 2]> {
         let (count, elastic) = (self.normals.len(), law.law.restitution.powi(2));
         // Rows: a speed along a normal; with friction, along the world's axes at the one contact.
-        let directions: Vec<(usize, Vector3<f64>)> = match law.meeting.has_friction() {
+        let directions: Vec<(usize, Vector3<f64>)> = match law.contacts.has_friction() {
             true => (0..3).map(|axis| (0, Vector3::ith(axis, 1.0))).collect(),
             false => (0..count).map(|at| (at, self.normals[at])).collect(),
         };
@@ -202,7 +204,7 @@ impl<'a> Impact<'a> {
             }
         }
         let whole_j = 0.5 * speeds.dot(&delassus.clone().cholesky()?.solve(&speeds));
-        if !law.meeting.has_friction() {
+        if !law.contacts.has_friction() {
             let lost_j = (1.0 - elastic) * whole_j;
             return Some([lost_j; 2]);
         }

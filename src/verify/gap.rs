@@ -22,21 +22,21 @@ use crate::physics::shape::Solid;
 /// The gaps of the contacts of a collision.
 pub(super) struct Gaps<'w> {
     solid: &'w Solid,
-    contacts: Vec<Gap<'w>>,
+    contacts: Vec<ContactGap<'w>>,
 }
 
-struct Gap<'w> {
+struct ContactGap<'w> {
     contact: Contact,
     partner: Partner<'w>,
-    measure: Measure,
+    measure: MeasuredPair,
 }
 
 /// The pair whose distance is measured.
-enum Measure {
+enum MeasuredPair {
     /// The body's point and the partner's solid.
-    Ball(Ball),
+    PointBall(PointBall),
     /// The partner's point and the body's solid.
-    BallOfPartner(Ball),
+    BallOfPartner(PointBall),
     /// The body's solid and the partner's.
     Solids,
     /// The two features.
@@ -44,7 +44,7 @@ enum Measure {
 }
 
 /// A point of a body or of the world, with its radius.
-struct Ball {
+struct PointBall {
     centre_m: Vector3<f64>,
     solid: Solid,
 }
@@ -63,7 +63,7 @@ impl<'w> Gaps<'w> {
         let events = &world.estimate.events;
         let time_s = events.iter().find(|e| e.event == event)?.time_s;
         let solid = &world.links[law.link].solid;
-        let pairs = law.meeting.contacts().iter().zip(&collision.contacts);
+        let pairs = law.contacts.as_slice().iter().zip(&collision.contacts);
         let contacts = pairs.map(|(contact, touching)| {
             let against = match law.other {
                 Some(other) => Against::Link(other),
@@ -76,10 +76,10 @@ impl<'w> Gaps<'w> {
                 }
             };
             let partner = world.partner(against, Some(time_s))?;
-            Some(Gap {
+            Some(ContactGap {
                 contact: *contact,
                 partner,
-                measure: Measure::of(contact, &partner, solid, body, other),
+                measure: MeasuredPair::of(contact, &partner, solid, body, other),
             })
         });
         Some(Self {
@@ -98,19 +98,19 @@ impl<'w> Gaps<'w> {
     }
 }
 
-impl Gap<'_> {
+impl ContactGap<'_> {
     fn gap_m(&self, solid: &Solid, body: &Pose, other: Option<&Pose>) -> Option<f64> {
         let closest = match &self.measure {
-            Measure::Ball(ball) => {
+            MeasuredPair::PointBall(ball) => {
                 self.partner
                     .closest_to(&ball.solid, &ball.placed(Some(body)), other)
             }
-            Measure::BallOfPartner(ball) => ball
+            MeasuredPair::BallOfPartner(ball) => ball
                 .solid
                 .closest(&ball.placed(other), solid, body)
                 .expect(FINITE),
-            Measure::Solids => self.partner.closest_to(solid, body, other),
-            Measure::Features => {
+            MeasuredPair::Solids => self.partner.closest_to(solid, body, other),
+            MeasuredPair::Features => {
                 let frame = |pose: &Pose| Frame {
                     position_m: pose.translation.vector,
                     orientation: pose.rotation,
@@ -123,7 +123,7 @@ impl Gap<'_> {
     }
 }
 
-impl Measure {
+impl MeasuredPair {
     fn of(
         contact: &Contact,
         partner: &Partner,
@@ -138,30 +138,30 @@ impl Measure {
             let point_m = to_partner * Point3::from(*point_m);
             expected::is_on(contact.b(), &point_m.coords)
         };
-        if let Some(ball) = Ball::of(contact.a()) {
+        if let Some(ball) = PointBall::of(contact.a()) {
             let at = ball.placed(Some(body));
             let closest = partner.closest_to(&ball.solid, &at, other);
             if is_on_partner(&closest.other_point_m) {
-                return Measure::Ball(ball);
+                return MeasuredPair::PointBall(ball);
             }
         }
-        if let Some(ball) = Ball::of(contact.b()) {
+        if let Some(ball) = PointBall::of(contact.b()) {
             let at = ball.placed(other);
             let closest = ball.solid.closest(&at, solid, body).expect(FINITE);
             let point_m = body.inverse_transform_point(&Point3::from(closest.other_point_m));
             if is_on_body(&point_m.coords) {
-                return Measure::BallOfPartner(ball);
+                return MeasuredPair::BallOfPartner(ball);
             }
         }
         let closest = partner.closest_to(solid, body, other);
         if is_on_body(&closest.point_m) && is_on_partner(&closest.other_point_m) {
-            return Measure::Solids;
+            return MeasuredPair::Solids;
         }
-        Measure::Features
+        MeasuredPair::Features
     }
 }
 
-impl Ball {
+impl PointBall {
     /// The ball of a point feature; `None` for other features.
     fn of(feature: &Feature) -> Option<Self> {
         let Feature::Point { point_m, radius_m } = *feature else {

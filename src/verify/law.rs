@@ -7,7 +7,7 @@ use crate::physics::impact::{self, ContactSet, Side, Velocities};
 /// The bodies and contacts of a collision, and its law.
 pub(super) struct Law<'a> {
     scene: &'a Scene,
-    pub(super) meeting: ContactSet,
+    pub(super) contacts: ContactSet,
     pub(super) law: impact::Law,
     pub(super) link: LinkIndex,
     pub(super) other: Option<LinkIndex>,
@@ -18,7 +18,7 @@ impl<'a> Law<'a> {
     /// open, and where the contacts are not supported.
     pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
-        let meeting = scene.meeting(event).ok()??;
+        let contacts = scene.contact_set(event).ok()??;
         let value = |quantity: Quantity| {
             let free = scene.parameters.iter().find(|p| p.quantity == quantity)?;
             let found = estimate.parameters.iter().find(|p| p.name == free.name)?;
@@ -27,7 +27,7 @@ impl<'a> Law<'a> {
         let tilt = |tangent| value(Quantity::Tilt { event, tangent }).unwrap_or(0.0);
         Some(Self {
             scene,
-            meeting,
+            contacts,
             law: impact::Law {
                 restitution: value(Quantity::Restitution { event })
                     .unwrap_or(collision.restitution),
@@ -58,7 +58,7 @@ impl<'a> Law<'a> {
             Some(link) => Some(side(link, other?)),
         };
         let impact = self
-            .meeting
+            .contacts
             .impact(&side(self.link, state), partner.as_ref(), &self.law)
             .ok()?;
         let moved = |state: &State, after: &Velocities| State {

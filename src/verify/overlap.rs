@@ -41,7 +41,7 @@ struct Look {
 pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetration> {
     let mut deepest: Option<Penetration> = None;
     for meeting in world.meetings() {
-        let found = Scan::new(world, &meeting).run(touches);
+        let found = OverlapScan::new(world, &meeting).run(touches);
         if found.is_some_and(|found| deepest.is_none_or(|known| found.depth_m > known.depth_m)) {
             deepest = found;
         }
@@ -49,7 +49,7 @@ pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetratio
     deepest
 }
 
-struct Scan<'w, 'm> {
+struct OverlapScan<'w, 'm> {
     meeting: &'m Meeting<'w>,
     /// Features expected to touch the partner at a neighbouring event.
     expected: Vec<usize>,
@@ -57,7 +57,7 @@ struct Scan<'w, 'm> {
     expected_of_partner: Vec<usize>,
 }
 
-impl<'w, 'm> Scan<'w, 'm> {
+impl<'w, 'm> OverlapScan<'w, 'm> {
     fn new(world: &World, meeting: &'m Meeting<'w>) -> Self {
         let against = meeting.partner.against();
         let about = |link, against| {

@@ -30,7 +30,7 @@ const HALVINGS: usize = 60;
 
 /// The current state of a body in the simulation.
 #[derive(Clone, Copy)]
-struct Flight {
+struct SimulatedFlight {
     time_s: f64,
     state: State,
 }
@@ -38,7 +38,7 @@ struct Flight {
 struct Shot<'w> {
     world: &'w World<'w>,
     /// One per link with arcs.
-    flights: TiVec<LinkIndex, Option<Flight>>,
+    flights: TiVec<LinkIndex, Option<SimulatedFlight>>,
     result: SingleShot,
 }
 
@@ -46,7 +46,7 @@ struct Shot<'w> {
 pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
     let flights = world.links.iter().map(|link| {
         let first = link.arcs.first()?;
-        Some(Flight {
+        Some(SimulatedFlight {
             time_s: first.start_s,
             state: link.state(first, first.start_s),
         })
@@ -137,7 +137,7 @@ impl Shot<'_> {
         let link = &self.world.links[index];
         if let Some(arc) = link.starting_at(time_s) {
             let state = link.state(arc, time_s);
-            self.flights[index] = Some(Flight { time_s, state });
+            self.flights[index] = Some(SimulatedFlight { time_s, state });
         }
     }
 

@@ -216,7 +216,7 @@ fn bounced(scene: &Scene, before: State, tip: Vector3<f64>) -> Estimate {
 
 /// The states after the collision that an event is.
 fn struck(scene: &Scene, event: usize, law: &Law, before: &[State]) -> Vec<State> {
-    let meeting = scene.meeting(event).unwrap().unwrap();
+    let meeting = scene.contact_set(event).unwrap().unwrap();
     let collision = scene.events[event].kind.collision().unwrap();
     let links = collision.links().zip(before);
     let sides: Vec<Side> = links

@@ -73,7 +73,7 @@ impl RosMessage {
 
 /// A `geometry_msgs/msg/PoseStamped`.
 pub fn pose_stamped(frame_id: &str, sample: &PoseSample) -> Result<Vec<u8>, EncodeError> {
-    let mut cdr = Cdr::new();
+    let mut cdr = CdrWriter::new();
     cdr.header(sample.stamp, frame_id)?;
     cdr.pose(sample);
     Ok(cdr.bytes)
@@ -81,7 +81,7 @@ pub fn pose_stamped(frame_id: &str, sample: &PoseSample) -> Result<Vec<u8>, Enco
 
 /// A `tf2_msgs/msg/TFMessage` of any number of transforms.
 pub fn tf_message(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError> {
-    let mut cdr = Cdr::new();
+    let mut cdr = CdrWriter::new();
     cdr.length(transforms.len());
     for transform in transforms {
         cdr.header(transform.sample.stamp, transform.parent)?;
@@ -93,25 +93,25 @@ pub fn tf_message(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError> {
 
 /// A `std_msgs/msg/Header` of an instant, with a name as its `frame_id`.
 pub fn header(stamp: Stamp, name: &str) -> Result<Vec<u8>, EncodeError> {
-    let mut cdr = Cdr::new();
+    let mut cdr = CdrWriter::new();
     cdr.header(stamp, name)?;
     Ok(cdr.bytes)
 }
 
 /// A `std_msgs/msg/String`.
 pub fn string(text: &str) -> Vec<u8> {
-    let mut cdr = Cdr::new();
+    let mut cdr = CdrWriter::new();
     cdr.text(text);
     cdr.bytes
 }
 
 /// Bytes of a message in little-endian CDR: each number is aligned to its size, counted from the
 /// first byte after the encapsulation header.
-struct Cdr {
+struct CdrWriter {
     bytes: Vec<u8>,
 }
 
-impl Cdr {
+impl CdrWriter {
     const MARK: [u8; 4] = [0, 1, 0, 0];
 
     fn new() -> Self {

@@ -9,7 +9,9 @@ use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::{drawing, topics, urdf};
 use crate::motion::{PoseSample, Stamp};
-use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
+use crate::report::{
+    EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+};
 use crate::sampling::{self, SampledMotion};
 use crate::visual::surface_side_m;
 use crate::wire::ros2;
@@ -217,7 +219,7 @@ impl<'a> Composer<'a> {
             estimate,
             ..
         } = self.file.of;
-        let time_map = TimeMap::new(scene, sketch, estimate, self.motion.zero);
+        let time_map = TimeMapMessage::new(scene, sketch, estimate, self.motion.zero);
         let report = EstimateMessage::new(&self.file.of, self.motion.zero);
         for (topic, name, schema, data) in [
             (

@@ -69,7 +69,7 @@ pub struct Journal {
     part: PathBuf,
     writer: Writer<BufWriter<File>>,
     file: File,
-    channels: Channels,
+    channels: JournalChannels,
     /// Lengths at which the file was whole, the latest last.
     whole: Vec<u64>,
     messages: u64,
@@ -79,14 +79,14 @@ pub struct Journal {
     chunks: u64,
 }
 
-struct Channels {
-    poses: Vec<(Channel, Channel)>,
-    marks: (Channel, Channel),
-    counts: Channel,
+struct JournalChannels {
+    poses: Vec<(JournalChannel, JournalChannel)>,
+    marks: (JournalChannel, JournalChannel),
+    counts: JournalChannel,
 }
 
 /// A channel, and how many messages it has.
-struct Channel {
+struct JournalChannel {
     id: u16,
     sequence: u32,
     /// Its definition for chunks to repeat, and the last that did.
@@ -348,7 +348,7 @@ fn begin(
     topics: &[String],
     marks_topic: &str,
     scene_toml: &[u8],
-) -> mcap::McapResult<(Writer<BufWriter<File>>, Channels)> {
+) -> mcap::McapResult<(Writer<BufWriter<File>>, JournalChannels)> {
     // A chunk is made in memory and written at once: the file grows by whole ones.
     let mut writer = WriteOptions::new()
         .profile("")
@@ -369,7 +369,7 @@ fn begin(
     let mut channel = |topic: &str, schema: &SchemaRecord, encoding: &str| {
         let schema_id = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
         let id = writer.add_channel(schema_id, topic, encoding, &BTreeMap::new())?;
-        mcap::McapResult::Ok(Channel {
+        mcap::McapResult::Ok(JournalChannel {
             id,
             sequence: 0,
             repeat: repeats::definition((schema_id, schema), (id, topic, encoding)),
@@ -396,7 +396,7 @@ fn begin(
     let counts = channel(COUNTS_TOPIC, &counts, "json")?;
     Ok((
         writer,
-        Channels {
+        JournalChannels {
             poses,
             marks,
             counts,

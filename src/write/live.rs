@@ -15,12 +15,12 @@ use crate::wire::live::{
 };
 
 /// One publisher.
-struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
+struct PublisherPort<T: core::fmt::Debug + ZeroCopySend + 'static> {
     name: String,
     publisher: Publisher<LiveService, T, ()>,
 }
 
-impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> Port<T> {
+impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> PublisherPort<T> {
     fn open(node: &Node, name: &str, quality: Quality) -> Result<Self, LiveError> {
         use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
         let served = node.service::<T>(name, quality)?;
@@ -56,19 +56,19 @@ impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> Port<T> {
 
 /// Publishes what trackers, performers and directors do: a recording as a live take.
 pub struct TrackerPublisher {
-    poses: Vec<Port<PoseRecord>>,
-    marks: Port<MarkRecord>,
-    control: Port<ControlRecord>,
+    poses: Vec<PublisherPort<PoseRecord>>,
+    marks: PublisherPort<MarkRecord>,
+    control: PublisherPort<ControlRecord>,
 }
 
 impl TrackerPublisher {
     /// Opens the services of these topics, of the marks and of take control.
     pub fn open(node: &Node, topics: &[String], marks_topic: &str) -> Result<Self, LiveError> {
-        let pose = |topic: &String| Port::open(node, &service_name(topic), Quality::POSES);
+        let pose = |topic: &String| PublisherPort::open(node, &service_name(topic), Quality::POSES);
         Ok(Self {
             poses: topics.iter().map(pose).collect::<Result<_, _>>()?,
-            marks: Port::open(node, &service_name(marks_topic), Quality::NOTES)?,
-            control: Port::open(node, CONTROL_SERVICE, Quality::NOTES)?,
+            marks: PublisherPort::open(node, &service_name(marks_topic), Quality::NOTES)?,
+            control: PublisherPort::open(node, CONTROL_SERVICE, Quality::NOTES)?,
         })
     }
 
@@ -101,14 +101,14 @@ impl TrackerPublisher {
 
 /// Publishes what becomes of takes.
 pub struct TakePublisher {
-    port: Port<TakeRecord>,
+    port: PublisherPort<TakeRecord>,
 }
 
 impl TakePublisher {
     /// Opens `enact/take`.
     pub fn open(node: &Node) -> Result<Self, LiveError> {
         Ok(Self {
-            port: Port::open(node, TAKE_SERVICE, Quality::NOTES)?,
+            port: PublisherPort::open(node, TAKE_SERVICE, Quality::NOTES)?,
         })
     }
 
@@ -133,8 +133,8 @@ pub struct EstimateOccasion {
 
 /// Publishes estimates of a scene.
 pub struct EstimatePublisher {
-    estimates: Port<EstimateRecord>,
-    frames: Vec<Port<EstimatedPoseRecord>>,
+    estimates: PublisherPort<EstimateRecord>,
+    frames: Vec<PublisherPort<EstimatedPoseRecord>>,
     sequence: u64,
 }
 
@@ -143,11 +143,11 @@ impl EstimatePublisher {
     pub fn open(node: &Node, scene: &Scene) -> Result<Self, LiveError> {
         let frames = scene.links.iter().map(|body| {
             let name = service_name(&super::topics::estimate_pose(&body.name));
-            Port::open(node, &name, Quality::FRAMES)
+            PublisherPort::open(node, &name, Quality::FRAMES)
         });
         Ok(Self {
             frames: frames.collect::<Result<_, _>>()?,
-            estimates: Port::open(node, ESTIMATE_SERVICE, Quality::NOTES)?,
+            estimates: PublisherPort::open(node, ESTIMATE_SERVICE, Quality::NOTES)?,
             sequence: 0,
         })
     }

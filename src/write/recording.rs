@@ -23,12 +23,12 @@ use crate::wire::encode;
 pub struct RecordingWriter {
     path: PathBuf,
     writer: Writer<AtomicFile>,
-    channels: BTreeMap<(String, Encoded), Channel>,
+    channels: BTreeMap<(String, Encoded), OwnChannel>,
 }
 
 /// A channel of ours, and how many messages it has.
 #[derive(Clone, Copy)]
-struct Channel {
+struct OwnChannel {
     id: u16,
     sequence: u32,
 }
@@ -112,7 +112,7 @@ impl RecordingWriter {
     }
 
     /// The channel, made at its first message; counts the message.
-    fn channel(&mut self, topic: &str, kind: Encoded) -> Result<Channel, WriteError> {
+    fn channel(&mut self, topic: &str, kind: Encoded) -> Result<OwnChannel, WriteError> {
         let key = (topic.to_owned(), kind);
         if let Some(channel) = self.channels.get_mut(&key) {
             channel.sequence = channel.sequence.wrapping_add(1);
@@ -127,7 +127,7 @@ impl RecordingWriter {
                     .add_channel(schema, topic, "protobuf", &BTreeMap::new())
             })
             .map_err(WriteError::mcap(&self.path))?;
-        let channel = Channel { id, sequence: 0 };
+        let channel = OwnChannel { id, sequence: 0 };
         self.channels.insert(key, channel);
         Ok(channel)
     }

@@ -15,7 +15,9 @@ use typed_index_collections::TiSlice;
 
 use crate::math::Pose;
 use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Track};
-use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
+use crate::report::{
+    EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+};
 use crate::sampling::{self, SampledMotion};
 use crate::visual::surface_side_m;
 use crate::wire::encode::{self, SchemaRecord};
@@ -113,7 +115,7 @@ impl Showing {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
             report: json(&EstimateMessage::new(of, zero)),
-            time_map: json(&TimeMap::new(scene, sketch, estimate, zero)),
+            time_map: json(&TimeMapMessage::new(scene, sketch, estimate, zero)),
             motion,
         })
     }

@@ -300,9 +300,9 @@ fn impact(collision: &ArcCollision) -> Impact {
     Impact {
         event: collision.event,
         sides: collision.sides.iter().map(arcs).collect(),
-        contacts: collision.meeting.contacts().iter().map(pair).collect(),
+        contacts: collision.contacts.as_slice().iter().map(pair).collect(),
         touches_by_goal: collision.touches_by_goal,
-        has_friction: collision.meeting.has_friction(),
+        has_friction: collision.contacts.has_friction(),
         restitution: collision.law.restitution,
         friction: collision.law.friction,
         tilt_rad: collision.law.tilt_rad,

@@ -53,8 +53,8 @@ fn inferred(report: &EstimateReport) -> String {
 
 /// The largest gap of each kind, with the event where it is.
 fn largest_gaps(report: &EstimateReport) -> String {
-    type Kind = (fn(&EventLine) -> f64, fn(f64) -> String);
-    let kinds: [Kind; 4] = [
+    type GapKind = (fn(&EventLine) -> f64, fn(f64) -> String);
+    let kinds: [GapKind; 4] = [
         (|e| e.gap_m, length),
         (|e| e.gap_rad, angle),
         (|e| e.gap_m_s, |v| format!("{}/s", length(v))),

@@ -83,7 +83,7 @@ impl Constraint for ArcCollision {
         let a = a.expect("a first side");
         let law = self.law(&at.point.parameters);
         let derivative = &mut at.impact;
-        let Ok(impact) = self.meeting.derivative(&a, b.as_ref(), &law, derivative) else {
+        let Ok(impact) = self.contacts.derivative(&a, b.as_ref(), &law, derivative) else {
             block.spoil();
             gaps.spoil();
             return;
@@ -215,7 +215,7 @@ pub fn fastest_approach_m_s(
     let [a, b] = sides(problem, collision, &before);
     let a = a.expect("a first side");
     let law = collision.law(&point.parameters);
-    let impact = collision.meeting.impact(&a, b.as_ref(), &law);
+    let impact = collision.contacts.impact(&a, b.as_ref(), &law);
     impact.map_or(0.0, |impact| {
         let speeds = impact.speeds_m_s.into_iter();
         speeds.fold(0.0, f64::min)

@@ -26,7 +26,7 @@ pub(super) struct Places {
 impl Places {
     pub(super) fn new(problem: &Problem, collision: &ArcCollision) -> Self {
         let sides = collision.sides.len();
-        let contacts = collision.meeting.contacts();
+        let contacts = collision.contacts.as_slice();
         let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
         let is_alike = sides == 1 && contacts.iter().all(|contact| is_face(contact.b()));
         Self {

@@ -33,4 +33,4 @@ mod stream;
 pub use cadence::Cadence;
 pub use follower::Follower;
 pub use smoother::Smoother;
-pub use stream::{ClockQuality, Reading, StreamClock};
+pub use stream::{ClockQuality, StampReading, StreamClock};

@@ -20,7 +20,7 @@ const PAUSE_NS: i64 = 500_000_000;
 
 /// A driver's times of a sample, and its arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reading {
+pub struct StampReading {
     /// A number that differs for every start of the publisher.
     pub session: u32,
     /// Counts the publisher's samples.
@@ -56,16 +56,16 @@ pub struct ClockQuality {
 #[derive(Clone, Debug)]
 pub struct StreamClock {
     source: Option<StampSource>,
-    state: Option<State>,
+    state: Option<ClockState>,
     /// Greatest sequence number so far, with its reading, its arrival and its stamp.
-    last: Option<Last>,
+    last: Option<LastStamp>,
     cadence: Cadence,
     quality: ClockQuality,
     delays: Delays,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Last {
+struct LastStamp {
     session: u32,
     sequence: u64,
     reading_ns: i64,
@@ -74,7 +74,7 @@ struct Last {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum State {
+enum ClockState {
     /// Readings plus an offset, zero until a step; and the follower that detects steps.
     Given {
         added_ns: i64,
@@ -102,12 +102,12 @@ impl StreamClock {
 
     /// When the sample was measured, on this machine's clock; for the source `sample`, on the
     /// driver's.
-    pub fn stamp(&mut self, reading: &Reading) -> Stamp {
+    pub fn stamp(&mut self, reading: &StampReading) -> Stamp {
         let source = *self.source.get_or_insert(match reading {
-            Reading {
+            StampReading {
                 sample_ns: Some(_), ..
             } => StampSource::Sample,
-            Reading {
+            StampReading {
                 device_ns: Some(_), ..
             } => StampSource::Device,
             _ => StampSource::Receipt,
@@ -129,7 +129,7 @@ impl StreamClock {
             .last
             .is_none_or(|last| last.session != reading.session || reading.sequence > last.sequence);
         if is_ahead {
-            self.last = Some(Last {
+            self.last = Some(LastStamp {
                 session: reading.session,
                 sequence: reading.sequence,
                 reading_ns,
@@ -152,7 +152,7 @@ impl StreamClock {
     }
 
     /// The source's time of a reading \[ns, any zero\]; `None` where the reading lacks it.
-    fn reading_ns(&self, source: StampSource, reading: &Reading) -> Option<i64> {
+    fn reading_ns(&self, source: StampSource, reading: &StampReading) -> Option<i64> {
         match source {
             StampSource::Sample => reading.sample_ns,
             StampSource::Device => reading.device_ns,
@@ -180,7 +180,7 @@ impl StreamClock {
     fn step(
         &mut self,
         source: StampSource,
-        reading: &Reading,
+        reading: &StampReading,
         reading_ns: i64,
         is_restart: bool,
     ) -> Option<i64> {
@@ -197,7 +197,7 @@ impl StreamClock {
         let advance_ns = reading_ns.saturating_sub(last.reading_ns);
         let is_back = is_ahead && advance_ns < -BACK_NS;
         let jump_ns = match state {
-            State::Given { .. } | State::Followed(_) if is_ahead && !is_restart => {
+            ClockState::Given { .. } | ClockState::Followed(_) if is_ahead && !is_restart => {
                 let numbers = reading.sequence - last.sequence;
                 self.cadence.step_ns(advance_ns, arrived_ns, numbers)
             }
@@ -211,19 +211,19 @@ impl StreamClock {
         };
         match state {
             // The system clock continues over restarts, unless it was set meanwhile.
-            State::Given { follower, .. } => {
+            ClockState::Given { follower, .. } => {
                 let is_step = is_out(follower) || (is_restart && advance_ns < -BACK_NS);
                 self.quality.steps += u64::from(is_step);
                 is_step.then_some(went_on_ns)
             }
-            State::Followed(_) if is_restart => Some(reading.receipt_ns),
-            State::Followed(follower) => {
+            ClockState::Followed(_) if is_restart => Some(reading.receipt_ns),
+            ClockState::Followed(follower) => {
                 let is_step = is_out(follower);
                 self.quality.steps += u64::from(is_step);
                 is_step.then_some(went_on_ns.min(reading.receipt_ns))
             }
-            State::Smoothed(_) if is_restart => Some(reading.receipt_ns),
-            State::Smoothed(smoother) => {
+            ClockState::Smoothed(_) if is_restart => Some(reading.receipt_ns),
+            ClockState::Smoothed(smoother) => {
                 let steps = reading.sequence.saturating_sub(last.sequence);
                 let surprise_ns = smoother.surprise_ns(reading.receipt_ns, steps);
                 let is_lost = surprise_ns.abs() > PAUSE_NS;
@@ -236,32 +236,32 @@ impl StreamClock {
     fn begin(
         &mut self,
         source: StampSource,
-        reading: &Reading,
+        reading: &StampReading,
         reading_ns: i64,
         stamp_ns: i64,
     ) -> i64 {
         self.state = Some(match source {
-            StampSource::Sample => State::Given {
+            StampSource::Sample => ClockState::Given {
                 added_ns: stamp_ns.saturating_sub(reading_ns),
                 follower: Follower::new(reading_ns, reading.receipt_ns),
             },
             StampSource::Device | StampSource::Sequence { .. } => {
-                State::Followed(Follower::new(reading_ns, stamp_ns))
+                ClockState::Followed(Follower::new(reading_ns, stamp_ns))
             }
-            StampSource::Receipt => State::Smoothed(Smoother::new(stamp_ns)),
+            StampSource::Receipt => ClockState::Smoothed(Smoother::new(stamp_ns)),
         });
         stamp_ns
     }
 
-    fn go_on(&mut self, reading: &Reading, reading_ns: i64) -> i64 {
+    fn go_on(&mut self, reading: &StampReading, reading_ns: i64) -> i64 {
         let last = self.last;
         match self.state.as_mut() {
-            Some(State::Given { added_ns, follower }) => {
+            Some(ClockState::Given { added_ns, follower }) => {
                 follower.stamp(reading_ns, reading.receipt_ns);
                 reading_ns.saturating_add(*added_ns)
             }
-            Some(State::Followed(follower)) => follower.stamp(reading_ns, reading.receipt_ns),
-            Some(State::Smoothed(smoother)) => {
+            Some(ClockState::Followed(follower)) => follower.stamp(reading_ns, reading.receipt_ns),
+            Some(ClockState::Smoothed(smoother)) => {
                 let before = last.map_or(0, |last| last.sequence);
                 smoother.stamp(reading.receipt_ns, reading.sequence.saturating_sub(before))
             }

@@ -69,7 +69,7 @@ pub fn stream_topics(scene: &Scene) -> Vec<StreamTopic> {
 }
 
 /// One subscriber and the size of its buffer.
-struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
+struct SubscriberPort<T: core::fmt::Debug + ZeroCopySend + 'static> {
     name: String,
     subscriber: Subscriber<LiveService, T, ()>,
     buffer: usize,
@@ -77,9 +77,9 @@ struct Port<T: core::fmt::Debug + ZeroCopySend + 'static> {
 
 /// The subscribers of a scene. They stay on the thread that opened them.
 pub struct Listening {
-    poses: Vec<Port<PoseRecord>>,
-    marks: Port<MarkRecord>,
-    control: Port<ControlRecord>,
+    poses: Vec<SubscriberPort<PoseRecord>>,
+    marks: SubscriberPort<MarkRecord>,
+    control: SubscriberPort<ControlRecord>,
     shortcomings: Vec<String>,
 }
 
@@ -136,7 +136,7 @@ impl Listening {
 
 /// Subscriber to the states of takes.
 pub struct TakeListener {
-    takes: Port<TakeRecord>,
+    takes: SubscriberPort<TakeRecord>,
 }
 
 impl TakeListener {
@@ -158,7 +158,7 @@ fn port<T: core::fmt::Debug + ZeroCopySend + 'static>(
     name: &str,
     wanted: Quality,
     shortcomings: &mut Vec<String>,
-) -> Result<Port<T>, LiveError> {
+) -> Result<SubscriberPort<T>, LiveError> {
     let served = node.service::<T>(name, wanted)?;
     let of_service = served.shortcomings.iter();
     shortcomings.extend(of_service.map(|what| format!("service {name}, made by another: {what}")));
@@ -172,14 +172,14 @@ fn port<T: core::fmt::Debug + ZeroCopySend + 'static>(
             service: name.to_owned(),
             reason: format!("{reason:?}"),
         })?;
-    Ok(Port {
+    Ok(SubscriberPort {
         name: name.to_owned(),
         subscriber,
         buffer,
     })
 }
 
-impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> Port<T> {
+impl<T: core::fmt::Debug + Copy + ZeroCopySend + 'static> SubscriberPort<T> {
     fn take(&self, into: &mut Vec<Arrival>, what: impl Fn(T) -> Arrived) -> Result<(), LiveError> {
         for _ in 0..AT_ONCE {
             let Some(record) = self.next()? else {

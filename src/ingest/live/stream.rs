@@ -1,7 +1,7 @@
 //! One tracker's samples, counted and stamped.
 
 use super::sequence_counts::{Fate, SequenceCounts, TallyCounts};
-use crate::ingest::clock::{ClockQuality, Reading, StreamClock};
+use crate::ingest::clock::{ClockQuality, StampReading, StreamClock};
 use crate::motion::{PoseSample, Stamp, StampSource};
 use crate::wire::live::payload::{self, MarkRecord, PoseRecord};
 
@@ -38,7 +38,7 @@ impl Stream {
         if self.tally.count(record, is_overflow) != Fate::Used {
             return Streamed::Refused;
         }
-        let stamp = self.clock.stamp(&Reading {
+        let stamp = self.clock.stamp(&StampReading {
             session: record.session,
             sequence: record.sequence,
             sample_ns: payload::time(record.sample_ns),

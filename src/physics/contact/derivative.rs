@@ -87,13 +87,13 @@ fn swapped(rate: &Rate) -> Rate {
 
 /// Where a side's columns begin.
 #[derive(Clone, Copy)]
-enum Side {
+enum FirstColumn {
     A = 0,
     B = 6,
 }
 
 /// Derivative of a point fixed to a body, `arm` from its centre of mass [m, world].
-fn carried(side: Side, arm: &Vector3<f64>) -> Rate {
+fn carried(side: FirstColumn, arm: &Vector3<f64>) -> Rate {
     let mut rate = turned(side, arm);
     rate.fixed_view_mut::<3, 3>(0, side as usize)
         .fill_diagonal(1.0);
@@ -101,7 +101,7 @@ fn carried(side: Side, arm: &Vector3<f64>) -> Rate {
 }
 
 /// Derivative of a direction [world] fixed to a body.
-fn turned(side: Side, direction: &Vector3<f64>) -> Rate {
+fn turned(side: FirstColumn, direction: &Vector3<f64>) -> Rate {
     let mut rate = Rate::zeros();
     rate.fixed_view_mut::<3, 3>(0, side as usize + 3)
         .copy_from(&-so3::hat(direction));
@@ -109,7 +109,7 @@ fn turned(side: Side, direction: &Vector3<f64>) -> Rate {
 }
 
 /// Derivative, in a body's axes, of a direction [world] with the derivative `rate` [world].
-fn seen(side: Side, placed: &Placed, direction: &Vector3<f64>, rate: &Rate) -> Rate {
+fn seen(side: FirstColumn, placed: &Placed, direction: &Vector3<f64>, rate: &Rate) -> Rate {
     placed.rotation.tr_mul(&(rate - turned(side, direction)))
 }
 
@@ -145,13 +145,13 @@ impl Pair {
 /// A's centre of mass [m, world]; `slide` [world] is its motion relative to A.
 fn foot(plane: &Plane, arm: &Vector3<f64>, slide: &Rate, a: &Placed, b: &Placed) -> Rate {
     let from_b = a.origin_m + arm - b.origin_m;
-    let relative = carried(Side::A, arm) + slide - carried(Side::B, &from_b);
+    let relative = carried(FirstColumn::A, arm) + slide - carried(FirstColumn::B, &from_b);
     across(&plane.normal, &b.rotation.tr_mul(&relative))
 }
 
 fn point_face(ball: &Ball, plane: &Plane, touch: &Touch, a: &Placed, b: &Placed) -> Rates {
-    let normal = turned(Side::B, &touch.normal);
-    let on_a = seen(Side::A, a, &touch.normal, &normal) * -ball.radius_m;
+    let normal = turned(FirstColumn::B, &touch.normal);
+    let on_a = seen(FirstColumn::A, a, &touch.normal, &normal) * -ball.radius_m;
     let on_b = foot(plane, &(a.rotation * ball.centre_m), &Rate::zeros(), a, b);
     (normal, on_a, on_b)
 }
@@ -164,8 +164,8 @@ fn rim_face(
     a: &Placed,
     b: &Placed,
 ) -> Rates {
-    let normal = turned(Side::B, &touch.normal);
-    let in_a = seen(Side::A, a, &touch.normal, &normal);
+    let normal = turned(FirstColumn::B, &touch.normal);
+    let in_a = seen(FirstColumn::A, a, &touch.normal, &normal);
     let on_a = across(down, &across(&circle.axis, &in_a)) * (-circle.radius_m / sine);
     let arm = a.rotation * touch.on_a_m;
     let on_b = foot(plane, &arm, &(a.rotation * on_a), a, b);
@@ -180,11 +180,11 @@ fn point_point(
     a: &Placed,
     b: &Placed,
 ) -> Rates {
-    let apart =
-        carried(Side::A, &(a.rotation * p.centre_m)) - carried(Side::B, &(b.rotation * q.centre_m));
+    let apart = carried(FirstColumn::A, &(a.rotation * p.centre_m))
+        - carried(FirstColumn::B, &(b.rotation * q.centre_m));
     let normal = across(&touch.normal, &apart) / distance_m;
-    let on_a = seen(Side::A, a, &touch.normal, &normal) * -p.radius_m;
-    let on_b = seen(Side::B, b, &touch.normal, &normal) * q.radius_m;
+    let on_a = seen(FirstColumn::A, a, &touch.normal, &normal) * -p.radius_m;
+    let on_b = seen(FirstColumn::B, b, &touch.normal, &normal) * q.radius_m;
     (normal, on_a, on_b)
 }
 
@@ -198,14 +198,15 @@ fn point_line(
 ) -> Rates {
     let along = b.rotation * tube.direction;
     let from_line = a.point(&ball.centre_m) - b.point(&tube.point_m);
-    let moved = carried(Side::A, &(a.rotation * ball.centre_m))
-        - carried(Side::B, &(b.rotation * tube.point_m));
-    let along_moved = turned(Side::B, &along);
+    let moved = carried(FirstColumn::A, &(a.rotation * ball.centre_m))
+        - carried(FirstColumn::B, &(b.rotation * tube.point_m));
+    let along_moved = turned(FirstColumn::B, &along);
     let slid = from_line.tr_mul(&along_moved) + along.tr_mul(&moved);
     let off_line = moved - along * slid - along_moved * along.dot(&from_line);
     let normal = across(&touch.normal, &off_line) / distance_m;
-    let on_a = seen(Side::A, a, &touch.normal, &normal) * -ball.radius_m;
-    let on_b = tube.direction * slid + seen(Side::B, b, &touch.normal, &normal) * tube.radius_m;
+    let on_a = seen(FirstColumn::A, a, &touch.normal, &normal) * -ball.radius_m;
+    let on_b =
+        tube.direction * slid + seen(FirstColumn::B, b, &touch.normal, &normal) * tube.radius_m;
     (normal, on_a, on_b)
 }
 
@@ -219,7 +220,10 @@ fn line_line(
     b: &Placed,
 ) -> Rates {
     let (along_a, along_b) = (a.rotation * p.direction, b.rotation * q.direction);
-    let (turned_a, turned_b) = (turned(Side::A, &along_a), turned(Side::B, &along_b));
+    let (turned_a, turned_b) = (
+        turned(FirstColumn::A, &along_a),
+        turned(FirstColumn::B, &along_b),
+    );
     let crossed = so3::hat(&along_a) * turned_b - so3::hat(&along_b) * turned_a;
     let sign = along_a.cross(&along_b).dot(cross).signum();
     let square = cross.norm_squared();
@@ -227,15 +231,15 @@ fn line_line(
     // Differentiate apart + tA dA − tB dB = (n·apart) n. Cross products with dB and dA isolate δtA
     // and δtB.
     let apart = a.point(&p.point_m) - b.point(&q.point_m);
-    let moved = carried(Side::A, &(a.rotation * p.point_m))
-        - carried(Side::B, &(b.rotation * q.point_m))
+    let moved = carried(FirstColumn::A, &(a.rotation * p.point_m))
+        - carried(FirstColumn::B, &(b.rotation * q.point_m))
         + turned_a * along_a_m
         - turned_b * along_b_m
         - normal * touch.normal.dot(&apart);
     let signed = cross * (sign / square);
     let slid_a = -along_b.cross(&signed).tr_mul(&moved);
     let slid_b = -along_a.cross(&signed).tr_mul(&moved);
-    let on_a = p.direction * slid_a - seen(Side::A, a, &touch.normal, &normal) * p.radius_m;
-    let on_b = q.direction * slid_b + seen(Side::B, b, &touch.normal, &normal) * q.radius_m;
+    let on_a = p.direction * slid_a - seen(FirstColumn::A, a, &touch.normal, &normal) * p.radius_m;
+    let on_b = q.direction * slid_b + seen(FirstColumn::B, b, &touch.normal, &normal) * q.radius_m;
     (normal, on_a, on_b)
 }

@@ -40,7 +40,7 @@ pub struct Turned {
 
 /// The motion between two steps, in the frame of `R(0)` and in units of the speed.
 #[derive(Clone, Debug)]
-struct Node {
+struct GridPoint {
     rotation: UnitQuaternion<f64>,
     variables: [f64; 3],
     /// Left perturbation of the rotation by `ω(0)`.
@@ -58,7 +58,7 @@ struct Motion {
     /// [`Variables::invariant`] of the start.
     invariant: f64,
     speed_rad_s: f64,
-    start: Node,
+    start: GridPoint,
 }
 
 impl Motion {
@@ -77,7 +77,7 @@ impl Motion {
             moments,
             invariant: variables.invariant(&moments, &start),
             speed_rad_s,
-            start: Node {
+            start: GridPoint {
                 rotation: UnitQuaternion::identity(),
                 variables: start,
                 turn_by_spin: Matrix3::zeros(),
@@ -104,7 +104,7 @@ impl Motion {
         variables.map(|variable| variable + variable * (0.5 * excess))
     }
 
-    fn omega_rad_s(&self, node: &Node) -> Vector3<f64> {
+    fn omega_rad_s(&self, node: &GridPoint) -> Vector3<f64> {
         Vector3::from(self.variables.omega(&node.variables)) * self.speed_rad_s
     }
 }
@@ -123,7 +123,7 @@ struct Values {
 }
 
 impl Values {
-    fn new(motion: &Motion, start: &Node) -> Self {
+    fn new(motion: &Motion, start: &GridPoint) -> Self {
         let (variables, omega) = motion.variables.series(&motion.couplings, &start.variables);
         let turn = series::turn(&omega);
         Self {
@@ -135,9 +135,9 @@ impl Values {
     }
 
     /// The node at `angle` from the start, with the derivatives left as they were.
-    fn node(&self, motion: &Motion, start: &Node, angle: f64) -> Node {
+    fn node(&self, motion: &Motion, start: &GridPoint, angle: f64) -> GridPoint {
         let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
-        Node {
+        GridPoint {
             rotation: UnitQuaternion::new_normalize(turned),
             variables: motion.kept(series::value(&self.variables, angle)),
             ..start.clone()
@@ -156,7 +156,7 @@ fn quaternion([x, y, z, w]: [f64; 4]) -> Quaternion<f64> {
 /// variables and `η = t ω` for the rotation; series are needed for two other directions only.
 #[derive(Clone, Debug)]
 struct Step {
-    start: Node,
+    start: GridPoint,
     reach: f64,
     variables: Series<3>,
     turn: Series<4>,
@@ -170,7 +170,7 @@ struct Step {
 }
 
 impl Step {
-    fn new(motion: &Motion, start: Node) -> Self {
+    fn new(motion: &Motion, start: GridPoint) -> Self {
         let values = Values::new(motion, &start);
         let z = &start.variables;
         let largest = Vector3::from(*z).iamax();
@@ -217,12 +217,12 @@ impl Step {
         (rotation, by_spin, variables)
     }
 
-    fn node(&self, motion: &Motion, angle: f64) -> Node {
+    fn node(&self, motion: &Motion, angle: f64) -> GridPoint {
         let (rotation, turn_by_spin, variables) = self.turn(motion, angle);
         let rate = motion.variables.rate(&motion.couplings, &variables);
         let along = Vector3::from(variables) + self.stand_in + Vector3::from(rate) * angle;
         let [first, second] = series::columns(&self.variables_by_start, angle);
-        Node {
+        GridPoint {
             rotation: UnitQuaternion::new_normalize(rotation.into_inner()),
             variables: motion.kept(variables),
             turn_by_spin,
@@ -291,12 +291,12 @@ fn unknown() -> Turned {
 pub struct Steps {
     motion: Motion,
     /// Steps after the start, and before it.
-    sides: [Side; 2],
+    sides: [OneWay; 2],
 }
 
 /// Steps in one direction of time, and the distance of each one's beginning from the start.
 #[derive(Clone, Debug, Default)]
-struct Side {
+struct OneWay {
     starts: Vec<f64>,
     steps: Vec<Step>,
 }
@@ -306,7 +306,7 @@ impl Steps {
     pub fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
         Self {
             motion: Motion::new(body, omega_rad_s),
-            sides: [Side::default(), Side::default()],
+            sides: [OneWay::default(), OneWay::default()],
         }
     }
 
@@ -332,7 +332,7 @@ impl Steps {
     }
 }
 
-impl Side {
+impl OneWay {
     /// How far from the start the steps reach.
     fn end(&self) -> f64 {
         match (self.starts.last(), self.steps.last()) {

@@ -30,7 +30,7 @@ impl ContactSet {
         self.check_law(law);
         if b.is_none()
             && !self.has_friction()
-            && let [contact] = self.contacts()
+            && let [contact] = self.as_slice()
             && let Some(point) = plane::PointOnPlane::of(contact)
         {
             return Ok(point.derivative(a, law, derivative));

@@ -30,20 +30,20 @@ impl ContactSet {
 
     /// One contact with friction, whose coefficient may be zero. Several contacts are refused.
     pub fn with_friction(contacts: &[Contact]) -> Result<Self, ContactSetError> {
-        let meeting = Self::frictionless(contacts)?;
-        if meeting.count > 1 {
+        let contacts = Self::frictionless(contacts)?;
+        if contacts.count > 1 {
             return Err(ContactSetError::FrictionAtSeveral {
-                count: meeting.count,
+                count: contacts.count,
             });
         }
         Ok(Self {
             has_friction: true,
-            ..meeting
+            ..contacts
         })
     }
 
     /// Its contacts.
-    pub fn contacts(&self) -> &[Contact] {
+    pub fn as_slice(&self) -> &[Contact] {
         &self.contacts[..self.count]
     }
 
@@ -54,7 +54,7 @@ impl ContactSet {
 
     /// Fails where a normal cannot be tilted: each contact must touch a face of B.
     pub fn check_tilt(&self) -> Result<(), ContactSetError> {
-        for (contact, pair) in self.contacts().iter().enumerate() {
+        for (contact, pair) in self.as_slice().iter().enumerate() {
             if pair.tilt_axes().is_none() {
                 let kind = pair.b().kind();
                 return Err(ContactSetError::Tilt { contact, kind });

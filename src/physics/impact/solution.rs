@@ -38,7 +38,7 @@ pub(super) struct Solution<'a> {
 
 impl<'a> Solution<'a> {
     pub(super) fn new(
-        meeting: &'a ContactSet,
+        contacts: &'a ContactSet,
         a: &Side,
         b: Option<&Side>,
         law: &Law,
@@ -54,7 +54,7 @@ impl<'a> Solution<'a> {
         ];
         let mut states = [const { None }; MOST_CONTACTS];
         let mut rows = Rows::new(a, b);
-        for (index, contact) in meeting.contacts().iter().enumerate() {
+        for (index, contact) in contacts.as_slice().iter().enumerate() {
             let touch = contact.touch(&frames[0], &frames[1]).map_err(|reason| {
                 ImpactError::Degenerate {
                     contact: index,
@@ -62,7 +62,7 @@ impl<'a> Solution<'a> {
                 }
             })?;
             let state = ContactState::new(contact, touch, rotations, law);
-            if meeting.has_friction() {
+            if contacts.has_friction() {
                 for axis in 0..3 {
                     let direction = Vector3::ith(axis, 1.0);
                     rows.set(axis, direction, state.levers(&direction));
@@ -75,11 +75,11 @@ impl<'a> Solution<'a> {
         }
         let (speeds, delassus) = (rows.speeds(&before), rows.delassus());
         let solved = match &states[0] {
-            Some(only) if meeting.has_friction() => {
+            Some(only) if contacts.has_friction() => {
                 Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus))
             }
             _ => {
-                let count = meeting.contacts().len();
+                let count = contacts.as_slice().len();
                 Solved::Newton(Newton::new(law.restitution, count, &speeds, &delassus)?)
             }
         };

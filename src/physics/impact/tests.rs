@@ -172,8 +172,8 @@ impl Case {
     }
 
     fn impact(&self) -> Impact {
-        let meeting = ContactSet::with_friction(&[self.contact]).expect("one contact");
-        meeting
+        let contacts = ContactSet::with_friction(&[self.contact]).expect("one contact");
+        contacts
             .impact(
                 &side(&self.a),
                 self.b.as_ref().map(side).as_ref(),
@@ -318,9 +318,9 @@ fn momentum_of_two_bodies_is_conserved() {
 fn without_friction_it_is_newtons_rule() {
     for (index, mut case) in cases(1000) {
         case.law.friction = 0.0;
-        let meeting = ContactSet::frictionless(&[case.contact]).expect("one contact");
+        let contacts = ContactSet::frictionless(&[case.contact]).expect("one contact");
         let b = case.b.as_ref().map(side);
-        let newton = meeting
+        let newton = contacts
             .impact(&side(&case.a), b.as_ref(), &case.law)
             .expect("regular");
         let limit = case.impact();
@@ -439,8 +439,10 @@ fn a_point_on_a_plane_without_friction_has_a_closed_form_and_an_inverse() {
             tilt_rad,
             ..Law::frictionless(case.law.restitution.max(0.1))
         };
-        let meeting = ContactSet::frictionless(&[case.contact]).expect("one contact");
-        let impact = meeting.impact(&side(&case.a), None, &law).expect("regular");
+        let contacts = ContactSet::frictionless(&[case.contact]).expect("one contact");
+        let impact = contacts
+            .impact(&side(&case.a), None, &law)
+            .expect("regular");
         let axes = case.contact.tilt_axes().expect("a face");
         let tilt = axes[0] * tilt_rad[0] + axes[1] * tilt_rad[1];
         let tilted = crate::math::so3::exp(&tilt) * normal;
@@ -473,7 +475,7 @@ fn a_point_on_a_plane_without_friction_has_a_closed_form_and_an_inverse() {
             restitution: 1.0 / law.restitution,
             ..law
         };
-        let back = meeting
+        let back = contacts
             .impact(&side(&(*body, after)), None, &inverse)
             .expect("regular");
         assert!(difference(&back.after[0], &Velocities::of(state)) < 1e-11);
@@ -509,15 +511,15 @@ fn a_face_that_lands_flat_rebounds_flat() {
             state.position_m.z = 0.3;
             let restitution = draw.between(0.0, 1.0);
             let contacts = corners(count);
-            let meeting = ContactSet::frictionless(&contacts).expect("a few");
+            let contacts = ContactSet::frictionless(&contacts).expect("a few");
             let a = (body, state);
-            let impact = meeting
+            let impact = contacts
                 .impact(&side(&a), None, &Law::frictionless(restitution))
                 .expect("independent");
             let mut bounced = state;
             bounced.velocity_m_s = impact.after[0].velocity_m_s;
             bounced.angular_velocity_rad_s = impact.after[0].angular_velocity_rad_s;
-            let after = meeting
+            let after = contacts
                 .impact(&side(&(body, bounced)), None, &Law::frictionless(0.0))
                 .expect("independent");
             for contact in 0..count {
@@ -541,7 +543,7 @@ fn a_face_that_lands_flat_rebounds_flat() {
 fn contacts_that_would_pull_are_reported() {
     // The box comes down on one edge's corners while spinning up the other's.
     let contacts = corners(3);
-    let meeting = ContactSet::frictionless(&contacts).expect("three");
+    let contacts = ContactSet::frictionless(&contacts).expect("three");
     let body = Body::new(1.0, Vector3::repeat(0.1)).expect("a body");
     let state = |spin: f64| State {
         position_m: Vector3::new(0.0, 0.0, 0.3),
@@ -551,7 +553,7 @@ fn contacts_that_would_pull_are_reported() {
     };
     let pulls = |spin: f64| {
         let a = (body, state(spin));
-        meeting
+        contacts
             .impact(&side(&a), None, &Law::frictionless(0.3))
             .expect("independent")
             .pulls()
@@ -595,12 +597,12 @@ fn what_is_not_known_is_refused_by_name() {
     .expect("point on face");
     let a = (draw.body(), draw.state());
     for dependent in [&on_line[..], &[contacts[1]; 2]] {
-        let meeting = ContactSet::frictionless(dependent).expect("a few");
+        let contacts = ContactSet::frictionless(dependent).expect("a few");
         let count = dependent.len();
         let law = Law::frictionless(0.5);
         let expected = Err(ImpactError::Dependent { count });
-        assert_eq!(meeting.impact(&side(&a), None, &law), expected);
-        let derivative = meeting.derivative(&side(&a), None, &law, &mut ImpactDerivative::zeros());
+        assert_eq!(contacts.impact(&side(&a), None, &law), expected);
+        let derivative = contacts.derivative(&side(&a), None, &law, &mut ImpactDerivative::zeros());
         assert_eq!(derivative, expected);
     }
 }

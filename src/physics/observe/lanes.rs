@@ -30,8 +30,8 @@ pub(super) fn terms<'m>(
     orientation: &UnitQuaternion<f64>,
     readings: impl Iterator<Item = (f64, &'m UnitQuaternion<f64>)>,
 ) -> TurnTerms {
-    let frame = Frame::new(precession, orientation);
-    let mut sums = Sums::default();
+    let frame = LaneFrame::new(precession, orientation);
+    let mut sums = LaneSums::default();
     // Every lane holds a rotation: the logarithm of an empty one would be NaN.
     let (mut seconds, mut measured) =
         ([0.0; LANES], [0.0, 0.0, 0.0, 1.0].map(|part| [part; LANES]));
@@ -64,7 +64,7 @@ struct Complex<T> {
 }
 
 /// A frame with one axis along `n`, and what all samples share.
-struct Frame {
+struct LaneFrame {
     /// `½|α|` and `½β` [rad/s].
     half_rates: [f64; 2],
     /// `R(0)`, `R(0) n`, `R(0) a`, `R(0) n a` as quaternions: `R(0) R(s)` is a linear combination
@@ -79,9 +79,9 @@ struct Frame {
     excess: f64,
 }
 
-/// Sums over samples, lane by lane; `e` is the residual along the frame's axes.
+/// LaneSums over samples, lane by lane; `e` is the residual along the frame's axes.
 #[derive(Default)]
-struct Sums {
+struct LaneSums {
     /// `½ Σ |e|²`
     cost: f64x4,
     /// `Σ e`
@@ -100,10 +100,10 @@ struct Sums {
     axial_pull: f64x4,
 }
 
-impl Sums {
+impl LaneSums {
     fn add(
         &mut self,
-        frame: &Frame,
+        frame: &LaneFrame,
         seconds: [f64; LANES],
         measured: [[f64; LANES]; 4],
         present: usize,
@@ -150,7 +150,7 @@ impl Sums {
     }
 }
 
-impl Frame {
+impl LaneFrame {
     fn new(precession: &Precession, orientation: &UnitQuaternion<f64>) -> Self {
         let rate = precession.alpha.norm();
         let n = if rate > 0.0 {
@@ -218,7 +218,7 @@ impl Frame {
     }
 
     /// The terms that follow from the sums.
-    fn gather(&self, sums: &Sums, count: f64) -> TurnTerms {
+    fn gather(&self, sums: &LaneSums, count: f64) -> TurnTerms {
         let one = |lanes: f64x4| lanes.reduce_add();
         let complex = |z: Complex<f64x4>| Vector3::new(one(z.re), one(z.im), 0.0);
         let (s1, s2) = (one(sums.times[0]), one(sums.times[1]));

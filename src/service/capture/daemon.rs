@@ -245,7 +245,7 @@ struct Doors<'a> {
 }
 
 /// Addresses of the servers, and the recorder's end of the viewers' queue.
-struct Served {
+struct Servers {
     viewer: Option<String>,
     metrics: Option<String>,
     feed: Option<Feed>,
@@ -257,9 +257,9 @@ impl Doors<'_> {
         &self,
         status: watch::Receiver<Status>,
         shown: watch::Receiver<Shown>,
-    ) -> anyhow::Result<Served> {
+    ) -> anyhow::Result<Servers> {
         let at = |port: u16| SocketAddr::new(self.settings.listen, port);
-        let mut served = Served {
+        let mut served = Servers {
             viewer: None,
             metrics: None,
             feed: None,

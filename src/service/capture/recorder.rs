@@ -54,7 +54,7 @@ pub(super) struct Recorder {
 }
 
 /// The state of the thread.
-struct State {
+struct RecorderState {
     take: Option<Take>,
     takes: u64,
     outside: u64,
@@ -72,7 +72,7 @@ struct State {
 impl Recorder {
     /// Journals arrivals until the queue is closed, then closes the take.
     pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
-        let mut state = State::new();
+        let mut state = RecorderState::new();
         if start_now {
             self.start(&mut state, None);
         }
@@ -112,7 +112,7 @@ impl Recorder {
         }
     }
 
-    fn take_in(&self, state: &mut State, arrival: &Arrival) {
+    fn take_in(&self, state: &mut RecorderState, arrival: &Arrival) {
         let result = match (&arrival.what, &mut state.take) {
             (Arrived::Control(record), _) => {
                 self.control(state, record);
@@ -139,7 +139,7 @@ impl Recorder {
 
     /// Executes a command. One that is repeated gets the same answer again and is not executed
     /// twice.
-    fn control(&self, state: &mut State, record: &ControlRecord) {
+    fn control(&self, state: &mut RecorderState, record: &ControlRecord) {
         let asked = Some(record);
         let mut answered = state.answered.iter();
         if let Some((_, said)) = answered.find(|(answered, _)| answered == record) {
@@ -180,7 +180,7 @@ impl Recorder {
         }
     }
 
-    fn start(&self, state: &mut State, asked: Option<&ControlRecord>) {
+    fn start(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
         state.takes += 1;
         let path = take_path(&self.settings.folder, now_ns());
         let (scene, toml) = (&self.scene, &self.scene_toml);
@@ -213,7 +213,7 @@ impl Recorder {
         }
     }
 
-    fn stop(&self, state: &mut State, asked: Option<&ControlRecord>) {
+    fn stop(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
         let Some(mut take) = state.take.take() else {
             return;
         };
@@ -259,7 +259,7 @@ impl Recorder {
             }));
     }
 
-    fn discard(&self, state: &mut State, asked: Option<&ControlRecord>) {
+    fn discard(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
         let Some(take) = state.take.take() else {
             return;
         };
@@ -275,7 +275,7 @@ impl Recorder {
     }
 
     /// Answers a command that was executed, and keeps the answer.
-    fn answer(&self, state: &mut State, said: CaptureEvent, asked: Option<&ControlRecord>) {
+    fn answer(&self, state: &mut RecorderState, said: CaptureEvent, asked: Option<&ControlRecord>) {
         if let Some(command) = asked {
             state.answered.truncate(ANSWERS - 1);
             state.answered.push_front((*command, said.clone()));
@@ -284,7 +284,7 @@ impl Recorder {
     }
 
     /// Stops recording after an error: the journal so far becomes a file, if possible.
-    fn give_up(&self, state: &mut State, error: &WriteError) {
+    fn give_up(&self, state: &mut RecorderState, error: &WriteError) {
         let Some(take) = state.take.take() else {
             return;
         };
@@ -305,7 +305,7 @@ impl Recorder {
     }
 
     /// Everything that is done at intervals.
-    fn tick(&self, state: &mut State, now: Instant) {
+    fn tick(&self, state: &mut RecorderState, now: Instant) {
         if let Some(mut take) = state.take.take() {
             let ticked = take.tick(now, &self.settings);
             if ticked.is_ok() {
@@ -345,7 +345,7 @@ impl Recorder {
 
     /// Hands new events to the previewer. While its queue is full they wait and go with later ones;
     /// takes that grow too long get no more previews.
-    fn follow(&self, state: &mut State, take: &mut Take) {
+    fn follow(&self, state: &mut RecorderState, take: &mut Take) {
         if let Some(count) = &mut state.followed {
             *count += take.pending.len();
             if *count > SO_FAR_EVENTS {
@@ -374,7 +374,7 @@ impl Recorder {
     }
 }
 
-impl State {
+impl RecorderState {
     /// No take yet.
     fn new() -> Self {
         Self {
@@ -402,7 +402,7 @@ impl State {
     }
 }
 
-fn status(state: &State) -> Status {
+fn status(state: &RecorderState) -> Status {
     let take = state.take.as_ref();
     let (mut totals, mut latency) = state.totals.clone();
     if let Some(take) = take {

@@ -97,16 +97,16 @@ pub(super) struct Viewer {
     streams: Vec<StreamTopic>,
     feed: mpsc::Receiver<Live>,
     estimates: watch::Receiver<Shown>,
-    channels: Channels,
+    channels: ViewerChannels,
     /// The estimate that is played, and its start.
     showing: Option<Showing>,
     begun: Instant,
 }
 
-struct Channels {
+struct ViewerChannels {
     trackers: Vec<Arc<RawChannel>>,
     marks: Arc<RawChannel>,
-    /// Channels of the estimate and of the sketch, link by link.
+    /// ViewerChannels of the estimate and of the sketch, link by link.
     links: TiVec<LinkIndex, [Arc<RawChannel>; 2]>,
     transforms: Arc<RawChannel>,
     scene: Arc<RawChannel>,
@@ -129,7 +129,7 @@ pub(super) async fn serve(
         .bind(address.ip().to_string(), address.port());
     let (sender, feed) = mpsc::channel(FEED);
     let viewer = Viewer {
-        channels: Channels::new(&context, scene, streams)?,
+        channels: ViewerChannels::new(&context, scene, streams)?,
         scene: scene.clone(),
         streams: streams.to_vec(),
         feed,
@@ -152,7 +152,7 @@ pub(super) async fn serve(
     Ok((feed, address))
 }
 
-impl Channels {
+impl ViewerChannels {
     fn new(context: &Arc<Context>, scene: &Scene, streams: &[StreamTopic]) -> anyhow::Result<Self> {
         let open = |topic: ShownTopic| {
             let schema = topic.schema;

@@ -7,7 +7,7 @@ use crate::physics::flow;
 
 /// A sample of a flight.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reading {
+pub(super) struct FlightSample {
     /// Acted time [s since the sketch's origin].
     pub(super) acted_s: f64,
     /// Estimated physical time \[s\].
@@ -22,7 +22,7 @@ pub(super) struct Reading {
 pub(super) struct Flight<'a> {
     pub(super) arc: &'a ArcEstimate,
     pub(super) residual: &'a SegmentResidual,
-    pub(super) readings: Vec<Reading>,
+    pub(super) readings: Vec<FlightSample>,
 }
 
 impl Flight<'_> {
@@ -46,7 +46,7 @@ pub(super) fn flights<'a>(sketch: &Sketch, estimate: &'a Estimate) -> Vec<Flight
                 let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
                 let sample = &samples[at.ok()?];
                 let since_s = time.time_s - arc.epoch_s;
-                Some(Reading {
+                Some(FlightSample {
                     acted_s: sample.acted_s,
                     time_s: time.time_s,
                     position_m: sample.position_m,

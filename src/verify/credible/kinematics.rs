@@ -1,6 +1,6 @@
 //! Checks speeds, distances and tempo.
 
-use super::flights::{Flight, Reading};
+use super::flights::{Flight, FlightSample};
 use crate::motion::{About, Doubt, Estimate, Mechanism, Place, Scene, Timing};
 use crate::verify::moving::spin_bound_rad_s;
 
@@ -50,7 +50,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         doubts.extend(Doubt::beyond(About::Way, flight.place(), way, WAY));
     }
     if matches!(scene.timing, Timing::Unknown { .. }) {
-        let all: Vec<Reading> = flights.iter().flat_map(|f| f.readings.clone()).collect();
+        let all: Vec<FlightSample> = flights.iter().flat_map(|f| f.readings.clone()).collect();
         tempo(&all, Place::Motion, [SLOWNESS, HASTE], &mut doubts);
         for flight in flights {
             let limits = [FLIGHT_SLOWNESS, FLIGHT_HASTE];
@@ -62,18 +62,18 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
 
 /// Ratio of estimated to acted way, for a body of the given radius.
 fn way(flight: &Flight, radius_m: f64) -> f64 {
-    let length = |of: fn(&Reading) -> nalgebra::Vector3<f64>| -> f64 {
+    let length = |of: fn(&FlightSample) -> nalgebra::Vector3<f64>| -> f64 {
         let pairs = flight.readings.windows(2);
         pairs.map(|pair| (of(&pair[1]) - of(&pair[0])).norm()).sum()
     };
     length(|r| r.estimated_m) / (length(|r| r.position_m) + radius_m)
 }
 
-fn tempo(readings: &[Reading], place: Place, limits: [f64; 2], doubts: &mut Vec<Doubt>) {
+fn tempo(readings: &[FlightSample], place: Place, limits: [f64; 2], doubts: &mut Vec<Doubt>) {
     if readings.len() < LEAST {
         return;
     }
-    let extent_s = |of: fn(&Reading) -> f64| {
+    let extent_s = |of: fn(&FlightSample) -> f64| {
         let most = readings.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         most - readings.iter().map(of).fold(f64::INFINITY, f64::min)
     };

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::flights::{Flight, Reading};
+use super::flights::{Flight, FlightSample};
 
 /// Longest stretch over which a slope is fitted \[s\].
 const WINDOW_S: f64 = 0.06;
@@ -19,7 +19,7 @@ const LEAST: usize = 2;
 pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
     let flies = |flight: &&Flight| flight.readings.len() >= LEAST;
     let all: Vec<&Flight> = flights.iter().filter(flies).collect();
-    let pairs: Vec<[&[Reading]; 2]> = all
+    let pairs: Vec<[&[FlightSample]; 2]> = all
         .windows(2)
         .filter(|pair| pair[0].arc.mechanism == pair[1].arc.mechanism)
         .map(|pair| [pair[0].readings.as_slice(), pair[1].readings.as_slice()])
@@ -57,7 +57,7 @@ fn mean_interval_s(flights: &[&Flight]) -> Option<f64> {
 }
 
 /// Slope of the residuals by least squares [m/s].
-fn slope(readings: &[Reading]) -> Option<Vector3<f64>> {
+fn slope(readings: &[FlightSample]) -> Option<Vector3<f64>> {
     let count = readings.len() as f64;
     let mean_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;
     let (mut square_s2, mut moment) = (0.0, Vector3::zeros());
@@ -110,7 +110,7 @@ mod tests {
         let flights = [0, 6].map(|first: usize| {
             let readings = (first..first + 5).map(|index| {
                 let time_s = index as f64 / 120.0;
-                Reading {
+                FlightSample {
                     acted_s: time_s,
                     time_s,
                     position_m: Vector3::new(off_m(time_s), 0.0, 0.0),

@@ -31,7 +31,7 @@ fn beyond_s(flight: &Flight) -> f64 {
 mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
-    use super::super::flights::Reading;
+    use super::super::flights::FlightSample;
     use super::*;
     use crate::motion::{ArcEstimate, MechanismIndex, SegmentResidual, TrackIndex};
     use crate::physics::State;
@@ -57,7 +57,7 @@ mod tests {
             orientation_rms_rad: 0.0,
         };
         let at = |times_s: [f64; 2]| {
-            let readings = times_s.map(|time_s| Reading {
+            let readings = times_s.map(|time_s| FlightSample {
                 acted_s: time_s,
                 time_s,
                 position_m: Vector3::zeros(),

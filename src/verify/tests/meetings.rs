@@ -12,9 +12,9 @@ const TIME_S: f64 = 0.4;
 /// The motion about the first event of a scene, at which the bodies are in these states but for
 /// a shift of the first that closes the gap.
 fn about(scene: &Scene, law: &Law, mut before: Vec<State>) -> Estimate {
-    let meeting = scene.meeting(0).unwrap().unwrap();
+    let meeting = scene.contact_set(0).unwrap().unwrap();
     let other = before.get(1).map_or(Frame::world(), Frame::of);
-    let touch = meeting.contacts()[0].touch(&Frame::of(&before[0]), &other);
+    let touch = meeting.as_slice()[0].touch(&Frame::of(&before[0]), &other);
     let touch = touch.unwrap();
     before[0].position_m -= touch.normal * touch.gap_m;
     let after = struck(scene, 0, law, &before);

@@ -20,7 +20,7 @@ pub(super) fn poses(
     data: &[u8],
     poses: &mut Vec<FramedPose>,
 ) -> Result<(), DecodeError> {
-    let mut cdr = Cdr::new(data)?;
+    let mut cdr = CdrReader::new(data)?;
     match message {
         RosPose::PoseStamped => {
             let (stamp, parent) = cdr.header()?;
@@ -47,21 +47,21 @@ pub(super) fn poses(
 }
 
 pub(super) fn mark(data: &[u8]) -> Result<StampedMark, DecodeError> {
-    let (stamp, event) = Cdr::new(data)?.header()?;
+    let (stamp, event) = CdrReader::new(data)?.header()?;
     Ok(StampedMark {
         stamp,
         event: (!event.is_empty()).then_some(event),
     })
 }
 
-struct Cdr<'a> {
+struct CdrReader<'a> {
     /// The message after its encapsulation header; alignment counts from its first byte.
     data: &'a [u8],
     at: usize,
     is_big_endian: bool,
 }
 
-impl<'a> Cdr<'a> {
+impl<'a> CdrReader<'a> {
     fn new(data: &'a [u8]) -> Result<Self, DecodeError> {
         let is_big_endian = match data {
             [0, 0, _, _, ..] => true,

@@ -8,7 +8,7 @@ use crate::motion::Stamp;
 use crate::wire::encode::MARK_EVENT_KEY;
 
 #[derive(Clone, Copy, Deserialize)]
-struct Time {
+struct JsonTime {
     sec: i64,
     nsec: u32,
 }
@@ -29,30 +29,30 @@ struct Xyzw {
 }
 
 #[derive(Deserialize)]
-struct Pose {
+struct JsonPose {
     position: Xyz,
     orientation: Xyzw,
 }
 
 #[derive(Deserialize)]
 struct PoseInFrame {
-    timestamp: Option<Time>,
+    timestamp: Option<JsonTime>,
     #[serde(default)]
     frame_id: String,
-    pose: Pose,
+    pose: JsonPose,
 }
 
 #[derive(Deserialize)]
 struct PosesInFrame {
-    timestamp: Option<Time>,
+    timestamp: Option<JsonTime>,
     #[serde(default)]
     frame_id: String,
-    poses: Vec<Pose>,
+    poses: Vec<JsonPose>,
 }
 
 #[derive(Deserialize)]
 struct FrameTransform {
-    timestamp: Option<Time>,
+    timestamp: Option<JsonTime>,
     #[serde(default)]
     parent_frame_id: String,
     #[serde(default)]
@@ -67,14 +67,14 @@ struct FrameTransforms {
 }
 
 #[derive(Deserialize)]
-struct Event {
-    start_time: Option<Time>,
+struct JsonEvent {
+    start_time: Option<JsonTime>,
     #[serde(default)]
-    metadata: Vec<Pair>,
+    metadata: Vec<JsonPair>,
 }
 
 #[derive(Deserialize)]
-struct Pair {
+struct JsonPair {
     key: String,
     value: String,
 }
@@ -114,7 +114,7 @@ pub(super) fn poses(
 }
 
 pub(super) fn mark(data: &[u8]) -> Result<StampedMark, DecodeError> {
-    let message: Event = parsed(data)?;
+    let message: JsonEvent = parsed(data)?;
     Ok(StampedMark {
         stamp: time(message.start_time)?,
         event: message
@@ -131,7 +131,7 @@ fn parsed<'de, T: Deserialize<'de>>(data: &'de [u8]) -> Result<T, DecodeError> {
 
 fn transform(message: FrameTransform) -> Result<FramedPose, DecodeError> {
     let at = time(message.timestamp)?;
-    let pose = Pose {
+    let pose = JsonPose {
         position: message.translation,
         orientation: message.rotation,
     };
@@ -143,8 +143,8 @@ fn transform(message: FrameTransform) -> Result<FramedPose, DecodeError> {
     ))
 }
 
-fn framed(parent: String, child: String, stamp: Option<Stamp>, pose: Pose) -> FramedPose {
-    let Pose {
+fn framed(parent: String, child: String, stamp: Option<Stamp>, pose: JsonPose) -> FramedPose {
+    let JsonPose {
         position: p,
         orientation: q,
     } = pose;
@@ -157,7 +157,7 @@ fn framed(parent: String, child: String, stamp: Option<Stamp>, pose: Pose) -> Fr
     }
 }
 
-fn time(time: Option<Time>) -> Result<Option<Stamp>, DecodeError> {
+fn time(time: Option<JsonTime>) -> Result<Option<Stamp>, DecodeError> {
     time.map_or(Ok(None), |at| stamp(at.sec, at.nsec))
 }
 

@@ -215,7 +215,7 @@ impl Columns {
         let lifted = &self.layout.structure.blocks;
         let mut blocks = Vec::new();
         for (index, collision) in problem.collisions.iter().enumerate() {
-            let contacts = collision.meeting.contacts().len();
+            let contacts = collision.contacts.as_slice().len();
             let rows = match grid.shoots() {
                 true if collision.touches_by_goal => contacts,
                 true => 2 * contacts,

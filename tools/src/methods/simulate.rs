@@ -115,7 +115,7 @@ fn at(
     };
     let law = collision.law(&point.parameters);
     let (a, b) = (side(0, &first), second.as_ref().map(|state| side(1, state)));
-    let impact = collision.meeting.impact(&a, b.as_ref(), &law).ok()?;
+    let impact = collision.contacts.impact(&a, b.as_ref(), &law).ok()?;
     Some(([first, second.unwrap_or(first)], impact))
 }
 

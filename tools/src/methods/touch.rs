@@ -81,7 +81,7 @@ fn contact(
     let law = collision.law(&fits.parameters);
     let mut by = ImpactDerivative::default();
     let impact = collision
-        .meeting
+        .contacts
         .derivative(&side(0), b.as_ref(), &law, &mut by)
         .ok()?;
     let normal = by.gap[0][0].fixed_columns::<3>(part::POSITION).transpose();

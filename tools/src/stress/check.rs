@@ -138,7 +138,7 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
                 [after_a, after_b],
             )
         } else {
-            let meeting = scene.meeting(event).ok().flatten()?;
+            let contacts = scene.contact_set(event).ok().flatten()?;
             let side = |link: LinkIndex, state| Side {
                 body: &scene.links[link].body,
                 state,
@@ -146,7 +146,7 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
             let a_side = side(links[0], &a);
             let b_side = b.as_ref().map(|state| side(links[1], state));
             let law = Law::frictionless(collision.restitution);
-            let impact = meeting.impact(&a_side, b_side.as_ref(), &law).ok()?;
+            let impact = contacts.impact(&a_side, b_side.as_ref(), &law).ok()?;
             let pushed = |state: &State, index: usize| State {
                 velocity_m_s: impact.after[index].velocity_m_s,
                 angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,

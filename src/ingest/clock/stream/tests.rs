@@ -4,9 +4,9 @@ const MS: i64 = 1_000_000;
 const START: i64 = 1_700_000_000_000_000_000;
 
 /// A reading of a 200 Hz tracker: its driver's clock, its device's, our arrival.
-fn reading(k: i64) -> Reading {
+fn reading(k: i64) -> StampReading {
     let truth = START + k * 5 * MS;
-    Reading {
+    StampReading {
         session: 1,
         sequence: k as u64,
         sample_ns: Some(truth),
@@ -15,7 +15,7 @@ fn reading(k: i64) -> Reading {
     }
 }
 
-fn stamps(source: Option<StampSource>, readings: &[Reading]) -> (Vec<i64>, ClockQuality) {
+fn stamps(source: Option<StampSource>, readings: &[StampReading]) -> (Vec<i64>, ClockQuality) {
     let mut clock = StreamClock::new(source);
     let stamps = readings
         .iter()
@@ -27,7 +27,7 @@ fn stamps(source: Option<StampSource>, readings: &[Reading]) -> (Vec<i64>, Clock
 #[test]
 fn the_drivers_times_are_taken_as_they_are() {
     // Late, out of order, with jitter, from another year than ours.
-    let mut readings: Vec<Reading> = (0..100).map(reading).collect();
+    let mut readings: Vec<StampReading> = (0..100).map(reading).collect();
     readings.swap(40, 43);
     for reading in &mut readings {
         reading.receipt_ns += 86_400_000 * 1_000 * MS;
@@ -40,7 +40,7 @@ fn the_drivers_times_are_taken_as_they_are() {
 
 #[test]
 fn what_the_first_sample_has_decides_where_nobody_said() {
-    let without = |sample: bool, device: bool| Reading {
+    let without = |sample: bool, device: bool| StampReading {
         sample_ns: reading(0).sample_ns.filter(|_| sample),
         device_ns: reading(0).device_ns.filter(|_| device),
         ..reading(0)
@@ -69,10 +69,10 @@ fn a_clock_that_is_set_does_not_tear_the_stamps_apart() {
             900 * MS,
             3_600_000 * MS,
         ] {
-            let readings: Vec<Reading> = (0..1000)
+            let readings: Vec<StampReading> = (0..1000)
                 .map(|k| {
                     let add = |ns: Option<i64>| ns.map(|ns| ns + if k < 500 { 0 } else { step_ns });
-                    Reading {
+                    StampReading {
                         sample_ns: add(reading(k).sample_ns),
                         device_ns: add(reading(k).device_ns),
                         ..reading(k)
@@ -111,7 +111,7 @@ fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
         (false, true, 200),
         (true, true, 10),
     ] {
-        let readings: Vec<Reading> = (0..400)
+        let readings: Vec<StampReading> = (0..400)
             .map(|k| {
                 let is_after = k >= from;
                 let even = reading(k as i64);
@@ -121,7 +121,7 @@ fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
                     START + k as i64 * 5 * MS
                 };
                 let begins = has_restart && is_after;
-                Reading {
+                StampReading {
                     session: 1 + u32::from(begins),
                     sequence: if begins { k - from } else { k } as u64,
                     sample_ns: Some(truth - if is_after { HOUR } else { 0 }),
@@ -144,7 +144,7 @@ fn a_clock_that_is_set_back_is_noticed_without_cadence_and_over_a_restart() {
 /// The clock of a take is never set; if it were, stamps by arrival would stand still.
 #[test]
 fn stamps_by_arrival_never_go_back() {
-    let mut readings: Vec<Reading> = (0..600).map(reading).collect();
+    let mut readings: Vec<StampReading> = (0..600).map(reading).collect();
     for reading in &mut readings[300..] {
         reading.receipt_ns -= 3_600_000 * MS;
     }
@@ -153,8 +153,8 @@ fn stamps_by_arrival_never_go_back() {
 }
 
 /// Readings with those times and arrivals \[ns\], numbered in that order.
-fn readings(times: impl IntoIterator<Item = (i64, i64)>) -> Vec<Reading> {
-    let reading = |(k, (time_ns, receipt_ns)): (usize, (i64, i64))| Reading {
+fn readings(times: impl IntoIterator<Item = (i64, i64)>) -> Vec<StampReading> {
+    let reading = |(k, (time_ns, receipt_ns)): (usize, (i64, i64))| StampReading {
         session: 1,
         sequence: k as u64,
         sample_ns: Some(START + time_ns),
@@ -232,7 +232,7 @@ fn what_only_looks_like_a_step_is_none() {
 #[test]
 fn a_stall_of_delivery_is_no_step() {
     for source in [StampSource::Sample, StampSource::Device] {
-        let readings: Vec<Reading> = (0..1000)
+        let readings: Vec<StampReading> = (0..1000)
             .map(|k| {
                 // Everything measured within a second comes at its end, at once.
                 let held = (400..600).contains(&k);
@@ -241,7 +241,7 @@ fn a_stall_of_delivery_is_no_step() {
                 } else {
                     reading(k).receipt_ns
                 };
-                Reading {
+                StampReading {
                     receipt_ns,
                     ..reading(k)
                 }
@@ -262,7 +262,7 @@ fn a_stall_of_delivery_is_no_step() {
 
 #[test]
 fn a_restart_goes_on_from_arrival() {
-    let mut readings: Vec<Reading> = (0..200).map(reading).collect();
+    let mut readings: Vec<StampReading> = (0..200).map(reading).collect();
     for (k, reading) in readings[100..].iter_mut().enumerate() {
         reading.session = 2;
         reading.sequence = k as u64;
@@ -281,7 +281,7 @@ fn a_restart_goes_on_from_arrival() {
 
 #[test]
 fn numbers_at_a_rate_are_stamps() {
-    let mut readings: Vec<Reading> = (0..400).map(reading).collect();
+    let mut readings: Vec<StampReading> = (0..400).map(reading).collect();
     // A hole, and one that comes late.
     readings.drain(100..150);
     readings.swap(200, 201);
@@ -305,7 +305,7 @@ fn no_numbers_break_it() {
         let mut clock = StreamClock::new(Some(source));
         for (k, a) in extremes.into_iter().enumerate() {
             for b in extremes {
-                clock.stamp(&Reading {
+                clock.stamp(&StampReading {
                     session: k as u32 % 2,
                     sequence: a as u64,
                     sample_ns: Some(b),

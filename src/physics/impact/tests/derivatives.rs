@@ -43,21 +43,21 @@ fn expected(derivative: &ImpactDerivative, row: usize, column: usize) -> f64 {
 
 /// Compares all derivatives with differences, unless a switch is within their reach; returns
 /// whether it did.
-fn check(meeting: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool {
+fn check(contacts: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool {
     const STEP: f64 = 0.1;
     let at = |d: &[f64]| {
         let d: Vec<f64> = d.iter().map(|x| STEP * x).collect();
         let movers = moved(movers, &d);
         let mut law = *law;
         law.restitution += d[24];
-        if meeting.has_friction() {
+        if contacts.has_friction() {
             law.friction += d[25];
         }
-        if meeting.check_tilt().is_ok() {
+        if contacts.check_tilt().is_ok() {
             law.tilt_rad[0] += d[26];
             law.tilt_rad[1] += d[27];
         }
-        meeting
+        contacts
             .impact(&side(&movers[0]), movers.get(1).map(side).as_ref(), &law)
             .expect("regular")
     };
@@ -68,7 +68,7 @@ fn check(meeting: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool 
         for i in 0..movers.len() {
             derivative.after[i][body].fill(7.0);
         }
-        for contact in 0..meeting.contacts().len() {
+        for contact in 0..contacts.as_slice().len() {
             derivative.gap[contact][body].fill(7.0);
             derivative.speed[contact][body].fill(7.0);
         }
@@ -77,7 +77,7 @@ fn check(meeting: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool 
         derivative.after_by_tilt[body].fill(7.0);
     }
     let b = movers.get(1).map(side);
-    let impact = meeting
+    let impact = contacts
         .derivative(&side(&movers[0]), b.as_ref(), law, &mut derivative)
         .expect("regular");
     for (here, there) in values(&impact).iter().zip(values(&base)) {
@@ -121,9 +121,9 @@ fn sticking_and_sliding() {
         if case.contact.tilt_axes().is_some() && (index / KINDS).is_multiple_of(3) {
             case.law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
-        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
+        let contacts = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("case {index}, kind {kind}");
-        if check(&meeting, &movers(&case), &case.law, &name) {
+        if check(&contacts, &movers(&case), &case.law, &name) {
             let count = if case.impact().sticks {
                 &mut stuck
             } else {
@@ -150,9 +150,9 @@ fn receding_contacts_with_friction() {
         case.b = case.b.map(|(body, state)| (body, reversed(&state)));
         let impact = case.impact();
         assert!(impact.speeds_m_s[0] > 0.0 && !impact.sticks);
-        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
+        let contacts = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("receding case {index}, kind {kind}");
-        checked += usize::from(check(&meeting, &movers(&case), &case.law, &name));
+        checked += usize::from(check(&contacts, &movers(&case), &case.law, &name));
     }
     assert!(checked >= 3 * KINDS, "{checked}");
 }
@@ -165,9 +165,9 @@ fn friction_that_may_grow_from_none() {
     for kind in 0..KINDS {
         let mut case = Case::draw(&mut draw, kind, true);
         case.law.friction = 0.0;
-        let meeting = ContactSet::with_friction(&[case.contact]).expect("one");
+        let contacts = ContactSet::with_friction(&[case.contact]).expect("one");
         let name = format!("kind {kind}");
-        assert!(check(&meeting, &movers(&case), &case.law, &name));
+        assert!(check(&contacts, &movers(&case), &case.law, &name));
     }
 }
 
@@ -181,9 +181,9 @@ fn without_friction() {
         if case.contact.tilt_axes().is_some() && round > 2 {
             case.law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
-        let meeting = ContactSet::frictionless(&[case.contact]).expect("one");
+        let contacts = ContactSet::frictionless(&[case.contact]).expect("one");
         let name = format!("case {index}, kind {kind}");
-        assert!(check(&meeting, &movers(&case), &case.law, &name));
+        assert!(check(&contacts, &movers(&case), &case.law, &name));
     }
 }
 
@@ -197,13 +197,13 @@ fn several_contacts_at_once() {
         if two_bodies {
             movers.push((draw.body(), draw.state()));
         }
-        let meeting = ContactSet::frictionless(&corners(count)).expect("a few");
+        let contacts = ContactSet::frictionless(&corners(count)).expect("a few");
         let mut law = Law::frictionless(draw.between(0.0, 1.0));
         if index > 5 {
             law.tilt_rad = [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)];
         }
         // Nothing but the rule is asked here: the pose need not be flat on the ground.
-        assert!(check(&meeting, &movers, &law, &format!("case {index}")));
+        assert!(check(&contacts, &movers, &law, &format!("case {index}")));
     }
 }
 
@@ -219,9 +219,9 @@ fn several_contacts_of_different_kinds() {
         let rates = second.contact.touch_derivative(&frames.0, &frames.1);
         if rates.is_ok_and(|(_, rates)| rates.on_a.norm() + rates.on_b.norm() < 8.0) {
             let contacts = [first.contact, second.contact];
-            let meeting = ContactSet::frictionless(&contacts).expect("two");
+            let contacts = ContactSet::frictionless(&contacts).expect("two");
             let law = Law::frictionless(first.law.restitution);
-            assert!(check(&meeting, &movers, &law, "a rim and an edge"));
+            assert!(check(&contacts, &movers, &law, "a rim and an edge"));
             checked += 1;
         }
         if checked == 6 {

@@ -83,7 +83,7 @@ impl<'a> Stage<'a> {
                 ..Law::frictionless(collision.restitution)
             };
             let meetings = candidates.iter().map(|contacts| {
-                let meeting = scene.meeting_of(*event, contacts).ok()??;
+                let meeting = scene.contact_set_of(*event, contacts).ok()??;
                 Some((meeting, law))
             });
             Some((*event, meetings.collect::<Option<Vec<_>>>()?))
@@ -160,7 +160,7 @@ impl<'a> Stage<'a> {
     }
 
     fn gap_m(&self, meeting: &ContactSet, state: &State) -> f64 {
-        let gaps = meeting.contacts().iter().map(|contact| {
+        let gaps = meeting.as_slice().iter().map(|contact| {
             let touch = contact.touch(&Frame::of(state), &Frame::world());
             touch.map_or(f64::INFINITY, |touch| touch.gap_m)
         });
