@@ -36,12 +36,13 @@
 //! | [`estimate`] | 4 the constrained estimation | `optimise`, `motion` and below |
 //! | [`verify`] | 4b independent checks: overlap, what touches first, single shot, energy; could it be what was acted | `motion` and below |
 //! | [`settle`] | 4c the motion goes on by simulation until it rests (all of rapier) | `motion` and below |
-//! | [`mod@write`] | 5 estimates become files | `wire`, `motion` and below |
+//! | [`report`] | what an estimate says of itself, with the scene's names: lines, sentences, the JSON of files and recordings | `motion` |
+//! | [`mod@write`] | 5 estimates become files | `report`, `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
-//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `config`, `motion` |
-//! | [`cli`] | the commands and their accounts | `config`, `service` |
+//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `report`, `config`, `motion` |
+//! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
 //!
 //! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
 //! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
@@ -93,6 +94,7 @@ pub mod motion;
 pub mod optimise;
 pub mod physics;
 pub mod pipeline;
+pub mod report;
 pub mod segment;
 pub mod service;
 pub mod settle;

@@ -1,17 +1,10 @@
 //! Exact performances are recovered exactly: to rounding where the stamps are physical times,
 //! and where the tempo is unknown but constant, which is what its prior expects.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/study/errors.rs"]
-mod errors;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::Case;
 use enact::motion::Verdict;
-use errors::Errors;
-use perform::{Acting, Style, Truth, bounces};
+use enact_tools::case::Case;
+use enact_tools::errors::Errors;
+use enact_tools::perform::{Acting, Style, Truth, bounces};
 
 /// The truth through a perfect tracker. Its sampling interval is a whole number of nanoseconds,
 /// for stamps are.
@@ -51,7 +44,7 @@ fn assert_recovered(acting: &Acting, limit: f64) {
         assert_eq!(
             estimate.verdict,
             Verdict::Physical,
-            "{name}: {}",
+            "{name}: {:?}",
             estimate.reason
         );
         let errors = Errors::of(&case, &outcome);

@@ -23,8 +23,6 @@ mod kills;
 mod peers;
 #[path = "capture/stamping.rs"]
 mod stamping;
-#[path = "../tools/tracker/mod.rs"]
-mod tracker;
 
 use harness::{Daemon, House, Patience, bytes, enact, ended};
 

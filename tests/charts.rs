@@ -2,6 +2,8 @@
 //! measured, and does for a body what was measured as its own. Of times, which no test asserts,
 //! only the committed ones are read: that they say what the page says of them.
 
+use enact_tools::front;
+use enact_tools::reference;
 use std::fs;
 use std::path::Path;
 
@@ -10,14 +12,8 @@ use enact::physics::body::Symmetry;
 use enact::physics::flow::Spin;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-#[path = "../tools/chart/flow/front.rs"]
-#[allow(dead_code, reason = "the chart uses the rest")]
-mod front;
-#[path = "../src/physics/flow/reference.rs"]
-mod reference;
-
-use front::Turning;
-use reference::Pair;
+use enact_tools::front::Turning;
+use enact_tools::reference::Pair;
 
 /// Free flights of what one throws are no longer [s]. Beyond, where a body with three different
 /// moments turns tens of times, elliptic functions are ahead, which the page says.

@@ -1,26 +1,21 @@
 //! The methods that the charts compare with the program's: their derivatives are exact, and from a
 //! sketch that is nearly the truth every one of them ends where the program does.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/chart/methods/mod.rs"]
-mod methods;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/starts.rs"]
-mod starts;
-
-use case::{Case, Posed};
 use enact::estimate::context::Guidance;
 use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
 use enact::optimise::Program;
 use enact::optimise::finish::Tolerances;
-use methods::model::Model;
-use methods::setting::Setting;
-use methods::{Answer, Grid, Method, Task, stages};
+use enact::physics::Body;
+use enact::physics::body::Symmetry;
+use enact_tools::case::{Case, Posed};
+use enact_tools::methods;
+use enact_tools::methods::model::Model;
+use enact_tools::methods::setting::Setting;
+use enact_tools::methods::task::with_three_moments;
+use enact_tools::methods::{Answer, Grid, Method, Task, stages};
+use enact_tools::perform::{Acting, Style, bounces, die, flips, hat_box};
 use nalgebra::DVector;
-use perform::{Acting, Style, bounces, die, flips, hat_box};
 
 const GRIDS: [Grid; 5] = [
     Grid::Lifted,
@@ -203,5 +198,16 @@ fn sampling_and_the_general_flow_end_there_too() {
         let other = answer(method);
         assert!(other.succeeds(best), "{other:?}");
         assert!(other.error(best) < near, "{other:?} for {best}");
+    }
+}
+
+#[test]
+fn nudged_bodies_have_three_moments() {
+    for moments in [[1.0, 1.0, 1.0], [1.0, 1.0, 1.5], [0.01, 1.0, 1.0]] {
+        let body = Body::new(1.0, moments.into()).expect("a body");
+        let nudged = with_three_moments(&body);
+        assert_eq!(nudged.symmetry(), Symmetry::Asymmetric);
+        let change = (nudged.moments_kg_m2() - body.moments_kg_m2()).norm();
+        assert!(change < 2e-13);
     }
 }

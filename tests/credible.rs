@@ -4,25 +4,14 @@
 use std::fs;
 use std::path::Path;
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/study/nonsense/mod.rs"]
-mod nonsense;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/starts.rs"]
-mod starts;
-#[path = "../tools/study/stress/mod.rs"]
-mod stress;
-
 use assert_cmd::Command;
 use enact::motion::{
     About, Doubt, Estimate, FreeParameter, PoseSample, Quantity, Scene, Stamp, TakeEvent, Verdict,
 };
 use enact::pipeline::{Outcome, Pipeline, Preview};
 use enact::verify::credible;
+use enact_tools::nonsense::{Asked, faults, real};
 use nalgebra::Vector3;
-use nonsense::{Asked, faults, real};
 
 /// The answer to a row of the study at a seed.
 fn answer(name: &str, seed: u64) -> Outcome {

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use enact::config::scene_from_toml;
-use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Verdict};
+use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, Undetermined, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use nalgebra::Vector3;
 use skip::skip;
@@ -186,7 +186,7 @@ fn a_duration_that_an_impact_bends_is_said_to_be_undetermined() {
         let true_s = (toss.samples + 5) as f64 / 148.308;
         let duration = estimate.duration;
         let error = duration.duration_s / true_s - 1.0;
-        let is_said = estimate.undetermined.contains(&"duration".to_owned());
+        let is_said = estimate.undetermined.contains(&Undetermined::Duration);
         assert_eq!(is_said, !duration.is_determined());
         let end = &estimate.events[1];
         assert!(end.sd_s.is_some_and(|sd_s| sd_s > 0.0), "{}", toss.number);

@@ -1,15 +1,12 @@
 //! Edited sketches: every segment by itself on a stream of its own, joined on one time line.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use std::path::Path;
 
 use enact::ingest::{IngestError, Recording};
 use enact::motion::{Mark, Scene, Sketch, Stamp, TakeEvent, Timing};
 use enact::pipeline::{Pipeline, PipelineError};
 use enact::segment::{SegmentError, clean::clean, cut, refine};
-use perform::{Acting, Performance, bounces, die, hat_box, perform};
+use enact_tools::perform::{Acting, Performance, bounces, die, hat_box, perform};
 use proptest::prelude::*;
 
 fn kept_die() -> Recording {

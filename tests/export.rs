@@ -1,20 +1,14 @@
 //! An exported problem can be read back, and what is in it suffices to say what the objective and
 //! the constraints are.
 
+use enact_tools::export;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use enact::estimate::recipe::{self, Recipe};
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/chart/export.rs"]
-mod export;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::{Case, Posed};
-use export::{Flight, Motion, Named, Problem};
-use perform::{Acting, bounces, hat_box};
+use enact_tools::case::{Case, Posed};
+use enact_tools::export::{Flight, Motion, Named, Problem};
+use enact_tools::perform::{Acting, bounces, hat_box};
 
 fn exported(case: &Case) -> Problem {
     let outcome = case.estimated(&mut ()).expect("an estimate");

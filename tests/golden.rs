@@ -149,7 +149,7 @@ fn work_and_events_are_as_they_were() {
         let outcome = estimated(&open(golden.file));
         let estimate = &outcome.estimate;
         let (verdict, file) = (golden.verdict, golden.file);
-        assert_eq!(estimate.verdict, verdict, "{file}: {}", estimate.reason);
+        assert_eq!(estimate.verdict, verdict, "{file}: {:?}", estimate.reason);
         let times_s: Vec<f64> = estimate.events.iter().map(|event| event.time_s).collect();
         is_same &= estimate.counters == golden.counters;
         let pairs = times_s.iter().zip(golden.event_times_s);

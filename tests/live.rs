@@ -10,8 +10,6 @@ use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 mod harness;
 #[path = "live/socket.rs"]
 mod socket;
-#[path = "../tools/tracker/mod.rs"]
-mod tracker;
 
 use harness::{Daemon, House, Patience, ended};
 use socket::{Viewer, connect, exchange, get, status, upgrade};

@@ -1,11 +1,7 @@
 //! `enact mark` from outside, and takes whose marks are absent, too many or far off.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
 #[allow(dead_code)]
-#[path = "../tools/perform/recording.rs"]
-mod recording;
-
+use enact_tools::perform::recording;
 use std::path::Path;
 use std::process::Output;
 
@@ -13,7 +9,7 @@ use assert_cmd::Command;
 use enact::motion::{DropReason, Mark, Stamp, TakeEvent, Verdict};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::segment::{propose, refine, relocate_marks};
-use perform::{Acting, Outliers, Performance, Style, bounces, perform};
+use enact_tools::perform::{Acting, Outliers, Performance, Style, bounces, perform};
 use tempfile::TempDir;
 
 /// What a person may be off by in marking, and more.

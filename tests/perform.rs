@@ -1,20 +1,17 @@
 //! The performance maker's truths obey physics, meet their goals and pass through nothing; its
 //! recordings are made again byte for byte.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/perform/recording.rs"]
-mod recording;
-
+use enact_tools::perform;
+use enact_tools::perform::recording;
 use std::path::Path;
 
 use enact::math::Pose;
 
 use enact::physics::contact::Feature::Point;
 use enact::physics::{State, flow};
+use enact_tools::perform::encounter::{Encounter, still};
+use enact_tools::perform::{Acting, Style, Truth, bounces, perform, simulate};
 use nalgebra::Vector3;
-use perform::encounter::{Encounter, still};
-use perform::{Acting, Style, Truth, bounces, perform, simulate};
 
 fn truths() -> Vec<Truth> {
     let mut truths: Vec<_> = Style::ALL.iter().map(|style| style.truth()).collect();
@@ -293,7 +290,7 @@ fn kept_recordings_are_made_again_byte_for_byte() {
         );
         assert!(
             made == stored.unwrap(),
-            "{}: run `cargo run --example perform -- --all -o recordings` if that is meant",
+            "{}: run `cargo run -p enact-tools --bin perform -- --all -o recordings` if that is meant",
             kept.name
         );
         assert!(made.len() < 300_000);

@@ -1,12 +1,9 @@
 //! The performance maker acts as badly as its knobs say, and no worse.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use enact::math::so3;
 use enact::motion::{TakeEvent, Timing};
+use enact_tools::perform::{Acting, Performance, Style, bounces, hat_box, perform};
 use nalgebra::Vector3;
-use perform::{Acting, Performance, Style, bounces, hat_box, perform};
 
 /// Errors of all samples: shift [m, world] and turn [rad, body].
 fn errors(performance: &Performance) -> Vec<(Vector3<f64>, Vector3<f64>)> {

@@ -1,16 +1,14 @@
 //! The performer's hand wanders like a real one: the figures in `tools/perform/wander.rs`, and
 //! the same estimator on what is made of them.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
 #[path = "support/skip.rs"]
 mod skip;
 
 use std::path::Path;
 
 use enact::math::so3;
+use enact_tools::perform::wander::{HAND_ORIENTATION, HAND_POSITION, Spectrum, Wander};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use perform::wander::{HAND_ORIENTATION, HAND_POSITION, Spectrum, Wander};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use skip::skip;

@@ -1,9 +1,6 @@
 //! The hat and the box obey physics, meet their goals and touch nothing but what they should;
 //! the bent scene and the die ask for more than physics can do.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use std::f64::consts::TAU;
 
 use enact::math::{Pose, so3};
@@ -11,10 +8,10 @@ use enact::motion::{GoalTarget, Quantity, Scene};
 use enact::physics::contact::Feature::Point;
 use enact::physics::impact::{Law, Side};
 use enact::physics::{State, flow};
+use enact_tools::perform::encounter::{Encounter, still};
+use enact_tools::perform::truth::Flight;
+use enact_tools::perform::{Truth, die, flips, hat_box, simulate};
 use nalgebra::{Point3, Vector3};
-use perform::encounter::{Encounter, still};
-use perform::truth::Flight;
-use perform::{Truth, die, flips, hat_box, simulate};
 
 const HAT: usize = 0;
 const BOX: usize = 1;

@@ -1,18 +1,13 @@
 //! Previews: estimates while the performance is acted, each from the one before.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use std::path::Path;
 
-use case::{Case, estimated};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{Estimate, Scene, TakeEvent, Verdict};
 use enact::pipeline::Preview;
-use perform::{Acting, Style};
+use enact_tools::case::{Case, estimated};
+use enact_tools::perform::{Acting, Style};
 
 /// Where two estimations end in one optimum, they agree to this [s, and relative].
 const SAME: f64 = 1e-6;
@@ -35,7 +30,7 @@ fn of(scene: &Scene, events: &[TakeEvent]) -> Preview {
 const WEIGHED: (f64, f64) = (0.02, 0.002);
 
 fn assert_same(a: &Estimate, b: &Estimate, at: &str) {
-    assert_eq!(a.verdict, b.verdict, "{at}: {}; {}", a.reason, b.reason);
+    assert_eq!(a.verdict, b.verdict, "{at}: {:?}; {:?}", a.reason, b.reason);
     let apart = (a.objective - b.objective).abs() / b.objective.max(1e-3);
     assert!(
         apart <= WEIGHED.0,

@@ -1,14 +1,9 @@
 //! What the recipe's parts are for: performances at which each of them shows. They were found by
 //! leaving the part out.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::Case;
 use enact::motion::Verdict;
-use perform::{Acting, Style, bounces};
+use enact_tools::case::Case;
+use enact_tools::perform::{Acting, Style, bounces};
 
 fn at(distortion: f64, acting: Acting) -> Acting {
     Acting {
@@ -26,7 +21,7 @@ fn what_the_first_finish_does_not_meet_is_met_by_another() {
         let outcome = case.estimated(&mut ()).expect("an estimate");
         let estimate = &outcome.estimate;
         let why = &estimate.reason;
-        assert_eq!(estimate.verdict, Verdict::Physical, "seed {seed}: {why}");
+        assert_eq!(estimate.verdict, Verdict::Physical, "seed {seed}: {why:?}");
     }
 }
 

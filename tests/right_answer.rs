@@ -1,20 +1,11 @@
 //! The estimate is physical, meets its goals, and is the optimum that a start from the truth
 //! finds; the whole study with many more seeds and starts is `tools/study`.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/study/errors.rs"]
-mod errors;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/starts.rs"]
-mod starts;
-
-use case::{Case, Posed};
 use enact::motion::Verdict;
-use errors::{goal_gap, simulated_goal_gap};
-use perform::{Acting, Style};
-use starts::{from_truth, is_best, optimum};
+use enact_tools::case::{Case, Posed};
+use enact_tools::errors::{goal_gap, simulated_goal_gap};
+use enact_tools::perform::{Acting, Style};
+use enact_tools::starts::{from_truth, is_best, optimum};
 
 /// Of goals, metres and radians.
 const GAP: f64 = 1e-9;
@@ -30,7 +21,7 @@ fn assert_right(style: Style, acting: &Acting, seeds: std::ops::Range<u64>) {
         assert_eq!(
             estimate.verdict,
             Verdict::Physical,
-            "{at}: {}",
+            "{at}: {:?}",
             estimate.reason
         );
         let (gap_m, gap_rad) = goal_gap(&case, estimate);

@@ -1,14 +1,9 @@
 //! What touches is inferred where a scene does not say it: the same estimate as of a scene that
 //! does, and the same sequence of collisions as by trying them all.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
+use enact_tools::perform;
 use std::path::Path;
 
-use case::{Case, Posed, another_leads, estimated};
 use enact::config::scene_from_toml;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::{Bound, Part};
@@ -16,7 +11,8 @@ use enact::ingest::{Recording, Source};
 use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
 use enact::optimise::lagrangian::AugmentedLagrangian;
 use enact::pipeline::{Outcome, Pipeline, SearchWork};
-use perform::{Acting, Polyhedron, Throw, bounces, thrown};
+use enact_tools::case::{Case, Posed, another_leads, estimated};
+use enact_tools::perform::{Acting, Polyhedron, Throw, bounces, thrown};
 
 const OPEN: Touching = Touching {
     feature: None,

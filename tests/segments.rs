@@ -1,10 +1,7 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
 use enact::segment::{SegmentError, cut, refine};
-use perform::{Acting, Performance, Style, bounces, perform};
+use enact_tools::perform::{Acting, Performance, Style, bounces, perform};
 
 /// The samples' interval [s].
 const INTERVAL_S: f64 = 1.0 / 120.0;

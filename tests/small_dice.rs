@@ -2,17 +2,10 @@
 //! annotators make them. The motion is physical, the best one known, and no sample is compared with
 //! a flight that is over.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/starts.rs"]
-mod starts;
-
-use case::{Case, Posed};
 use enact::motion::{About, Estimate, Verdict};
-use perform::{Acting, Polyhedron, Style, Throw, thrown};
-use starts::{from_truth, is_best, optimum};
+use enact_tools::case::{Case, Posed};
+use enact_tools::perform::{Acting, Polyhedron, Style, Throw, thrown};
+use enact_tools::starts::{from_truth, is_best, optimum};
 
 fn die(bounces: usize, seed: u64, acting: &Acting) -> Option<Case> {
     // Not every throw bounces so often on corners.
@@ -88,7 +81,7 @@ fn many_bounces_of_a_small_die_are_physical_and_the_best_known() {
             assert_eq!(
                 estimate.verdict,
                 Verdict::Physical,
-                "{at}: {}",
+                "{at}: {:?}",
                 estimate.reason
             );
             assert_eq!(outside(estimate), (0, 0.0), "{at}");

@@ -3,19 +3,10 @@
 //! otherwise; and what is said must be what is stated here. The whole study, with a hundred
 //! seeds of each and many starts, is `tools/study`.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-#[path = "../tools/study/starts.rs"]
-mod starts;
-#[path = "../tools/study/stress/mod.rs"]
-mod stress;
-
-use case::Case;
-use perform::Style;
-use starts::SAME;
-use stress::{Finding, Judged, Timing, all, asked, judged};
+use enact_tools::case::Case;
+use enact_tools::perform::Style;
+use enact_tools::starts::SAME;
+use enact_tools::stress::{Finding, Judged, Timing, all, asked, judged};
 
 /// What must hold whatever happens.
 #[track_caller]

@@ -1,16 +1,9 @@
 //! Timing unknown: what it costs when samples are many, and how certain the times are that come out.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/study/dense.rs"]
-mod dense;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::{Case, Posed};
-use dense::Uncertainty;
 use enact::motion::Verdict;
-use perform::{Acting, Style, bounces};
+use enact_tools::case::{Case, Posed};
+use enact_tools::dense::Uncertainty;
+use enact_tools::perform::{Acting, Style, bounces};
 
 /// A pencil, tip first, acted slowly, in about so many samples.
 fn sampled(count: f64) -> Case {
@@ -33,7 +26,7 @@ fn a_faster_tracker_takes_no_more_iterations_and_no_more_memory() {
         let case = sampled(count);
         let outcome = case.estimated(&mut ()).unwrap();
         let estimate = &outcome.estimate;
-        assert_eq!(estimate.verdict, Verdict::Physical, "{}", estimate.reason);
+        assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.reason);
         assert_eq!(estimate.sample_times.len(), outcome.counts.used);
         let times_s = || estimate.sample_times.iter().map(|sample| sample.time_s);
         assert!(times_s().zip(times_s().skip(1)).all(|(a, b)| a < b));

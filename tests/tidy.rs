@@ -49,13 +49,14 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ),
     ("wire", &["motion", "math"]),
     ("ingest", &["wire", "motion"]),
-    ("write", &["wire", "motion", "physics", "math"]),
+    ("report", &["motion"]),
+    ("write", &["report", "wire", "motion", "physics", "math"]),
     ("config", &["motion", "physics", "math"]),
     (
         "service",
-        &["pipeline", "ingest", "write", "config", "motion"],
+        &["pipeline", "ingest", "write", "report", "config", "motion"],
     ),
-    ("cli", &["config", "service"]),
+    ("cli", &["config", "report", "service"]),
     ("main", &["cli", "service"]),
     ("lib", &[]),
 ];

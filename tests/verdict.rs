@@ -1,23 +1,19 @@
 //! What a solver's end is called: order of events, gaps of positions and of velocities, and bent
 //! physics that was not finished.
 
-#[path = "../tools/study/case.rs"]
-mod case;
-#[path = "../tools/perform/mod.rs"]
-mod perform;
-
-use case::{Case, Posed};
 use enact::estimate::Recipe;
 use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::layout::Layout;
 use enact::estimate::outcome;
 use enact::estimate::problem::Problem;
 use enact::estimate::recipe::{self, Solution};
-use enact::motion::{Counters, Estimate, Sketch, Verdict};
+use enact::motion::{Counters, End, Estimate, Sketch, Verdict};
 use enact::optimise::Program;
+use enact::report::reason_text;
 use enact::segment;
+use enact_tools::case::{Case, Posed};
+use enact_tools::perform::{Acting, Style};
 use nalgebra::{UnitQuaternion, Vector3};
-use perform::{Acting, Style};
 
 /// A solved pencil, to be tampered with.
 struct Solved {
@@ -107,7 +103,7 @@ fn gaps_of_positions_are_no_motion_however_small_they_look() {
         });
         assert_eq!(
             said.verdict, expected,
-            "{shift_m} m, {turn_rad} rad: {}",
+            "{shift_m} m, {turn_rad} rad: {:?}",
             said.reason
         );
     }
@@ -150,12 +146,20 @@ fn events_in_the_wrong_order_are_no_motion_even_without_gaps() {
     solution.point.event_times_s.swap(0, 1);
     let said = solved.called(&solution);
     assert_eq!(said.verdict, Verdict::Failed);
+    let text = reason_text(solved.case.scene(), &said.reason);
     assert!(
-        said.reason
-            .starts_with("`landing` would come before `bounce`"),
-        "{}",
-        said.reason
+        text.starts_with("`landing` would come before `bounce`"),
+        "{text}"
     );
+    let End::EventsReversed {
+        first,
+        last,
+        interval_s,
+    } = said.reason.end
+    else {
+        panic!("{:?}", said.reason);
+    };
+    assert!((first, last) == (0, 1) && interval_s < 0.0, "{interval_s}");
 }
 
 #[test]
@@ -163,8 +167,8 @@ fn bent_physics_is_plausible_only_when_it_is_finished() {
     let solved = Solved::new(true);
     let mut solution = solved.solution.clone();
     let said = solved.called(&solution);
-    assert_eq!(said.verdict, Verdict::Plausible, "{}", said.reason);
+    assert_eq!(said.verdict, Verdict::Plausible, "{:?}", said.reason);
     solution.finished.converged = false;
     let said = solved.called(&solution);
-    assert_eq!(said.verdict, Verdict::Failed, "{}", said.reason);
+    assert_eq!(said.verdict, Verdict::Failed, "{:?}", said.reason);
 }

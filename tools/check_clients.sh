@@ -26,7 +26,7 @@ fi
 if [ $# -eq 0 ]; then
     made=$(mktemp -d)
     trap 'rm -rf "$made"' EXIT
-    cargo run -q --release --example sample_output -- "$made"
+    cargo run -q --release -p enact-tools --bin sample_output -- "$made"
     "$python" "$tools/check_clients.py" make-ros2 "$made/pencil_in.mcap" "$made/ros2"
     cargo run -q --release -- replay "$made"/ros2/*.mcap --scene config/pencil_tip.toml \
         -o "$made/ros2_out.mcap"

@@ -24,7 +24,7 @@ if [ ! -x "$home/bin/iox2-service" ]; then
     cargo install -q --locked --root "$home" --target-dir "$root/target/iox2" iceoryx2-cli --version 0.10.0
 fi
 PATH=$home/bin:$PATH
-cargo build -q --release --bin enact --example tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 enact=$root/target/release/enact
 
 # An iceoryx2 of our own: everybody finds its configuration in ./config.
@@ -69,7 +69,7 @@ viewer=$!
 "$python" "$root/tools/live/subscribe.py" 12 config/iceoryx2.toml pencil >heard.txt &
 listener=$!
 sleep 1 # its interpreter starts; what it must hear comes seconds later
-"$root/target/release/examples/tracker" "$root/recordings/pencil_tip.mcap" --take --now
+"$root/target/release/tracker" "$root/recordings/pencil_tip.mcap" --take --now
 wait_for '"is_final": 1' heard.txt
 "$python" - <<'EOF' || fail "what was heard is not what was said"
 import json

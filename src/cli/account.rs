@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::table::table;
-use crate::service::{EventLine, Report};
+use crate::report::{EstimateReport, EventLine, RecordingReport};
 
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,13 +13,14 @@ pub(super) struct Style {
 }
 
 /// The account of one finished recording.
-pub(super) fn account(report: &Report, style: Style) -> String {
-    let mut grave = report.doubts.iter().filter(|doubt| doubt.is_grave());
+pub(super) fn account(report: &RecordingReport, style: Style) -> String {
+    let estimate = &report.estimate;
+    let mut grave = estimate.doubts.iter().filter(|doubt| doubt.is_grave());
     let gravest = grave.next().map(|doubt| format!(": {}", doubt.text));
     let mut text = format!(
         "{}: {}{}\n",
         report.recording,
-        coloured(report.verdict, style),
+        coloured(estimate.verdict, style),
         gravest.unwrap_or_default()
     );
     let mut line = |words: String| {
@@ -30,21 +31,28 @@ pub(super) fn account(report: &Report, style: Style) -> String {
     for doubt in grave {
         line(format!("doubt: {}", doubt.text));
     }
-    line(report.reason.clone());
+    line(estimate.reason.clone());
     line(format!(
         "{}: {} acted, {} physical {}",
-        report.scene,
-        seconds(report.acted_s),
-        seconds(report.physical_s),
-        report
+        estimate.scene,
+        seconds(estimate.acted_s),
+        seconds(estimate.duration.physical_s),
+        estimate
+            .duration
             .physical_sd_s
             .filter(|sd_s| *sd_s > 0.0)
             .map_or_else(String::new, deviation_ms)
     ));
-    if !report.physical_is_determined {
-        let how = report.physical_sd_s.map_or_else(
+    if !estimate.duration.physical_is_determined {
+        let how = estimate.duration.physical_sd_s.map_or_else(
             || "nothing says how long it lasts".into(),
-            |sd_s| format!("{} {}", seconds(report.physical_s), deviation_ms(sd_s)),
+            |sd_s| {
+                format!(
+                    "{} {}",
+                    seconds(estimate.duration.physical_s),
+                    deviation_ms(sd_s)
+                )
+            },
         );
         line(format!("duration not determined: {how}"));
     }
@@ -54,13 +62,13 @@ pub(super) fn account(report: &Report, style: Style) -> String {
     for warning in &report.warnings {
         line(format!("note: {warning}"));
     }
-    for doubt in report.doubts.iter().filter(|doubt| !doubt.is_grave()) {
+    for doubt in estimate.doubts.iter().filter(|doubt| !doubt.is_grave()) {
         line(format!("note: {}", doubt.text));
     }
     for block in [
-        events(report),
-        segments(report),
-        parameters(report),
+        events(estimate),
+        segments(estimate),
+        parameters(estimate),
         summary(report, style),
     ] {
         if !block.is_empty() {
@@ -84,7 +92,7 @@ fn coloured(verdict: &str, style: Style) -> String {
     }
 }
 
-fn events(report: &Report) -> String {
+fn events(report: &EstimateReport) -> String {
     let rows: Vec<Vec<String>> = report
         .events
         .iter()
@@ -94,7 +102,7 @@ fn events(report: &Report) -> String {
                 event.kind.to_owned(),
                 seconds(event.acted_s),
                 seconds(event.time_s),
-                deviation(report, event),
+                deviation(event),
             ]
         })
         .collect();
@@ -107,17 +115,16 @@ fn events(report: &Report) -> String {
 }
 
 /// How certain an event's time is.
-fn deviation(report: &Report, event: &EventLine) -> String {
-    let name = format!("time of {}", event.name);
+fn deviation(event: &EventLine) -> String {
     match event.time_sd_s {
         Some(sd_s) => deviation_ms(sd_s),
-        None if report.undetermined.contains(&name) => "undetermined".into(),
+        None if !event.time_is_determined => "undetermined".into(),
         None => "fixed".into(),
     }
 }
 
 /// What touches where the scene leaves that open.
-fn inferred(report: &Report) -> String {
+fn inferred(report: &EstimateReport) -> String {
     let words: Vec<String> = report
         .events
         .iter()
@@ -131,7 +138,7 @@ fn inferred(report: &Report) -> String {
 }
 
 /// The largest gap of each kind, with the event where it is.
-fn largest_gaps(report: &Report) -> String {
+fn largest_gaps(report: &EstimateReport) -> String {
     type Kind = (fn(&EventLine) -> f64, fn(f64) -> String);
     let kinds: [Kind; 4] = [
         (|e| e.gap_m, length),
@@ -154,7 +161,7 @@ fn largest_gaps(report: &Report) -> String {
     format!("  largest gaps  {}\n", words.join(", "))
 }
 
-fn segments(report: &Report) -> String {
+fn segments(report: &EstimateReport) -> String {
     let rows: Vec<Vec<String>> = report
         .segments
         .iter()
@@ -179,7 +186,7 @@ fn segments(report: &Report) -> String {
     )
 }
 
-fn parameters(report: &Report) -> String {
+fn parameters(report: &EstimateReport) -> String {
     let rows: Vec<Vec<String>> = report
         .parameters
         .0
@@ -218,8 +225,9 @@ fn parameters(report: &Report) -> String {
     text
 }
 
-fn summary(report: &Report, style: Style) -> String {
-    let samples = &report.samples;
+fn summary(report: &RecordingReport, style: Style) -> String {
+    let estimate = &report.estimate;
+    let samples = &estimate.samples;
     let dropped: usize = samples.dropped.0.iter().map(|(_, count)| count).sum();
     let reasons: Vec<String> = samples
         .dropped
@@ -249,19 +257,15 @@ fn summary(report: &Report, style: Style) -> String {
     let _ = write!(
         text,
         "\n  residual  {:.2} mm, {:.2}° over all, objective {:.6}\n  solved    in {}, {} iterations",
-        report.residual_mm,
-        report.residual_deg,
-        report.objective,
+        estimate.residual_mm,
+        estimate.residual_deg,
+        estimate.objective,
         duration(report.solve_seconds),
-        report.iterations
+        estimate.counters.iterations
     );
-    if report.assignment_rounds > 0 {
-        let plural = if report.assignment_rounds == 1 {
-            ""
-        } else {
-            "s"
-        };
-        let rounds = report.assignment_rounds;
+    let rounds = estimate.counters.assignment_rounds;
+    if rounds > 0 {
+        let plural = if rounds == 1 { "" } else { "s" };
         let _ = write!(text, ", {rounds} round{plural} of assignment");
     }
     if style.verbose {
@@ -275,13 +279,13 @@ fn summary(report: &Report, style: Style) -> String {
         }
     }
     text.push('\n');
-    text.push_str(&checks(report));
+    text.push_str(&checks(estimate));
     let _ = writeln!(text, "  written   {}", report.output);
     text
 }
 
 /// What independent checks found, and how the motion goes on.
-fn checks(report: &Report) -> String {
+fn checks(report: &EstimateReport) -> String {
     let mut text = String::new();
     if let Some(checked) = &report.verification {
         let overlap = match &checked.deepest {

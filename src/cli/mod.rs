@@ -12,8 +12,10 @@
 
 mod account;
 mod arguments;
+#[cfg(feature = "live")]
 mod capture;
 mod completion;
+#[cfg(feature = "live")]
 mod doctor;
 mod exit;
 mod inspect;
@@ -24,6 +26,7 @@ mod recover;
 mod replay;
 mod run;
 mod table;
+#[cfg(feature = "live")]
 mod take;
 
 pub use run::run;

@@ -7,7 +7,9 @@ use tracing_subscriber::EnvFilter;
 
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
-use super::{capture, completion, doctor, inspect, mark, output, process, recover, replay, take};
+#[cfg(feature = "live")]
+use super::{capture, doctor, take};
+use super::{completion, inspect, mark, output, process, recover, replay};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -16,10 +18,15 @@ pub fn run() -> ExitCode {
     log_to_stderr(arguments.verbose);
     let verbose = arguments.verbose > 0;
     let result = match arguments.command {
+        #[cfg(feature = "live")]
         Command::Capture(arguments) => capture::run(arguments, verbose),
+        #[cfg(feature = "live")]
         Command::Take(arguments) => take::run(arguments),
         Command::Recover(arguments) => recover::run(arguments),
+        #[cfg(feature = "live")]
         Command::Doctor(arguments) => doctor::run(arguments),
+        #[cfg(not(feature = "live"))]
+        Command::Capture(_) | Command::Take(_) | Command::Doctor(_) => Err(service::NotLive.into()),
         Command::Replay(arguments) => replay::run(arguments, verbose),
         Command::Process(arguments) => process::run(arguments, verbose),
         Command::Inspect(arguments) => inspect::run(arguments),

@@ -4,7 +4,7 @@ use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
 use super::recipe::Solution;
 use super::timing;
-use crate::motion::{Estimate, Scene};
+use crate::motion::{Estimate, Scene, Undetermined};
 
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
 /// or undetermined ones, and lists what is undetermined. `errors` are the residuals of the
@@ -30,14 +30,14 @@ pub fn fill(
     for (event, (moment, sd_s)) in estimate.events.iter_mut().zip(&mut each) {
         event.sd_s = sd_s;
         if !moment.is_empty() && sd_s.is_none() {
-            let name = &scene.events[event.event].name;
-            undetermined_times.push(format!("time of {name}"));
+            undetermined_times.push(Undetermined::EventTime(event.event));
         }
     }
-    for (parameter, (_, sd)) in estimate.parameters.iter_mut().zip(&mut each) {
+    let parameters = estimate.parameters.iter_mut().enumerate();
+    for ((index, parameter), (_, sd)) in parameters.zip(&mut each) {
         parameter.sd = sd;
         if sd.is_none() {
-            estimate.undetermined.push(parameter.name.clone());
+            estimate.undetermined.push(Undetermined::Parameter(index));
         }
     }
     estimate.undetermined.extend(undetermined_times);
@@ -49,6 +49,6 @@ pub fn fill(
     });
     estimate.duration.sd_s = own_s.map(|own_s| own_s.hypot(contradiction_s));
     if !estimate.duration.is_determined() {
-        estimate.undetermined.push("duration".into());
+        estimate.undetermined.push(Undetermined::Duration);
     }
 }

@@ -7,8 +7,9 @@ use super::recipe::Solution;
 use super::timing;
 use crate::math::so3;
 use crate::motion::{
-    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    SampleTime, Scene, Segment, SegmentResidual, Sketch, Verdict,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, Measured,
+    ParameterEstimate, Progress, Reason, SampleTime, Scene, Segment, SegmentResidual, Sketch,
+    Verdict,
 };
 use crate::optimise::System;
 use crate::physics::flow;
@@ -35,11 +36,11 @@ pub fn estimate(
     let point = &solution.point;
     let events = events(scene, sketch, problem, solution);
     let arcs = arcs(problem, context, point, &events);
-    let (verdict, reason) = judge((scene, problem), solution, (&events, &arcs));
+    let (verdict, end) = judge(problem, solution, (&events, &arcs));
     let parameters = problem.parameters.iter().zip(&point.parameters);
     Estimate {
         verdict,
-        reason,
+        reason: Reason::from(end),
         doubts: Vec::new(),
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity(&point.parameters),
@@ -93,27 +94,33 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .fold(Gap::default(), |a, b| a.max(&b))
 }
 
-/// The verdict, and the reason why the solver stopped. A motion whose events or flights are not in
-/// order of time (paper eq. 7) fails.
+/// The verdict, and how the estimation ended. A motion whose events or flights are not in order of
+/// time (paper eq. 7) fails.
 fn judge(
-    (scene, problem): (&Scene, &Problem),
+    problem: &Problem,
     solution: &Solution,
     (events, arcs): (&[EventEstimate], &[ArcEstimate]),
-) -> (Verdict, String) {
+) -> (Verdict, End) {
     let is_bent = problem.velocity_gap_weight.is_some();
     let finished = &solution.finished;
-    let reason = format!(
-        "largest violation {:.1e} units, next decrease {:.1e} of the objective",
-        finished.violation, finished.decrease
-    );
-    let reason = match (finished.converged, solution.stopped) {
-        (true, _) => format!("converged: {reason}"),
-        (false, true) => format!("stopped by the caller: {reason}"),
-        (false, false) => format!("no further progress: {reason}"),
+    let progress = Progress {
+        violation: Measured {
+            value: finished.violation,
+            bound: finished.tolerances.violation,
+        },
+        decrease: Measured {
+            value: finished.decrease,
+            bound: finished.tolerances.decrease,
+        },
+    };
+    let end = match (finished.converged, solution.stopped) {
+        (true, _) => End::Converged(progress),
+        (false, true) => End::Stopped(progress),
+        (false, false) => End::NoProgress(progress),
     };
     let finite = solution.point.arcs.iter().all(|state| state.is_finite());
     if !finite || !solution.system.cost.is_finite() {
-        return (Verdict::Failed, "the motion is not finite".into());
+        return (Verdict::Failed, End::NotFinite);
     }
     // Events of bodies that never meet need no order.
     let time_s = |event: Option<usize>| {
@@ -124,21 +131,22 @@ fn judge(
         if let (Some(start), Some(end)) = (time_s(arc.start), time_s(arc.end))
             && end.1 < start.1
         {
-            let reason = format!(
-                "`{}` would come before `{}`: relax the physics or change the order of collisions",
-                scene.events[end.0].name, scene.events[start.0].name
-            );
-            return (Verdict::Failed, reason);
+            let reversed = End::EventsReversed {
+                first: start.0,
+                last: end.0,
+                interval_s: end.1 - start.1,
+            };
+            return (Verdict::Failed, reversed);
         }
     }
     // A flight without an event at an end extends to its samples.
     if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
-        let reason = format!(
-            "a flight of `{}` would end at {:.3} s, before it begins at {:.3} s: relax the physics \
-             or change the order of collisions",
-            scene.bodies[arc.body].name, arc.end_s, arc.start_s
-        );
-        return (Verdict::Failed, reason);
+        let reversed = End::FlightReversed {
+            body: arc.body,
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+        };
+        return (Verdict::Failed, reversed);
     }
     let joins = |event: &EventEstimate| {
         event.gap.position_m <= PHYSICAL.position_m
@@ -149,22 +157,21 @@ fn judge(
             && event.gap.angular_velocity_rad_s <= PHYSICAL.angular_velocity_rad_s
     };
     if !events.iter().all(joins) {
-        return (Verdict::Failed, reason);
+        return (Verdict::Failed, end);
     }
     if events.iter().all(obeys) {
-        return (Verdict::Physical, reason);
+        return (Verdict::Physical, end);
     }
     // Without priced gaps, remaining ones mean that the solve did not converge.
     if !finished.converged || !is_bent {
-        return (Verdict::Failed, reason);
+        return (Verdict::Failed, end);
     }
-    let bent: Vec<&str> = events
-        .iter()
-        .filter(|event| !obeys(event))
-        .map(|event| scene.events[event.event].name.as_str())
-        .collect();
-    let reason = format!("velocities jump at {}; {reason}", bent.join(", "));
-    (Verdict::Plausible, reason)
+    let bent = events.iter().filter(|event| !obeys(event));
+    let jumps = End::VelocityJumps {
+        events: bent.map(|event| event.event).collect(),
+        progress,
+    };
+    (Verdict::Plausible, jumps)
 }
 
 fn arcs(

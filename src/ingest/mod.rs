@@ -8,6 +8,7 @@
 
 pub mod clock;
 mod error;
+#[cfg(feature = "live")]
 pub mod live;
 mod recording;
 mod report;

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::doubt::Doubt;
+use super::reason::Reason;
 use super::take::Stamp;
 use super::verdict::Verdict;
 use crate::physics::State;
@@ -125,6 +126,17 @@ pub struct SampleTime {
     pub time_s: f64,
 }
 
+/// A quantity that the performance does not determine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Undetermined {
+    /// A free parameter (index into `Estimate::parameters`).
+    Parameter(usize),
+    /// The time of an event (index into `Scene::events`).
+    EventTime(usize),
+    /// The duration of the motion.
+    Duration,
+}
+
 /// Counts of work by kind; tests hold golden values of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
@@ -170,8 +182,8 @@ impl Estimate {
 pub struct Estimate {
     /// How physical the motion is.
     pub verdict: Verdict,
-    /// Why the solver stopped, with the measured value and the threshold.
-    pub reason: String,
+    /// Why the estimation ended, with the measured values and their bounds.
+    pub reason: Reason,
     /// Doubts from the checks, the gravest first; none where no check was made.
     pub doubts: Vec<Doubt>,
     /// Objective (paper eq. 1, 6): sum of squared weighted residuals, priors included.
@@ -190,8 +202,8 @@ pub struct Estimate {
     pub residuals: Vec<SegmentResidual>,
     /// Physical time of every used sample, body by body.
     pub sample_times: Vec<SampleTime>,
-    /// Names of the quantities that the performance does not determine.
-    pub undetermined: Vec<String>,
+    /// Quantities that the performance does not determine: parameters, then times, then the duration.
+    pub undetermined: Vec<Undetermined>,
     /// Work done.
     pub counters: Counters,
 }

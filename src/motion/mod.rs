@@ -1,14 +1,17 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
-//! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
-//! ([`verification`]), doubts about it ([`doubt`]), its continuation ([`settled`]), and the
-//! observer of a run ([`observe`]).
+//! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]) and the reason why
+//! the estimation ended ([`reason`]), the checks of it ([`verification`]), doubts about it
+//! ([`doubt`]), its continuation ([`settled`]), and the observer of a run ([`observe`]).
 
 pub mod doubt;
 pub mod estimate;
+#[cfg(test)]
+pub(crate) mod fixture;
 pub mod guess;
 pub mod observe;
 pub mod open;
 pub mod partial;
+pub mod reason;
 pub mod scene;
 pub mod settled;
 pub mod sketch;
@@ -21,11 +24,12 @@ pub mod verification;
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    SampleTime, SegmentResidual,
+    SampleTime, SegmentResidual, Undetermined,
 };
 pub use guess::{ArcGuess, Guess};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
+pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
     Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeParameter, Goal,
     GoalTarget, Obstacle, Partner, Quantity, Scene, SceneBody, Surface, Timing, Touching,

@@ -54,6 +54,8 @@ impl Default for Tolerances {
 pub struct Finished {
     /// Whether violation and decrease are within tolerances.
     pub converged: bool,
+    /// Those tolerances.
+    pub tolerances: Tolerances,
     /// Largest violation left, in units.
     pub violation: f64,
     /// Predicted decrease of a further step, relative to the objective, extrapolated from the last
@@ -95,6 +97,7 @@ impl<P: Program> Finish<'_, P> {
         let mut trial = (self.point.clone(), self.system.clone());
         let mut finished = Finished {
             converged: false,
+            tolerances: *tolerances,
             violation: self.system.violation(),
             decrease: f64::INFINITY,
         };

@@ -238,10 +238,11 @@ pub fn solve<P: Program>(
 
 impl<P: Program> Descent<'_, P> {
     /// The descent's point as a solution without a finish.
-    fn given_up(self, multipliers: Vec<f64>) -> Solution<P::Point> {
+    fn given_up(self, multipliers: Vec<f64>, tolerances: Tolerances) -> Solution<P::Point> {
         Solution {
             finished: Finished {
                 converged: false,
+                tolerances,
                 violation: self.system.violation(),
                 decrease: f64::INFINITY,
             },
@@ -266,7 +267,7 @@ fn conclude<P: Program>(
     // Constraints that the greatest weight leaves violated by a whole unit contradict each other:
     // steps that satisfy their linearisation would lead far away.
     if descent.system.violation() > HOPELESS && lagrangian.weight >= schedule.weight_max() {
-        return descent.given_up(multipliers);
+        return descent.given_up(multipliers, schedule.tolerances);
     }
     watch.begins(Stage::Finish);
     let mut finish = Finish {

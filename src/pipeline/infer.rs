@@ -101,11 +101,7 @@ pub(super) fn infer(
         understood.set_contacts(*event, &candidates[*chosen]);
     }
     if !work.is_proven {
-        let reason = &mut solved.estimate.reason;
-        *reason = format!(
-            "the search ended after {} bounds: other contacts may fit better; {reason}",
-            work.bounds
-        );
+        solved.estimate.reason.unproven_after_bounds = Some(work.bounds);
     }
     Ok(Inferred {
         scene: understood,

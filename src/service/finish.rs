@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::report::{Circumstances, Report};
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
+use crate::report::{Circumstances, RecordingReport, Reported};
 use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
@@ -91,7 +91,7 @@ pub(super) fn finish(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-) -> anyhow::Result<Report> {
+) -> anyhow::Result<RecordingReport> {
     finished(opened, pipeline, take, output).map(|(report, _)| report)
 }
 
@@ -101,7 +101,7 @@ pub(super) fn finished(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-) -> anyhow::Result<(Report, Outcome)> {
+) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     let mut stopwatch = Stopwatch::start();
     let outcome = pipeline
@@ -122,13 +122,8 @@ pub(super) fn finished(
         &EstimateFile {
             input: recording.container(),
             input_path: Some(recording.path()),
-            scene: &outcome.scene,
+            of: reported(&outcome),
             scene_toml: &opened.scene_toml,
-            sketch: &outcome.sketch,
-            counts: &outcome.counts,
-            estimate: &outcome.estimate,
-            verification: outcome.verification.as_ref(),
-            settled: outcome.settled.as_ref(),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
@@ -148,8 +143,21 @@ pub(super) fn finished(
         lost: lost(take),
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
-    let report = Report::new(&outcome, circumstances);
+    let report = RecordingReport::new(&reported(&outcome), circumstances);
     Ok((report, outcome))
+}
+
+/// What reports of an outcome are about.
+pub(super) fn reported(outcome: &Outcome) -> Reported<'_> {
+    Reported {
+        scene: &outcome.scene,
+        inferred: &outcome.inferred,
+        sketch: &outcome.sketch,
+        counts: &outcome.counts,
+        estimate: &outcome.estimate,
+        verification: outcome.verification.as_ref(),
+        settled: outcome.settled.as_ref(),
+    }
 }
 
 /// The frame in which poses are given, if they agree on one with a name.

@@ -4,36 +4,41 @@
 //! marks, [`direct()`] sends commands to a running [`capture`], [`recover_all`] recovers journals
 //! after a crash, [`doctor()`] checks what a capture needs.
 //!
-//! This room has the clock, the files and the threads. Results come back as a [`Report`], in words
-//! and SI units, to be printed by the caller.
+//! This room has the clock, the files and the threads. Results come back as a
+//! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.
 
+#[cfg(feature = "live")]
 pub mod capture;
-mod checks;
+#[cfg(feature = "live")]
 mod direct;
+#[cfg(feature = "live")]
 mod doctor;
-mod doubts;
 mod finish;
 mod inspect;
 mod mark;
 mod process;
+#[cfg(feature = "live")]
+mod publish;
+#[cfg(not(feature = "live"))]
+#[path = "not_live.rs"]
 mod publish;
 mod recover;
 mod replay;
-mod report;
 mod stopwatch;
 mod words;
 
-pub use crate::write::lines::{Ordered, SampleLine, SettledLine};
-pub use checks::{CheckLine, OverlapLine, ShotLine, WrongLine};
+#[cfg(feature = "live")]
 pub use direct::{Answer, DirectJob, Direction, direct};
+#[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
-pub use doubts::DoubtLine;
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
+#[cfg(not(feature = "live"))]
+pub use publish::NotLive;
 pub use recover::{RecoveredLine, recover_all};
 pub use replay::{PublishJob, ReplayJob, replay};
-pub use report::{EventLine, ParameterLine, Report, SegmentLine};
 pub use words::words;
 
+#[cfg(feature = "live")]
 pub use crate::ingest::live::TakeState;

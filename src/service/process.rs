@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use super::finish::{check_distinct, finish, open, output_path};
-use super::report::Report;
 use crate::pipeline::Pipeline;
+use crate::report::RecordingReport;
 
 /// The input of [`process`].
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ pub struct Failure {
 /// cannot be placed, or where `each` does.
 pub fn process(
     job: &ProcessJob,
-    mut each: impl FnMut(Result<Report, Failure>) -> anyhow::Result<()>,
+    mut each: impl FnMut(Result<RecordingReport, Failure>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let outputs = outputs(job)?;
     std::fs::create_dir_all(&job.output)
@@ -103,7 +103,7 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     Ok(outputs)
 }
 
-fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<Report, Failure> {
+fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<RecordingReport, Failure> {
     let estimate = || {
         let opened = open(input, scene)?;
         let take = opened.recording.take(&opened.scene)?;

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use super::finish::{check_distinct, finished, open, output_path};
 use super::publish::Publication;
-use super::report::Report;
 use crate::ingest::Source;
 use crate::motion::Stamp;
 use crate::pipeline::Pipeline;
+use crate::report::RecordingReport;
 
 /// The input of [`replay`].
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub struct PublishJob {
 }
 
 /// Replays a recording and writes its estimate.
-pub fn replay(job: &ReplayJob) -> anyhow::Result<Report> {
+pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
     let output = match &job.output {
         Some(output) => output.clone(),
         None => output_path(&job.input, None)?,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{ArcEstimate, Counters, DurationEstimate, Verdict};
+use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, Progress, Verdict};
 
 const TABLE_AND_WALL: &str = r#"
 name = "drop"
@@ -35,7 +35,7 @@ fn brick(z: f64) -> State {
 fn estimate(scene: &Scene, state: State) -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
-        reason: String::new(),
+        reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,

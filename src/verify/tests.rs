@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use super::{TOLERANCE_M, verify};
 use crate::config::scene_from_toml;
 use crate::motion::{
-    Against, ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, Penetration,
-    Scene, Verdict,
+    Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
+    Penetration, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{State, flow};
@@ -76,7 +76,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
     };
     Estimate {
         verdict: Verdict::Physical,
-        reason: String::new(),
+        reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,

@@ -8,6 +8,7 @@
 pub mod container;
 pub mod decode;
 pub mod encode;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod ros2;
 

@@ -18,7 +18,9 @@ use crate::physics::shape::hull_triangles;
 use crate::wire::encode;
 
 const BODY: Color = color(0.95, 0.65, 0.20, 1.0);
+#[cfg(feature = "live")]
 const GHOST: Color = color(0.95, 0.65, 0.20, 0.35);
+#[cfg(feature = "live")]
 const LIVE: Color = color(0.30, 0.60, 0.95, 0.35);
 const OBSTACLE: Color = color(0.45, 0.55, 0.65, 0.5);
 const SURFACE: Color = color(0.75, 0.75, 0.75, 0.5);
@@ -45,6 +47,7 @@ pub(super) fn scene_update(
 
 /// The same with every body once more as a ghost in the frame of its performance, and once in
 /// that of its tracker.
+#[cfg(feature = "live")]
 pub(super) fn live_scene_update(
     scene: &Scene,
     world_frame: &str,
@@ -271,7 +274,7 @@ mod tests {
     use foxglove::Decode;
 
     use super::*;
-    use crate::write::estimate::samples::scene;
+    use crate::motion::fixture::scene;
 
     #[test]
     fn bodies_move_with_their_frames_and_the_world_stands_still() {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+#[cfg(feature = "live")]
 use crate::wire::live::LiveError;
 use crate::wire::{ContainerError, EncodeError};
 
@@ -90,6 +91,7 @@ pub enum WriteError {
         source: ContainerError,
     },
     /// Something live cannot be had or sent.
+    #[cfg(feature = "live")]
     #[error(transparent)]
     Live(#[from] LiveError),
     /// No frames can be made at this rate.

@@ -8,11 +8,9 @@ use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::motion;
-use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::{drawing, topics, urdf};
-use crate::motion::{
-    Estimate, PoseSample, SampleCounts, Scene, Settled, Sketch, Stamp, Surface, Verification,
-};
+use crate::motion::{PoseSample, Scene, Stamp, Surface};
+use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::wire::ros2;
 use crate::wire::{Container, Transform};
 
@@ -38,40 +36,16 @@ pub struct EstimateFile<'a> {
     pub input: &'a Container,
     /// Where it came from, if from a file: the output must be another.
     pub input_path: Option<&'a Path>,
-    /// What it was estimated for.
-    pub scene: &'a Scene,
-    /// The same as text.
+    /// The estimate and what belongs to it.
+    pub of: Reported<'a>,
+    /// Its scene as text.
     pub scene_toml: &'a [u8],
-    /// The performance.
-    pub sketch: &'a Sketch,
-    /// What became of its samples.
-    pub counts: &'a SampleCounts,
-    /// The motion.
-    pub estimate: &'a Estimate,
-    /// What independent checks say of it, if there were any.
-    pub verification: Option<&'a Verification>,
-    /// How it goes on, if it does.
-    pub settled: Option<&'a Settled>,
     /// The frame in which the recording gives its poses.
     pub world_frame: &'a str,
     /// Log time less stamp \[ns\]: messages are logged so much later than they are stamped.
     pub log_offset_ns: i64,
     /// Frames per second of the motion; what was simulated after it has an interval of its own.
     pub frame_rate_hz: f64,
-}
-
-impl<'a> EstimateFile<'a> {
-    /// What its report is about.
-    fn reported(&self) -> Reported<'a> {
-        Reported {
-            scene: self.scene,
-            sketch: self.sketch,
-            counts: self.counts,
-            estimate: self.estimate,
-            verification: self.verification,
-            settled: self.settled,
-        }
-    }
 }
 
 /// What was written.
@@ -130,22 +104,24 @@ impl<'a> Composer<'a> {
             path,
             file,
             dialect: Dialect::of(file.input),
-            zero: motion::zero(file.estimate, file.sketch),
+            zero: motion::zero(file.of.estimate, file.of.sketch),
             additions: Additions::default(),
         }
     }
 
     fn compose(mut self) -> Result<Additions, WriteError> {
-        let EstimateFile { scene, .. } = *self.file;
+        let Reported {
+            scene,
+            estimate,
+            sketch,
+            ..
+        } = self.file.of;
         let mut estimates = Vec::new();
         let mut sketches = Vec::new();
         for (index, body) in scene.bodies.iter().enumerate() {
             let samples = self.estimate_samples(index)?;
             self.add_poses(&topics::estimate_pose(&body.name), &samples)?;
             estimates.push(samples);
-            let EstimateFile {
-                estimate, sketch, ..
-            } = *self.file;
             let samples = motion::sketch_samples(estimate, sketch, index, self.zero);
             self.add_poses(&topics::sketch_pose(&body.name), &samples)?;
             sketches.push(samples);
@@ -161,13 +137,13 @@ impl<'a> Composer<'a> {
     fn estimate_samples(&self, body: usize) -> Result<Vec<PoseSample>, WriteError> {
         let mut samples = motion::estimate_samples(
             self.path,
-            self.file.scene,
-            self.file.estimate,
+            self.file.of.scene,
+            self.file.of.estimate,
             body,
             self.zero,
             self.file.frame_rate_hz,
         )?;
-        if let Some(settled) = self.file.settled {
+        if let Some(settled) = self.file.of.settled {
             motion::append_settled(&mut samples, settled, body, self.zero);
         }
         Ok(samples)
@@ -192,7 +168,7 @@ impl<'a> Composer<'a> {
         sketches: &[Vec<PoseSample>],
     ) -> Result<(), WriteError> {
         let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
-        let bodies = &self.file.scene.bodies;
+        let bodies = &self.file.of.scene.bodies;
         let frames: Vec<String> = bodies
             .iter()
             .map(|body| topics::estimate_frame(&body.name))
@@ -219,9 +195,7 @@ impl<'a> Composer<'a> {
     }
 
     fn add_drawings(&mut self, estimates: &[Vec<PoseSample>]) -> Result<(), WriteError> {
-        let EstimateFile {
-            scene, world_frame, ..
-        } = *self.file;
+        let (scene, world_frame) = (self.file.of.scene, self.file.world_frame);
         let side_m = surface_side_m(scene, estimates);
         if let Some(format) = self.dialect.drawings() {
             let channel = self.channel(topics::SCENE, format);
@@ -236,11 +210,11 @@ impl<'a> Composer<'a> {
 
     fn add_events(&mut self) -> Result<(), WriteError> {
         let channel = self.channel(topics::EVENTS, self.dialect.events());
-        let events = self.file.estimate.events.iter().map(|estimate| {
-            let event = &self.file.scene.events[estimate.event];
+        let events = self.file.of.estimate.events.iter().map(|estimate| {
+            let event = &self.file.of.scene.events[estimate.event];
             (estimate.time_s, event.name.as_str(), event.kind.as_str())
         });
-        let settled = self.file.settled.iter();
+        let settled = self.file.of.settled.iter();
         let simulated = settled.map(|s| (s.from_s, "simulated from here", "simulation"));
         for (time_s, name, kind) in events.chain(simulated) {
             let stamp = motion::stamp(self.zero, time_s);
@@ -257,14 +231,14 @@ impl<'a> Composer<'a> {
     }
 
     fn add_reports(&mut self) {
-        let EstimateFile {
+        let Reported {
             scene,
             sketch,
             estimate,
             ..
-        } = *self.file;
+        } = self.file.of;
         let time_map = TimeMap::new(scene, sketch, estimate, self.zero);
-        let report = EstimateReport::new(&self.file.reported(), self.zero);
+        let report = EstimateMessage::new(&self.file.of, self.zero);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,
@@ -343,7 +317,5 @@ pub(super) fn surface_side_m(scene: &Scene, estimates: &[Vec<PoseSample>]) -> f6
     side_m
 }
 
-#[cfg(test)]
-pub(super) mod samples;
 #[cfg(test)]
 mod tests;

@@ -35,9 +35,7 @@ use crate::motion::{Mark, PoseSample, Stamp};
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::live::payload::{MarkRecord, PoseRecord};
 use crate::wire::{EncodeError, Encoded};
-
-/// What is appended to the name of a journal that is not closed.
-pub const PART_SUFFIX: &str = ".part";
+use crate::write::recover::PART_SUFFIX;
 
 /// What is put before a topic for what came on it bit for bit.
 pub const RAW_PREFIX: &str = "/capture";

@@ -7,6 +7,7 @@ use super::error::WriteError;
 use super::estimate::DEFAULT_FRAME_RATE_HZ;
 use super::motion;
 use crate::motion::{Estimate, Scene, Sketch, Verdict};
+use crate::report::residual_rms;
 use crate::wire::live::{
     CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, EstimateRecord, EstimatedPoseRecord,
     LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord,
@@ -171,6 +172,7 @@ impl EstimatePublisher {
             let fits = samples.len() <= Quality::FRAMES.buffer;
             bodies.push(if fits { samples } else { Vec::new() });
         }
+        let (residual_m, residual_rad) = residual_rms(estimate);
         let record = EstimateRecord {
             sequence: self.sequence,
             available_ns: occasion.now_ns,
@@ -180,8 +182,8 @@ impl EstimatePublisher {
             frames: bodies.iter().map(|samples| samples.len() as u64).sum(),
             objective: estimate.objective,
             physical_s: duration_s(estimate),
-            residual_m: residual(estimate, |r| r.position_rms_m),
-            residual_rad: residual(estimate, |r| r.orientation_rms_rad),
+            residual_m,
+            residual_rad,
             iterations: estimate.counters.iterations as u64,
             verdict: match estimate.verdict {
                 Verdict::Failed => 0,
@@ -213,15 +215,4 @@ fn duration_s(estimate: &Estimate) -> f64 {
     let starts = estimate.arcs.iter().map(|arc| arc.start_s);
     let ends = estimate.arcs.iter().map(|arc| arc.end_s);
     (ends.fold(f64::NEG_INFINITY, f64::max) - starts.fold(f64::INFINITY, f64::min)).max(0.0)
-}
-
-/// Root mean square over all samples of what segments have.
-fn residual(estimate: &Estimate, of: impl Fn(&crate::motion::SegmentResidual) -> f64) -> f64 {
-    let residuals = &estimate.residuals;
-    let samples: usize = residuals.iter().map(|r| r.samples).sum();
-    let sum: f64 = residuals
-        .iter()
-        .map(|r| r.samples as f64 * of(r).powi(2))
-        .sum();
-    (sum / samples.max(1) as f64).sqrt()
 }

@@ -9,13 +9,13 @@
 //! nothing else: no clock, no thread count, no library version.
 
 pub mod atomic;
-mod checks;
 mod dialect;
 mod drawing;
 pub mod error;
 pub mod estimate;
+#[cfg(feature = "live")]
 pub mod journal;
-pub mod lines;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod marks;
 mod merge;
@@ -23,7 +23,7 @@ mod motion;
 mod options;
 pub mod recording;
 pub mod recover;
-pub mod report;
+#[cfg(feature = "live")]
 pub mod show;
 pub mod topics;
 mod urdf;
@@ -32,7 +32,9 @@ pub use error::WriteError;
 pub use estimate::{
     DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, Written, write_estimate,
 };
+#[cfg(feature = "live")]
 pub use journal::Journal;
+#[cfg(feature = "live")]
 pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
 pub use recording::RecordingWriter;

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::atomic::sync_directory_of;
 use super::error::WriteError;
-use super::journal::PART_SUFFIX;
 use super::merge::{self, Additions};
 use crate::wire::Container;
 use crate::wire::container::Damage;
+
+/// What is appended to the name of a journal that is not closed.
+pub const PART_SUFFIX: &str = ".part";
 
 /// What is appended to the name of a journal that was recovered; a number after it if that is
 /// taken.

@@ -11,10 +11,10 @@ use super::drawing;
 use super::error::WriteError;
 use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, surface_side_m};
 use super::motion;
-use super::report::{EstimateReport, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use super::topics;
 use crate::math::Pose;
 use crate::motion::{Mark, PoseSample, Scene, SceneBody, Stamp};
+use crate::report::{EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMap, json};
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
@@ -119,7 +119,7 @@ impl Showing {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
             sketches: sketches.collect(),
-            report: json(&EstimateReport::new(of, zero)),
+            report: json(&EstimateMessage::new(of, zero)),
             time_map: json(&TimeMap::new(scene, sketch, estimate, zero)),
             estimates,
         })
@@ -193,14 +193,14 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::SampleCounts;
-    use crate::write::estimate::samples;
+    use crate::motion::{SampleCounts, fixture};
 
     #[test]
     fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {
-        let (scene, sketch, estimate) = (samples::scene(), samples::sketch(), samples::estimate());
+        let (scene, sketch, estimate) = (fixture::scene(), fixture::sketch(), fixture::estimate());
         let showing = Showing::new(&Reported {
             scene: &scene,
+            inferred: &[],
             sketch: &sketch,
             counts: &SampleCounts::default(),
             estimate: &estimate,
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn a_tracker_that_sits_off_the_centre_is_moved_there_and_nonsense_is_not_shown() {
-        let mut scene = samples::scene();
+        let mut scene = fixture::scene();
         let body = &mut scene.bodies[0];
         body.body_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample {

@@ -160,7 +160,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::write::estimate::samples::scene;
+    use crate::motion::fixture::scene;
 
     #[test]
     fn links_are_the_frames_of_the_estimate() {

@@ -10,7 +10,7 @@ use clap::Parser;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::tracker;
+use enact_tools::tracker;
 
 /// Not a test: the tracker, when a test starts its binary again as another process.
 #[test]

@@ -4,8 +4,8 @@ use enact::ingest::Recording;
 use enact::motion::TakeEvent;
 
 use super::harness::{Daemon, House, bytes, enact};
-use super::tracker::perform::{Acting, Style, perform};
 use super::{events, scene_of};
+use enact_tools::perform::{Acting, Style, perform};
 
 const PENCIL: &str = "recordings/pencil_tip.mcap";
 const RATE_HZ: f64 = 120.0;

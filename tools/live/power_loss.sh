@@ -11,7 +11,7 @@ set -eu
 times=${1:-20}
 cd "$(dirname "$0")/../.."
 root=$PWD
-cargo build -q --release --bin enact --example tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 enact=$root/target/release/enact
 made=$(mktemp -d)
 daemon=
@@ -34,7 +34,7 @@ for _ in $(seq "$times"); do
         --format ndjson >said.txt &
     daemon=$!
     until grep -q '"started"' said.txt; do sleep 0.05; done
-    "$root/target/release/examples/tracker" --load 1 --names pencil --rate-hz 1000 --seconds 6 --wait 1 \
+    "$root/target/release/tracker" --load 1 --names pencil --rate-hz 1000 --seconds 6 --wait 1 \
         --iceoryx2 iceoryx2.toml >/dev/null 2>&1 &
     tracker=$!
     sleep "$(awk 'BEGIN { srand(); print 2.5 + 3 * rand() }')"

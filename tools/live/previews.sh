@@ -5,7 +5,7 @@
 set -eu
 takes=${1:-20}
 cd "$(dirname "$0")/../.."
-cargo build -q --release --bin enact --example tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 release=$PWD/target/release
 made=$(mktemp -d)
 daemon=
@@ -21,7 +21,7 @@ for stamps in physical tempo; do
     daemon=$!
     until grep -q '"ready"' "$made/said.txt"; do sleep 0.1; done
     for seed in $(seq "$takes"); do
-        "$release/examples/tracker" --perform tip --preset "$preset" --rate-hz 240 --seed "$seed" --take \
+        "$release/tracker" --perform tip --preset "$preset" --rate-hz 240 --seed "$seed" --take \
             --iceoryx2 "$made/iceoryx2.toml" >/dev/null
     done
     echo "== stamps = $stamps, $takes takes"

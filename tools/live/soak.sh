@@ -11,7 +11,7 @@ seconds=${1:-600}
 takes=${2:-1}
 cd "$(dirname "$0")/../.."
 root=$PWD
-cargo build -q --release --bin enact --example tracker
+cargo build -q --release --workspace --bin enact --bin tracker
 release=$PWD/target/release
 made=$(mktemp -d)
 trap 'kill "$daemon" 2>/dev/null || true; rm -rf "$made" /dev/shm/enact_soak_$$_*' EXIT
@@ -36,7 +36,7 @@ fi
     cut -d' ' -f14,15 /proc/$daemon/stat | sed 's/^/ticks of user and system: /'
 done) &
 for _ in $(seq "$takes"); do
-    "$release/examples/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
+    "$release/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
 done
 curl -s "$(address metrics)/metrics" | grep -v '^#'
 cat watched.txt 2>/dev/null || true

@@ -13,7 +13,7 @@ set -eu
 seconds=${1:-20} trackers=${2:-1} rate_hz=${3:-200} poll_ms=${4:-5}
 tunnel=${TUNNEL:-iox2-link-tunnel-zenoh}
 cd "$(dirname "$0")/../.."
-cargo build --release --quiet --bin enact --example tracker
+cargo build --release --quiet --workspace --bin enact --bin tracker
 here=$(mktemp -d)
 studio=enact-studio-$$ desk=enact-desk-$$
 started=""
@@ -56,7 +56,7 @@ ip netns exec "$desk" target/release/enact capture "$here/scene.toml" -o "$here/
     --iceoryx2 "$here/$desk/config/iceoryx2.toml" --format ndjson >"$here/said" &
 started="$started $!"
 until grep -q '"ready"' "$here/said" 2>/dev/null; do sleep 0.1; done
-ip netns exec "$studio" target/release/examples/tracker --load "$trackers" \
+ip netns exec "$studio" target/release/tracker --load "$trackers" \
     --rate-hz "$rate_hz" --seconds "$seconds" --take --wait 30 \
     --iceoryx2 "$here/$studio/config/iceoryx2.toml" &
 started="$started $!" tracker=$!

@@ -18,6 +18,7 @@ mod asymmetric;
 mod axial;
 mod flight;
 #[cfg(test)]
+#[path = "../../../tools/src/reference.rs"]
 mod reference;
 mod series;
 #[cfg(test)]

@@ -14,7 +14,7 @@ use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
-use crate::service::Report;
+use crate::report::RecordingReport;
 use crate::service::finish::{finished, open, output_path};
 use crate::service::words;
 use crate::write::live::EstimateOccasion;
@@ -62,7 +62,7 @@ pub(super) fn finals(
     }
 }
 
-fn estimate_file(path: &std::path::Path) -> anyhow::Result<(Report, Outcome, u64)> {
+fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
     let opened = open(path, None)?;
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);

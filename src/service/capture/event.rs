@@ -6,8 +6,7 @@ use super::latency::{Latencies, LatencyLine};
 use crate::ingest::clock::ClockQuality;
 use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
-use crate::motion::Verdict;
-use crate::service::Report;
+use crate::report::RecordingReport;
 
 /// An event of the daemon.
 #[derive(Clone, Debug, Serialize)]
@@ -79,7 +78,7 @@ pub enum CaptureEvent {
         /// Number of the take.
         take: u64,
         /// Report of the estimate.
-        report: Box<Report>,
+        report: Box<RecordingReport>,
     },
     /// A take has no estimate.
     NotEstimated {
@@ -194,7 +193,7 @@ impl CaptureEvent {
         match self {
             CaptureEvent::Broken { .. } | CaptureEvent::NotEstimated { .. } => false,
             CaptureEvent::Closed { counts, .. } => !counts.is_lossy(),
-            CaptureEvent::Estimated { report, .. } => report.verdict == Verdict::Physical.as_str(),
+            CaptureEvent::Estimated { report, .. } => report.estimate.is_physical(),
             _ => true,
         }
     }

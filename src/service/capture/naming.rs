@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::write::journal::PART_SUFFIX;
+use crate::write::recover::PART_SUFFIX;
 
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 const SECONDS_PER_DAY: i64 = 86_400;

@@ -17,7 +17,7 @@ use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::Preview;
-use crate::service::doubts::gravest;
+use crate::report::gravest;
 use crate::service::words;
 
 /// After an estimate that takes longer than this, the thread rests four times as long.

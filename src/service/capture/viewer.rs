@@ -27,7 +27,8 @@ use super::take::now_ns;
 use crate::ingest::live::{PoseRecord, StreamTopic};
 use crate::motion::{Mark, PoseSample, Scene, Stamp, Verdict};
 use crate::pipeline::Outcome;
-use crate::write::report::Reported;
+use crate::report::Reported;
+use crate::service::finish::reported;
 use crate::write::show::{self, Showing, ShownTopic};
 use crate::write::topics;
 
@@ -235,12 +236,8 @@ impl Viewer {
             return;
         };
         let showing = Showing::new(&Reported {
-            scene: &outcome.scene,
-            sketch: &outcome.sketch,
-            counts: &outcome.counts,
-            estimate: &outcome.estimate,
-            verification: outcome.verification.as_ref(),
             settled: None,
+            ..reported(&outcome)
         });
         match showing {
             Ok(showing) => {

@@ -11,9 +11,9 @@ use tempfile::TempDir;
 mod skip;
 
 use self::skip::skip;
-use super::samples::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use super::*;
-use crate::motion::{Against, Mark, Penetration};
+use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
+use crate::motion::{Against, Mark, Penetration, Settled, Verification};
 use crate::settle::settle;
 use crate::verify::verify;
 use crate::wire::{FramedPose, PoseFormat};
@@ -90,13 +90,16 @@ fn written_with(
         &EstimateFile {
             input: &container,
             input_path: Some(input),
-            scene: &scene,
+            of: Reported {
+                scene: &scene,
+                inferred: &[],
+                sketch: &sketch,
+                counts: &counts,
+                estimate: &estimate,
+                verification,
+                settled,
+            },
             scene_toml: scene_toml.as_bytes(),
-            sketch: &sketch,
-            counts: &counts,
-            estimate: &estimate,
-            verification,
-            settled,
             world_frame: "map",
             log_offset_ns: 3_000_000,
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
@@ -267,14 +270,19 @@ fn the_report_says_everything_and_obeys_its_schema() {
     assert_eq!(report["verdict"], "physical");
     assert_eq!(report["arcs"][1]["velocity_m_s"][2], 2.0);
     assert_eq!(report["events"][0]["name"], "bounce");
-    assert_eq!(report["parameters"][0]["upper"], serde_json::Value::Null);
+    let restitution = &report["parameters"]["bounce.restitution"];
+    assert_eq!(restitution["bounds"], serde_json::json!([0.0, null]));
+    assert_eq!(report["undetermined"][0], "bounce.restitution");
+    assert_eq!(report["termination"]["kind"], "converged");
+    assert_eq!(report["events"][0]["time_sd_s"], 0.001);
+    assert_eq!(report["physical_sd_s"], 0.012);
     assert_eq!(report["time_map"]["bodies"][0]["physical_s"][4], 0.1);
     assert_eq!(report["time_map"]["origin"]["sec"], 1_700_000_000);
     assert_eq!(report["verification"]["deepest"]["against"], "mug floor");
     assert_eq!(report["verification"]["touches"][0]["expected"][0], "tip");
 }
 
-/// The part of JSON schema that ours use: types, properties, items.
+/// The part of JSON schema that ours use: types, properties, items, maps.
 fn check_against(value: &serde_json::Value, schema: &serde_json::Value, place: &str) {
     let kind = match value {
         serde_json::Value::Null => "null",
@@ -307,6 +315,18 @@ fn check_against(value: &serde_json::Value, schema: &serde_json::Value, place: &
     }
     for item in value.as_array().into_iter().flatten() {
         check_against(item, &schema["items"], &format!("{place}[]"));
+    }
+    if let (Some(fields), true) = (
+        value.as_object(),
+        schema["additionalProperties"].is_object(),
+    ) {
+        for (name, field) in fields {
+            check_against(
+                field,
+                &schema["additionalProperties"],
+                &format!("{place}.{name}"),
+            );
+        }
     }
 }
 
@@ -493,13 +513,16 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
     let mut file = EstimateFile {
         input: &container,
         input_path: Some(&input),
-        scene: &scene,
+        of: Reported {
+            scene: &scene,
+            inferred: &[],
+            sketch: &sketch,
+            counts: &counts,
+            estimate: &estimate,
+            verification: None,
+            settled: None,
+        },
         scene_toml: b"",
-        sketch: &sketch,
-        counts: &counts,
-        estimate: &estimate,
-        verification: None,
-        settled: None,
         world_frame: "map",
         log_offset_ns: 0,
         frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
@@ -517,10 +540,10 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
     file.frame_rate_hz = 240.0;
     let mut endless = estimate.clone();
     endless.arcs[1].end_s = 1e9;
-    file.estimate = &endless;
+    file.of.estimate = &endless;
     let error = write_estimate(&out, &file).expect_err("thirty years");
     assert!(matches!(error, WriteError::Span { .. }), "{error}");
-    file.estimate = &estimate;
+    file.of.estimate = &estimate;
     let nowhere = directory.path().join("none").join("out.mcap");
     let error = write_estimate(&nowhere, &file).expect_err("no directory");
     assert!(matches!(error, WriteError::Io { .. }), "{error}");

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::write::estimate::samples::{FIRST_NS, estimate, scene, sketch};
+use crate::motion::fixture::{FIRST_NS, estimate, scene, sketch};
 
 /// Every pose is nearer to the one before than its negative would be.
 fn assert_continuous(samples: &[PoseSample]) {

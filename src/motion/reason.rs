@@ -1,0 +1,103 @@
+//! Why an estimation ended as it did: what was measured, and what was allowed.
+
+/// Why an estimation ended, and whether the search that it rests on was complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reason {
+    /// How it ended.
+    pub end: End,
+    /// Number of bounds after which the search over contacts ended without a proof that no other
+    /// contacts fit better; `None` where the search was complete, or where there was none.
+    pub unproven_after_bounds: Option<usize>,
+}
+
+/// How an estimation ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// The solver is within its tolerances.
+    Converged(Progress),
+    /// The caller ended it.
+    Stopped(Progress),
+    /// No further step of the solver helps.
+    NoProgress(Progress),
+    /// The solver is within its tolerances, but velocity gaps are left, as the scene allows.
+    VelocityJumps {
+        /// Events with a gap (indices into `Scene::events`).
+        events: Vec<usize>,
+        /// Where the solver ended.
+        progress: Progress,
+    },
+    /// A state or the objective is not finite.
+    NotFinite,
+    /// A flight's last event would be earlier than its first.
+    EventsReversed {
+        /// The event that begins the flight (index into `Scene::events`).
+        first: usize,
+        /// The event that ends it (index into `Scene::events`).
+        last: usize,
+        /// Physical time of `last` less that of `first` \[s\]: negative.
+        interval_s: f64,
+    },
+    /// A flight that no event begins, or none ends, would end before it begins.
+    FlightReversed {
+        /// Index into `Scene::bodies`.
+        body: usize,
+        /// Physical time at which the flight begins \[s\].
+        start_s: f64,
+        /// Physical time at which it ends \[s\].
+        end_s: f64,
+    },
+}
+
+/// Where the solver ended, against its tolerances.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Largest violation of a constraint, in the constraints' units.
+    pub violation: Measured,
+    /// Decrease that a further step would promise, relative to the objective; infinite where no step
+    /// was tried.
+    pub decrease: Measured,
+}
+
+/// A value and the bound that it is compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// What it is.
+    pub value: f64,
+    /// What it may be.
+    pub bound: f64,
+}
+
+impl From<End> for Reason {
+    fn from(end: End) -> Self {
+        Self {
+            end,
+            unproven_after_bounds: None,
+        }
+    }
+}
+
+impl End {
+    /// The word for it in files and reports.
+    pub fn as_str(&self) -> &'static str {
+        match self {
+            End::Converged(_) => "converged",
+            End::Stopped(_) => "stopped",
+            End::NoProgress(_) => "no_progress",
+            End::VelocityJumps { .. } => "velocity_jumps",
+            End::NotFinite => "not_finite",
+            End::EventsReversed { .. } => "events_reversed",
+            End::FlightReversed { .. } => "flight_reversed",
+        }
+    }
+
+    /// Where the solver ended; `None` where its numbers were not looked at.
+    pub fn progress(&self) -> Option<&Progress> {
+        match self {
+            End::Converged(progress)
+            | End::Stopped(progress)
+            | End::NoProgress(progress)
+            | End::VelocityJumps { progress, .. } => Some(progress),
+            End::NotFinite | End::EventsReversed { .. } | End::FlightReversed { .. } => None,
+        }
+    }
+}

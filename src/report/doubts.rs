@@ -1,0 +1,172 @@
+//! What speaks against a motion, in words and in numbers.
+
+use serde::Serialize;
+
+use crate::motion::{About, Doubt, Place, Scene, Verdict};
+
+/// One thing that speaks against a motion, in numbers and in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DoubtLine {
+    /// What was measured; see [`About`].
+    pub quantity: &'static str,
+    /// What it is; `null` where the performance does not determine it.
+    pub value: f64,
+    /// What it may be.
+    pub bound: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// The body, event or parameter where it is; none where it is of the whole motion.
+    pub at: Option<String>,
+    /// Physical time, where it is at one: the beginning of a flight.
+    pub time_s: Option<f64>,
+    /// The best verdict that it leaves: `physical` where it is only to be known.
+    pub best: &'static str,
+    /// All of that as a sentence.
+    pub text: String,
+}
+
+impl DoubtLine {
+    /// With the scene's names.
+    pub fn new(scene: &Scene, doubt: &Doubt) -> Self {
+        Self {
+            quantity: doubt.about.as_str(),
+            value: doubt.value,
+            bound: doubt.bound,
+            unit: doubt.about.unit(),
+            at: doubt.place.name(scene).map(str::to_owned),
+            time_s: doubt.place.time_s(),
+            best: doubt.about.best().as_str(),
+            text: sentence(scene, doubt),
+        }
+    }
+
+    /// Whether it takes the verdict `physical` back.
+    pub fn is_grave(&self) -> bool {
+        self.best != Verdict::Physical.as_str()
+    }
+}
+
+/// The gravest doubt in words, if one takes the verdict `physical` back.
+pub fn gravest(scene: &Scene, doubts: &[Doubt]) -> Option<String> {
+    let first = doubts.iter().max_by_key(|doubt| doubt.about.best())?;
+    (first.about.best() != Verdict::Physical).then(|| sentence(scene, first))
+}
+
+fn sentence(scene: &Scene, doubt: &Doubt) -> String {
+    let (value, bound) = (doubt.value, doubt.bound);
+    let subject = match doubt.place.name(scene) {
+        Some(name) => format!("`{name}`"),
+        None => "the motion".to_owned(),
+    };
+    let percent = |part: f64| format!("{:.0} %", part * 100.0);
+    match doubt.about {
+        About::Overlap => {
+            let (against, time_s) = match doubt.place {
+                Place::Inside {
+                    against, time_s, ..
+                } => (scene.name_of(against), time_s),
+                _ => ("something", 0.0),
+            };
+            let [depth_mm, most_mm] = [value, bound].map(|m| m * 1e3);
+            format!(
+                "{subject} is {depth_mm:.1} mm inside `{against}` at {time_s:.3} s, expected at most \
+                 {most_mm:.1} mm"
+            )
+        }
+        About::WrongFeature => wrong_feature(scene, doubt, &subject),
+        About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
+        About::Spin => format!("{subject} spins at {value:.0} rad/s, expected at most {bound:.0}"),
+        About::Way => format!(
+            "{subject} flies {value:.1} times as far as it was acted, expected at most {bound:.0}"
+        ),
+        About::Slowness => format!(
+            "{subject} would be {value:.0} times as fast as it was acted, expected at most {bound:.0}"
+        ),
+        About::Haste => format!(
+            "{subject} would be {value:.1} times as slow as it was acted, expected at most {bound:.1}"
+        ),
+        About::Residual => format!(
+            "{subject} is {value:.0} times the scene's weights away from the samples, expected at \
+             most {bound:.0}"
+        ),
+        About::Orientation => format!(
+            "{subject} is turned by {:.0}° from the samples, expected at most {:.0}°",
+            value.to_degrees(),
+            bound.to_degrees()
+        ),
+        About::Alone => format!(
+            "free flights miss the samples by {value:.0} times the scene's weights even one by one, \
+             expected at most {bound:.0}"
+        ),
+        About::Misfit => format!(
+            "the flights fit {value:.1} times worse together than each alone, expected at most \
+             {bound:.1}: what joins them is wrong, or their weights"
+        ),
+        About::Fall => format!(
+            "the flights fit {value:.1} times better with another acceleration than gravity's, \
+             expected at most {bound:.0}: they do not fall freely, or times are not physical"
+        ),
+        About::FallDirection => format!(
+            "the flights fall {:.0}° away from gravity, expected at most {:.0}°",
+            value.to_degrees(),
+            bound.to_degrees()
+        ),
+        About::AfterMark | About::BeforeMark => {
+            let side = match doubt.about {
+                About::AfterMark => "after",
+                _ => "before",
+            };
+            format!(
+                "{subject} is {:.0} ms {side} its mark, expected at most {:.0} ms",
+                value * 1e3,
+                bound * 1e3
+            )
+        }
+        About::Gravity => format!(
+            "gravity is {} off the scene's, expected at most {}",
+            percent(value),
+            percent(bound)
+        ),
+        About::GravitySpread if value.is_infinite() => {
+            "gravity is not determined by the performance".to_owned()
+        }
+        About::GravitySpread => format!(
+            "gravity is uncertain by {}, expected at most {}",
+            percent(value),
+            percent(bound)
+        ),
+        About::Outside => format!(
+            "{subject} is compared with a sample {:.1} ms beyond the end of its flight: there were too \
+             few others",
+            value * 1e3
+        ),
+        About::AtBound => format!("{subject} is at the end of its range, {bound:.4}"),
+        About::Ambiguity => format!(
+            "the samples are {value:.1} times the scene's weights away on the whole: beyond {bound:.0} \
+             another motion may fit better"
+        ),
+    }
+}
+
+fn wrong_feature(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
+    let Place::Touch {
+        body,
+        expected,
+        found,
+        ..
+    } = &doubt.place
+    else {
+        return format!("at {subject} another part leads");
+    };
+    let name = |feature: &usize| scene.bodies[*body].features[*feature].name.as_str();
+    let found = match found {
+        Some(found) => format!("`{}`", name(found)),
+        None => "an unnamed part".to_owned(),
+    };
+    let expected: Vec<&str> = expected.iter().map(name).collect();
+    let [lead_mm, most_mm] = [doubt.value, doubt.bound].map(|m| m * 1e3);
+    format!(
+        "at {subject} {found} leads `{}` by {lead_mm:.1} mm, expected at most {most_mm:.1} mm",
+        expected.join(", ")
+    )
+}

@@ -1,0 +1,114 @@
+//! What every report says of an estimate.
+
+use serde::Serialize;
+
+use super::checks::CheckLine;
+use super::doubts::DoubtLine;
+use super::motion::{
+    DurationLine, EventLine, ParameterLine, SegmentLine, event_lines, parameter_lines,
+    segment_lines, undetermined_names,
+};
+use super::reason::{TerminationLine, reason_text};
+use super::reported::Reported;
+use super::samples::{CounterLine, Ordered, SampleLine, SettledLine};
+use crate::motion::{Estimate, SegmentResidual, Sketch, Verdict};
+
+/// An estimate in words and numbers. Physical times are seconds since the first used sample, acted
+/// times seconds since the performance's origin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimateReport {
+    /// Name of the scene.
+    pub scene: String,
+    /// `physical`, `plausible` or `failed`.
+    pub verdict: &'static str,
+    /// Why the estimation ended, as a sentence.
+    pub reason: String,
+    /// The same in numbers.
+    pub termination: TerminationLine,
+    /// What speaks against the motion, the gravest first.
+    pub doubts: Vec<DoubtLine>,
+    /// Sum of squared weighted residuals, priors included.
+    pub objective: f64,
+    /// Gravity in world axes, given or estimated.
+    pub gravity_m_s2: [f64; 3],
+    /// Work done.
+    #[serde(flatten)]
+    pub counters: CounterLine,
+    /// From the first used sample to the last, as acted.
+    pub acted_s: f64,
+    /// How long the motion lasts.
+    #[serde(flatten)]
+    pub duration: DurationLine,
+    /// In order of time.
+    pub events: Vec<EventLine>,
+    /// Free parameters by name.
+    pub parameters: Ordered<ParameterLine>,
+    /// Root mean square distance over all samples.
+    pub residual_mm: f64,
+    /// Root mean square angle over all samples.
+    pub residual_deg: f64,
+    /// How well each arc fits.
+    pub segments: Vec<SegmentLine>,
+    /// Names of what the performance does not determine.
+    pub undetermined: Vec<String>,
+    /// What independent checks say; none where the estimation failed or nobody asked.
+    pub verification: Option<CheckLine>,
+    /// How the motion goes on by simulation, if the scene asks for that.
+    pub settled: Option<SettledLine>,
+    /// What became of the samples.
+    pub samples: SampleLine,
+}
+
+impl EstimateReport {
+    /// Everything that the estimate says, with the scene's names for its numbers.
+    pub fn new(of: &Reported) -> Self {
+        let (scene, estimate) = (of.scene, of.estimate);
+        let (position_m, orientation_rad) = residual_rms(estimate);
+        let doubts = estimate.doubts.iter();
+        Self {
+            scene: scene.name.clone(),
+            verdict: estimate.verdict.as_str(),
+            reason: reason_text(scene, &estimate.reason),
+            termination: TerminationLine::new(scene, &estimate.reason),
+            doubts: doubts.map(|doubt| DoubtLine::new(scene, doubt)).collect(),
+            objective: estimate.objective,
+            gravity_m_s2: estimate.gravity_m_s2.into(),
+            counters: CounterLine::new(&estimate.counters),
+            acted_s: acted_s(of.sketch),
+            duration: DurationLine::new(&estimate.duration),
+            events: event_lines(of),
+            parameters: parameter_lines(scene, estimate),
+            residual_mm: position_m * 1e3,
+            residual_deg: orientation_rad.to_degrees(),
+            segments: segment_lines(scene, estimate),
+            undetermined: undetermined_names(scene, estimate),
+            verification: of.verification.map(|found| CheckLine::new(scene, found)),
+            settled: of.settled.map(SettledLine::new),
+            samples: SampleLine::new(of.counts),
+        }
+    }
+
+    /// Whether the motion may be called physical.
+    pub fn is_physical(&self) -> bool {
+        self.verdict == Verdict::Physical.as_str()
+    }
+}
+
+fn acted_s(sketch: &Sketch) -> f64 {
+    let last = sketch.bodies.iter().filter_map(|b| b.samples.last());
+    last.map(|sample| sample.acted_s).fold(0.0, f64::max)
+}
+
+/// Root mean square distance \[m\] and angle \[rad\] of the motion from all samples.
+pub fn residual_rms(estimate: &Estimate) -> (f64, f64) {
+    let samples: usize = estimate.residuals.iter().map(|r| r.samples).sum();
+    let rms = |square: &dyn Fn(&SegmentResidual) -> f64| {
+        let residuals = estimate.residuals.iter();
+        let sum: f64 = residuals.map(|r| r.samples as f64 * square(r)).sum();
+        (sum / samples.max(1) as f64).sqrt()
+    };
+    (
+        rms(&|r| r.position_rms_m.powi(2)),
+        rms(&|r| r.orientation_rms_rad.powi(2)),
+    )
+}

@@ -1,0 +1,81 @@
+//! The report of a file: what every report says, the motion's states and its time map.
+
+use serde::Serialize;
+
+use super::estimate::EstimateReport;
+use super::reported::Reported;
+use super::time_map::TimeMap;
+use crate::motion::{ArcEstimate, Scene, Stamp};
+
+/// JSON schema of [`EstimateMessage`].
+pub const REPORT_SCHEMA: &str = include_str!("report.schema.json");
+
+/// The whole estimate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimateMessage {
+    /// What every report says.
+    #[serde(flatten)]
+    pub report: EstimateReport,
+    /// Collision-free flights, body by body in order of time.
+    pub arcs: Vec<ArcLine>,
+    /// Acted time against physical time.
+    pub time_map: TimeMap,
+}
+
+/// A flight: between its start and its end the body moves as a free rigid body from the state at the
+/// epoch. Times are physical.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ArcLine {
+    /// Name of the body.
+    pub body: String,
+    /// When it begins.
+    pub start_s: f64,
+    /// When it ends.
+    pub end_s: f64,
+    /// When the body has the state.
+    pub epoch_s: f64,
+    /// Centre of mass, world axes.
+    pub position_m: [f64; 3],
+    /// World from body, Hamilton.
+    pub orientation_wxyz: [f64; 4],
+    /// Velocity of the centre of mass, world axes.
+    pub velocity_m_s: [f64; 3],
+    /// Angular velocity, body axes.
+    pub angular_velocity_body_rad_s: [f64; 3],
+}
+
+impl EstimateMessage {
+    /// Everything that the estimate says; physical time zero is stamped `zero`.
+    pub fn new(of: &Reported, zero: Stamp) -> Self {
+        let (scene, estimate) = (of.scene, of.estimate);
+        let arcs = estimate.arcs.iter();
+        Self {
+            report: EstimateReport::new(of),
+            arcs: arcs.map(|arc| ArcLine::new(scene, arc)).collect(),
+            time_map: TimeMap::new(scene, of.sketch, estimate, zero),
+        }
+    }
+}
+
+impl ArcLine {
+    fn new(scene: &Scene, arc: &ArcEstimate) -> Self {
+        let state = &arc.state;
+        let q = state.orientation.quaternion();
+        Self {
+            body: scene.bodies[arc.body].name.clone(),
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+            epoch_s: arc.epoch_s,
+            position_m: state.position_m.into(),
+            orientation_wxyz: [q.w, q.i, q.j, q.k],
+            velocity_m_s: state.velocity_m_s.into(),
+            angular_velocity_body_rad_s: state.angular_velocity_rad_s.into(),
+        }
+    }
+}
+
+/// The bytes of a JSON message.
+pub fn json<T: Serialize>(value: &T) -> Vec<u8> {
+    serde_json::to_vec(value)
+        .unwrap_or_else(|error| unreachable!("structs of numbers and texts serialise: {error}"))
+}

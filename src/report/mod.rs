@@ -1,0 +1,34 @@
+//! What an estimate says of itself, with the scene's names in place of indices.
+//!
+//! Every noun has one definition and one set of field names: [`EstimateReport`] is made of them, and
+//! both the message of a file ([`EstimateMessage`], with a JSON schema) and the JSON object of a
+//! recording ([`RecordingReport`]) contain it, each with what it alone knows. The account in the
+//! terminal reads the latter. Sentences are made here: [`reason_text`] says why an estimation ended,
+//! [`DoubtLine`] what speaks against its motion.
+//!
+//! Numbers are SI unless a name says otherwise. Numbers that are not finite (a bound that does not
+//! bind, a deviation that nothing determines) are `null` in JSON.
+
+pub mod checks;
+pub mod doubts;
+pub mod estimate;
+pub mod message;
+pub mod motion;
+pub mod reason;
+pub mod recording;
+pub mod reported;
+pub mod samples;
+#[cfg(test)]
+mod tests;
+pub mod time_map;
+
+pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
+pub use doubts::{DoubtLine, gravest};
+pub use estimate::{EstimateReport, residual_rms};
+pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
+pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
+pub use reason::{MeasuredLine, TerminationLine, reason_text};
+pub use recording::{Circumstances, RecordingReport};
+pub use reported::Reported;
+pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
+pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMap};

@@ -1,0 +1,168 @@
+//! The motion's events, parameters, segments and duration, with the scene's names.
+
+use serde::Serialize;
+
+use super::reported::Reported;
+use super::samples::Ordered;
+use crate::motion::{DurationEstimate, Estimate, Quantity, Scene, Undetermined};
+
+/// An event as estimated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EventLine {
+    /// Name in the scene.
+    pub name: String,
+    /// `start`, `collision` or `end`.
+    pub kind: &'static str,
+    /// Physical time since the first sample.
+    pub time_s: f64,
+    /// Its standard deviation, where it is not fixed and is determined.
+    pub time_sd_s: Option<f64>,
+    /// Whether the time is fixed or the performance determines it.
+    pub time_is_determined: bool,
+    /// Acted time since the first sample.
+    pub acted_s: f64,
+    /// Names of the bodies that it concerns.
+    pub bodies: Vec<String>,
+    /// What touches, at a collision.
+    pub contact: Option<String>,
+    /// Whether that was inferred: the scene leaves it open.
+    pub contact_inferred: bool,
+    /// Largest position gap.
+    pub gap_m: f64,
+    /// Largest orientation gap.
+    pub gap_rad: f64,
+    /// Largest velocity gap.
+    pub gap_m_s: f64,
+    /// Largest angular velocity gap.
+    pub gap_rad_s: f64,
+}
+
+/// A free parameter as estimated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterLine {
+    /// Its value.
+    pub value: f64,
+    /// Its standard deviation, where it is determined.
+    pub sd: Option<f64>,
+    /// Least and greatest value allowed.
+    pub bounds: [f64; 2],
+    /// Unit of them all; empty for ratios.
+    pub unit: &'static str,
+}
+
+/// How well one arc fits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SegmentLine {
+    /// Name of the body.
+    pub body: String,
+    /// Physical time at which it begins.
+    pub start_s: f64,
+    /// Physical time at which it ends.
+    pub end_s: f64,
+    /// Samples in the objective.
+    pub samples: usize,
+    /// Root mean square distance of the centre of mass.
+    pub residual_mm: f64,
+    /// Root mean square angle.
+    pub residual_deg: f64,
+}
+
+/// How long the motion lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DurationLine {
+    /// From the beginning of the first flight to the end of the last.
+    pub physical_s: f64,
+    /// Its standard deviation, zero where it is fixed; none where nothing determines it.
+    pub physical_sd_s: Option<f64>,
+    /// Whether that deviation is within a tenth of it.
+    pub physical_is_determined: bool,
+}
+
+impl DurationLine {
+    /// Of an estimate's duration.
+    pub fn new(duration: &DurationEstimate) -> Self {
+        Self {
+            physical_s: duration.duration_s,
+            physical_sd_s: duration.sd_s,
+            physical_is_determined: duration.is_determined(),
+        }
+    }
+}
+
+/// The events in order of time.
+pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
+    let (scene, estimate) = (of.scene, of.estimate);
+    let name = |body: usize| scene.bodies[body].name.clone();
+    let events = estimate.events.iter();
+    events
+        .map(|event| {
+            let of_scene = &scene.events[event.event];
+            let time = Undetermined::EventTime(event.event);
+            EventLine {
+                name: of_scene.name.clone(),
+                kind: of_scene.kind.as_str(),
+                time_s: event.time_s,
+                time_sd_s: event.sd_s,
+                time_is_determined: !estimate.undetermined.contains(&time),
+                acted_s: event.acted_s,
+                bodies: match of_scene.kind.collision() {
+                    Some(collision) => collision.bodies().map(name).collect(),
+                    None => (0..scene.bodies.len()).map(name).collect(),
+                },
+                contact: scene.contact_words(event.event),
+                contact_inferred: of.inferred.contains(&event.event),
+                gap_m: event.gap.position_m,
+                gap_rad: event.gap.orientation_rad,
+                gap_m_s: event.gap.velocity_m_s,
+                gap_rad_s: event.gap.angular_velocity_rad_s,
+            }
+        })
+        .collect()
+}
+
+/// The free parameters by name, in the scene's order.
+pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<ParameterLine> {
+    let unit_of = |name: &str| {
+        let free = scene.parameters.iter().find(|free| free.name == name);
+        match free.map(|free| free.quantity) {
+            Some(Quantity::Gravity { .. }) => "m/s²",
+            Some(Quantity::Tilt { .. }) => "rad",
+            Some(Quantity::Restitution { .. } | Quantity::Friction { .. }) | None => "",
+        }
+    };
+    let parameters = estimate.parameters.iter().map(|parameter| {
+        let line = ParameterLine {
+            value: parameter.value,
+            sd: parameter.sd,
+            bounds: [parameter.lower, parameter.upper],
+            unit: unit_of(&parameter.name),
+        };
+        (parameter.name.clone(), line)
+    });
+    Ordered(parameters.collect())
+}
+
+/// How well the arcs fit, in their order.
+pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
+    let residuals = estimate.residuals.iter().zip(&estimate.arcs);
+    residuals
+        .map(|(residual, arc)| SegmentLine {
+            body: scene.bodies[residual.body].name.clone(),
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+            samples: residual.samples,
+            residual_mm: residual.position_rms_m * 1e3,
+            residual_deg: residual.orientation_rms_rad.to_degrees(),
+        })
+        .collect()
+}
+
+/// Names of what the performance does not determine.
+pub(super) fn undetermined_names(scene: &Scene, estimate: &Estimate) -> Vec<String> {
+    let name = |of: &Undetermined| match of {
+        Undetermined::Parameter(parameter) => estimate.parameters[*parameter].name.clone(),
+        Undetermined::EventTime(event) => format!("time of {}", scene.events[*event].name),
+        Undetermined::Duration => "duration".to_owned(),
+    };
+    estimate.undetermined.iter().map(name).collect()
+}

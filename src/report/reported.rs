@@ -1,0 +1,22 @@
+//! What a report is about.
+
+use crate::motion::{Estimate, SampleCounts, Scene, Settled, Sketch, Verification};
+
+/// What a report is about.
+#[derive(Clone, Copy)]
+pub struct Reported<'a> {
+    /// What it was estimated for.
+    pub scene: &'a Scene,
+    /// Collisions whose contacts were inferred (indices into `Scene::events`).
+    pub inferred: &'a [usize],
+    /// The performance.
+    pub sketch: &'a Sketch,
+    /// What became of its samples.
+    pub counts: &'a SampleCounts,
+    /// The motion.
+    pub estimate: &'a Estimate,
+    /// What independent checks say of it, if there were any.
+    pub verification: Option<&'a Verification>,
+    /// How it goes on, if it does.
+    pub settled: Option<&'a Settled>,
+}

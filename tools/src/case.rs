@@ -1,0 +1,202 @@
+//! One performance and everything that is needed to judge the estimate of it.
+//!
+//! Tests include this file too, beside `mod perform;`.
+
+use std::collections::BTreeMap;
+
+use enact::estimate::layout::Layout;
+use enact::estimate::problem::Problem;
+use enact::initialise;
+use enact::motion::{
+    ArcGuess, Feature, Guess, Observer, Scene, Segment, Sketch, Stamp, TakeEvent, Verdict,
+};
+use enact::physics::{State, contact, flow};
+use enact::pipeline::{Outcome, Pipeline, PipelineError};
+use enact::segment;
+
+use crate::perform::{Acting, Performance, Style, Truth, perform};
+
+/// A performance and the hidden physical time of every sample.
+pub struct Case {
+    /// What was performed, and the truth.
+    pub performance: Performance,
+    hidden_s: BTreeMap<(usize, Stamp), f64>,
+}
+
+impl Case {
+    /// A pencil in the style's own scene; `acting` says whether stamps are physical times.
+    pub fn pencil(style: Style, acting: &Acting, seed: u64) -> Self {
+        Self::new(&style.truth(), acting, seed)
+    }
+
+    /// Acts a true motion.
+    pub fn new(truth: &Truth, acting: &Acting, seed: u64) -> Self {
+        let performance = perform(truth, acting, seed);
+        let mut hidden_s = BTreeMap::new();
+        let mut next = vec![0; performance.sample_times_s.len()];
+        for event in &performance.events {
+            if let TakeEvent::Pose { body, sample, .. } = event {
+                let time_s = performance.sample_times_s[*body][next[*body]];
+                next[*body] += 1;
+                hidden_s.insert((*body, sample.stamp), time_s);
+            }
+        }
+        Self {
+            performance,
+            hidden_s,
+        }
+    }
+
+    /// What it happens in, with what its stamps mean.
+    pub fn scene(&self) -> &Scene {
+        &self.performance.truth.scene
+    }
+
+    /// The estimate, as the program makes it.
+    pub fn estimated(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
+        estimated(self.scene(), &self.performance.events, observer)
+    }
+
+    /// The performance on its way.
+    pub fn pipeline(&self) -> Pipeline {
+        Pipeline::of(self.scene().clone(), self.performance.events.clone())
+    }
+
+    /// The verdict with all checks.
+    pub fn checked(&self) -> Option<Verdict> {
+        let outcome = self.pipeline().finish(&mut ()).ok()?;
+        Some(outcome.estimate.verdict)
+    }
+
+    /// Hidden physical time of a sample [s since the start of the motion].
+    pub fn hidden_s(&self, body: usize, stamp: Stamp) -> f64 {
+        self.hidden_s[&(body, stamp)]
+    }
+
+    /// What to add to hidden times to have them on the time line of an estimate: the zero of
+    /// physical time is a convention, and the first sample that is used has it.
+    pub fn offset_s(&self, posed: &Posed, sketch: &Sketch) -> f64 {
+        let times = posed.segments.iter().zip(&posed.guesses[0].arcs);
+        let firsts = times.map(|(segment, arc)| {
+            let sample = &sketch.bodies[segment.body].samples[segment.samples.start];
+            (
+                arc.sample_times_s[0],
+                self.hidden_s(segment.body, sample.stamp),
+            )
+        });
+        let first = firsts.min_by(|a, b| a.0.total_cmp(&b.0));
+        first.map_or(0.0, |(guessed_s, hidden_s)| guessed_s - hidden_s)
+    }
+
+    /// The true state of an arc at a time on the estimate's time line.
+    pub fn true_state(&self, arc: usize, time_s: f64, offset_s: f64) -> State {
+        let truth = &self.performance.truth;
+        let arc = &truth.arcs[arc];
+        flow::advance(
+            &truth.scene.bodies[arc.body].body,
+            &truth.scene.gravity_m_s2,
+            &arc.state,
+            time_s - offset_s - arc.epoch_s,
+        )
+    }
+
+    /// The truth as a guess, at the epochs of the program's own.
+    pub fn true_guess(&self, posed: &Posed, sketch: &Sketch) -> Guess {
+        let offset_s = self.offset_s(posed, sketch);
+        let own = &posed.guesses[0];
+        let arcs = posed.segments.iter().zip(&own.arcs).enumerate();
+        let arcs = arcs.map(|(index, (segment, arc))| {
+            let samples = &sketch.bodies[segment.body].samples[segment.samples.clone()];
+            let hidden_s = |stamp| self.hidden_s(segment.body, stamp) + offset_s;
+            ArcGuess {
+                epoch_s: arc.epoch_s,
+                state: self.true_state(index, arc.epoch_s, offset_s),
+                sample_times_s: samples
+                    .iter()
+                    .map(|sample| hidden_s(sample.stamp))
+                    .collect(),
+            }
+        });
+        let event_times_s = self.performance.truth.event_times_s.iter();
+        Guess {
+            arcs: arcs.collect(),
+            event_times_s: event_times_s.map(|time_s| time_s + offset_s).collect(),
+            parameters: own.parameters.clone(),
+        }
+    }
+}
+
+/// A take through the pipeline.
+pub fn estimated(
+    scene: &Scene,
+    events: &[TakeEvent],
+    observer: &mut dyn Observer,
+) -> Result<Outcome, PipelineError> {
+    Pipeline::of(scene.clone(), events.to_vec()).estimate(observer)
+}
+
+/// Whether another point than the one that touches would be inside a table at z = 0 by more than
+/// a millimetre, at any collision of the first body.
+pub fn another_leads(outcome: &Outcome) -> bool {
+    const LEAD_M: f64 = 1e-3;
+    let (scene, estimate) = (&outcome.scene, &outcome.estimate);
+    let features = &scene.bodies[0].features;
+    let collisions = scene.events.iter().zip(&estimate.events);
+    let mut collisions = collisions.filter_map(|(of_scene, event)| {
+        let feature = of_scene.kind.collision()?.contacts[0].feature?;
+        let arc = estimate.arcs.iter().find(|arc| arc.end_s == event.time_s)?;
+        Some((feature, event.time_s, arc))
+    });
+    collisions.any(|(feature, time_s, arc)| {
+        let state = flow::advance(
+            &scene.bodies[0].body,
+            &estimate.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        );
+        let height_m = |feature: &Feature| match feature.geometry {
+            contact::Feature::Point { point_m, .. } => {
+                (state.position_m + state.orientation * point_m).z
+            }
+            _ => f64::INFINITY,
+        };
+        let lowest_m = features.iter().map(height_m).fold(f64::INFINITY, f64::min);
+        height_m(&features[feature]) - lowest_m > LEAD_M
+    })
+}
+
+/// The problem that the pipeline solved, and where it started from.
+pub struct Posed {
+    /// How the sketch was cut.
+    pub segments: Vec<Segment>,
+    /// The program's own guesses.
+    pub guesses: Vec<Guess>,
+    /// The problem.
+    pub problem: Problem,
+    /// Where its unknowns sit.
+    pub layout: Layout,
+}
+
+impl Posed {
+    /// The same without the performer's marks: for methods and solvers that are asked about the
+    /// samples alone.
+    pub fn without_marks(scene: &Scene, sketch: &Sketch) -> Self {
+        let mut sketch = sketch.clone();
+        sketch.marks.fill(None);
+        Self::new(scene, &sketch)
+    }
+
+    /// From an outcome's sketch, whose marks are refined already.
+    pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
+        let segments = segment::cut(scene, sketch).expect("it was cut before");
+        let guesses = initialise::guess(scene, sketch, &segments).guesses;
+        let problem = Problem::new(scene, sketch, &segments);
+        let layout = Layout::new(&problem);
+        Self {
+            segments,
+            guesses,
+            problem,
+            layout,
+        }
+    }
+}

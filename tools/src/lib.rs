@@ -1,0 +1,28 @@
+//! What the tools and the tests of `enact` share.
+//!
+//! - performances with known truth: [`perform`], estimated as a [`case`]; [`hands`] that wander
+//!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`]);
+//! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
+//!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
+//!   thirty digits ([`reference`]), a problem for other solvers ([`export`]);
+//! - how far an answer is off ([`errors`]), and the committed measurements of flows ([`front`]);
+//! - a [`tracker`] that publishes what it is told.
+//!
+//! The measurements themselves are the program `measure`.
+
+#![forbid(unsafe_code)]
+
+pub mod case;
+pub mod dense;
+pub mod errors;
+pub mod export;
+pub mod front;
+pub mod hands;
+pub mod methods;
+pub mod nonsense;
+pub mod perform;
+pub mod reference;
+pub mod starts;
+pub mod stress;
+pub mod tracker;
+pub mod ways;

@@ -1,0 +1,222 @@
+//! What a method is asked, and what it answers.
+
+use std::time::Instant;
+
+use enact::estimate::layout::Layout;
+use enact::estimate::point::Point;
+use enact::estimate::problem::Problem;
+use enact::estimate::recipe::{self, Recipe};
+use enact::motion::Guess;
+use enact::optimise::Schedule;
+use enact::optimise::finish::Tolerances;
+use enact::physics::Body;
+use enact::physics::body::Symmetry;
+use nalgebra::Vector3;
+
+use super::model::Model;
+use super::setting::Setting;
+use super::split::Grid;
+use super::{Judged, evolution, judged, stages};
+
+/// Moments are nudged by this, relative, so that they are three different ones: far more than what
+/// the program takes for rounding (2e-15), far less than what shows in an objective.
+const NUDGE: f64 = 1e-13;
+/// Violation of a success, in units.
+const HOLDS: f64 = 1e-6;
+/// Violation of an answer that may be the best one.
+const EXACT: f64 = 1e-8;
+
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The program: sliding grid, lifted event times.
+    Program,
+    /// The program, modelling the turn of every body as that of one with three different moments.
+    FullFlow,
+    /// The program's stages over another grid.
+    Over(Grid),
+    /// Multiple shooting with so many intervals per flight.
+    Multiple(usize),
+    /// An evolution strategy with so many evaluations.
+    Sampling(usize),
+}
+
+impl Method {
+    /// Its name.
+    pub fn name(self) -> String {
+        match self {
+            Method::Program => "sliding grid, lifted event times (enact)".into(),
+            Method::FullFlow => "enact with the general flow for every body".into(),
+            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (study's code)".into(),
+            Method::Over(Grid::Implicit) => "sliding grid, implicit event times".into(),
+            Method::Over(Grid::Shooting { .. }) => "single shooting".into(),
+            Method::Multiple(1) => "multiple shooting, an interval per flight".into(),
+            Method::Multiple(per_flight) => {
+                format!("multiple shooting, {per_flight} intervals per flight")
+            }
+            Method::Sampling(_) => "evolution strategy (CMA-ES)".into(),
+        }
+    }
+}
+
+/// A problem, from where it is solved, and the best known answer.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The problem.
+    pub problem: Problem,
+    /// Where its unknowns sit.
+    pub layout: Layout,
+    /// The arcs' own fits, best first; more than one where they are ambiguous.
+    pub guesses: Vec<Guess>,
+    /// Lowest objective that any start found; none where none converged.
+    pub best: Option<f64>,
+    /// Of the performance.
+    pub seed: u64,
+}
+
+/// What a method ended with.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// By the program's own objective and constraints.
+    pub judged: Judged,
+    /// Whether the method says that it is within its tolerances.
+    pub converged: bool,
+    /// Whether events are in order.
+    pub is_in_order: bool,
+    /// From guess to answer \[s\].
+    pub took_s: f64,
+}
+
+impl Answer {
+    /// Whether everything holds at no more than the best known objective.
+    pub fn succeeds(&self, best: f64) -> bool {
+        self.judged.violation <= HOLDS
+            && self.is_in_order
+            && crate::starts::is_best(self.judged.objective, best)
+    }
+
+    /// The lower of a best known objective and this one, if it is one.
+    pub fn lowers(&self, best: f64) -> f64 {
+        let is_one = self.judged.violation <= EXACT && self.is_in_order && self.converged;
+        if is_one {
+            best.min(self.judged.objective)
+        } else {
+            best
+        }
+    }
+
+    /// Relative distance of the objective from the best, plus violation.
+    pub fn error(&self, best: f64) -> f64 {
+        let excess = (self.judged.objective - best).abs() / best.max(crate::starts::NO_COST);
+        excess + self.judged.violation
+    }
+}
+
+impl Task {
+    /// The answer of a method; of several guesses the best, as the program does.
+    pub fn answer(&self, method: Method, tolerances: &Tolerances) -> Answer {
+        let mut best: Option<(Point, bool, Judged)> = None;
+        let mut took_s = 0.0;
+        for guess in &self.guesses {
+            let begin = Instant::now();
+            let (point, converged) = self.solved(method, guess, tolerances);
+            // Judging is not the method's work.
+            took_s += begin.elapsed().as_secs_f64();
+            let judged = judged(&self.problem, &self.layout, guess, &point);
+            let rank = |converged: bool, judged: &Judged| (!converged, judged.objective);
+            let is_better = best
+                .as_ref()
+                .is_none_or(|(_, c, j)| rank(converged, &judged) < rank(*c, j));
+            if is_better {
+                best = Some((point, converged, judged));
+            }
+        }
+        let (point, converged, judged) = best.expect("a guess at least");
+        Answer {
+            is_in_order: point.event_times_s.is_sorted(),
+            judged,
+            converged,
+            took_s,
+        }
+    }
+
+    fn solved(&self, method: Method, guess: &Guess, tolerances: &Tolerances) -> (Point, bool) {
+        match method {
+            Method::Program => {
+                let layout = Layout::new(&self.problem);
+                own(&self.problem, &layout, guess, tolerances)
+            }
+            Method::FullFlow => {
+                let mut problem = self.problem.clone();
+                problem.bodies = problem.bodies.iter().map(with_three_moments).collect();
+                own(&problem, &Layout::new(&problem), guess, tolerances)
+            }
+            Method::Over(grid) => {
+                let setting = Setting::new(&self.problem, guess, grid);
+                let model = Model::new(&setting);
+                let start = model.start();
+                let end = stages::solve(&model, start, &ending_at(tolerances));
+                (setting.whole(&end.place), end.converged)
+            }
+            Method::Multiple(per_flight) => {
+                let bodies = self.problem.bodies.len();
+                let intervals = per_flight * self.problem.arcs.len().div_ceil(bodies);
+                self.solved(
+                    Method::Over(Grid::Shooting { intervals }),
+                    guess,
+                    tolerances,
+                )
+            }
+            Method::Sampling(evaluations) => {
+                let single = Grid::Shooting { intervals: 1 };
+                let setting = Setting::new(&self.problem, guess, single);
+                let model = Model::new(&setting);
+                let start = model.start();
+                let place = evolution::search(&model, &start, evaluations, self.seed);
+                (setting.whole(&place), place.exists)
+            }
+        }
+    }
+}
+
+fn own(
+    problem: &Problem,
+    layout: &Layout,
+    guess: &Guess,
+    tolerances: &Tolerances,
+) -> (Point, bool) {
+    let recipe = ending_at(tolerances);
+    let solution = recipe::solve(problem, layout, guess, &recipe, &mut ());
+    (solution.point, solution.finished.converged)
+}
+
+/// The program's recipe with those tolerances.
+fn ending_at(tolerances: &Tolerances) -> Recipe {
+    let usual = Schedule::default();
+    Recipe::of(Schedule {
+        tolerances: *tolerances,
+        // Who asks for no finish gets none.
+        retries: if tolerances.steps > 0 {
+            usual.retries
+        } else {
+            0
+        },
+        ..usual
+    })
+}
+
+/// The body with moments that differ by rounding, so that its turn is computed as the general one.
+pub fn with_three_moments(body: &Body) -> Body {
+    let signs = match body.symmetry() {
+        Symmetry::Spherical => Vector3::new(-1.0, 0.0, 1.0),
+        Symmetry::Axial { axis } => Vector3::from_fn(|i, _| match (i + 3 - axis) % 3 {
+            0 => 0.0,
+            1 => -1.0,
+            _ => 1.0,
+        }),
+        Symmetry::Asymmetric => Vector3::zeros(),
+    };
+    let moments = body.moments_kg_m2();
+    let nudged = moments + moments.component_mul(&signs) * NUDGE;
+    Body::new(body.mass_kg(), nudged).expect("nearly the moments of a body")
+}

@@ -1,0 +1,40 @@
+//! Nonsense and sense: takes whose model is wrong in a known way, the same takes with the right one,
+//! and real recordings of what is no free flight.
+//!
+//! [`faults`] makes the first two from `tools/perform`, [`real`] reads the last.
+
+pub mod faults;
+pub mod real;
+pub mod thrown;
+
+use enact::motion::{Scene, TakeEvent};
+use enact::pipeline::{Outcome, Pipeline, PipelineError};
+
+/// A scene and what is taken for a performance of it.
+#[derive(Clone)]
+pub struct Asked {
+    /// What is said of it.
+    pub scene: Scene,
+    /// What came.
+    pub events: Vec<TakeEvent>,
+}
+
+impl Asked {
+    /// What the program makes of it, with all checks.
+    pub fn answered(&self) -> Result<Outcome, PipelineError> {
+        Pipeline::of(self.scene.clone(), self.events.clone()).finish(&mut ())
+    }
+}
+
+/// A row of the study.
+pub struct Row {
+    /// Unique.
+    pub name: String,
+    /// Whether the model is right, so that a doubt is a false alarm.
+    pub is_right: bool,
+    /// The take of a seed, or why there is none.
+    pub make: Make,
+}
+
+/// From a seed.
+pub type Make = Box<dyn Fn(u64) -> Result<Asked, String> + Send + Sync>;

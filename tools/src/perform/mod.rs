@@ -1,0 +1,29 @@
+//! The performance maker: recordings of acted motions whose truth is known.
+//!
+//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@flips`]; [`die`] is
+//! none) is performed as a person would ([`act`]): slowly, in a wavering [`tempo`], with a hand
+//! that wanders ([`wander`]), before a tracker that is noisy, jitters and loses sight. A seed and
+//! the knobs in [`acting`] determine every byte.
+
+pub mod act;
+pub mod acting;
+pub mod bounces;
+pub mod die;
+pub mod encounter;
+pub mod flips;
+pub mod hat_box;
+pub mod performance;
+pub mod recording;
+pub mod styles;
+pub mod tempo;
+pub mod truth;
+pub mod wander;
+pub mod wish;
+
+pub use act::perform;
+pub use acting::{Acting, Outliers};
+pub use bounces::{Polyhedron, Throw, bounces, thrown};
+pub use flips::flips;
+pub use performance::Performance;
+pub use styles::Style;
+pub use truth::{Truth, TruthError, simulate};
