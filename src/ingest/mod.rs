@@ -3,7 +3,7 @@
 //! A [`Recording`] is an MCAP file held in memory. Opening it walks through it once and lists its
 //! channels and its damage; [`Recording::take`] returns all events of a scene's topics in file
 //! order, [`Recording::source`] the same one by one. [`Source`] is the interface from which a
-//! driver replays; [`MemorySource`] is one without a file. [`live`] receives samples from running
+//! driver replays; [`MemorySource`] is one without a file. `live` receives samples from running
 //! trackers, [`clock`] stamps them.
 
 pub mod clock;

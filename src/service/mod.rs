@@ -1,8 +1,8 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
-//! same recording gives the same bytes by both. [`capture`] runs it live. [`mark()`] proposes
-//! marks, [`direct()`] sends commands to a running [`capture`], [`recover_all`] recovers journals
-//! after a crash, [`doctor()`] checks what a capture needs.
+//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
+//! marks, `direct` sends commands to a running `capture`, [`recover_all`] recovers journals
+//! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
 //! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.

@@ -1,7 +1,7 @@
 //! Bytes ↔ motion, shared by ingest and write; no files.
 //!
 //! [`container`] finds the messages in an MCAP file held in memory, [`decode`] turns them into
-//! motion, [`encode`] turns motion into foxglove messages, [`ros2`] into ROS 2 messages. [`live`]
+//! motion, [`encode`] turns motion into foxglove messages, [`ros2`] into ROS 2 messages. `live`
 //! is the contract over iceoryx2. Foxglove's message types come from the `foxglove` crate and are
 //! used in this room only.
 

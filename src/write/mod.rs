@@ -4,11 +4,11 @@
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
 //! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording.
-//! [`journal`] keeps a live take as it comes, and [`mod@recover`] makes a recording of what a
-//! crash left of it; [`live`] publishes on iceoryx2, and [`show`] is what viewers are shown. Poses are those of
+//! `journal` keeps a live take as it comes, and [`mod@recover`] makes a recording of what a crash
+//! left of it; `live` publishes on iceoryx2, and `show` has the messages for viewers. Poses are those of
 //! [`sampling`](crate::sampling), drawings those of [`visual`](crate::visual), words and numbers those of
-//! [`report`](crate::report). Bytes depend on what is written and on
-//! nothing else: no clock, no thread count, no library version.
+//! [`report`](crate::report). The bytes of a file depend on its content only: no clock, no thread
+//! count, no library version.
 
 pub mod atomic;
 mod dialect;

@@ -530,7 +530,7 @@ fn a_face_that_lands_flat_rebounds_flat() {
             let case = Case {
                 a,
                 b: None,
-                contact: contacts[0],
+                contact: contacts.as_slice()[0],
                 law: Law::frictionless(restitution),
             };
             let (before, later) = (case.energy(&case.before()), case.energy(&impact.after));
@@ -559,7 +559,7 @@ fn contacts_that_would_pull_are_reported() {
             .pulls()
     };
     assert!(pulls(-4.0));
-    let two = ContactSet::frictionless(&contacts[..2]).expect("two");
+    let two = ContactSet::frictionless(&contacts.as_slice()[..2]).expect("two");
     let falling = (body, state(0.0));
     let impact = two
         .impact(&side(&falling), None, &Law::frictionless(0.3))

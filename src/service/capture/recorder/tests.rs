@@ -30,7 +30,7 @@ fn the_journal_is_synced_as_often_as_said() {
         metrics,
         feed: None,
     };
-    let mut state = State::new();
+    let mut state = RecorderState::new();
     recorder.start(&mut state, None);
     let take = state.take.as_ref().expect("a take");
     let inode = std::fs::metadata(take.journal.part()).expect("there").ino();
