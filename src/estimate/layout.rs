@@ -16,7 +16,7 @@ use crate::optimise::envelope::Pattern;
 /// Indices of the unknowns: the first of every part.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Index of each arc's state: [`STATE`] unknowns.
+    /// Index of each arc's state: as many unknowns as the arc's dynamics has dimensions.
     pub arcs: Vec<usize>,
     /// Index of each event's time, where it is free.
     pub events: Vec<Option<usize>>,
