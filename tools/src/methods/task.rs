@@ -60,7 +60,7 @@ impl Method {
         match self {
             Method::Program => "sliding grid, lifted event times (enact)".into(),
             Method::FullFlow => "enact with the general flow for every body".into(),
-            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (study's code)".into(),
+            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (general code)".into(),
             Method::Over(Grid::Implicit) => "sliding grid, implicit event times".into(),
             Method::Over(Grid::Shooting { .. }) => "single shooting".into(),
             Method::Multiple(1) => "multiple shooting, an interval per flight".into(),

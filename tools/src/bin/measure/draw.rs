@@ -19,6 +19,8 @@ const PLOT: (i32, i32) = (640, 420);
 const LEFT: i32 = 86;
 const RIGHT: i32 = 300;
 const LINE: i32 = 19;
+/// More names than this below the axis are written smaller.
+const MANY: usize = 9;
 /// How far from each other series stand whose points would lie on one another, and how wide all
 /// of them may be.
 const APART: i32 = 7;
@@ -64,7 +66,8 @@ pub fn svg(figure: &Figure) -> Result<String> {
 
 /// The lines of a name below the axis.
 fn column(figure: &Figure, name: &str) -> Vec<String> {
-    wrapped(name, PLOT.0 as usize / figure.x.names.len().max(1) / 8)
+    let letter = if figure.x.names.len() > MANY { 7 } else { 8 };
+    wrapped(name, PLOT.0 as usize / figure.x.names.len().max(1) / letter)
 }
 
 /// Where the curves are drawn.
@@ -119,8 +122,14 @@ impl Frame {
                     .any(|q| (p.0 - q.0).abs() < 3 && (p.1 - q.1).abs() < 3)
             })
         };
-        let is_crowded = (1..all.len()).any(|b| (0..b).any(|a| meet(&all[a], &all[b])));
-        if !(is_crowded || !figure.x.names.is_empty()) {
+        // Only where all stand at the same places across, which then need not be read exactly.
+        let longest = all.iter().max_by_key(|places| places.len());
+        let stands =
+            |at: i32| longest.is_some_and(|places| places.iter().any(|place| place.0 == at));
+        let is_common = all.iter().flatten().all(|place| stands(place.0));
+        let is_crowded =
+            is_common && (1..all.len()).any(|b| (0..b).any(|a| meet(&all[a], &all[b])));
+        if !is_crowded && figure.x.names.is_empty() {
             return;
         }
         let count = measured.len() as i32;
@@ -149,9 +158,10 @@ impl Frame {
             } else {
                 column(figure, &tick.label)
             };
+            let size = if figure.x.names.len() > MANY { 13 } else { 16 };
             for (index, part) in lines.iter().enumerate() {
                 let at = (tick.at, self.bottom + 7 + 17 * index as i32);
-                write(sheet, part, at, (16, INK), (HPos::Center, VPos::Top))?;
+                write(sheet, part, at, (size, INK), (HPos::Center, VPos::Top))?;
             }
         }
         for tick in self.y.ticks(&figure.y) {

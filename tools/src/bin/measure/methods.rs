@@ -189,7 +189,7 @@ fn methods(is_known: bool) -> Vec<Method> {
     let mut all = vec![
         Method::Program,
         Method::FullFlow,
-        // What the study's code costs that the program's does not.
+        // What general code costs that the program's does not.
         Method::Over(Grid::Lifted),
         Method::Over(Grid::Implicit),
         Method::Multiple(1),
