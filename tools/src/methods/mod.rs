@@ -15,6 +15,7 @@ pub mod judge;
 pub mod model;
 pub mod objective;
 pub mod parts;
+mod program;
 pub mod rows;
 pub mod setting;
 pub mod simulate;
@@ -24,5 +25,6 @@ pub mod task;
 pub mod touch;
 
 pub use judge::{Judged, judged};
+pub use program::Part;
 pub use split::Grid;
-pub use task::{Answer, Method, Part, Task};
+pub use task::{Answer, Method, Task};

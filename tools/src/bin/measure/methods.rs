@@ -197,6 +197,7 @@ fn methods(is_known: bool) -> Vec<Method> {
         Method::Over(Grid::Shooting { intervals: 1 }),
         Method::Without(Part::Sweep),
         Method::Without(Part::Multipliers),
+        Method::Without(Part::Hinge),
         Method::Without(Part::Pull),
     ];
     if is_known {
