@@ -4,7 +4,7 @@
 //!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`]);
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
-//!   thirty digits ([`reference`]), a problem for other solvers ([`export`]);
+//!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
 //! - how far an answer is off ([`errors`]), and the committed measurements of flows ([`front`]);
 //! - a [`tracker`] that publishes what it is told.
 //!
