@@ -1,5 +1,5 @@
 //! The estimate is physical, meets its goals, and is the optimum that a start from the truth
-//! finds; the whole study with many more seeds and starts is `tools/study`.
+//! finds; many more seeds and starts are the subject `answer` of `measure`.
 
 use enact::motion::Verdict;
 use enact_tools::case::{Case, Posed};

@@ -1,7 +1,7 @@
 //! Where methods fail: one performance of each kind of trouble. What must hold always: no panic,
 //! no number that is not finite, and never the verdict `physical` where an independent look says
 //! otherwise; and what is said must be what is stated here. The whole study, with a hundred
-//! seeds of each and many starts, is `tools/study`.
+//! seeds of each and many starts, is the subject `stress` of `measure`.
 
 use enact_tools::case::Case;
 use enact_tools::perform::Style;

@@ -30,7 +30,7 @@ const STEP_RAD: f64 = 0.25;
 
 /// Moves the times of events at which bodies turn fast to where the unchanged arcs of `point`
 /// violate the event's contacts, continuity of poses and goals the least.
-pub(super) fn align(context: &SolveContext, point: &mut Point) {
+pub fn align(context: &SolveContext, point: &mut Point) {
     for event in 0..context.problem.event_is_free.len() {
         let (interval_s, turned_rad) = between_samples(context.problem, point, event);
         if context.problem.event_is_free[event] && turned_rad >= FAST_RAD {

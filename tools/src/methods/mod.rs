@@ -15,14 +15,16 @@ pub mod judge;
 pub mod model;
 pub mod objective;
 pub mod parts;
+pub mod program;
 pub mod rows;
 pub mod setting;
 pub mod simulate;
 pub mod split;
 pub mod stages;
-pub mod task;
+mod task;
 pub mod touch;
 
 pub use judge::{Judged, judged};
+pub use program::Part;
 pub use split::Grid;
-pub use task::{Answer, Method, Part, Task};
+pub use task::{Answer, Method, Task};

@@ -1,26 +1,21 @@
 //! What a method is asked, and what it answers.
 
+use enact::physics::Dynamics;
 use std::time::Instant;
 
 use enact::estimate::layout::Layout;
 use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::recipe;
 use enact::motion::Guess;
-use enact::optimise::Schedule;
 use enact::optimise::finish::Tolerances;
-use enact::physics::body::Symmetry;
-use enact::physics::{Body, Dynamics};
-use nalgebra::Vector3;
 
 use super::model::Model;
+use super::program::{Part, ending_at, own, with_three_moments, without, without_hinge};
 use super::setting::Setting;
 use super::split::Grid;
 use super::{Judged, evolution, judged, stages};
 
-/// Moments are nudged by this, relative, so that they are three different ones: far more than what
-/// the program takes for rounding (2e-15), far less than what shows in an objective.
-const NUDGE: f64 = 1e-13;
 /// Violation of a success, in units.
 const HOLDS: f64 = 1e-6;
 /// Violation of an answer that may be the best one.
@@ -43,24 +38,13 @@ pub enum Method {
     Without(Part),
 }
 
-/// A part of the program's recipe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// The descent with all constraints as a penalty.
-    Sweep,
-    /// The rounds of multipliers before the finish.
-    Multipliers,
-    /// The pull of events to where they begin, while the sweep's weight is small.
-    Pull,
-}
-
 impl Method {
     /// Its name.
     pub fn name(self) -> String {
         match self {
             Method::Program => "sliding grid, lifted event times (enact)".into(),
             Method::FullFlow => "enact with the general flow for every body".into(),
-            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (study's code)".into(),
+            Method::Over(Grid::Lifted) => "sliding grid, lifted event times (general code)".into(),
             Method::Over(Grid::Implicit) => "sliding grid, implicit event times".into(),
             Method::Over(Grid::Shooting { .. }) => "single shooting".into(),
             Method::Multiple(1) => "multiple shooting, an interval per flight".into(),
@@ -71,6 +55,7 @@ impl Method {
             Method::Without(Part::Sweep) => "enact without its sweep".into(),
             Method::Without(Part::Multipliers) => "enact without multiplier rounds".into(),
             Method::Without(Part::Pull) => "enact without the events' pull".into(),
+            Method::Without(Part::Hinge) => "enact without the contacts' hinge".into(),
         }
     }
 }
@@ -170,12 +155,11 @@ impl Task {
             }
             Method::Without(part) => {
                 let layout = Layout::new(&self.problem);
-                own(
-                    &self.problem,
-                    &layout,
-                    guess,
-                    &without(part, ending_at(tolerances)),
-                )
+                let recipe = ending_at(tolerances);
+                match part {
+                    Part::Hinge => without_hinge(&self.problem, &layout, guess, &recipe),
+                    _ => own(&self.problem, &layout, guess, &without(part, recipe)),
+                }
             }
             Method::FullFlow => {
                 let mut problem = self.problem.clone();
@@ -211,50 +195,4 @@ impl Task {
             }
         }
     }
-}
-
-fn own(problem: &Problem, layout: &Layout, guess: &Guess, recipe: &Recipe) -> (Point, bool) {
-    let solution = recipe::solve(problem, layout, guess, recipe, &mut ());
-    (solution.point, solution.finished.converged)
-}
-
-/// A recipe with a part left out.
-fn without(part: Part, mut recipe: Recipe) -> Recipe {
-    match part {
-        Part::Sweep => recipe.schedule.sweep_weights.clear(),
-        Part::Multipliers => recipe.schedule.multiplier_rounds = (0, 0),
-        Part::Pull => recipe.event_sd_s = f64::INFINITY,
-    }
-    recipe
-}
-
-/// The program's recipe with those tolerances.
-fn ending_at(tolerances: &Tolerances) -> Recipe {
-    let usual = Schedule::default();
-    Recipe::of(Schedule {
-        tolerances: *tolerances,
-        // Who asks for no finish gets none.
-        retries: if tolerances.steps > 0 {
-            usual.retries
-        } else {
-            0
-        },
-        ..usual
-    })
-}
-
-/// The body with moments that differ by rounding, so that its turn is computed as the general one.
-pub fn with_three_moments(body: &Body) -> Body {
-    let signs = match body.symmetry() {
-        Symmetry::Spherical => Vector3::new(-1.0, 0.0, 1.0),
-        Symmetry::Axial { axis } => Vector3::from_fn(|i, _| match (i + 3 - axis) % 3 {
-            0 => 0.0,
-            1 => -1.0,
-            _ => 1.0,
-        }),
-        Symmetry::Asymmetric => Vector3::zeros(),
-    };
-    let moments = body.moments_kg_m2();
-    let nudged = moments + moments.component_mul(&signs) * NUDGE;
-    Body::new(body.mass_kg(), nudged).expect("nearly the moments of a body")
 }

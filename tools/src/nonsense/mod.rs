@@ -26,7 +26,7 @@ impl Asked {
     }
 }
 
-/// A row of the study.
+/// A kind of take.
 pub struct Row {
     /// Unique.
     pub name: String,

@@ -1,6 +1,7 @@
 //! How often the program finds the best known optimum, and what it takes.
 
 mod rows;
+mod show;
 
 use std::time::Instant;
 
@@ -11,15 +12,17 @@ use serde::Serialize;
 
 use crate::options::Options;
 use crate::record::Record;
-use crate::statistics::{largest, median, rms};
-use crate::table::{Table, number, percent, share};
+use crate::table::percent;
 use enact_tools::case::{Case, best_verdict};
 use enact_tools::errors::{goal_gap, has_converged, sample_time_errors_s, simulated_goal_gap};
 use enact_tools::starts::{is_best, lowest, starts};
 use rows::Row;
+use show::{failures, found, sample_times};
 
 /// Performances of a row.
 const SEEDS: u64 = 50;
+/// One of so many rows is in a quick run.
+const QUICK: usize = 5;
 
 /// One performance. Numbers of what was refused are none.
 #[derive(Serialize)]
@@ -60,12 +63,13 @@ struct Block {
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut blocks = Vec::new();
-    for row in rows::all() {
+    // A quick run makes some rows of each table.
+    for row in rows::all().into_iter().step_by(options.either(QUICK, 1)) {
         if !options.wants(&row.name) {
             continue;
         }
-        let seeds = options.seeds(SEEDS);
-        let seeds: Vec<Judged> = seeds.filter_map(|seed| judged(&row, seed)).collect();
+        let (seeds, most) = (options.seeds(SEEDS), options.either(3, usize::MAX));
+        let seeds: Vec<Judged> = seeds.filter_map(|seed| judged(&row, seed, most)).collect();
         let good = seeds.iter().filter(|seed| seed.is_best).count();
         eprintln!("  {}: {good} of {}", row.name, seeds.len());
         blocks.push(Block {
@@ -102,8 +106,8 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     record.numbers("rows", &blocks)
 }
 
-/// What became of a performance; `None` where no motion is found.
-fn judged(row: &Row, seed: u64) -> Option<Judged> {
+/// What became of a performance beside so many starts; `None` where no motion is found.
+fn judged(row: &Row, seed: u64, starts_max: usize) -> Option<Judged> {
     let case = row.case(seed)?;
     let pipeline = case.pipeline();
     let began = Instant::now();
@@ -133,7 +137,9 @@ fn judged(row: &Row, seed: u64) -> Option<Judged> {
     };
     let estimate = &outcome.estimate;
     let (posed, truth) = case.posed(&outcome);
-    let known = lowest(&posed, &starts(&posed, &truth, seed));
+    let mut from = starts(&posed, &truth, seed);
+    from.truncate(starts_max);
+    let known = lowest(&posed, &from);
     let is_right = estimate.verdict == best_verdict(case.scene());
     let is_lowest = |lowest: f64| is_best(estimate.objective, lowest);
     let errors = estimate.events.iter().zip(&truth.event_times_s);
@@ -169,114 +175,4 @@ fn simulated(case: &Case, estimate: &enact::motion::Estimate) -> (f64, f64) {
         return (f64::NAN, f64::NAN);
     }
     simulated_goal_gap(case, estimate)
-}
-
-impl Block {
-    /// Of those that have an estimate.
-    fn of(&self, value: impl Fn(&Judged) -> f64) -> Vec<f64> {
-        let estimated = self.seeds.iter().filter(|seed| seed.verdict != "refused");
-        estimated.map(value).collect()
-    }
-
-    /// Largest of the physical ones, of both parts of a gap.
-    fn gap(&self, value: impl Fn(&Judged) -> (f64, f64)) -> String {
-        let physical = self.seeds.iter().filter(|seed| seed.verdict == "physical");
-        let (m, rad): (Vec<f64>, Vec<f64>) = physical.map(value).unzip();
-        format!("{}, {}", number(largest(&m)), number(largest(&rad)))
-    }
-
-    fn share(&self, is: impl Fn(&Judged) -> bool) -> String {
-        share(&self.seeds, is)
-    }
-}
-
-fn found(name: &str, title: &str, blocks: &[&Block]) -> Table {
-    let header = [
-        "performed",
-        "n",
-        "gaps closed",
-        "physical",
-        "plausible",
-        "converged",
-        "best known optimum",
-        "largest goal gap m, rad",
-        "the same simulated",
-        "event error ms median (max)",
-        "iterations median (max)",
-        "time ms median (max)",
-    ];
-    let mut table = Table::new(name, title, &header);
-    for block in blocks {
-        let both = |value: fn(&Judged) -> f64| {
-            let values = block.of(value);
-            format!("{} ({})", number(median(&values)), number(largest(&values)))
-        };
-        table.row([
-            block.name.clone(),
-            block.seeds.len().to_string(),
-            block.share(|seed| seed.verdict == "physical"),
-            block.share(|seed| seed.checked == "physical"),
-            block.share(|seed| seed.checked == "plausible"),
-            block.share(|seed| seed.has_converged),
-            block.share(|seed| seed.is_best),
-            block.gap(|seed| seed.goal_gap),
-            block.gap(|seed| seed.simulated_gap),
-            both(|seed| seed.event_error_ms),
-            both(|seed| seed.iterations as f64),
-            both(|seed| seed.time_ms),
-        ]);
-    }
-    table
-}
-
-fn sample_times(blocks: &[Block]) -> Table {
-    let header = [
-        "performed",
-        "rms ms",
-        "rms ms, best offset taken off",
-        "worst seed ms, offset taken off",
-    ];
-    let title = "Recovered sample times of pencils, error against the hidden ones";
-    let mut table = Table::new("sample_times", title, &header);
-    let is_told = |block: &&Block| block.table == "pencils" && !block.timing_known;
-    for block in blocks.iter().filter(is_told) {
-        let centred = block.of(|seed| seed.sample_times_ms.1);
-        table.row([
-            block.name.clone(),
-            number(rms(&block.of(|seed| seed.sample_times_ms.0))),
-            number(rms(&centred)),
-            number(largest(&centred)),
-        ]);
-    }
-    table
-}
-
-/// Seeds that are not at the best known optimum.
-fn failures(blocks: &[Block]) -> Table {
-    let header = [
-        "performed",
-        "without its verdict",
-        "above the best (objective over lowest)",
-    ];
-    let title = "Seeds that do not end at the best known optimum";
-    let mut table = Table::new("failures", title, &header);
-    let list = |texts: Vec<String>| match texts.len().saturating_sub(12) {
-        0 => texts.join(", "),
-        more => format!("{}, {more} more", texts[..12].join(", ")),
-    };
-    for block in blocks {
-        let (mut without, mut above) = (Vec::new(), Vec::new());
-        for seed in block.seeds.iter().filter(|seed| !seed.is_best) {
-            match &seed.lowest {
-                Some((lowest, _)) if !is_best(seed.objective, *lowest) => {
-                    above.push(format!("{} ({:.4})", seed.seed, seed.objective / lowest));
-                }
-                _ => without.push(seed.seed.to_string()),
-            }
-        }
-        if !(without.is_empty() && above.is_empty()) {
-            table.row([block.name.clone(), list(without), list(above)]);
-        }
-    }
-    table
 }

@@ -132,6 +132,7 @@ fn methods(is_known: bool, evaluations: usize) -> Vec<Method> {
         Method::Over(Grid::Shooting { intervals: 1 }),
         Method::Without(Part::Sweep),
         Method::Without(Part::Multipliers),
+        Method::Without(Part::Hinge),
     ];
     if is_known {
         all.push(Method::Sampling(evaluations));

@@ -10,23 +10,22 @@ mod library;
 mod lie;
 mod method;
 mod runge_kutta;
+mod show;
 mod taylor;
+mod truth;
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::Result;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::figure::{Axis, Curve, Figure, Mark};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::median;
-use crate::table::Table;
 use enact_tools::front::{Point, Task, Turning};
-use enact_tools::reference::{self, Pair};
 use method::{Method, Start, Turned};
-use taylor::Taylor;
+use show::{Error, figure, fronts, references};
+use truth::Truth;
 
 /// Name in files, in words, moments [kg m²], angular velocity [rad/s].
 const BODIES: [(&str, &str, [f64; 3], [f64; 3]); 7] = [
@@ -197,205 +196,4 @@ fn time_s(quick: bool, mut call: impl FnMut()) -> [f64; 2] {
         times_s.iter().copied().fold(f64::INFINITY, f64::min),
         median(&times_s),
     ]
-}
-
-/// The turn to thirty digits.
-struct Truth {
-    rotation: Matrix3<f64>,
-    /// Right perturbation by `ω(0)`.
-    by_spin: Matrix3<f64>,
-    /// What half a rounding of the first angular velocity makes of both: \[rad\], relative.
-    condition: [f64; 2],
-    /// From the second method: rotation \[rad\], derivative, relative.
-    differs: [f64; 2],
-}
-
-impl Truth {
-    /// By extrapolation, its derivative by central differences with a step of 1e-12; and both by
-    /// Taylor series of order 40 in the same numbers.
-    fn of(start: &Start, duration_s: f64) -> Self {
-        let speed = Vector3::from(start.omega).norm();
-        let run =
-            |omega: [Pair; 3]| reference::turn(start.moments, &reference::epoch(omega), duration_s);
-        let centre = run(start.omega.map(Pair::from));
-        let quaternion = |q: &[f64]| nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]);
-        let rotation = UnitQuaternion::new_normalize(quaternion(&centre.map(|pair| pair.0)));
-        let mut by_spin = Matrix3::zeros();
-        let step = 1e-12;
-        for column in 0..3 {
-            let moved = |sign: f64| {
-                let mut moved = start.omega.map(Pair::from);
-                moved[column] = moved[column] + Pair(sign * step, 0.0);
-                run(moved)
-            };
-            let (ahead, back) = (moved(1.0), moved(-1.0));
-            let change: Vec<f64> = (0..4)
-                .map(|i| (ahead[i] - back[i]).0 / (2.0 * step))
-                .collect();
-            let turn = (rotation.quaternion().conjugate() * quaternion(&change)).imag() * 2.0;
-            by_spin.set_column(column, &turn);
-        }
-        let series = |omega: [f64; 3]| {
-            let mut taylor = Taylor::<Pair, 41>::new(start.moments, omega, 1e-34);
-            let node = taylor.node(duration_s).expect("steps that end");
-            let by_spin = Matrix3::from_fn(|row, column| node.eta[column][row].0);
-            (node, by_spin)
-        };
-        let (node, second) = series(start.omega);
-        // Away from its direction, which matters more than its size.
-        let [a, b, c] = start.omega;
-        let half = f64::EPSILON / 2.0;
-        let (_, rounded) = series([a * (1.0 + half), b * (1.0 - half), c * (1.0 + half)]);
-        // Half a rounding more may be none: 1 + ε/2 is 1.
-        let (_, beyond) = series([
-            a * (1.0 + 2.0 * half),
-            b * (1.0 - half),
-            c * (1.0 + 2.0 * half),
-        ]);
-        let apart = (0..4).map(|i| (node.turn[i] - centre[i]).0.powi(2));
-        let changed = (rounded - second)
-            .norm()
-            .max((beyond - second).norm() / 2.0);
-        Self {
-            rotation: rotation.to_rotation_matrix().into_inner(),
-            by_spin: second,
-            condition: [second.norm() * speed * half, changed / second.norm()],
-            differs: [
-                2.0 * apart.sum::<f64>().sqrt(),
-                (second - by_spin).norm() / second.norm(),
-            ],
-        }
-    }
-}
-
-/// Which error stands across.
-#[derive(Clone, Copy)]
-enum Error {
-    Rotation,
-    Derivative,
-}
-
-fn figure(turning: &Turning, task: &Task, error: Error) -> Figure {
-    let Turning {
-        title,
-        moments,
-        omega,
-        ..
-    } = turning;
-    let mut names: Vec<&str> = Vec::new();
-    for point in &task.points {
-        if !names.contains(&point.method.as_str()) {
-            names.push(&point.method);
-        }
-    }
-    let curve = |name: &&str| {
-        let own = task.points.iter().filter(|point| point.method == *name);
-        let mark = |point: &Point| Mark {
-            x: match error {
-                Error::Rotation => point.error_rad,
-                Error::Derivative => point.derivative_error,
-            }
-            .map_or(f64::NAN, |error| error.max(1e-17)),
-            y: point.fastest_s,
-            spread: Some([point.fastest_s, point.median_s]),
-            setting: (!point.setting.is_empty()).then(|| point.setting.clone()),
-            failed: point.failed(),
-        };
-        let curve = Curve::new(*name, own.map(mark).collect());
-        if *name == turning.chosen {
-            Curve::ours(*name, curve.points)
-        } else {
-            curve
-        }
-    };
-    let (duration_s, condition) = (task.duration_s, task.condition_rad);
-    let (of, across, ending) = match error {
-        Error::Rotation => (
-            "Turn",
-            format!("error of the orientation after {duration_s} s [rad]"),
-            "",
-        ),
-        Error::Derivative => (
-            "Derivative of the turn",
-            format!(
-                "error of the orientation's derivative by the first angular velocity after {duration_s} s, relative"
-            ),
-            "_derivative",
-        ),
-    };
-    let (asked, suffix) = match task.samples {
-        1 => ("asked for once".to_owned(), "once"),
-        samples => (format!("asked for at {samples} samples"), "flight"),
-    };
-    Figure {
-        name: format!("flow_{}_{duration_s}s_{suffix}{ending}", turning.name),
-        title: format!(
-            "{of} of {title} over {duration_s} s, {asked}: the further left the more exact, the further down the faster"
-        ),
-        note: format!(
-            "Moments {moments:?}, first angular velocity {omega:?} rad/s. One point per tolerance or step. \
-             Times: fastest run, bars to the median of all. Half a rounding of the first angular velocity \
-             turns the end by {condition:.1e} rad."
-        ),
-        x: Axis::logarithmic(&across),
-        y: Axis::logarithmic("time per evaluation with derivatives [s]"),
-        curves: names.iter().map(curve).collect(),
-    }
-}
-
-fn fronts(turnings: &[Turning]) -> Table {
-    let header = [
-        "body",
-        "duration",
-        "times asked for",
-        "the program's, per time",
-        "its error, rad",
-        "its derivative's, relative",
-        "fastest other that is exact to rounding",
-        "its time over the program's",
-        "as exact to rounding, and faster",
-        "program on the front",
-    ];
-    let mut table = Table::new("fronts", "", &header);
-    for turning in turnings {
-        for task in &turning.tasks {
-            let ours = task.ours();
-            let other = task.fastest_exact_other();
-            let faster = task.as_exact_and_faster().into_iter();
-            let faster = faster.min_by(|a, b| a.fastest_s.total_cmp(&b.fastest_s));
-            let named = |point: &Point| format!("{} {}", point.method, point.setting);
-            let over = |other: &Point| format!("{:.2}", other.fastest_s / ours.fastest_s);
-            let is_front = task.ahead_of_ours().is_empty();
-            table.row([
-                turning.title.clone(),
-                format!("{} s", task.duration_s),
-                task.samples.to_string(),
-                format!("{:.3} µs", 1e6 * ours.fastest_s),
-                format!("{:.0e}", ours.error_rad.unwrap_or(f64::NAN)),
-                format!("{:.0e}", ours.derivative_error.unwrap_or(f64::NAN)),
-                other.map_or("none".to_owned(), named),
-                other.map_or("–".to_owned(), over),
-                faster.map_or("nothing".to_owned(), named),
-                if is_front { "yes" } else { "no" }.to_owned(),
-            ]);
-        }
-    }
-    table
-}
-
-fn references(turnings: &[Turning]) -> Table {
-    let header = [
-        "body",
-        "rotations differ by at most, rad",
-        "derivatives, relative",
-    ];
-    let mut table = Table::new("references", "", &header);
-    for turning in turnings {
-        let worst = |index: usize| {
-            let all = turning.tasks.iter().map(|task| task.reference[index]);
-            format!("{:.0e}", all.fold(0.0, f64::max))
-        };
-        table.row([turning.title.clone(), worst(0), worst(1)]);
-    }
-    table
 }

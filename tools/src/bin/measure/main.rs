@@ -1,10 +1,10 @@
 //! Measurements of the program, on performances whose truth is known and on real recordings.
 //!
 //! ```text
-//! cargo run --release --bin measure                          # everything, in hours
-//! cargo run --release --bin measure -- --quick               # that everything runs, in a minute
-//! cargo run --release --bin measure -- --only flow peers     # two subjects
-//! cargo run --release --bin measure -- --draw                # pages and drawings from the numbers
+//! cargo run --release -p enact-tools --bin measure                          # everything, in hours
+//! cargo run --release -p enact-tools --bin measure -- --quick               # that everything runs, in a minute
+//! cargo run --release -p enact-tools --bin measure -- --only flow peers     # two subjects
+//! cargo run --release -p enact-tools --bin measure -- --draw                # pages and drawings from the numbers
 //! ```
 //!
 //! Every subject leaves a [`record::Record`] in `tools/results`: tables, figures, raw numbers, and

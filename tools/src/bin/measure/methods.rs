@@ -2,6 +2,7 @@
 //! methods on every scene.
 
 mod scenes;
+mod solves;
 
 use std::time::Instant;
 
@@ -16,22 +17,7 @@ use crate::statistics::quantile;
 use enact_tools::case::Case;
 use enact_tools::methods::{Answer, Grid, Method, Part};
 use scenes::{Scene, scenes};
-
-/// What varies along a curve.
-#[derive(Clone, Copy)]
-struct Setting {
-    method: Method,
-    tolerances: Tolerances,
-}
-
-/// One solve.
-struct Point {
-    error: f64,
-    /// From the true motion; none where no motion is true \[mm\].
-    off_mm: Option<f64>,
-    took_s: f64,
-    is_in_order: bool,
-}
+use solves::{Point, REPEATS, Setting, Solves};
 
 /// Performances of each scene.
 const SEEDS: u64 = 10;
@@ -41,14 +27,6 @@ const SAMPLED: usize = 3;
 const LONGEST_S: f64 = 4.0;
 /// Starts among which the best optimum is.
 const STARTS: usize = 20;
-/// Errors below this are rounding.
-const ROUNDING: f64 = 1e-15;
-/// Greatest error of an answer that is taken for the best optimum, roughly solved.
-const NEAR: f64 = 1e-4;
-/// Repeats of a solve, of which the fastest counts, until they take this long together \[s\].
-const REPEATS: usize = 5;
-const ENOUGH_S: f64 = 0.02;
-
 /// Makes two figures for each scene.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut ours = [0, 0];
@@ -97,7 +75,13 @@ fn figures(scene: &Scene, posings: &mut [Posing], quick: bool, record: &mut Reco
         };
         near_best.push(curve(solves.marks(&settings, |point| point.error)));
         let from_truth = |point: &Point| point.off_mm.unwrap_or(f64::NAN);
-        near_truth.push(curve(solves.marks(&settings, from_truth)));
+        // Tolerances do not show there.
+        let marks = solves.marks(&settings, from_truth).split_off(solves.last());
+        let unnamed = marks.into_iter().map(|mark| Mark {
+            setting: None,
+            ..mark
+        });
+        near_truth.push(curve(unnamed.collect()));
         if method == Method::Program {
             ours = solved;
         }
@@ -125,7 +109,7 @@ fn figures(scene: &Scene, posings: &mut [Posing], quick: bool, record: &mut Reco
         record.figure(Figure {
             name: format!("methods_{}_truth", scene.name),
             title: format!("How near the truth in what time: {}", scene.title),
-            note: "The same solves. Across: the largest distance from the true motion at the middle of a flight; what the \
+            note: "The same solves at the tightest tolerance. Across: the largest distance from the true motion at the middle of a flight; what the \
                    hand did is farther from it than any solver from its optimum. The whole estimate goes from poses and \
                    marks to intervals, segmentation and arc fits included."
                 .to_owned(),
@@ -189,7 +173,7 @@ fn methods(is_known: bool) -> Vec<Method> {
     let mut all = vec![
         Method::Program,
         Method::FullFlow,
-        // What the study's code costs that the program's does not.
+        // What general code costs that the program's does not.
         Method::Over(Grid::Lifted),
         Method::Over(Grid::Implicit),
         Method::Multiple(1),
@@ -197,6 +181,7 @@ fn methods(is_known: bool) -> Vec<Method> {
         Method::Over(Grid::Shooting { intervals: 1 }),
         Method::Without(Part::Sweep),
         Method::Without(Part::Multipliers),
+        Method::Without(Part::Hinge),
         Method::Without(Part::Pull),
     ];
     if is_known {
@@ -243,88 +228,4 @@ fn settings(method: Method, posings: &[Posing], quick: bool) -> Vec<Setting> {
     ]);
     all.map(|tolerances| Setting { method, tolerances })
         .collect()
-}
-
-/// A method on all performances: those that end well, and the last solve of the others.
-struct Solves {
-    well: Vec<Vec<Point>>,
-    elsewhere: Vec<Point>,
-}
-
-impl Solves {
-    fn of(posings: &[Posing], settings: &[Setting], quick: bool) -> Self {
-        let (mut well, mut elsewhere) = (Vec::new(), Vec::new());
-        for posing in posings {
-            let points = settings.iter().map(|setting| point(posing, setting, quick));
-            let mut points: Vec<Point> = points.collect();
-            match points.last() {
-                Some(last) if last.error < NEAR && last.is_in_order => well.push(points),
-                _ => elsewhere.extend(points.pop()),
-            }
-        }
-        Self { well, elsewhere }
-    }
-
-    /// Points of a curve, by what stands across.
-    fn marks(&self, settings: &[Setting], across: impl Fn(&Point) -> f64) -> Vec<Mark> {
-        let mut marks = Vec::new();
-        for (index, setting) in settings.iter().enumerate() {
-            if self.well.is_empty() {
-                break;
-            }
-            let times_s: Vec<f64> = self
-                .well
-                .iter()
-                .map(|points| points[index].took_s)
-                .collect();
-            let errors: Vec<f64> = self
-                .well
-                .iter()
-                .map(|points| across(&points[index]))
-                .collect();
-            marks.push(Mark {
-                spread: Some([quantile(&times_s, 0.25), quantile(&times_s, 0.75)]),
-                setting: Some(match setting.method {
-                    Method::Sampling(evaluations) => format!("{evaluations} evaluations"),
-                    _ if setting.tolerances.steps == 0 => "no finish".into(),
-                    _ => format!("{:.0e}", setting.tolerances.violation),
-                }),
-                ..Mark::at(quantile(&errors, 0.5), quantile(&times_s, 0.5))
-            });
-        }
-        marks.extend(self.elsewhere.iter().map(|last| Mark {
-            failed: true,
-            ..Mark::at(across(last), last.took_s)
-        }));
-        marks
-    }
-}
-
-fn point(posing: &Posing, setting: &Setting, quick: bool) -> Point {
-    let task = &posing.task;
-    let answer = || task.answer(setting.method, &setting.tolerances);
-    let first: Answer = answer();
-    let mut took_s = first.took_s;
-    let mut together_s = took_s;
-    for _ in 1..REPEATS {
-        if quick || together_s > ENOUGH_S {
-            break;
-        }
-        let again_s = answer().took_s;
-        took_s = took_s.min(again_s);
-        together_s += again_s;
-    }
-    let best = task.best.unwrap_or(f64::NAN);
-    let error = first.error(best).max(ROUNDING);
-    Point {
-        // What is not even a motion has no error: far right.
-        error: if error.is_finite() {
-            error.min(1e6)
-        } else {
-            1e6
-        },
-        off_mm: posing.off_mm(&first),
-        took_s,
-        is_in_order: first.is_in_order,
-    }
 }

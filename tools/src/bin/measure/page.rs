@@ -112,7 +112,7 @@ fn made_by(subject: &Subject, run: &Run) -> String {
         ""
     };
     format!(
-        "Made by `cargo run --release --bin measure -- --only {}` at revision {}, {}, in {:.0} s on {} cores of \
+        "Made by `cargo run --release -p enact-tools --bin measure -- --only {}` at revision {}, {}, in {:.0} s on {} cores of \
          {}; {}.{check}",
         subject.name, run.revision, run.date, run.seconds, run.cores, run.processor, run.rustc
     )

@@ -109,3 +109,19 @@ pub fn wrapped(text: &str, most: usize) -> Vec<String> {
     }
     lines
 }
+
+/// A rectangle that is taken: left, top, right, bottom.
+pub struct Area(pub [i32; 4]);
+
+impl Area {
+    /// About a point.
+    pub fn about((x, y): (i32, i32)) -> Self {
+        Self([x - 5, y - 5, x + 5, y + 5])
+    }
+
+    /// Whether two have a place in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        a < g && e < c && b < h && f < d
+    }
+}

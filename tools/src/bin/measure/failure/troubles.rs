@@ -169,7 +169,7 @@ fn cube(count: usize, acting: &Acting, seed: u64) -> Result<Case, String> {
     Ok(Case::new(&truth, acting, seed))
 }
 
-/// As the stress study makes it.
+/// As the subject `stress` makes it.
 fn approach(speed_m_s: f64, seed: u64) -> Result<Case, String> {
     let name = format!("{speed_m_s} m/s against a wall");
     let all = stress::all();
