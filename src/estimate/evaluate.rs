@@ -12,11 +12,20 @@ use crate::optimise::{Program, Structure, System};
 
 /// Typical step lengths `s` of the damping `10/s²` ([`Program::damping`]).
 mod length {
-    pub const POSITION_M: f64 = 0.05;
-    pub const ORIENTATION_RAD: f64 = 1.0;
-    pub const VELOCITY_M_S: f64 = 0.5;
-    pub const ANGULAR_VELOCITY_RAD_S: f64 = 5.0;
+    use crate::physics::Dynamics;
+
     pub const TIME_S: f64 = 0.02;
+
+    /// Of the directions of a free body's state, three by three: position \[m\], orientation \[rad\],
+    /// velocity [m/s], angular velocity [rad/s].
+    const FREE: [f64; 4] = [0.05, 1.0, 0.5, 5.0];
+
+    /// Of every direction in which the state of a mechanism may change.
+    pub fn of_state(dynamics: &Dynamics) -> impl Iterator<Item = f64> {
+        match dynamics {
+            Dynamics::Free(_) => FREE.into_iter().flat_map(|length| [length; 3]),
+        }
+    }
 }
 
 impl Program for SolveContext<'_> {
@@ -47,17 +56,10 @@ impl Program for SolveContext<'_> {
         let information = problem.least_information();
         let weight = |length: f64| 10.0 * information / (length * length);
         let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
-        for at in &layout.arcs {
-            for (block, length) in [
-                length::POSITION_M,
-                length::ORIENTATION_RAD,
-                length::VELOCITY_M_S,
-                length::ANGULAR_VELOCITY_RAD_S,
-            ]
-            .into_iter()
-            .enumerate()
-            {
-                scale.rows_mut(at + 3 * block, 3).fill(weight(length));
+        for arc in 0..problem.arcs.len() {
+            let lengths = length::of_state(problem.dynamics_of(arc));
+            for (at, length) in layout.state(problem, arc).zip(lengths) {
+                scale[at] = weight(length);
             }
         }
         for (at, free) in layout.parameters.iter().zip(&problem.parameters) {
