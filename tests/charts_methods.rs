@@ -2,7 +2,6 @@
 //! sketch that is nearly the truth every one of them ends where the program does.
 
 use enact::estimate::context::Guidance;
-use enact::estimate::layout::Layout;
 use enact::estimate::recipe::{self, Recipe};
 use enact::optimise::Program;
 use enact::optimise::finish::Tolerances;
@@ -27,12 +26,7 @@ const GRIDS: [Grid; 5] = [
 
 fn posed(case: &Case) -> Posed {
     let outcome = case.estimated(&mut ()).expect("an estimate");
-    let mut posed = Posed::without_marks(case.scene(), &outcome.sketch);
-    if case.scene().velocity_gaps == enact::motion::VelocityGaps::Always {
-        posed.problem = posed.problem.with_velocity_gaps();
-        posed.layout = Layout::new(&posed.problem);
-    }
-    posed
+    case.posed_without_marks(&outcome).0
 }
 
 fn slightly(acting: Acting) -> Acting {

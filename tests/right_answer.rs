@@ -2,10 +2,10 @@
 //! finds; many more seeds and starts are the subject `answer` of `measure`.
 
 use enact::motion::Verdict;
-use enact_tools::case::{Case, Posed};
+use enact_tools::case::Case;
 use enact_tools::errors::{goal_gap, simulated_goal_gap};
 use enact_tools::perform::{Acting, Style};
-use enact_tools::starts::{from_truth, is_best, optimum};
+use enact_tools::starts::{is_best, optimum_from_truth};
 
 /// Of goals, metres and radians.
 const GAP: f64 = 1e-9;
@@ -34,9 +34,7 @@ fn assert_right(style: Style, acting: &Acting, seeds: std::ops::Range<u64>) {
             gap_m < SIMULATED_GAP && gap_rad < SIMULATED_GAP,
             "{at}, simulated: {gap_m} m, {gap_rad} rad"
         );
-        let posed = Posed::new(case.scene(), &outcome.sketch);
-        let start = from_truth(&case.true_guess(&posed, &outcome.sketch));
-        if let Some(known) = optimum(&posed, &start) {
+        if let Some(known) = optimum_from_truth(&case, &outcome) {
             let objective = estimate.objective;
             assert!(
                 is_best(objective, known.objective),

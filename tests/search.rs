@@ -2,57 +2,25 @@
 //! does, and the same sequence of collisions as by trying them all.
 
 use enact_tools::perform;
-use std::path::Path;
 
-use enact::config::scene_from_toml;
 use enact::estimate::recipe::{self, Recipe};
 use enact::estimate::{Bound, Part};
-use enact::ingest::{Recording, Source};
-use enact::motion::{Event, EventKind, Scene, Touching, VelocityGaps, Verdict};
+use enact::motion::{Event, EventKind, Scene, VelocityGaps, Verdict};
 use enact::optimise::lagrangian::AugmentedLagrangian;
-use enact::pipeline::{Outcome, Pipeline, SearchWork};
+use enact::pipeline::{Outcome, SearchWork};
 use enact_tools::case::{Case, Posed, another_leads, estimated};
+use enact_tools::open::{OPEN, RECORDINGS, opened, recorded, without_contacts};
 use enact_tools::perform::{Acting, Polyhedron, Throw, bounces, thrown};
-
-const OPEN: Touching = Touching {
-    feature: None,
-    other: None,
-};
-
-fn of_recording(name: &str, edit: impl Fn(&str) -> String) -> Outcome {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let recording = Recording::open(&root.join(format!("recordings/{name}.mcap"))).unwrap();
-    let text = edit(std::str::from_utf8(recording.scene_toml().unwrap()).unwrap());
-    let scene = scene_from_toml(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let mut pipeline = Pipeline::new(scene.clone());
-    let mut source = recording.source(&scene).unwrap();
-    while let Some((_, event)) = source.next().unwrap() {
-        pipeline.push(event);
-    }
-    pipeline.finish(&mut ()).unwrap()
-}
-
-/// A scene file without what touches.
-fn without_contacts(text: &str) -> String {
-    let says = |line: &&str| {
-        ["feature =", "surface =", "other_feature ="]
-            .iter()
-            .all(|key| !line.starts_with(key))
-    };
-    text.lines().filter(says).collect::<Vec<_>>().join("\n")
-}
 
 #[test]
 fn scenes_that_name_no_contact_give_the_same_estimate() {
-    for name in [
-        "pencil_tip",
-        "pencil_eraser",
-        "hat_box",
-        "hat_box_bent",
-        "die",
-    ] {
-        let named = of_recording(name, str::to_owned);
-        let open = of_recording(name, without_contacts);
+    for name in RECORDINGS {
+        let outcome = |edit: fn(&str) -> String| -> Outcome {
+            let pipeline = recorded(name, edit).unwrap_or_else(|error| panic!("{name}: {error}"));
+            pipeline.finish(&mut ()).unwrap()
+        };
+        let named = outcome(str::to_owned);
+        let open = outcome(without_contacts);
         assert!(named.inferred.is_empty());
         assert_eq!(open.inferred, named.scene_collisions(), "{name}");
         for event in &open.inferred {
@@ -77,17 +45,6 @@ impl Collisions for Outcome {
             .map(|(index, _)| index)
             .collect()
     }
-}
-
-/// A scene that says nothing of what touches.
-fn opened(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    for event in 0..scene.events.len() {
-        if scene.events[event].kind.collision().is_some() {
-            scene.set_contacts(event, &[OPEN]);
-        }
-    }
-    scene
 }
 
 /// All sequences, each solved by the same estimator: the objective and events of the best that is

@@ -3,7 +3,7 @@
 //! a flight that is over.
 
 use enact::motion::{About, Estimate, Verdict};
-use enact_tools::case::{Case, Posed};
+use enact_tools::case::Case;
 use enact_tools::perform::{Acting, Polyhedron, Style, Throw, thrown};
 use enact_tools::starts::{from_truth, is_best, optimum};
 
@@ -85,8 +85,7 @@ fn many_bounces_of_a_small_die_are_physical_and_the_best_known() {
                 estimate.reason
             );
             assert_eq!(outside(estimate), (0, 0.0), "{at}");
-            let posed = Posed::new(case.scene(), &outcome.sketch);
-            let guess = case.true_guess(&posed, &outcome.sketch);
+            let (posed, guess) = case.posed(&outcome);
             let known = optimum(&posed, &from_truth(&guess));
             let known = known.unwrap_or_else(|| panic!("{at}: nothing from the truth"));
             assert!(
@@ -161,8 +160,7 @@ fn a_mark_holds_its_event_as_firmly_as_it_says() {
             let mut case = Case::pencil(Style::Tip, &acting, seed);
             case.performance.truth.scene.mark_sd_s = mark_sd_s;
             let outcome = case.estimated(&mut ()).unwrap();
-            let posed = Posed::new(case.scene(), &outcome.sketch);
-            let guess = case.true_guess(&posed, &outcome.sketch);
+            let (_, guess) = case.posed(&outcome);
             let landing = outcome.estimate.events.last().expect("a landing");
             (landing.time_s - guess.event_times_s[landing.event]).powi(2)
         });

@@ -21,7 +21,7 @@ cd "$copy"
 asked="$(sed -n 's/^test: //p' "$list" | tr ' ' '\n' | grep -v '^--test$' | sort -u | sed 's/^/--test /' | paste -sd' ')"
 # Words of the tests on purpose, here and below.
 # shellcheck disable=SC2086
-cargo test --quiet --locked --lib $asked >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
+cargo test --quiet --locked -p enact --lib $asked >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
 
 amiss=0
 try() { # NAME FILE FROM TO TESTS
@@ -35,11 +35,11 @@ try() { # NAME FILE FROM TO TESTS
     fi
     printf '%s\n' "$text" >"$2"
     # shellcheck disable=SC2086
-    if ! cargo test --quiet --locked --no-run --lib $5 >"$said/build" 2>&1; then
+    if ! cargo test --quiet --locked -p enact --no-run --lib $5 >"$said/build" 2>&1; then
         echo "does not compile: $1"
         tail -n 20 "$said/build"
         amiss=1
-    elif timeout 900 cargo test --quiet --locked --no-fail-fast --lib $5 >"$said/tests" 2>&1; then
+    elif timeout 900 cargo test --quiet --locked -p enact --no-fail-fast --lib $5 >"$said/tests" 2>&1; then
         echo "UNNOTICED: $1"
         amiss=1
     else

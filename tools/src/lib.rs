@@ -1,7 +1,8 @@
 //! What the tools and the tests of `enact` share.
 //!
 //! - performances with known truth: [`perform`], estimated as a [`case`]; [`hands`] that wander
-//!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`]);
+//!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`],
+//!   [`mod@open`]); real [`tosses`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
 //!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
@@ -20,6 +21,7 @@ pub mod front;
 pub mod hands;
 pub mod methods;
 pub mod nonsense;
+pub mod open;
 pub mod perform;
 pub mod reference;
 pub mod starts;

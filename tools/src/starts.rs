@@ -5,11 +5,12 @@ use enact::estimate::recipe::{self, Recipe};
 use enact::motion::Guess;
 use enact::optimise::Schedule;
 use enact::physics::state::{StateTangent, part};
+use enact::pipeline::Outcome;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::case::Posed;
+use crate::case::{Case, Posed};
 
 /// Objectives closer than this, relative to the lower, are one optimum.
 pub const SAME: f64 = 2e-5;
@@ -183,6 +184,12 @@ fn is_forward(posed: &Posed, point: &Point) -> bool {
             .map_or_else(|| times_s().fold(f64::NEG_INFINITY, f64::max), at);
         start_s <= end_s
     })
+}
+
+/// The optimum that the truth leads to, of the problem that an outcome's sketch poses.
+pub fn optimum_from_truth(case: &Case, outcome: &Outcome) -> Option<Optimum> {
+    let (posed, truth) = case.posed(outcome);
+    optimum(&posed, &from_truth(&truth))
 }
 
 /// The lowest of all.

@@ -7,7 +7,6 @@ mod recordings;
 mod search;
 
 use anyhow::Result;
-use enact::motion::{Scene, Touching};
 
 use crate::options::Options;
 use crate::record::Record;
@@ -101,19 +100,4 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     ));
     record.numbers("searches", &searched)?;
     record.numbers("proposals", &proposed)
-}
-
-/// The scene with nothing said of what touches.
-fn opened(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    for event in 0..scene.events.len() {
-        if scene.events[event].kind.collision().is_some() {
-            let open = Touching {
-                feature: None,
-                other: None,
-            };
-            scene.set_contacts(event, &[open]);
-        }
-    }
-    scene
 }

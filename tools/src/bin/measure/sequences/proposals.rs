@@ -10,10 +10,11 @@ use enact::verify;
 use serde::Serialize;
 
 use super::particles::Stage;
-use super::{Kind, SAME, opened};
+use super::{Kind, SAME};
 use crate::statistics::{largest, median};
 use crate::table::{number, share};
 use enact_tools::case::{Case, Posed};
+use enact_tools::open::opened;
 use enact_tools::perform::bounces;
 
 /// Proposals that are solved, each whole.

@@ -1,23 +1,13 @@
 //! Recordings whose scenes name no contact.
 
-use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use enact::config::scene_from_toml;
-use enact::ingest::{Recording, Source};
-use enact::pipeline::{Outcome, Pipeline};
+use enact::pipeline::Outcome;
 
 use crate::table::{Table, number};
+use enact_tools::open::{RECORDINGS, recorded, without_contacts};
 
-/// Recordings that come with the project.
-const RECORDINGS: [&str; 5] = [
-    "pencil_tip",
-    "pencil_eraser",
-    "hat_box",
-    "hat_box_bent",
-    "die",
-];
 /// Runs of each; the fastest counts.
 const RUNS: usize = 9;
 /// Every recording with and without what its scene names.
@@ -36,13 +26,9 @@ pub fn table() -> Result<Table> {
             "ratio",
         ],
     );
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     for name in RECORDINGS {
-        let path = root.join(format!("recordings/{name}.mcap"));
-        let recording = Recording::open(&path)?;
-        let text = std::str::from_utf8(recording.scene_toml().context("no scene")?)?;
-        let (named, named_s) = timed(&recording, text)?;
-        let (open, open_s) = match timed(&recording, &without_contacts(text)) {
+        let (named, named_s) = timed(name, str::to_owned)?;
+        let (open, open_s) = match timed(name, without_contacts) {
             Ok(run) => run,
             Err(error) => {
                 println!("{name}: {error}");
@@ -76,23 +62,8 @@ pub fn table() -> Result<Table> {
     Ok(table)
 }
 
-/// The scene file without what touches.
-fn without_contacts(text: &str) -> String {
-    let says = |line: &&str| {
-        ["feature =", "surface =", "other_feature ="]
-            .iter()
-            .all(|key| !line.starts_with(key))
-    };
-    text.lines().filter(says).collect::<Vec<_>>().join("\n")
-}
-
-fn timed(recording: &Recording, text: &str) -> Result<(Outcome, f64)> {
-    let mut pipeline = Pipeline::new(scene_from_toml(text)?);
-    let scene = pipeline.scene().clone();
-    let mut source = recording.source(&scene)?;
-    while let Some((_, event)) = source.next()? {
-        pipeline.push(event);
-    }
+fn timed(name: &str, edit: fn(&str) -> String) -> Result<(Outcome, f64)> {
+    let pipeline = recorded(name, edit)?;
     let mut fastest_s = f64::INFINITY;
     let mut outcome = None;
     for _ in 0..RUNS {

@@ -7,10 +7,11 @@ use enact::motion::{Scene, Verdict};
 use enact::pipeline::Outcome;
 use serde::Serialize;
 
-use super::{Kind, SAME, opened};
+use super::{Kind, SAME};
 use crate::statistics::{largest, median};
 use crate::table::{number, share};
 use enact_tools::case::{Case, Posed, another_leads, estimated};
+use enact_tools::open::opened;
 use enact_tools::perform::bounces;
 
 /// Event times this near are one \[s\].
