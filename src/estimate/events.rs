@@ -4,7 +4,7 @@
 //! to the next, that is a radian or two between the mark and the event, and the sweep would rotate
 //! the states instead of moving the event: it would leave the performer's motion for another one.
 //! The arcs' own fits determine better when they meet. Measured on a brick that flips four and
-//! eight times before its bounce (`tools/chart`, 24 performances each): from the marks 92 and 54 %
+//! eight times before its bounce (`tools/results`, 24 performances each): from the marks 92 and 54 %
 //! ended at the best known optimum, after 33 and 140 iterations in the mean; from the times found
 //! here all do, after 12 and 14 (two of the eight-flip ones only since their arcs are fitted
 //! right).

@@ -19,7 +19,7 @@ const TIMES: [f64; 3] = [0.3, 1.2, 5.0];
 const SIZES: [f64; 4] = [0.125, 1.0, 8.0, 64.0];
 /// Exponent of the prior of a variance. Few contrasts inform about the slowest wander, and their
 /// likelihood is biased to small sizes; with a half, 95 % intervals hold (see
-/// `tools/study/results`).
+/// `tools/results`).
 const PRIOR_POWER: f64 = 0.5;
 /// Logarithm of the prior of no wander.
 const PRIOR_NONE: f64 = 1.1;

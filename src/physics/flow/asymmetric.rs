@@ -3,7 +3,7 @@
 //!
 //! There is a closed form in Jacobi's elliptic functions. It loses digits of the derivatives where
 //! moments are nearly equal or the body turns about a principal axis, and it costs more where one
-//! arc is evaluated at many times (`tools/charts`). The series have no such special cases, one step
+//! arc is evaluated at many times (`tools/results`). The series have no such special cases, one step
 //! serves all times within it, and its derivatives are those of the flow itself.
 //!
 //! Time is multiplied by the initial angular speed, rounded down to a power of two so that the

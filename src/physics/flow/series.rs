@@ -20,7 +20,7 @@ pub const ORDER: usize = 20;
 
 /// Greatest relative size of the last terms at the ends of a step. The truncation error is a fifth
 /// of it or less and grows as a power of the time, so that it adds no more than rounding over a
-/// whole rotation (`tools/charts`: a smaller value costs steps and gains nothing, 2⁻⁴² loses a
+/// whole rotation (`tools/results`: a smaller value costs steps and gains nothing, 2⁻⁴² loses a
 /// digit of derivatives).
 const TRUNCATION: f64 = 1.0 / (1u64 << 46) as f64;
 

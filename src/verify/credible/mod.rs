@@ -23,7 +23,7 @@
 //!
 //! The figures in the last column were measured on performances of `tools/perform` with right
 //! models, seeds below 16, and on the tosses that the studies use; the bounds' hits and misses on
-//! others are in `tools/study/results`. Speeds and durations that no hand makes give the verdict
+//! others are in `tools/results`. Speeds and durations that no hand makes give the verdict
 //! `failed`, the others `plausible` at best.
 //!
 //! Fits of flights alone use positions, at the estimate's own sample times.
