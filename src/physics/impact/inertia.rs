@@ -9,8 +9,10 @@ use super::law::Side;
 /// `M⁻¹` of one side of an impact; zero for the static world.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InverseInertia {
-    mass_per_kg: f64,
-    moments_per_kg_m2: Vector3<f64>,
+    /// Inverse of the mass [1/kg].
+    pub(super) mass_per_kg: f64,
+    /// Inverses of the principal moments [1/(kg m²)].
+    pub(super) moments_per_kg_m2: Vector3<f64>,
 }
 
 impl InverseInertia {

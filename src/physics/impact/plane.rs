@@ -12,6 +12,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::contact_state::tilted;
 use super::derivative::ImpactDerivative;
+use super::inertia::InverseInertia;
 use super::law::{Impact, Law, Side, Velocities};
 use crate::math::so3;
 use crate::physics::contact::{Contact, Feature};
@@ -99,10 +100,12 @@ impl<'a> PointOnPlane<'a> {
         impact: &mut Impact,
         derivative: &mut ImpactDerivative,
     ) {
-        let (body, state) = (side.body, side.state);
+        let state = side.state;
         let (normal, by_tilt) = tilted(&self.normal, self.tilt_axes, law);
-        let inverse_mass = 1.0 / body.mass_kg();
-        let inverse_moments = body.moments_kg_m2().map(|moment| 1.0 / moment);
+        let InverseInertia {
+            mass_per_kg: inverse_mass,
+            moments_per_kg_m2: inverse_moments,
+        } = InverseInertia::of(side);
         let in_body = state.orientation.inverse_transform_vector(&normal);
         let rounding = state.orientation.inverse_transform_vector(&self.normal) * self.radius;
         let point = self.centre - rounding;

@@ -1,0 +1,217 @@
+//! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
+
+use super::nodes::Nodes;
+use super::problem::{
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Problem,
+};
+use crate::motion::{
+    Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
+};
+use crate::physics::impact::Law;
+
+impl Problem {
+    /// The problem of a scene and a sketch cut into segments.
+    ///
+    /// # Panics
+    /// Where the scene leaves a contact open or has an unsupported one: earlier stages exclude
+    /// this.
+    pub fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Self {
+        let nodes = match scene.timing {
+            Timing::Known | Timing::Edited => Nodes::everywhere(sketch, segments),
+            Timing::Unknown { .. } => Nodes::spaced(sketch, segments),
+        };
+        let arcs: Vec<Arc> = segments
+            .iter()
+            .map(|segment| arc(sketch, segment, &nodes))
+            .collect();
+        let parameter = |quantity: Quantity| {
+            scene
+                .parameters
+                .iter()
+                .position(|free| free.quantity == quantity)
+        };
+        let is_goal = |event| scene.goals.iter().any(|goal| goal.event == event);
+        let event_is_free: Vec<bool> = scene
+            .events
+            .iter()
+            .enumerate()
+            .map(|(event, e)| e.kind.collision().is_some() || is_goal(event))
+            .collect();
+        let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
+        Self {
+            dynamics: scene
+                .mechanisms
+                .keys()
+                .map(|mechanism| scene.dynamics(mechanism))
+                .collect(),
+            gravity_m_s2: scene.gravity_m_s2,
+            gravity_parameters: [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis })),
+            collisions: collisions(scene, &arcs, &parameter),
+            goals: goals(scene, &arcs),
+            arcs,
+            event_is_free,
+            events_acted_s: sketch.marks_s.clone(),
+            marks,
+            parameters: scene.parameters.clone(),
+            bounded: bounded(scene),
+            cones: scene.cones.clone(),
+            velocity_gap_weight: None,
+            tempo_sd_per_sqrt_s: match scene.timing {
+                Timing::Known | Timing::Edited => None,
+                Timing::Unknown {
+                    tempo_sd_per_sqrt_s,
+                } => Some(tempo_sd_per_sqrt_s / nodes.samples_each.sqrt()),
+            },
+            nodes_acted_s: nodes.acted_s,
+            position_unit_m: scene.weights.position_m,
+            orientation_unit_rad: scene.weights.orientation_rad,
+        }
+    }
+}
+
+fn bounded(scene: &Scene) -> Vec<Bounded> {
+    let parameters = scene.parameters.iter().enumerate();
+    let bounded = parameters.filter(|(parameter, free)| {
+        let in_cone = scene.cones.iter().any(|c| c.parameters.contains(parameter));
+        !in_cone && (free.lower.is_finite() || free.upper.is_finite())
+    });
+    bounded
+        .map(|(parameter, _)| Bounded { parameter })
+        .collect()
+}
+
+fn marks(
+    scene: &Scene,
+    sketch: &Sketch,
+    event_is_free: &[bool],
+    nodes_acted_s: &[f64],
+) -> Vec<EventMark> {
+    let is_known = !matches!(scene.timing, Timing::Unknown { .. });
+    let marks = sketch.marks.iter().enumerate();
+    let marks = marks.filter(|(event, _)| event_is_free[*event]);
+    marks
+        .filter_map(|(event, mark)| {
+            let mark = (*mark)?;
+            let nodes = EventMark::nodes_about(nodes_acted_s, sketch.marks_s[event]);
+            (is_known || nodes.is_some()).then_some(EventMark {
+                event,
+                acted_s: mark.acted_s,
+                sd_s: mark.sd_s / mark.counted.sqrt(),
+                counted: mark.counted,
+                nodes: nodes.filter(|_| !is_known),
+            })
+        })
+        .collect()
+}
+
+fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
+    let samples = sketch.samples_of(segment);
+    Arc {
+        mechanism: segment.mechanism,
+        track: segment.track,
+        start: segment.start_event,
+        end: segment.end_event,
+        samples: samples
+            .iter()
+            .map(|sample| {
+                let (node, share) = nodes.place(sample.acted_s);
+                ArcSample {
+                    position_m: sample.position_m,
+                    orientation: sample.orientation,
+                    node,
+                    share,
+                }
+            })
+            .collect(),
+    }
+}
+
+fn collisions(
+    scene: &Scene,
+    arcs: &[Arc],
+    parameter: &impl Fn(Quantity) -> Option<usize>,
+) -> Vec<ArcCollision> {
+    let events = scene.events.iter().enumerate();
+    let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
+    all.filter_map(|(event, collision)| {
+        let side = |link: LinkIndex| {
+            let mechanism = scene.mechanism_of(link);
+            let arc_with = |end: bool| {
+                arcs.iter().position(|arc| {
+                    arc.mechanism == mechanism
+                        && (if end { arc.end } else { arc.start }) == Some(event)
+                })
+            };
+            Some(ArcPair {
+                mechanism,
+                before: arc_with(true)?,
+                after: arc_with(false)?,
+            })
+        };
+        let is_held = |goal: &Goal| {
+            goal.event == event
+                && goal.link == collision.link
+                && matches!(goal.target, GoalTarget::Pose { .. })
+        };
+        Some(ArcCollision {
+            event,
+            sides: collision.links().map(side).collect::<Option<_>>()?,
+            contacts: scene
+                .contact_set(event)
+                .expect("a collision that the scene's makers checked")
+                .expect("contacts that stages before found"),
+            touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
+            law: Law {
+                friction: collision.friction,
+                ..Law::frictionless(collision.restitution)
+            },
+            restitution_parameter: parameter(Quantity::Restitution { event }),
+            friction_parameter: parameter(Quantity::Friction { event }),
+            tilts: (0..2)
+                .filter_map(|tangent| {
+                    Some((tangent, parameter(Quantity::Tilt { event, tangent })?))
+                })
+                .collect(),
+        })
+    })
+    .collect()
+}
+
+fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
+    let mut goals = Vec::new();
+    for goal in &scene.goals {
+        let mechanism = scene.mechanism_of(goal.link);
+        let arc = arcs
+            .iter()
+            .position(|arc| arc.mechanism == mechanism && arc.end == Some(goal.event))
+            .or_else(|| {
+                arcs.iter()
+                    .position(|arc| arc.mechanism == mechanism && arc.start == Some(goal.event))
+            });
+        let Some(arc) = arc else { continue };
+        let event = goal.event;
+        match &goal.target {
+            GoalTarget::Pose { world_from_body } => {
+                goals.push(ArcGoal {
+                    event,
+                    arc,
+                    target: ArcTarget::Pose(*world_from_body),
+                });
+            }
+            GoalTarget::PositionWithin { lower_m, upper_m } => {
+                for axis in 0..3 {
+                    let (lower_m, upper_m) = (lower_m[axis], upper_m[axis]);
+                    if lower_m.is_finite() || upper_m.is_finite() {
+                        let target = ArcTarget::Coordinate {
+                            axis,
+                            lower_m,
+                            upper_m,
+                        };
+                        goals.push(ArcGoal { event, arc, target });
+                    }
+                }
+            }
+        }
+    }
+    goals
+}

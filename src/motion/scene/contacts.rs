@@ -1,0 +1,72 @@
+//! The contacts of a collision, as far as a scene names what touches.
+
+use thiserror::Error;
+
+use super::event::{Partner, Touching};
+use super::parameter::Quantity;
+use super::whole::Scene;
+use crate::physics::contact::{Contact, ContactError};
+use crate::physics::impact::{ContactSet, ContactSetError};
+
+/// Why the collision of a scene is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum CollisionError {
+    /// Two features are no supported pair.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The contacts together are not supported.
+    #[error(transparent)]
+    ContactSet(#[from] ContactSetError),
+}
+
+impl Scene {
+    /// The contacts of a collision; `None` where the scene leaves a feature open, or where the
+    /// event is no collision.
+    ///
+    /// Fails where two features are no supported pair, or their impact is not supported.
+    pub fn contact_set(&self, event: usize) -> Result<Option<ContactSet>, CollisionError> {
+        match self.events[event].kind.collision() {
+            Some(collision) => self.contact_set_of(event, &collision.contacts),
+            None => Ok(None),
+        }
+    }
+
+    /// [`Scene::contact_set`] with the given contacts in place of the collision's.
+    pub fn contact_set_of(
+        &self,
+        event: usize,
+        touchings: &[Touching],
+    ) -> Result<Option<ContactSet>, CollisionError> {
+        let Some(collision) = self.events[event].kind.collision() else {
+            return Ok(None);
+        };
+        let mut contacts = Vec::new();
+        for touching in touchings {
+            let (Some(feature), Some(other)) = (touching.feature, touching.other) else {
+                return Ok(None);
+            };
+            let feature = self.links[collision.link].features[feature].geometry;
+            let other = match collision.partner {
+                Partner::World => self.surfaces[other].geometry,
+                Partner::Link(link) => self.links[link].features[other].geometry,
+            };
+            contacts.push(Contact::new(feature, other)?);
+        }
+        let frees = |quantity: fn(usize) -> Quantity| {
+            let quantity = quantity(event);
+            self.parameters.iter().any(|free| free.quantity == quantity)
+        };
+        let is_tilted = frees(|event| Quantity::Tilt { event, tangent: 0 })
+            || frees(|event| Quantity::Tilt { event, tangent: 1 });
+        let has_friction = collision.friction > 0.0 || frees(|event| Quantity::Friction { event });
+        let set = if has_friction {
+            ContactSet::with_friction(&contacts)?
+        } else {
+            ContactSet::frictionless(&contacts)?
+        };
+        if is_tilted {
+            set.check_tilt()?;
+        }
+        Ok(Some(set))
+    }
+}

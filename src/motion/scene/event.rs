@@ -1,0 +1,111 @@
+//! What happens: starts, collisions, ends.
+
+use crate::motion::index::LinkIndex;
+
+/// Something that happens at one instant and is marked by the performer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Unique name; marks may refer to it.
+    pub name: String,
+    /// What happens.
+    pub kind: EventKind,
+}
+
+/// The kinds of event.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// The performance begins; samples before it are not used. Only as the first event.
+    Start,
+    /// A body hits something.
+    Collision(Collision),
+    /// A collision that repeats as often as there are marks; each becomes an event of its own
+    /// before a take is read ([`Scene::with_marks`]).
+    Collisions {
+        /// Each of the collisions.
+        each: Collision,
+        /// Least number, one or more.
+        least: usize,
+        /// Greatest number.
+        most: usize,
+    },
+    /// The performance ends; samples after it are not used. Only as the last event. Its time
+    /// is estimated when a goal holds there, otherwise it stays at the mark.
+    End,
+}
+
+impl EventKind {
+    /// Its name in files and reports.
+    pub fn as_str(&self) -> &'static str {
+        match self {
+            EventKind::Start => "start",
+            EventKind::Collision(_) | EventKind::Collisions { .. } => "collision",
+            EventKind::End => "end",
+        }
+    }
+
+    /// The collision, if it is one.
+    pub fn collision(&self) -> Option<&Collision> {
+        match self {
+            EventKind::Collision(collision) => Some(collision),
+            EventKind::Start | EventKind::Collisions { .. } | EventKind::End => None,
+        }
+    }
+}
+
+/// A link hits the static world or a link of another mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collision {
+    /// What hits something.
+    pub link: LinkIndex,
+    /// What it hits.
+    pub partner: Partner,
+    /// Their contacts, one to three at once.
+    pub contacts: Vec<Touching>,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// Coefficient of Coulomb friction.
+    pub friction: f64,
+}
+
+impl Collision {
+    /// A bounce of one feature off one surface, without friction.
+    pub fn bounce(link: LinkIndex, feature: usize, surface: usize, restitution: f64) -> Self {
+        Self {
+            link,
+            partner: Partner::World,
+            contacts: vec![Touching {
+                feature: Some(feature),
+                other: Some(surface),
+            }],
+            restitution,
+            friction: 0.0,
+        }
+    }
+
+    /// The links that touch in it.
+    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + use<> {
+        let other = match self.partner {
+            Partner::World => None,
+            Partner::Link(other) => Some(other),
+        };
+        [self.link].into_iter().chain(other)
+    }
+}
+
+/// What a link hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partner {
+    /// The static world.
+    World,
+    /// Another link.
+    Link(LinkIndex),
+}
+
+/// Which feature touches which; what a scene leaves open is inferred from the performance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touching {
+    /// Index into the body's features.
+    pub feature: Option<usize>,
+    /// Index into `Scene::surfaces`, or into the other body's features.
+    pub other: Option<usize>,
+}

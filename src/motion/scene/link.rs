@@ -1,0 +1,73 @@
+//! What moves and who sees it: links, mechanisms, tracks.
+
+use crate::math::Pose;
+use crate::motion::index::{LinkIndex, MechanismIndex};
+use crate::physics::contact;
+use crate::physics::{Body, Shape};
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Unique name.
+    pub name: String,
+    /// Mass and principal moments; the link's axes are principal axes at its centre of mass.
+    pub body: Body,
+    /// Shape in the link's axes.
+    pub shape: Shape,
+    /// What of it may touch something.
+    pub features: Vec<Feature>,
+    /// What it moves with.
+    pub mechanism: MechanismIndex,
+}
+
+/// What moves as one system of ordinary differential equations between its collisions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanism {
+    /// One rigid body in free flight.
+    Free(LinkIndex),
+}
+
+impl Mechanism {
+    /// Its links.
+    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + use<> {
+        let Mechanism::Free(link) = *self;
+        std::iter::once(link)
+    }
+}
+
+/// What one tracker sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Topic that carries the tracker's poses; see [`Scene::stream_topic`].
+    pub topic: String,
+    /// The link that it is mounted on.
+    pub link: LinkIndex,
+    /// Pose of the tracker's frame in the link's axes.
+    pub link_from_tracker: Pose,
+}
+
+/// A rigid body that flies freely with a tracker on it: a link, a mechanism and a track in one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeBody {
+    /// Unique name.
+    pub name: String,
+    /// Topic that carries its tracker's poses.
+    pub topic: String,
+    /// Mass and principal moments; its axes are principal axes at the centre of mass.
+    pub body: Body,
+    /// Shape in its axes.
+    pub shape: Shape,
+    /// Pose of the tracker's frame in its axes.
+    pub body_from_tracker: Pose,
+    /// Its features that may touch something.
+    pub features: Vec<Feature>,
+}
+
+/// A named part of a link's surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Name, unique within the link.
+    pub name: String,
+    /// Geometry in link axes.
+    pub geometry: contact::Feature,
+}

@@ -1,0 +1,19 @@
+//! The scene: what moves, the static world, expected events, goals, free parameters, weights.
+//!
+//! Plain validated data in SI units. `config` makes it from TOML; the stages do not check it again.
+
+mod contacts;
+mod event;
+mod goal;
+mod link;
+mod parameter;
+mod whole;
+mod world;
+
+pub use contacts::CollisionError;
+pub use event::{Collision, Event, EventKind, Partner, Touching};
+pub use goal::{Goal, GoalTarget};
+pub use link::{Feature, FreeBody, Link, Mechanism, Track};
+pub use parameter::{Cone, FreeParameter, Quantity};
+pub use whole::{Scene, Timing, VelocityGaps, Weights};
+pub use world::{Against, Obstacle, Surface};

@@ -1,0 +1,193 @@
+//! A whole scene, and what its lists say of each other.
+
+use nalgebra::Vector3;
+use typed_index_collections::TiVec;
+
+use super::event::{Collision, Event};
+use super::goal::Goal;
+use super::link::{FreeBody, Link, Mechanism, Track};
+use super::parameter::{Cone, FreeParameter};
+use super::world::{Against, Obstacle, Surface};
+use crate::motion::index::{LinkIndex, MechanismIndex, TrackIndex};
+use crate::physics::Dynamics;
+
+/// Everything that is known about a performance before it is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name, for reports.
+    pub name: String,
+    /// Gravity in world axes [m/s²].
+    pub gravity_m_s2: Vector3<f64>,
+    /// Whether sample stamps are physical times or only an order with a tempo.
+    pub timing: Timing,
+    /// Standard deviation of the performer's marks, in acted time \[s\]; `None`: that of people who
+    /// press a button while they act, or of annotators where stamps are physical times.
+    pub mark_sd_s: Option<f64>,
+    /// Topic that carries the marks.
+    pub marks_topic: String,
+    /// The rigid bodies that move.
+    pub links: TiVec<LinkIndex, Link>,
+    /// How they move: alone, or tied to each other.
+    pub mechanisms: TiVec<MechanismIndex, Mechanism>,
+    /// What trackers see of them.
+    pub tracks: TiVec<TrackIndex, Track>,
+    /// Planes that bodies collide with.
+    pub surfaces: Vec<Surface>,
+    /// Solid parts of the static world, for drawing and for verification.
+    pub obstacles: Vec<Obstacle>,
+    /// What happens, in order of time.
+    pub events: Vec<Event>,
+    /// Goals: hard conditions at events (paper §3.1).
+    pub goals: Vec<Goal>,
+    /// Free parameters `u` of the estimation.
+    pub parameters: Vec<FreeParameter>,
+    /// Pairs of parameters whose norm is bounded: tilts of a normal within a cone.
+    pub cones: Vec<Cone>,
+    /// Whether velocities after collisions may differ from those by the impact law.
+    pub velocity_gaps: VelocityGaps,
+    /// Units of residuals.
+    pub weights: Weights,
+    /// Longest simulation after the motion's end until it rests \[s\] (paper §6.2.3); `None`: the
+    /// motion ends with the performance.
+    pub settle_s: Option<f64>,
+}
+
+/// What the stamps of the samples mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Timing {
+    /// Stamps are physical times.
+    Known,
+    /// An edited sketch: every segment has a stream and physical times of its own, and need not
+    /// begin where another ends. Collisions are at the joints of segments: marks are not read.
+    Edited,
+    /// Timing unknown (paper §4.3): the performer's tempo is smooth; the logarithm of its rate is
+    /// Brownian motion of this strength [1/√s of acted time].
+    Unknown {
+        /// Standard deviation of the log-rate's change after one second.
+        tempo_sd_per_sqrt_s: f64,
+    },
+}
+
+/// Whether velocity continuity may be relaxed where goals cannot be met otherwise (paper §6.2,
+/// overconstrained sketches). Poses stay continuous and goals are met nevertheless.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VelocityGaps {
+    /// Only where there is no motion without gaps.
+    WhenNeeded,
+    /// From the start: the scene is known to be overconstrained.
+    Always,
+    /// Never: an overconstrained scene then has no motion.
+    Never,
+}
+
+/// Units of residuals: the objective (paper eq. 1) is the sum of squared residuals in these units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Position \[m\].
+    pub position_m: f64,
+    /// Orientation \[rad\].
+    pub orientation_rad: f64,
+}
+
+impl Scene {
+    /// Adds a body that flies freely.
+    pub fn add(&mut self, body: FreeBody) -> LinkIndex {
+        let mechanism = self.mechanisms.next_key();
+        let link = self.links.push_and_get_key(Link {
+            name: body.name,
+            body: body.body,
+            shape: body.shape,
+            features: body.features,
+            mechanism,
+        });
+        self.mechanisms.push(Mechanism::Free(link));
+        self.tracks.push(Track {
+            topic: body.topic,
+            link,
+            link_from_tracker: body.body_from_tracker,
+        });
+        link
+    }
+
+    /// What moves with that link.
+    pub fn mechanism_of(&self, link: LinkIndex) -> MechanismIndex {
+        self.links[link].mechanism
+    }
+
+    /// A mechanism's name: that of its link.
+    pub fn name_of_mechanism(&self, mechanism: MechanismIndex) -> &str {
+        let Mechanism::Free(link) = self.mechanisms[mechanism];
+        &self.links[link].name
+    }
+
+    /// The link that the tracker is mounted on.
+    pub fn link_seen_by(&self, track: TrackIndex) -> &Link {
+        &self.links[self.tracks[track].link]
+    }
+
+    /// The mechanism that the tracker is mounted on.
+    pub fn mechanism_seen_by(&self, track: TrackIndex) -> MechanismIndex {
+        self.mechanism_of(self.tracks[track].link)
+    }
+
+    /// Whether a link of the mechanism touches in the collision.
+    pub fn takes_part(&self, mechanism: MechanismIndex, collision: &Collision) -> bool {
+        let mut links = collision.links();
+        links.any(|link| self.mechanism_of(link) == mechanism)
+    }
+
+    /// Whether the event begins or ends a flight of the mechanism: its own collisions do, and the
+    /// performance's start and end.
+    pub fn concerns(&self, event: usize, mechanism: MechanismIndex) -> bool {
+        let collision = self.events[event].kind.collision();
+        collision.is_none_or(|collision| self.takes_part(mechanism, collision))
+    }
+
+    /// The tracks that see what takes part in a collision, those of what hits first.
+    pub fn tracks_in(&self, collision: &Collision) -> impl Iterator<Item = TrackIndex> + use<'_> {
+        let mechanisms = collision.links().map(|link| self.mechanism_of(link));
+        mechanisms.flat_map(move |mechanism| {
+            let is_its = move |track: &TrackIndex| self.mechanism_seen_by(*track) == mechanism;
+            self.tracks.keys().filter(is_its)
+        })
+    }
+
+    /// The equations of motion of a mechanism.
+    pub fn dynamics(&self, mechanism: MechanismIndex) -> Dynamics {
+        let Mechanism::Free(link) = self.mechanisms[mechanism];
+        Dynamics::Free(self.links[link].body)
+    }
+
+    /// Streams of poses that a track has: one; in an edited sketch one per segment, and the
+    /// collisions of the tracked mechanism part its segments.
+    pub fn streams(&self, track: TrackIndex) -> usize {
+        let mechanism = self.mechanism_seen_by(track);
+        let is_cut = |event: &&Event| {
+            let collision = event.kind.collision();
+            collision.is_some_and(|collision| self.takes_part(mechanism, collision))
+        };
+        match self.timing {
+            Timing::Edited => 1 + self.events.iter().filter(is_cut).count(),
+            Timing::Known | Timing::Unknown { .. } => 1,
+        }
+    }
+
+    /// Topic of one of a track's streams: the track's own; in an edited sketch that with `/1`,
+    /// `/2`, … after it.
+    pub fn stream_topic(&self, track: TrackIndex, stream: usize) -> String {
+        let topic = &self.tracks[track].topic;
+        match self.timing {
+            Timing::Edited => format!("{topic}/{}", stream + 1),
+            Timing::Known | Timing::Unknown { .. } => topic.clone(),
+        }
+    }
+
+    /// The name of something with which a body may collide.
+    pub fn name_of(&self, against: Against) -> &str {
+        match against {
+            Against::Surface(surface) => &self.surfaces[surface].name,
+            Against::Obstacle(obstacle) => &self.obstacles[obstacle].name,
+            Against::Link(link) => &self.links[link].name,
+        }
+    }
+}
