@@ -24,7 +24,7 @@ pub enum IngestError {
     Container {
         /// The recording.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: ContainerError,
     },
     /// A body's topic is not in the recording.

@@ -63,9 +63,9 @@ pub struct Progress {
 /// A value and the bound that it is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// What it is.
+    /// The measured value.
     pub value: f64,
-    /// What it may be.
+    /// The bound: at most this much.
     pub bound: f64,
 }
 

@@ -38,7 +38,7 @@ pub struct OverlapLine {
     pub body: String,
     /// Name of what it is inside of.
     pub against: String,
-    /// When.
+    /// Physical time at which it is deepest \[s\].
     pub time_s: f64,
     /// How deep, positive.
     pub depth_m: f64,

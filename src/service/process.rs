@@ -29,7 +29,7 @@ pub struct ProcessJob {
 pub struct Failure {
     /// The file.
     pub recording: String,
-    /// Why.
+    /// The error in words.
     pub error: anyhow::Error,
 }
 

@@ -38,7 +38,7 @@ pub enum WriteError {
         path: PathBuf,
         /// Topic of the message.
         topic: String,
-        /// Why.
+        /// The cause.
         source: EncodeError,
     },
     /// The log time of a message is before 1970.
@@ -62,7 +62,7 @@ pub enum WriteError {
     NotAFile {
         /// The final name.
         path: PathBuf,
-        /// What it is.
+        /// The kind of what is there: a device, a pipe, a folder.
         what: &'static str,
     },
     /// A name is taken that must not be.
@@ -100,7 +100,7 @@ pub enum WriteError {
     Sampling {
         /// The final name.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: SamplingError,
     },
 }
