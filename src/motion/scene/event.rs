@@ -19,7 +19,7 @@ pub enum EventKind {
     /// A body hits something.
     Collision(Collision),
     /// A collision that repeats as often as there are marks; each becomes an event of its own
-    /// before a take is read ([`Scene::with_marks`]).
+    /// before a take is read ([`with_marks`](super::Scene::with_marks)).
     Collisions {
         /// Each of the collisions.
         each: Collision,

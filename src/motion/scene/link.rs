@@ -38,7 +38,7 @@ impl Mechanism {
 /// What one tracker sees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Topic that carries the tracker's poses; see [`Scene::stream_topic`].
+    /// Topic that carries the tracker's poses; see [`stream_topic`](super::Scene::stream_topic).
     pub topic: String,
     /// The link that it is mounted on.
     pub link: LinkIndex,

@@ -88,7 +88,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         })
     };
     record.say(format!(
-        "The time of an estimate grows with the power {:.2} of the samples (timing known), {:.2} of the bounces and {:.2} of the bodies.",
+        "Over the larger half of the sizes the time of an estimate grows with the power {:.2} of the samples (timing known), {:.2} of the bounces and {:.2} of the bodies.",
         power(KNOWN), power(BOUNCES), power(BODIES),
     ));
     record.numbers("sizes", &swept)?;
