@@ -4,7 +4,7 @@
 //! [`split`] says where a method holds states, [`touch`] lets it begin, [`simulate`] says what follows
 //! from them, [`columns`] where the unknowns sit, [`chain`], [`objective`] and [`join`] how derivatives
 //! reach them; [`model`] puts it together ([`setting`]), and reads the program's rows by [`parts`] and
-//! [`rows`]. [`stages`] hands it to the program's own optimiser, [`evolution`] samples. A [`task`] is what one is asked and what it answers, [`judge`] what that is
+//! [`rows`]. [`stages`] hands it to the program's own optimiser, [`evolution`] samples. A `task` is what one is asked and what it answers, [`judge`] what that is
 //! worth.
 
 pub mod chain;
