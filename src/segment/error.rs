@@ -26,9 +26,9 @@ pub enum SegmentError {
     /// A sample of a track that the scene does not have.
     #[error("a sample of track number {track}, expected one of {tracks}")]
     NoSuchTrack {
-        /// Index of the body as delivered.
+        /// Index of the track as delivered.
         track: usize,
-        /// Number of bodies of the scene.
+        /// Number of tracks of the scene.
         tracks: usize,
     },
     /// A sample on a stream beyond those that the scene's events require.

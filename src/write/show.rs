@@ -125,8 +125,8 @@ impl Showing {
         self.until.seconds_since(self.from)
     }
 
-    /// Where a body's estimate and its performance are so long after the beginning, stamped
-    /// `now`; none of a body without samples.
+    /// Where a link's estimate and its performance are so long after the beginning, stamped
+    /// `now`; none of a link without samples.
     pub fn at(&self, link: LinkIndex, time_s: f64, now: Stamp) -> [Option<PoseSample>; 2] {
         let stamp = sampling::stamp(self.from, time_s);
         let motion = &self.motion;

@@ -1,4 +1,5 @@
 //! Bins of consecutive samples of a track, whose mean residuals show a slow wander.
+
 use std::collections::BTreeSet;
 
 use crate::estimate::point::Point;
@@ -15,7 +16,7 @@ const MOST: usize = 16;
 /// Consecutive samples of one track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
-    /// Index of the body.
+    /// The track.
     pub track: TrackIndex,
     /// Mean time of the samples \[s\].
     pub time_s: f64,
