@@ -2,7 +2,8 @@
 //! until it rests (paper §6.2.3: the pencil skitters in the mug). The only module that imports
 //! rapier.
 //!
-//! Bodies have the mass and moments of the scene, obstacles and planes are fixed. Contacts are
+//! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed.
+//! Contacts are
 //! rapier's: with friction, softened over millimetres, first order in the step. That suffices to
 //! bring bodies to rest; it is no estimate of how they come to rest, since none of it was
 //! performed.
@@ -105,6 +106,7 @@ fn last_state(
 struct Simulation {
     world: PhysicsWorld,
     links: TiVec<LinkIndex, Option<RigidBodyHandle>>,
+    bodies: TiVec<LinkIndex, Body>,
     /// Radii of the spheres about the links' centres \[m\].
     radii_m: TiVec<LinkIndex, f64>,
     /// Least prediction distance of contacts \[m\].
@@ -162,12 +164,14 @@ impl Simulation {
         Some(Self {
             world,
             links,
+            bodies: scene.links.iter().map(|link| link.body).collect(),
             radii_m: radii.collect(),
             least_prediction_m,
         })
     }
 
     fn step(&mut self) {
+        self.push();
         let fastest_m_s = self
             .links
             .iter()
@@ -182,6 +186,21 @@ impl Simulation {
         let parameters = &mut self.world.integration_parameters;
         parameters.normalized_prediction_distance = prediction_m / parameters.length_unit;
         self.world.step();
+    }
+
+    /// Sets the constant force and drag of this step.
+    fn push(&mut self) {
+        for (handle, body) in self.links.iter().zip(&self.bodies) {
+            let Some(handle) = *handle else { continue };
+            if body.is_ballistic() && body.force_m_s2() == Vector3::zeros() {
+                continue;
+            }
+            let moving = &mut self.world.bodies[handle];
+            let velocity = from_rapier(moving.linvel());
+            let acceleration = body.acceleration_m_s2(&Vector3::zeros(), &velocity);
+            moving.reset_forces(false);
+            moving.add_force(to_rapier(&(acceleration * body.mass_kg())), false);
+        }
     }
 
     fn is_at_rest(&self) -> bool {

@@ -76,9 +76,9 @@ impl ArcEnd {
         let omega = &state.angular_velocity_rad_s;
         let turn = flow::turn(body, &state.orientation, omega, duration_s);
         let state_then = State {
-            position_m: flow::position(gravity_m_s2, state, duration_s),
+            position_m: flow::position(body, gravity_m_s2, state, duration_s),
             orientation: turn.orientation,
-            velocity_m_s: state.velocity_m_s + gravity_m_s2 * duration_s,
+            velocity_m_s: flow::velocity(body, gravity_m_s2, state, duration_s),
             angular_velocity_rad_s: turn.angular_velocity_rad_s,
         };
         Self {

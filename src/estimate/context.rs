@@ -4,6 +4,7 @@ use super::layout::Layout;
 use super::point::Point;
 use super::problem::{Arc, Problem};
 use super::samples::ArcSums;
+use crate::physics::Dynamics;
 
 /// The data that stay fixed while one problem is solved.
 #[derive(Clone, Debug)]
@@ -32,7 +33,8 @@ impl<'a> SolveContext<'a> {
         } else {
             let arcs = problem.arcs.iter().zip(&point.arcs).zip(&epochs_s);
             arcs.map(|((arc, state), epoch_s)| {
-                ArcSums::new(arc, &point.node_times_s, *epoch_s, state, &gravity)
+                let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
+                ArcSums::new(body, arc, &point.node_times_s, *epoch_s, state, &gravity)
             })
             .collect()
         };

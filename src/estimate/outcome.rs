@@ -219,11 +219,12 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<V
         let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
         let state = &point.arcs[index];
         let mut spin = flow::Spin::new(body, &state.angular_velocity_rad_s);
+        let mut fall = flow::Fall::new(body, &gravity, state);
         let samples = arc.samples.iter();
         samples
             .map(|sample| {
                 let s = sample.time_s(&point.node_times_s) - context.epochs_s[index];
-                let position_m = flow::position(&gravity, state, s);
+                let position_m = fall.position(s);
                 let orientation = state.orientation * spin.turn(s);
                 let shift = (position_m - sample.position_m) / problem.position_unit_m;
                 let turn = so3::log(&(sample.orientation.inverse() * orientation))

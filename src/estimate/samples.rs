@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use super::problem::{Arc, ArcSample, Problem};
 use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
-use crate::physics::{Dynamics, State};
+use crate::physics::{Body, Dynamics, State};
 
 /// Sums over the samples of an arc for the position terms when times are known.
 #[derive(Clone, Debug)]
@@ -116,14 +116,16 @@ impl<F: FnMut(usize, TimeTerms)> Between<F> {
 
 impl ArcSums {
     /// Sums over the samples of `arc` at `times_s`, of residuals of the reference flight through
-    /// `state`.
+    /// `state`, of a body without drag.
     pub fn new(
+        body: &Body,
         arc: &Arc,
         times_s: &[f64],
         epoch_s: f64,
         state: &State,
         gravity_m_s2: &Vector3<f64>,
     ) -> Self {
+        assert!(body.is_ballistic(), "sums over a parabola");
         let mut sums = Self {
             reference_position_m: state.position_m,
             reference_velocity_m_s: state.velocity_m_s,
@@ -134,7 +136,7 @@ impl ArcSums {
         };
         for sample in &arc.samples {
             let s = sample.time_s(times_s) - epoch_s;
-            let residual = flow::position(gravity_m_s2, state, s) - sample.position_m;
+            let residual = flow::position(body, gravity_m_s2, state, s) - sample.position_m;
             sums.moments[0] += residual;
             sums.moments[1] += residual * s;
             sums.moments[2] += residual * (0.5 * s * s);
@@ -217,6 +219,7 @@ pub fn unknown_times(
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
+    assert!(body.is_ballistic(), "derivatives of a parabola");
     let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
     let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
     let for_each = arc.samples.len() as f64 / samples.len().max(1) as f64;
@@ -237,8 +240,8 @@ pub fn unknown_times(
             s,
             turn_weight,
         );
-        let velocity = state.velocity_m_s + gravity_m_s2 * s;
-        let residual = flow::position(gravity_m_s2, state, s) - sample.position_m;
+        let velocity = flow::velocity(body, gravity_m_s2, state, s);
+        let residual = flow::position(body, gravity_m_s2, state, s) - sample.position_m;
         let half_square = 0.5 * s * s;
         terms.cost += 0.5 * weight * residual.norm_squared();
         terms.position_gradient[0] += residual * weight;

@@ -29,15 +29,16 @@ pub struct Ballistic {
     pub square_m2: f64,
 }
 
-/// Fits `samples` about acted time `middle_s`. `rate` is the known rate, or `None` to estimate it.
+/// Fits `samples` about acted time `middle_s` to a fall with gravity and constant force `pull_m_s2`,
+/// without drag, which is small in a flight of one hand's breadth and left to the estimation. `rate` is the known rate, or `None` to estimate it.
 pub fn fit(
     samples: &[Sample],
     middle_s: f64,
-    gravity_m_s2: &Vector3<f64>,
+    pull_m_s2: &Vector3<f64>,
     rate: Option<f64>,
 ) -> Ballistic {
-    let along = gravity_m_s2.try_normalize(1e-9);
-    let known_fall = rate.map_or(Vector3::zeros(), |c| gravity_m_s2 * (0.5 * c * c));
+    let along = pull_m_s2.try_normalize(1e-9);
+    let known_fall = rate.map_or(Vector3::zeros(), |c| pull_m_s2 * (0.5 * c * c));
     let target = |sample: &Sample| {
         let a = sample.acted_s - middle_s;
         (a, sample.position_m - known_fall * (a * a))
@@ -60,7 +61,7 @@ pub fn fit(
         Vector3::zeros()
     };
 
-    // The quadratic orthogonal to 1 and a, only along gravity.
+    // The quadratic orthogonal to 1 and a, only along the pull.
     let quadratic = Quadratic::new(samples, middle_s, mean_a, first_norm);
     let mut curvature = Vector3::zeros();
     let mut found = rate;
@@ -73,7 +74,7 @@ pub fn fit(
             })
             .sum();
         let size = pull / quadratic.norm.max(f64::MIN_POSITIVE);
-        let square = 2.0 * size / gravity_m_s2.norm();
+        let square = 2.0 * size / pull_m_s2.norm();
         let (least, most) = (RATES.0 * RATES.0, RATES.1 * RATES.1);
         if square.is_finite() && square > least && square < most {
             found = Some(square.sqrt());

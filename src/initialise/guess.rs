@@ -1,7 +1,5 @@
 //! Fits all segments and places the fits on one time line (paper §6.2.1).
 
-use nalgebra::Vector3;
-
 use super::ballistic;
 use super::clock;
 use super::turn::{self, OrientationReading, TurnFit};
@@ -51,7 +49,9 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     for (segment, rate) in segments.iter().zip(&rates) {
         let samples = samples(segment);
         let middle_s = middle(segment);
-        let flight = ballistic::fit(samples, middle_s, &scene.gravity_m_s2, Some(*rate));
+        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+        let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+        let flight = ballistic::fit(samples, middle_s, &pull_m_s2, Some(*rate));
         let sample_times_s: Vec<f64> = samples
             .iter()
             .map(|sample| time_line.at(sample.acted_s))
@@ -62,7 +62,6 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             .zip(&sample_times_s)
             .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
             .collect();
-        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
         let turn = turn::fit(&body, &readings);
         fit_iterations += turn.iterations;
         let count = samples.len() as f64;
@@ -141,11 +140,14 @@ fn rates<'s>(
     middle: &impl Fn(&Segment) -> f64,
     known: Option<f64>,
 ) -> Vec<f64> {
-    let gravity: &Vector3<f64> = &scene.gravity_m_s2;
     let found: Vec<Option<f64>> = segments
         .iter()
         .map(|segment| {
-            known.or_else(|| ballistic::fit(samples(segment), middle(segment), gravity, None).rate)
+            known.or_else(|| {
+                let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+                let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+                ballistic::fit(samples(segment), middle(segment), &pull_m_s2, None).rate
+            })
         })
         .collect();
     let mut sorted: Vec<f64> = found.iter().flatten().copied().collect();

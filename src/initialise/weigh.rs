@@ -10,7 +10,6 @@
 use nalgebra::Vector3;
 
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
-use crate::physics::flow;
 
 /// Sets how often marks count ([`MarkTime::counted`](crate::motion::MarkTime::counted)) to how
 /// often the samples of the flights in `guess` do.
@@ -30,11 +29,9 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
     let arrival = |index: usize, event: usize| {
         let arc = &guess.arcs[index];
         let after_s = guess.event_times_s[event] - arc.epoch_s;
-        let position_m = flow::position(&scene.gravity_m_s2, &arc.state, after_s);
-        (
-            position_m,
-            arc.state.velocity_m_s + scene.gravity_m_s2 * after_s,
-        )
+        let dynamics = scene.dynamics(segments[index].mechanism);
+        let state = dynamics.advance(&scene.gravity_m_s2, &arc.state, after_s);
+        (state.position_m, state.velocity_m_s)
     };
     let ending = |mechanism: MechanismIndex, event: usize| {
         segments

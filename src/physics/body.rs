@@ -1,7 +1,10 @@
-//! The inertia of a rigid body: mass and principal moments at the centre of mass.
+//! A rigid body: its mass and principal moments at the centre of mass, and what acts on it in
+//! flight beside gravity.
 
 use nalgebra::Vector3;
 use thiserror::Error;
+
+use super::drag::Drag;
 
 /// Moments closer than this, relative to the largest, are one moment: further apart than
 /// rounding leaves them, and so close that a turn of a hundred radians with the mean of two
@@ -11,12 +14,15 @@ const EQUAL_MOMENTS: f64 = 8.0 * f64::EPSILON;
 /// moments are typed with few digits.
 const TRIANGLE_SLACK: f64 = 1e-9;
 
-/// Mass and principal moments of inertia at the centre of mass.
+/// Mass and principal moments of inertia at the centre of mass; constant force and drag in flight,
+/// both none unless given ([`Body::with_force`], [`Body::with_drag`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     mass_kg: f64,
     moments_kg_m2: Vector3<f64>,
     symmetry: Symmetry,
+    force_m_s2: Vector3<f64>,
+    drag: Drag,
 }
 
 /// How many of the moments are equal: which flow is exact for the body.
@@ -33,7 +39,7 @@ pub enum Symmetry {
     Asymmetric,
 }
 
-/// Why mass and moments are refused.
+/// Why a body is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BodyError {
     /// Mass is not positive.
@@ -53,6 +59,26 @@ pub enum BodyError {
     /// No distribution of mass has such moments.
     #[error("moments {0} + {1} < {2} kg m²: the sum of any two is at least the third")]
     Triangle(f64, f64, f64),
+    /// A component of the force per mass is not finite.
+    #[error("force per mass along axis {axis} is {force_m_s2} m/s², expected a finite number")]
+    Force {
+        /// World axis: 0, 1 or 2.
+        axis: usize,
+        /// As given.
+        force_m_s2: f64,
+    },
+    /// The linear drag is negative or not finite.
+    #[error("linear drag is {linear_per_s} 1/s, expected zero or more")]
+    LinearDrag {
+        /// As given.
+        linear_per_s: f64,
+    },
+    /// The quadratic drag is negative or not finite.
+    #[error("quadratic drag is {quadratic_per_m} 1/m, expected zero or more")]
+    QuadraticDrag {
+        /// As given.
+        quadratic_per_m: f64,
+    },
 }
 
 impl Body {
@@ -100,7 +126,36 @@ impl Body {
             mass_kg,
             moments_kg_m2,
             symmetry,
+            force_m_s2: Vector3::zeros(),
+            drag: Drag::default(),
         })
+    }
+
+    /// The body with a constant force per mass `f` [m/s², world] that acts on its centre of mass
+    /// beside gravity.
+    pub fn with_force(self, force_m_s2: Vector3<f64>) -> Result<Self, BodyError> {
+        match (0..3).find(|axis| !force_m_s2[*axis].is_finite()) {
+            Some(axis) => Err(BodyError::Force {
+                axis,
+                force_m_s2: force_m_s2[axis],
+            }),
+            None => Ok(Self { force_m_s2, ..self }),
+        }
+    }
+
+    /// The body with a drag, which acts on its centre of mass and leaves its rotation free.
+    pub fn with_drag(self, drag: Drag) -> Result<Self, BodyError> {
+        let Drag {
+            linear_per_s,
+            quadratic_per_m,
+        } = drag;
+        if !(linear_per_s >= 0.0 && linear_per_s.is_finite()) {
+            return Err(BodyError::LinearDrag { linear_per_s });
+        }
+        if !(quadratic_per_m >= 0.0 && quadratic_per_m.is_finite()) {
+            return Err(BodyError::QuadraticDrag { quadratic_per_m });
+        }
+        Ok(Self { drag, ..self })
     }
 
     /// Mass \[kg\].
@@ -116,6 +171,39 @@ impl Body {
     /// How many of the moments are equal.
     pub fn symmetry(&self) -> Symmetry {
         self.symmetry
+    }
+
+    /// Constant force per mass `f` [m/s², world].
+    pub fn force_m_s2(&self) -> Vector3<f64> {
+        self.force_m_s2
+    }
+
+    /// Drag of the air.
+    pub fn drag(&self) -> Drag {
+        self.drag
+    }
+
+    /// Constant part of the acceleration in flight, `p = g + f` [m/s², world].
+    pub fn pull_m_s2(&self, gravity_m_s2: &Vector3<f64>) -> Vector3<f64> {
+        gravity_m_s2 + self.force_m_s2
+    }
+
+    /// Acceleration in flight at a velocity, `g + f − k v − c|v| v` [m/s², world].
+    pub fn acceleration_m_s2(
+        &self,
+        gravity_m_s2: &Vector3<f64>,
+        velocity_m_s: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let pull_m_s2 = self.pull_m_s2(gravity_m_s2);
+        if self.is_ballistic() {
+            return pull_m_s2;
+        }
+        pull_m_s2 + self.drag.acceleration_m_s2(velocity_m_s)
+    }
+
+    /// Whether its centre of mass flies on a parabola: without drag.
+    pub fn is_ballistic(&self) -> bool {
+        self.drag.is_none()
     }
 }
 
@@ -140,5 +228,34 @@ mod tests {
         assert!(Body::new(1.0, Vector3::new(1.0, 2.0, 3.0 + 1e-10)).is_ok());
         let refused = Body::new(1.0, Vector3::new(1.0, 2.0, 3.001));
         assert!(matches!(refused, Err(BodyError::Triangle(..))));
+    }
+
+    #[test]
+    fn forces_are_finite_and_drag_does_not_push() {
+        let body = Body::new(1.0, Vector3::repeat(1.0)).unwrap();
+        assert!(body.is_ballistic() && body.force_m_s2() == Vector3::zeros());
+        let refused = body.with_force(Vector3::new(0.0, f64::NAN, 1.0));
+        assert!(matches!(refused, Err(BodyError::Force { axis: 1, .. })));
+        for wrong in [-1e-3, f64::NAN, f64::INFINITY] {
+            let linear = body.with_drag(Drag {
+                linear_per_s: wrong,
+                quadratic_per_m: 0.0,
+            });
+            assert!(matches!(linear, Err(BodyError::LinearDrag { .. })));
+            let quadratic = body.with_drag(Drag {
+                linear_per_s: 0.0,
+                quadratic_per_m: wrong,
+            });
+            assert!(matches!(quadratic, Err(BodyError::QuadraticDrag { .. })));
+        }
+        let drag = Drag {
+            linear_per_s: 0.0,
+            quadratic_per_m: 0.13,
+        };
+        let ball = body.with_drag(drag).unwrap();
+        assert!(!ball.is_ballistic() && ball.drag() == drag);
+        let pushed = ball.with_force(Vector3::x()).unwrap();
+        assert_eq!(pushed.pull_m_s2(&-Vector3::x()), Vector3::zeros());
+        assert_eq!(pushed.drag(), drag);
     }
 }

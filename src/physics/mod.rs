@@ -1,9 +1,10 @@
-//! Rigid bodies: their mass and shape ([`body`], [`shape`]), free flight ([`flow`]), contact
+//! Rigid bodies: their mass, drag and shape ([`body`], [`drag`], [`shape`]), free flight ([`flow`]), contact
 //! geometry ([`contact`], [`features`]), impacts ([`impact`]) and how they are measured
 //! (`observe`). Each formula stands beside its derivatives. Only [`shape`] imports parry.
 
 pub mod body;
 pub mod contact;
+pub mod drag;
 pub mod dynamics;
 pub mod features;
 pub mod flow;
@@ -13,6 +14,7 @@ pub mod shape;
 pub mod state;
 
 pub use body::{Body, BodyError};
+pub use drag::Drag;
 pub use dynamics::Dynamics;
 pub use shape::{Shape, ShapeError};
 pub use state::State;

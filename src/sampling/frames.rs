@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 
 use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::{ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
 use crate::physics::Dynamics;
-use crate::physics::flow::{self, Spin};
+use crate::physics::flow::{Fall, Spin};
 
 /// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
 /// estimation that ran away, and would fill the disk.
@@ -87,14 +87,18 @@ pub fn estimate_frames(
         }
     }
     let Dynamics::Free(body) = scene.dynamics(mechanism);
-    let mut flights: Vec<(&ArcEstimate, Spin)> = arcs
+    let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
         .into_iter()
-        .map(|arc| (arc, Spin::new(&body, &arc.state.angular_velocity_rad_s)))
+        .map(|arc| {
+            let fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
+            let spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
+            (arc, fall, spin)
+        })
         .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let mut samples = poses
         .map(|(stamp, time_s)| {
-            let pose = pose_at(&mut flights, &estimate.gravity_m_s2, time_s);
+            let pose = pose_at(&mut flights, time_s);
             PoseSample::from_pose(stamp, &pose)
         })
         .collect();
@@ -151,14 +155,13 @@ pub fn sketch_frames(
 }
 
 /// The pose at a physical time within the flights: on the first that has not ended.
-fn pose_at(flights: &mut [(&ArcEstimate, Spin)], gravity_m_s2: &Vector3<f64>, time_s: f64) -> Pose {
-    let at = flights.iter().position(|(arc, _)| time_s <= arc.end_s);
+fn pose_at(flights: &mut [(&ArcEstimate, Fall, Spin)], time_s: f64) -> Pose {
+    let at = flights.iter().position(|(arc, ..)| time_s <= arc.end_s);
     let at = at.unwrap_or(flights.len() - 1);
-    let (arc, spin) = &mut flights[at];
+    let (arc, fall, spin) = &mut flights[at];
     let duration_s = time_s - arc.epoch_s;
-    let position_m = flow::position(gravity_m_s2, &arc.state, duration_s);
     Pose::from_parts(
-        position_m.into(),
+        fall.position(duration_s).into(),
         arc.state.orientation * spin.turn(duration_s),
     )
 }

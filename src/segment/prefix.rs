@@ -31,12 +31,16 @@ struct Sums {
 }
 
 impl PrefixSums {
-    /// Sums for the centre of mass: flights under gravity \[m\].
-    pub(super) fn of_positions(scene: &Scene, track: &TrackSketch) -> Self {
-        let gravity = scene.gravity_m_s2;
+    /// Sums for the centre of mass: flights under gravity and the body's constant force, without
+    /// drag \[m\].
+    pub(super) fn of_positions(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Self {
+        let pull = scene
+            .link_seen_by(index)
+            .body
+            .pull_m_s2(&scene.gravity_m_s2);
         let free_along = match scene.timing {
             Timing::Known | Timing::Edited => None,
-            Timing::Unknown { .. } => gravity.try_normalize(1e-9),
+            Timing::Unknown { .. } => pull.try_normalize(1e-9),
         };
         let samples = &track.samples;
         let first_m = samples.first().map_or(Vector3::zeros(), |s| s.position_m);
@@ -47,7 +51,7 @@ impl PrefixSums {
             let fall = if free_along.is_some() {
                 Vector3::zeros()
             } else {
-                gravity * (0.5 * a * a)
+                pull * (0.5 * a * a)
             };
             (a, sample.position_m - first_m - fall)
         });

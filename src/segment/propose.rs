@@ -105,16 +105,20 @@ impl<'a> Stream<'a> {
     pub(super) fn new(scene: &'a Scene, index: TrackIndex, track: &'a TrackSketch) -> Self {
         Self {
             turns: Some(PrefixSums::of_turns(scene, index, track)),
-            ..Self::of_positions(scene, track)
+            ..Self::of_positions(scene, index, track)
         }
     }
 
     /// [`Stream::new`] without the cost of rotations, which is half the work.
-    pub(super) fn of_positions(scene: &'a Scene, track: &'a TrackSketch) -> Self {
+    pub(super) fn of_positions(
+        scene: &'a Scene,
+        index: TrackIndex,
+        track: &'a TrackSketch,
+    ) -> Self {
         Self {
             scene,
             samples: &track.samples,
-            positions: PrefixSums::of_positions(scene, track),
+            positions: PrefixSums::of_positions(scene, index, track),
             turns: None,
         }
     }

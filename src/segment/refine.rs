@@ -53,8 +53,8 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     let events: Vec<usize> = (0..scene.events.len())
         .filter(|event| scene.events[*event].kind.collision().is_some())
         .collect();
-    let tracks = sketch.tracks.iter();
-    let sums = tracks.map(|track| PrefixSums::of_positions(scene, track));
+    let tracks = sketch.tracks.iter_enumerated();
+    let sums = tracks.map(|(index, track)| PrefixSums::of_positions(scene, index, track));
     let sums: TiVec<TrackIndex, PrefixSums> = sums.collect();
     let left_m2 = sums.iter_enumerated();
     let left_m2 = left_m2.map(|(track, sums)| left_m2_of(scene, sketch, sums, track));

@@ -37,7 +37,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
                 scene.takes_part(mechanism, collision).then_some(event)
             })
             .collect();
-        let quick = Stream::of_positions(scene, track);
+        let quick = Stream::of_positions(scene, index, track);
         let marked: Vec<usize> = events
             .iter()
             .map(|event| quick.cut_at(sketch.marks_s[*event]))

@@ -1,7 +1,8 @@
 //! Balance of energy and momentum over flights and impacts.
 //!
-//! Over a flight, energy, momentum less `m g s`, and angular momentum `R I ω` are constant. Over an
-//! impact the states before and after it and the contact points are checked for the following:
+//! Over a flight, energy with the potential of gravity and of a constant force, less the work of
+//! drag; momentum less the impulse of all of these; and angular momentum `R I ω` are constant. Over
+//! an impact the states before and after it and the contact points are checked for the following:
 //!
 //! - two bodies together keep their momentum; without friction, a body keeps the part of its
 //!   momentum perpendicular to the contacts' normals;
@@ -21,6 +22,7 @@ use super::moving::MovingLink;
 use crate::math::so3;
 use crate::motion::{Balance, LinkIndex};
 use crate::physics::contact::Frame;
+use crate::physics::flow::Fall;
 use crate::physics::{Body, State};
 
 /// Sine of an angle below which directions are parallel.
@@ -67,20 +69,59 @@ fn flight(
 ) {
     let body = &link.of_scene.body;
     let gravity = world.estimate.gravity_m_s2;
-    let potential = -body.mass_kg() * gravity.dot(&(end.position_m - start.position_m));
+    let pull = body.pull_m_s2(&gravity);
+    let drag = DragSum::over(body, &gravity, start, duration_s);
+    let potential = -body.mass_kg() * pull.dot(&(end.position_m - start.position_m));
     let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));
     let of_energy = relative(
-        (after + potential - before).abs(),
+        (after + potential - before - body.mass_kg() * drag.work_m2_s2).abs(),
         before.max(after).max(potential.abs()),
     );
     let speed = start.velocity_m_s.norm().max(end.velocity_m_s.norm());
-    let change = end.velocity_m_s - start.velocity_m_s - gravity * duration_s;
+    let change = end.velocity_m_s - start.velocity_m_s - pull * duration_s - drag.impulse_m_s;
     let (spin, spin_after) = (spin_of(body, start), spin_of(body, end));
     balance.flight_energy = balance.flight_energy.max(of_energy);
     balance.flight_momentum = balance.flight_momentum.max(relative(change.norm(), speed));
     balance.flight_angular_momentum = balance
         .flight_angular_momentum
         .max(relative((spin_after - spin).norm(), spin.norm()));
+}
+
+/// What drag does over a flight, per mass.
+#[derive(Default)]
+struct DragSum {
+    work_m2_s2: f64,
+    impulse_m_s: Vector3<f64>,
+}
+
+/// Length of an interval of the sum over a flight \[s\].
+const DRAG_INTERVAL_S: f64 = 1.0 / 128.0;
+/// Greatest number of such intervals.
+const DRAG_INTERVALS: f64 = 1e5;
+
+impl DragSum {
+    /// Sums by Gauss and Legendre's rule of three points.
+    fn over(body: &Body, gravity_m_s2: &Vector3<f64>, start: &State, duration_s: f64) -> Self {
+        let mut sum = Self::default();
+        if body.is_ballistic() {
+            return sum;
+        }
+        let mut fall = Fall::new(body, gravity_m_s2, start);
+        let intervals = (duration_s / DRAG_INTERVAL_S).ceil().min(DRAG_INTERVALS);
+        let interval_s = duration_s / intervals.max(1.0);
+        let off = 0.6_f64.sqrt();
+        for interval in 0..intervals as usize {
+            for (place, weight) in [(-off, 5.0), (0.0, 8.0), (off, 5.0)] {
+                let since_s = (interval as f64 + 0.5 + 0.5 * place) * interval_s;
+                let velocity = fall.position_and_velocity(since_s).1;
+                let acceleration = body.drag().acceleration_m_s2(&velocity);
+                let weight_s = interval_s * weight / 18.0;
+                sum.work_m2_s2 += acceleration.dot(&velocity) * weight_s;
+                sum.impulse_m_s += acceleration * weight_s;
+            }
+        }
+        sum
+    }
 }
 
 /// A body just before an impact and just after.

@@ -53,7 +53,8 @@ impl<'a> MovingLink<'a> {
 
     /// Upper bound of the speed of all points of the link on a part of an arc [m/s]: `|v| + |ω| r`.
     pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
-        // |v| is convex in time: largest at an end.
+        // |v| is largest at an end: where it stands still its second derivative is positive, as
+        // |p|² > (p·v)²/v² there, with drag as without.
         let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
         let spin = spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s);
         speed_at(from_s).max(speed_at(to_s)) + spin * self.radius_m

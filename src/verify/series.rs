@@ -1,10 +1,11 @@
-//! Free flight by Taylor series of Euler's equations, independent of [`crate::physics::flow`].
+//! Free flight, independent of [`crate::physics::flow`]: the rotation by Taylor series of Euler's
+//! equations, the centre of mass by a parabola or, with drag, by the classic Runge–Kutta method.
 //!
 //! ```text
-//! I ω' = (I ω) × ω,   q' = ½ q (0, ω)
+//! I ω' = (I ω) × ω,   q' = ½ q (0, ω),   x' = v,   v' = g + f − k v − c|v| v
 //! ```
 //!
-//! Both right sides are products of two series, so that every coefficient follows from earlier
+//! The first two right sides are products of two series, so that every coefficient follows from earlier
 //! ones by one sum of products. For any three moments.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -21,6 +22,13 @@ const STEP_RAD: f64 = 0.2;
 /// Greatest number of steps: a longer rotation, of more than 30 000 turns, is less exact.
 const STEPS: f64 = 1e6;
 
+/// Length of a step with drag \[s\]: the error is below 2e-11 m over 1 s of a table-tennis ball at
+/// 30 m/s, below 1e-9 m of one that stops in the air.
+const DRAG_STEP_S: f64 = 1.0 / 1024.0;
+
+/// Greatest number of steps with drag.
+const DRAG_STEPS: f64 = 1e6;
+
 /// State after `duration_s` of free flight (negative: before).
 pub(super) fn advance(
     body: &Body,
@@ -28,12 +36,10 @@ pub(super) fn advance(
     state: &State,
     duration_s: f64,
 ) -> State {
-    let position_m = state.position_m
-        + state.velocity_m_s * duration_s
-        + gravity_m_s2 * (0.5 * duration_s * duration_s);
+    let (position_m, velocity_m_s) = fall(body, gravity_m_s2, state, duration_s);
     let mut now = State {
         position_m,
-        velocity_m_s: state.velocity_m_s + gravity_m_s2 * duration_s,
+        velocity_m_s,
         ..*state
     };
     let mut left_s = duration_s;
@@ -50,6 +56,34 @@ pub(super) fn advance(
         left_s -= step_s;
     }
     now
+}
+
+/// Centre of mass and its velocity.
+fn fall(
+    body: &Body,
+    gravity_m_s2: &Vector3<f64>,
+    state: &State,
+    duration_s: f64,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let pull = gravity_m_s2 + body.force_m_s2();
+    let (mut x, mut v) = (state.position_m, state.velocity_m_s);
+    if body.is_ballistic() {
+        let fallen = pull * (0.5 * duration_s * duration_s);
+        return (x + v * duration_s + fallen, v + pull * duration_s);
+    }
+    let drag = body.drag();
+    let slope = |v: &Vector3<f64>| pull - v * (drag.linear_per_s + drag.quadratic_per_m * v.norm());
+    let steps = (duration_s.abs() / DRAG_STEP_S).ceil().min(DRAG_STEPS);
+    let h = duration_s / steps.max(1.0);
+    for _ in 0..steps as usize {
+        let a1 = slope(&v);
+        let a2 = slope(&(v + a1 * (0.5 * h)));
+        let a3 = slope(&(v + a2 * (0.5 * h)));
+        let a4 = slope(&(v + a3 * h));
+        x += (v + (a1 + a2 + a3) * (h / 6.0)) * h;
+        v += (a1 + (a2 + a3) * 2.0 + a4) * (h / 6.0);
+    }
+    (x, v)
 }
 
 /// One step of the rotation.
@@ -86,7 +120,7 @@ fn turn(body: &Body, state: &mut State, step_s: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::flow;
+    use crate::physics::{Drag, flow};
 
     fn state() -> State {
         State {
@@ -110,6 +144,26 @@ mod tests {
                     difference < 2e-12,
                     "{moments:?} {duration_s} {difference:e}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn drag_is_that_of_the_flow() {
+        let gravity = Vector3::new(0.3, 0.0, -9.8);
+        let body = Body::new(0.006, Vector3::repeat(1e-3)).unwrap();
+        let body = body.with_force(Vector3::new(0.5, -0.1, 0.0)).unwrap();
+        for (linear_per_s, quadratic_per_m) in [(0.0, 0.13), (2.0, 0.0), (0.3, 0.4)] {
+            let drag = Drag {
+                linear_per_s,
+                quadratic_per_m,
+            };
+            let body = body.with_drag(drag).unwrap();
+            for duration_s in [1e-9, 0.5, -0.3] {
+                let own = advance(&body, &gravity, &state(), duration_s);
+                let flow = flow::advance(&body, &gravity, &state(), duration_s);
+                let off = own.minus(&flow).norm();
+                assert!(off < 1e-11, "{drag:?} {duration_s} {off:e}");
             }
         }
     }

@@ -6,7 +6,7 @@ use super::bins::{Bins, Six};
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::physics::Dynamics;
-use crate::physics::flow::Spin;
+use crate::physics::flow::{self, Spin};
 use crate::physics::state::part;
 
 /// The change of the residuals by one step.
@@ -78,7 +78,7 @@ impl<'a> Design<'a> {
                     let (turn, k) = spin.turn_and_derivative(since_s);
                     let to_body = turn.inverse().to_rotation_matrix().into_inner() * per_rad;
                     let by_spin = to_body * k;
-                    let velocity = (state.velocity_m_s + gravity_m_s2 * since_s) * per_m;
+                    let velocity = flow::velocity(body, &gravity_m_s2, state, since_s) * per_m;
                     let spinning = by_spin * omega;
                     SampleDesign {
                         bin: *bin,

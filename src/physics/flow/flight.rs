@@ -4,34 +4,71 @@ use nalgebra::Vector3;
 
 use super::asymmetric;
 use super::axial::Turning;
+use super::fall::{self, Fall, Fallen};
 use crate::physics::body::{Body, Symmetry};
 use crate::physics::state::{State, StateTangent, part};
 
 /// State after `duration_s` of free flight (negative: before).
 ///
 /// Orientation and angular velocity are NaN where a body with three different moments would turn by
-/// more than [`super::ANGLE_MAX_RAD`].
+/// more than [`super::ANGLE_MAX_RAD`]; position and velocity where [`Fall`] gives NaN.
 pub fn advance(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> State {
     let omega = &state.angular_velocity_rad_s;
     let (rotation, angular_velocity_rad_s) = match body.symmetry() {
         Symmetry::Asymmetric => asymmetric::advance(body, omega, duration_s),
         _ => Turning::of(body).advance(omega, duration_s),
     };
+    let (position_m, velocity_m_s) =
+        Fall::new(body, gravity_m_s2, state).position_and_velocity(duration_s);
     State {
-        position_m: position(gravity_m_s2, state, duration_s),
+        position_m,
         orientation: state.orientation * rotation,
-        velocity_m_s: state.velocity_m_s + gravity_m_s2 * duration_s,
+        velocity_m_s,
         angular_velocity_rad_s,
     }
 }
 
-/// Centre of mass after `duration_s`, `x + v s + ½ g s²` [m, world].
-pub fn position(gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> Vector3<f64> {
-    state.position_m + (state.velocity_m_s + gravity_m_s2 * (0.5 * duration_s)) * duration_s
+/// Centre of mass after `duration_s` [m, world]; for many durations with drag, see [`Fall`].
+pub fn position(
+    body: &Body,
+    gravity_m_s2: &Vector3<f64>,
+    state: &State,
+    duration_s: f64,
+) -> Vector3<f64> {
+    if body.is_ballistic() {
+        let pull_m_s2 = body.pull_m_s2(gravity_m_s2);
+        return fall::parabola(
+            &state.position_m,
+            &state.velocity_m_s,
+            &pull_m_s2,
+            duration_s,
+        );
+    }
+    Fall::new(body, gravity_m_s2, state).position(duration_s)
+}
+
+/// Velocity of the centre of mass after `duration_s` [m/s, world].
+pub fn velocity(
+    body: &Body,
+    gravity_m_s2: &Vector3<f64>,
+    state: &State,
+    duration_s: f64,
+) -> Vector3<f64> {
+    if body.is_ballistic() {
+        return state.velocity_m_s + body.pull_m_s2(gravity_m_s2) * duration_s;
+    }
+    Fall::new(body, gravity_m_s2, state)
+        .position_and_velocity(duration_s)
+        .1
+}
+
+/// Centre of mass after `duration_s` with its derivatives; for many durations, see [`Fall`].
+pub fn fallen(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> Fallen {
+    Fall::new(body, gravity_m_s2, state).fallen(duration_s)
 }
 
 /// Time derivative of the state in free flight, in its own tangent space:
-/// `(v, ω, g, I⁻¹((I ω) × ω))`.
+/// `(v, ω, g + f − k v − c|v| v, I⁻¹((I ω) × ω))`.
 pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
     let omega = &state.angular_velocity_rad_s;
     let [a, b, c] = asymmetric::couplings(body);
@@ -45,7 +82,7 @@ pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTan
         .copy_from(&state.velocity_m_s);
     rate.fixed_rows_mut::<3>(part::ORIENTATION).copy_from(omega);
     rate.fixed_rows_mut::<3>(part::VELOCITY)
-        .copy_from(gravity_m_s2);
+        .copy_from(&body.acceleration_m_s2(gravity_m_s2, &state.velocity_m_s));
     rate.fixed_rows_mut::<3>(part::ANGULAR_VELOCITY)
         .copy_from(&euler);
     rate

@@ -1,9 +1,11 @@
 //! The flow `Φ` of a free rigid body: the map (state, duration) → state, with its derivatives.
 //!
 //! ```text
-//! x(s) = x + v s + ½ g s²,   v(s) = v + g s
+//! x(s) = x + v s + ½ p s²,   v(s) = v + p s      without drag, p = g + f
 //! I ω̇ = (I ω) × ω,   Ṙ = R [ω]×                    Euler's equations, ω in body axes
 //! ```
+//!
+//! With drag the centre of mass is integrated (`fall`, whose steps are in `glide`).
 //!
 //! How the rotation is integrated depends on the principal moments:
 //!
@@ -11,12 +13,14 @@
 //! - three different: Taylor series of Euler's equations, step by step (`asymmetric`, whose
 //!   series are in `series`).
 //!
-//! Both are exact to rounding for durations of either sign, and agree where moments become equal.
+//! Both rotations are exact to rounding for durations of either sign, and agree where moments become equal.
 //! Derivatives are by right perturbations.
 
 mod asymmetric;
 mod axial;
+mod fall;
 mod flight;
+mod glide;
 #[cfg(test)]
 #[path = "../../../tools/src/reference.rs"]
 mod reference;
@@ -28,6 +32,7 @@ mod turned;
 
 pub use asymmetric::ANGLE_MAX_RAD;
 pub(super) use axial::Precession;
-pub use flight::{advance, position, rate};
+pub use fall::{Fall, Fallen};
+pub use flight::{advance, fallen, position, rate, velocity};
 pub use turn::{Spin, turn};
 pub use turned::Turn;

@@ -30,7 +30,7 @@ fn where_the_tempo_is_unknown_all_falls_are_one_and_no_rise_is() {
     let curved = |factor: f64| {
         let place = |t: f64| scene.gravity_m_s2 * (factor * t * t) + Vector3::new(t, 2.0 * t, 0.3);
         let track = samples(|t| (place(t), UnitQuaternion::identity()));
-        PrefixSums::of_positions(&scene, &track).cost(0, 10)
+        PrefixSums::of_positions(&scene, TrackIndex(0), &track).cost(0, 10)
     };
     for falls in [0.0, 0.05, 0.5] {
         assert!(curved(falls) < 1e-12, "{falls}: {}", curved(falls));

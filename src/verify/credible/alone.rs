@@ -4,10 +4,15 @@
 //! free         min over x, v      Σ |p_i − x − v s_i − ½ g s_i²|²
 //! accelerated  min over x, v, a   Σ |p_i − x − v s_i − ½ a s_i²|²
 //! ```
+//!
+//! A flight with drag is fitted to first order about the estimated one.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::flights::Flight;
+use crate::motion::{Estimate, Scene};
+use crate::physics::flow::Fall;
+use crate::physics::{Body, Dynamics};
 
 /// Sums over flights that have enough samples.
 #[derive(Clone, Debug, Default)]
@@ -34,10 +39,18 @@ pub(super) struct Alone {
 const LEAST: usize = 6;
 
 impl Alone {
-    pub(super) fn new(flights: &[Flight], gravity_m_s2: &Vector3<f64>) -> Self {
+    pub(super) fn new(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Self {
         let mut sums = Self::default();
         for flight in flights.iter().filter(|f| f.readings.len() >= LEAST) {
-            sums.add(flight, gravity_m_s2);
+            let Dynamics::Free(body) = scene.dynamics(flight.arc.mechanism);
+            let fit = if body.is_ballistic() {
+                ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
+            } else {
+                dragged(flight, &body, &estimate.gravity_m_s2)
+            };
+            if let Some(fit) = fit {
+                sums.add(flight, &estimate.gravity_m_s2, &fit);
+            }
         }
         sums
     }
@@ -52,59 +65,111 @@ impl Alone {
         self.pull / self.pull_weight
     }
 
-    /// Adds a flight: fits position and velocity, then the acceleration, which is orthogonal to
-    /// them.
-    fn add(&mut self, flight: &Flight, gravity_m_s2: &Vector3<f64>) {
-        let readings = &flight.readings;
-        let count = readings.len() as f64;
-        let middle_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;
-        let since_s: Vec<f64> = readings.iter().map(|r| r.time_s - middle_s).collect();
-        let square_s2: f64 = since_s.iter().map(|s| s * s).sum();
-        // Residuals of a series of vectors from its best straight line.
-        let straightened = |series: Vec<Vector3<f64>>| -> Vec<Vector3<f64>> {
-            let mean = series.iter().sum::<Vector3<f64>>() / count;
-            let slope = series
-                .iter()
-                .zip(&since_s)
-                .map(|(x, s)| x * *s)
-                .sum::<Vector3<f64>>();
-            let slope = slope / square_s2;
-            let left = series.iter().zip(&since_s);
-            left.map(|(x, s)| x - mean - slope * *s).collect()
-        };
-        let fallen = readings.iter().zip(&since_s);
-        let fallen = fallen.map(|(r, s)| r.position_m - gravity_m_s2 * (0.5 * s * s));
-        let left = straightened(fallen.collect());
-        let bows = since_s
-            .iter()
-            .map(|s| Vector3::repeat(0.5 * s * s))
-            .collect();
-        let bows: Vec<f64> = straightened(bows).iter().map(|bow| bow.x).collect();
-        let weight: f64 = bows.iter().map(|bow| bow * bow).sum();
-        if !(square_s2 > 0.0 && weight > 0.0) {
-            return;
-        }
-        let pulled = left
-            .iter()
-            .zip(&bows)
-            .map(|(x, bow)| x * *bow)
-            .sum::<Vector3<f64>>();
-        let pull = pulled / weight;
-        let alone_m2: f64 = left.iter().map(Vector3::norm_squared).sum();
+    fn add(&mut self, flight: &Flight, gravity_m_s2: &Vector3<f64>, fit: &Fit) {
+        let count = flight.readings.len() as f64;
+        let readings = flight.readings.iter();
+        let alone_m2: f64 = fit.left.iter().map(Vector3::norm_squared).sum();
+        let pairs = fit.left.windows(2);
         self.samples += count;
         self.joint_m2 += readings
-            .iter()
             .map(|r| (r.position_m - r.estimated_m).norm_squared())
             .sum::<f64>();
         self.alone_m2 += alone_m2;
-        self.pulled_m2 += (alone_m2 - pull.norm_squared() * weight).max(0.0);
+        self.pulled_m2 += (alone_m2 - fit.gain_m2).max(0.0);
         self.alone_freedom += 3.0 * (count - 2.0);
         self.pulled_freedom += 3.0 * (count - 3.0);
-        self.product_m2 += left
-            .windows(2)
-            .map(|pair| pair[0].dot(&pair[1]))
-            .sum::<f64>();
-        self.pull += (gravity_m_s2 + pull) * weight;
-        self.pull_weight += weight;
+        self.product_m2 += pairs.map(|pair| pair[0].dot(&pair[1])).sum::<f64>();
+        self.pull += (gravity_m_s2 + fit.pull) * fit.weight;
+        self.pull_weight += fit.weight;
     }
+}
+
+/// One flight fitted alone.
+struct Fit {
+    /// Residuals of the free flight \[m\], reading by reading.
+    left: Vec<Vector3<f64>>,
+    /// Acceleration beyond that of the free flight that fits best [m/s²].
+    pull: Vector3<f64>,
+    /// By how much that lowers the sum of squares \[m²\].
+    gain_m2: f64,
+    /// Its information: the mean of that per (m/s²)² over all directions.
+    weight: f64,
+}
+
+/// Fits position and velocity, then the acceleration, which is orthogonal to them. `None` where the
+/// readings' times do not determine them.
+fn ballistic(flight: &Flight, pull_m_s2: &Vector3<f64>) -> Option<Fit> {
+    let readings = &flight.readings;
+    let count = readings.len() as f64;
+    let middle_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;
+    let since_s: Vec<f64> = readings.iter().map(|r| r.time_s - middle_s).collect();
+    let square_s2: f64 = since_s.iter().map(|s| s * s).sum();
+    // Residuals of a series of vectors from its best straight line.
+    let straightened = |series: Vec<Vector3<f64>>| -> Vec<Vector3<f64>> {
+        let mean = series.iter().sum::<Vector3<f64>>() / count;
+        let slope = series
+            .iter()
+            .zip(&since_s)
+            .map(|(x, s)| x * *s)
+            .sum::<Vector3<f64>>();
+        let slope = slope / square_s2;
+        let left = series.iter().zip(&since_s);
+        left.map(|(x, s)| x - mean - slope * *s).collect()
+    };
+    let fallen = readings.iter().zip(&since_s);
+    let fallen = fallen.map(|(r, s)| r.position_m - pull_m_s2 * (0.5 * s * s));
+    let left = straightened(fallen.collect());
+    let bows = since_s
+        .iter()
+        .map(|s| Vector3::repeat(0.5 * s * s))
+        .collect();
+    let bows: Vec<f64> = straightened(bows).iter().map(|bow| bow.x).collect();
+    let weight: f64 = bows.iter().map(|bow| bow * bow).sum();
+    if !(square_s2 > 0.0 && weight > 0.0) {
+        return None;
+    }
+    let pulled = left
+        .iter()
+        .zip(&bows)
+        .map(|(x, bow)| x * *bow)
+        .sum::<Vector3<f64>>();
+    let pull = pulled / weight;
+    Some(Fit {
+        left,
+        pull,
+        gain_m2: pull.norm_squared() * weight,
+        weight,
+    })
+}
+
+/// The same with drag, by the derivatives of the estimated flight: an orthogonal factor of their
+/// columns by position, velocity and pull.
+fn dragged(flight: &Flight, body: &Body, gravity_m_s2: &Vector3<f64>) -> Option<Fit> {
+    let readings = &flight.readings;
+    let mut fall = Fall::new(body, gravity_m_s2, &flight.arc.state);
+    let mut columns = DMatrix::zeros(3 * readings.len(), 9);
+    let mut off = DVector::zeros(3 * readings.len());
+    for (index, reading) in readings.iter().enumerate() {
+        let fallen = fall.fallen(reading.time_s - flight.arc.epoch_s);
+        let mut rows = columns.fixed_rows_mut::<3>(3 * index);
+        rows.fixed_columns_mut::<3>(0).fill_diagonal(1.0);
+        rows.fixed_columns_mut::<3>(3)
+            .copy_from(&fallen.position_by_velocity);
+        rows.fixed_columns_mut::<3>(6)
+            .copy_from(&fallen.position_by_pull);
+        off.fixed_rows_mut::<3>(3 * index)
+            .copy_from(&(reading.position_m - fallen.position_m));
+    }
+    let (q, r) = columns.qr().unpack();
+    let along = q.tr_mul(&off);
+    let left = &off - q.columns(0, 6) * along.rows(0, 6);
+    let factor: Matrix3<f64> = r.fixed_view::<3, 3>(6, 6).into_owned();
+    let pull = factor.solve_upper_triangular(&along.fixed_rows::<3>(6).into_owned())?;
+    let of_axes = left.as_slice().chunks_exact(3);
+    Some(Fit {
+        left: of_axes.map(Vector3::from_column_slice).collect(),
+        pull,
+        gain_m2: along.rows(6, 3).norm_squared(),
+        weight: factor.norm_squared() / 3.0,
+    })
 }

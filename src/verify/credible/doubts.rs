@@ -15,7 +15,7 @@ pub fn doubts(
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
 ) -> Vec<Doubt> {
-    let flights = flights(sketch, estimate);
+    let flights = flights(scene, sketch, estimate);
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts(scene, estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));

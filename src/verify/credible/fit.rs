@@ -74,7 +74,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         whole,
         AMBIGUITY,
     ));
-    let alone = Alone::new(flights, &estimate.gravity_m_s2);
+    let alone = Alone::new(scene, estimate, flights);
     if alone.samples > 0.0 {
         let rms_m = (alone.alone_m2 / alone.samples).sqrt();
         let value = rms_m / scene.weights.position_m;

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{ArcEstimate, Estimate, Place, SegmentResidual, Sketch};
-use crate::physics::flow;
+use crate::motion::{ArcEstimate, Estimate, Place, Scene, SegmentResidual, Sketch};
+use crate::physics::Dynamics;
+use crate::physics::flow::Fall;
 
 /// A sample of a flight.
 #[derive(Clone, Copy, Debug)]
@@ -36,11 +37,17 @@ impl Flight<'_> {
 }
 
 /// All flights of an estimate.
-pub(super) fn flights<'a>(sketch: &Sketch, estimate: &'a Estimate) -> Vec<Flight<'a>> {
+pub(super) fn flights<'a>(
+    scene: &Scene,
+    sketch: &Sketch,
+    estimate: &'a Estimate,
+) -> Vec<Flight<'a>> {
     let mut times = estimate.sample_times.iter();
     let pairs = estimate.arcs.iter().zip(&estimate.residuals);
     pairs
         .map(|(arc, residual)| {
+            let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
+            let mut fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
             let readings = times.by_ref().take(residual.samples).filter_map(|time| {
                 let samples = &sketch.tracks[time.track].samples;
                 let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
@@ -50,7 +57,7 @@ pub(super) fn flights<'a>(sketch: &Sketch, estimate: &'a Estimate) -> Vec<Flight
                     acted_s: sample.acted_s,
                     time_s: time.time_s,
                     position_m: sample.position_m,
-                    estimated_m: flow::position(&estimate.gravity_m_s2, &arc.state, since_s),
+                    estimated_m: fall.position(since_s),
                 })
             });
             Flight {

@@ -2,6 +2,7 @@
 
 use super::flights::{Flight, FlightSample};
 use crate::motion::{About, Doubt, Estimate, Mechanism, Place, Scene, Timing};
+use crate::physics::flow;
 use crate::verify::moving::spin_bound_rad_s;
 
 /// Greatest speed of a point of a body [m/s].
@@ -27,10 +28,10 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         let Mechanism::Free(link) = scene.mechanisms[arc.mechanism];
         let link = &scene.links[link];
         let spin_rad_s = spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s);
-        // |v| is convex in time: largest at an end.
+        // |v| is largest at an end, with drag as without.
         let speed_at = |time_s: f64| {
-            let change = estimate.gravity_m_s2 * (time_s - arc.epoch_s);
-            (arc.state.velocity_m_s + change).norm()
+            let since_s = time_s - arc.epoch_s;
+            flow::velocity(&link.body, &estimate.gravity_m_s2, &arc.state, since_s).norm()
         };
         let radius_m = link.shape.radius_m();
         let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;

@@ -143,7 +143,8 @@ impl Correction<'_> {
         ];
         for (index, (sample, time_s)) in self.samples.iter().zip(times_s).enumerate() {
             let s = time_s - self.epoch_s;
-            let shift = flow::position(&scene.gravity_m_s2, state, s) - sample.position_m;
+            let shift =
+                flow::position(self.stage.body, &scene.gravity_m_s2, state, s) - sample.position_m;
             let (turn, k) = spin.turn_and_derivative(s);
             let error = so3::log(&(turn * (sample.orientation.inverse() * state.orientation)));
             let velocity = state.velocity_m_s + scene.gravity_m_s2 * s;
