@@ -97,7 +97,7 @@ fn a_bounce_happens_at_contact_and_loses_the_energy_it_should() {
             let Some(collision) = event.kind.collision() else {
                 continue;
             };
-            let restitution = collision.restitution;
+            let restitution = truth.scene.law_of(collision).restitution;
             collisions += 1;
             let bounce = encounter(&truth, index);
             let arc = &truth.arcs[index];
@@ -138,7 +138,7 @@ fn the_pencils_do_what_their_names_say() {
         let touching = bounce.contacts[0].feature.unwrap();
         let features = &truth.scene.links[bounce.link].features;
         assert_eq!(features[touching].name, feature);
-        assert!((0.5..=0.8).contains(&bounce.restitution));
+        assert!((0.5..=0.8).contains(&truth.scene.law_of(bounce).restitution));
         let bounce_s = truth.event_times_s[0];
         assert!(bounce_s > 0.2 && truth.duration_s - bounce_s > 0.2);
         let encounter = encounter(&truth, 0);

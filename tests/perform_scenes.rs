@@ -125,6 +125,7 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
     let truth = hat_box::truth();
     for (event, links) in [(0, vec![BOX]), (1, vec![BOX, HAT])] {
         let encounter = Encounter::of(&truth.scene, &truth.parameters, event).unwrap();
+        let law = truth.scene.events[event].kind.collision().unwrap().law;
         let pairs: Vec<(State, State)> = links
             .iter()
             .map(|link| around(&truth, *link, event))
@@ -138,7 +139,7 @@ fn the_meeting_keeps_momentum_and_loses_the_energy_it_should() {
         }
         let speed = encounter.speed_m_s(&before.0, &before.1);
         let parted = encounter.speed_m_s(&after.0, &after.1);
-        let restitution = value(&truth, |q| q == Quantity::Restitution { event });
+        let restitution = value(&truth, |q| q == Quantity::Restitution { law });
         assert!(speed < -1.0, "they meet at {speed} m/s");
         assert!((parted + restitution * speed).abs() < 1e-13);
 
@@ -377,6 +378,7 @@ fn the_estimators_law_agrees_on_the_meeting() {
     let truth = hat_box::truth();
     for (event, other) in [(0, None), (1, Some(HAT))] {
         let meeting = truth.scene.contact_set(event).unwrap().unwrap();
+        let law = truth.scene.events[event].kind.collision().unwrap().law;
         let (before, after) = around(&truth, BOX, event);
         let partner = other.map(|link| around(&truth, link, event));
         let body_of = |link: LinkIndex| &truth.scene.links[link].body;
@@ -395,7 +397,7 @@ fn the_estimators_law_agrees_on_the_meeting() {
             index.map_or(0.0, |index| truth.parameters[index])
         });
         let law = Law {
-            restitution: value(&truth, |q| q == Quantity::Restitution { event }),
+            restitution: value(&truth, |q| q == Quantity::Restitution { law }),
             friction: 0.0,
             tilt_rad,
         };

@@ -279,7 +279,7 @@ fn a_count_becomes_as_many_bounces_as_there_are_marks() {
         panic!("the first event is a bounce");
     };
     each.contacts = vec![OPEN];
-    each.restitution = 1.0;
+    scene.contact_laws[each.law].restitution = 1.0;
     let kind = EventKind::Collisions {
         each,
         least: 1,

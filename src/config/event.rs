@@ -6,18 +6,22 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
-use super::number::{finite, index_of, name, pose, unique};
-use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
+use super::law::{self, BodyLaws, Laws};
+use super::number::{index_of, name, pose, unique};
+use super::raw::{RawCount, RawEvent, RawGoal, Text};
 use crate::motion::{
-    Collision, Event, EventKind, Goal, GoalTarget, Link, LinkIndex, Partner, Scene, Touching,
+    Collision, ContactLawIndex, Event, EventKind, Goal, GoalTarget, Link, LinkIndex, Partner,
+    Scene, Touching,
 };
 
-/// Greatest coefficient of friction; a larger one is a mistake.
-const FRICTION_MAX: f64 = 10.0;
-
 /// The events of a scene whose bodies and surfaces are known, in order: a start only first, an end
-/// only last.
-pub(super) fn events(raw: &[Spanned<RawEvent>], scene: &Scene) -> Result<Vec<Event>, Fault> {
+/// only last. Appends the laws of those that have their own.
+pub(super) fn events(
+    raw: &[Spanned<RawEvent>],
+    scene: &Scene,
+    of_links: &BodyLaws,
+    laws: &mut Laws,
+) -> Result<Vec<Event>, Fault> {
     let mut events: Vec<Event> = Vec::new();
     for (index, spanned) in raw.iter().enumerate() {
         let event = spanned.get_ref();
@@ -43,7 +47,7 @@ pub(super) fn events(raw: &[Spanned<RawEvent>], scene: &Scene) -> Result<Vec<Eve
             }
             "start" => plain(event, EventKind::Start)?,
             "end" => plain(event, EventKind::End)?,
-            "collision" => repeated(event, collision(spanned, scene)?, &events)?,
+            "collision" => repeated(event, collision(spanned, scene, of_links, laws)?, &events)?,
             other => {
                 return fault(
                     event.kind.span(),
@@ -114,7 +118,12 @@ fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
     Ok(kind)
 }
 
-fn collision(spanned: &Spanned<RawEvent>, scene: &Scene) -> Result<Collision, Fault> {
+fn collision(
+    spanned: &Spanned<RawEvent>,
+    scene: &Scene,
+    of_links: &BodyLaws,
+    laws: &mut Laws,
+) -> Result<Collision, Fault> {
     let event = spanned.get_ref();
     let missing = |key: &str| Fault {
         span: spanned.span(),
@@ -146,31 +155,18 @@ fn collision(spanned: &Spanned<RawEvent>, scene: &Scene) -> Result<Collision, Fa
     if let (Partner::World, Some(text)) = (partner, &event.other_feature) {
         return fault(text.span(), "other_feature needs other, the body it is of");
     }
-    let friction = match &event.friction {
-        None => 0.0,
-        Some(number) => friction(number)?,
-    };
     let contacts: Vec<Touching> = features(event, &scene.links[link])?
         .into_iter()
         .map(|feature| Touching { feature, other })
         .collect();
-    if contacts.len() > 1 && friction > 0.0 {
-        return fault(
-            spanned.span(),
-            "friction is for one contact, not for several at once",
-        );
-    }
-    let restitution = event
-        .restitution
-        .as_ref()
-        .ok_or_else(|| missing("restitution"))?;
-    Ok(Collision {
+    let mut collision = Collision {
         link,
         partner,
         contacts,
-        restitution: share("restitution", restitution)?,
-        friction,
-    })
+        law: ContactLawIndex::default(),
+    };
+    collision.law = law::of_event(spanned, &collision, of_links, laws)?;
+    Ok(collision)
 }
 
 /// The features of `link` that touch: one, several at once, or `None` for one to be inferred.
@@ -205,27 +201,6 @@ fn link_of(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
 fn feature_of(link: &Link, text: &Text) -> Result<usize, Fault> {
     let names = link.features.iter().map(|f| f.name.as_str());
     index_of(&format!("feature of {:?}", link.name), text, names)
-}
-
-fn share(what: &str, number: &Number) -> Result<f64, Fault> {
-    let value = finite(what, number)?;
-    if (0.0..=1.0).contains(&value) {
-        Ok(value)
-    } else {
-        fault(number.span(), format!("{what} is {value}, expected 0 to 1"))
-    }
-}
-
-fn friction(number: &Number) -> Result<f64, Fault> {
-    let value = finite("friction", number)?;
-    if (0.0..=FRICTION_MAX).contains(&value) {
-        Ok(value)
-    } else {
-        fault(
-            number.span(),
-            format!("friction is {value}, expected 0 to {FRICTION_MAX}"),
-        )
-    }
 }
 
 /// The goals, each on an event and a body of the scene that exist, none twice.

@@ -23,6 +23,11 @@
 //! and obstacle. `count = 6` or `count = [4, 8]` makes one entry stand for as many collisions as
 //! there are marks: `bounce` becomes `bounce 1`, `bounce 2`, ….
 //!
+//! Restitution and friction belong to what touches. A body that has a `restitution` (and a
+//! `friction`) has them at all its impacts, and they are free together, as `<body>.restitution`.
+//! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
+//! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
+//!
 //! `[capture]` is how `enact capture` records: `folder`, `chunk_ms`, `sync_ms`, and for a tracker
 //! whose stamps are not to be chosen by what its first sample has, `[[capture.tracker]]` with
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
@@ -51,6 +56,8 @@
 //! | `velocity_gaps` | `"when needed"` |
 //! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
 //! | `event.feature`, `event.surface`, `event.other_feature` | inferred from the performance |
+//! | `event.restitution`, `event.friction` | the body's |
+//! | `body.restitution`, `body.friction` | each event has its own; no friction |
 //! | `event.count` | one collision |
 //! | `free.initial…` | the scene's value; 0 for a tilt |
 //! | `free.lower…`, `free.upper…` | −∞, +∞; 0 and 1 for a restitution |
@@ -60,6 +67,7 @@ mod capture;
 mod error;
 mod event;
 mod keys;
+mod law;
 mod number;
 mod parameter;
 mod raw;

@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::number::{finite, positive, unique};
 use super::raw::{Number, RawFree, Text};
-use crate::motion::{Collision, Cone, Event, FreeParameter, Quantity};
+use crate::motion::{Cone, Event, FreeParameter, Quantity, Scene};
 
 /// Greatest half opening of a cone for the tilt of a normal [°].
 const CONE_MAX_DEG: f64 = 60.0;
@@ -38,8 +37,7 @@ const ANGLE: Unit = Unit {
 /// The free parameters, none twice, and the cones that bound pairs of tilts.
 pub(super) fn parameters(
     raw: &[RawFree],
-    gravity_m_s2: &Vector3<f64>,
-    events: &[Event],
+    scene: &Scene,
 ) -> Result<(Vec<FreeParameter>, Vec<Cone>), Fault> {
     let mut parameters: Vec<FreeParameter> = Vec::new();
     let mut cones = Vec::new();
@@ -52,9 +50,9 @@ pub(super) fn parameters(
                     parameters: [next, next + 1],
                     limit,
                 });
-                tilts(free, limit, events)?.to_vec()
+                tilts(free, limit, &scene.events)?.to_vec()
             }
-            None => vec![parameter(free, gravity_m_s2, events)?],
+            None => vec![parameter(free, scene)?],
         };
         for parameter in found {
             unique(
@@ -106,18 +104,14 @@ fn tilts(free: &RawFree, limit_rad: f64, events: &[Event]) -> Result<[FreeParame
     }))
 }
 
-fn parameter(
-    free: &RawFree,
-    gravity_m_s2: &Vector3<f64>,
-    events: &[Event],
-) -> Result<FreeParameter, Fault> {
-    let (quantity, of_scene) = quantity(&free.quantity, gravity_m_s2, events)?;
-    let (unit, widest) = match quantity {
-        Quantity::Gravity { .. } => (ACCELERATION, f64::NEG_INFINITY..f64::INFINITY),
-        Quantity::Restitution { .. } => (RATIO, 0.0..1.0),
-        Quantity::Friction { .. } => (RATIO, 0.0..f64::INFINITY),
-        Quantity::Tilt { .. } => (ANGLE, f64::NEG_INFINITY..f64::INFINITY),
+fn parameter(free: &RawFree, scene: &Scene) -> Result<FreeParameter, Fault> {
+    let (quantity, of_scene) = quantity(&free.quantity, scene)?;
+    let unit = match quantity {
+        Quantity::Gravity { .. } => ACCELERATION,
+        Quantity::Tilt { .. } => ANGLE,
+        _ => RATIO,
     };
+    let widest = quantity.limits();
     let name = free.quantity.get_ref();
     let pick = |key: &str, candidates: [&Option<Number>; 3]| -> Result<Option<Number>, Fault> {
         let units = [RATIO, ACCELERATION, ANGLE];
@@ -155,8 +149,8 @@ fn parameter(
             Some(number) => finite("the initial value", number)? * unit.si,
             None => of_scene,
         },
-        lower: lower.as_ref().map_or(widest.start, si),
-        upper: upper.as_ref().map_or(widest.end, si),
+        lower: lower.as_ref().map_or(widest[0], si),
+        upper: upper.as_ref().map_or(widest[1], si),
         prior_sd: match &prior_sd {
             Some(number) => Some(positive("the prior's standard deviation", number)? * unit.si),
             None => None,
@@ -180,7 +174,7 @@ fn fallback(free: &RawFree) -> Number {
 fn check_bounds(
     parameter: &FreeParameter,
     unit: Unit,
-    widest: &Range<f64>,
+    widest: &[f64; 2],
     [at_lower, at_upper, at_initial]: [Range<usize>; 3],
 ) -> Result<(), Fault> {
     let FreeParameter {
@@ -192,23 +186,23 @@ fn check_bounds(
     } = parameter;
     let shown = |si: &f64| si / unit.si;
     // Written so that NaN fails each check.
-    if !(*lower >= widest.start && *lower < f64::INFINITY) {
+    if !(*lower >= widest[0] && *lower < f64::INFINITY) {
         return fault(
             at_lower,
             format!(
                 "the lower bound of {name} is {}, expected {} or more",
                 shown(lower),
-                widest.start
+                widest[0]
             ),
         );
     }
-    if !(*upper <= widest.end && *upper > f64::NEG_INFINITY) {
+    if !(*upper <= widest[1] && *upper > f64::NEG_INFINITY) {
         return fault(
             at_upper,
             format!(
                 "the upper bound of {name} is {}, expected {} or less",
                 shown(upper),
-                widest.end
+                widest[1]
             ),
         );
     }
@@ -237,51 +231,51 @@ fn check_bounds(
 }
 
 /// The quantity with a name, and its value in the scene in SI units.
-fn quantity(
-    text: &Text,
-    gravity_m_s2: &Vector3<f64>,
-    events: &[Event],
-) -> Result<(Quantity, f64), Fault> {
+fn quantity(text: &Text, scene: &Scene) -> Result<(Quantity, f64), Fault> {
     let name = text.get_ref().as_str();
-    for (axis, of_gravity) in ["gravity.x", "gravity.y", "gravity.z"]
-        .into_iter()
-        .enumerate()
-    {
-        if name == of_gravity {
-            return Ok((Quantity::Gravity { axis }, gravity_m_s2[axis]));
-        }
+    let known: Vec<(String, Quantity, f64)> = freeable(scene);
+    if let Some((_, quantity, of_scene)) = known.iter().find(|(known, ..)| known == name) {
+        return Ok((*quantity, *of_scene));
     }
-    let known = |event_name: &str| {
-        let index = events.iter().position(|event| event.name == event_name)?;
-        Some((index, events[index].kind.collision()?))
-    };
-    type CollisionQuantity = fn(usize, &Collision) -> (Quantity, f64);
-    let of_collision: [(&str, CollisionQuantity); 4] = [
-        (".restitution", |event, collision| {
-            (Quantity::Restitution { event }, collision.restitution)
-        }),
-        (".friction", |event, collision| {
-            (Quantity::Friction { event }, collision.friction)
-        }),
-        (".tilt.0", |event, _| {
-            (Quantity::Tilt { event, tangent: 0 }, 0.0)
-        }),
-        (".tilt.1", |event, _| {
-            (Quantity::Tilt { event, tangent: 1 }, 0.0)
-        }),
-    ];
-    for (suffix, found) in of_collision {
-        if let Some((event, collision)) = name.strip_suffix(suffix).and_then(known) {
-            return Ok(found(event, collision));
-        }
-    }
-    let mut expected = String::from("gravity.x, gravity.y, gravity.z");
-    for event in events.iter().filter(|e| e.kind.collision().is_some()) {
-        let of = &event.name;
-        expected += &format!(", {of}.restitution, {of}.friction, {of}.tilt.0, {of}.tilt.1");
-    }
+    let names: Vec<&str> = known.iter().map(|(name, ..)| name.as_str()).collect();
     fault(
         text.span(),
-        format!("unknown quantity {name:?}, expected one of {expected}"),
+        format!(
+            "unknown quantity {name:?}, expected one of {}",
+            names.join(", ")
+        ),
     )
+}
+
+/// What may be free: names, quantities, and their values in the scene.
+fn freeable(scene: &Scene) -> Vec<(String, Quantity, f64)> {
+    let axes = ["gravity.x", "gravity.y", "gravity.z"]
+        .into_iter()
+        .enumerate();
+    let gravity = axes.map(|(axis, name)| {
+        let quantity = Quantity::Gravity { axis };
+        (name.to_owned(), quantity, scene.gravity_m_s2[axis])
+    });
+    let laws = scene.contact_laws.iter_enumerated();
+    let laws = laws.flat_map(|(law, of)| {
+        let restitution = Quantity::Restitution { law };
+        let friction = Quantity::Friction { law };
+        [
+            (
+                format!("{}.restitution", of.name),
+                restitution,
+                of.restitution,
+            ),
+            (format!("{}.friction", of.name), friction, of.friction),
+        ]
+    });
+    let events = scene.events.iter().enumerate();
+    let collisions = events.filter(|(_, event)| event.kind.collision().is_some());
+    let tilts = collisions.flat_map(|(event, of)| {
+        [0, 1].map(|tangent| {
+            let quantity = Quantity::Tilt { event, tangent };
+            (format!("{}.tilt.{tangent}", of.name), quantity, 0.0)
+        })
+    });
+    gravity.chain(laws).chain(tilts).collect()
 }

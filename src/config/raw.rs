@@ -61,6 +61,8 @@ pub(super) struct RawBody {
     pub(super) density_kg_m3: Option<Number>,
     pub(super) moments_kg_m2: Option<Triple>,
     pub(super) tracker: Option<RawTracker>,
+    pub(super) restitution: Option<Number>,
+    pub(super) friction: Option<Number>,
     #[serde(default)]
     pub(super) features_mm: BTreeMap<Text, Triple>,
     #[serde(default)]

@@ -6,6 +6,7 @@ use typed_index_collections::TiVec;
 use super::body::body;
 use super::error::{Fault, fault};
 use super::event::{events, goals};
+use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
@@ -55,6 +56,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         tracks: TiVec::new(),
         obstacles,
         surfaces,
+        contact_laws: TiVec::new(),
         events: Vec::new(),
         goals: Vec::new(),
         parameters: Vec::new(),
@@ -66,9 +68,12 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     for body in bodies {
         scene.add(body);
     }
-    scene.events = events(&raw.event, &scene)?;
+    let mut laws = Laws::new();
+    let of_links = law::of_bodies(&raw.body, &mut laws)?;
+    scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
+    scene.contact_laws = laws;
     scene.goals = goals(&raw.goal, &scene)?;
-    (scene.parameters, scene.cones) = parameters(&raw.free, &gravity_m_s2, &scene.events)?;
+    (scene.parameters, scene.cones) = parameters(&raw.free, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),

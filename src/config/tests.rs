@@ -2,10 +2,14 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::{SceneError, scene_from_toml};
-use crate::motion::{Collision, EventKind, GoalTarget, LinkIndex, Quantity, Timing, TrackIndex};
+use crate::motion::{
+    Collision, ContactLaw, ContactLawIndex, EventKind, GoalTarget, LinkIndex, Quantity, Timing,
+    TrackIndex,
+};
 use crate::physics::body::Symmetry;
 use crate::physics::{Shape, contact};
 
+mod laws;
 mod refusals;
 
 /// Uses every kind of table; line numbers matter to the tests below.
@@ -152,7 +156,11 @@ fn the_example_becomes_a_scene_in_si_units() {
     );
     assert_eq!(
         scene.events[1].kind,
-        EventKind::Collision(Collision::bounce(LinkIndex(0), 1, 0, 0.6))
+        EventKind::Collision(Collision::bounce(LinkIndex(0), 1, 0, ContactLawIndex(0)))
+    );
+    assert_eq!(
+        scene.contact_laws.raw,
+        [ContactLaw::frictionless("bounce", 0.6)]
     );
     assert_eq!(scene.events[0].kind, EventKind::Start);
     assert_eq!(scene.events[2].kind, EventKind::End);
@@ -170,7 +178,12 @@ fn the_example_becomes_a_scene_in_si_units() {
         (-9.81, -12.0, -7.0)
     );
     assert_eq!(gravity.prior_sd, Some(0.1));
-    assert_eq!(restitution.quantity, Quantity::Restitution { event: 1 });
+    assert_eq!(
+        restitution.quantity,
+        Quantity::Restitution {
+            law: ContactLawIndex(0)
+        }
+    );
     assert_eq!(
         (restitution.initial, restitution.lower, restitution.upper),
         (0.6, 0.0, 1.0)
@@ -378,7 +391,6 @@ fn what_scenes_leave_open_is_what_may_touch() {
 fn counts_become_collisions_by_the_marks() {
     let counted = PENCIL
         .replace("restitution = 0.6", "restitution = 0.6\ncount = [2, 4]")
-        .replace("[[free]]\nquantity = \"bounce.restitution\"\n", "")
         .replace(
             "[[free]]\nquantity = \"bounce.tilt.1\"\nlower_deg = -6\nupper_deg = 6\n",
             "",

@@ -134,6 +134,7 @@ fn collisions(
     let events = scene.events.iter().enumerate();
     let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
     all.filter_map(|(event, collision)| {
+        let (law, given) = (collision.law, scene.law_of(collision));
         let side = |link: LinkIndex| {
             let mechanism = scene.mechanism_of(link);
             let arc_with = |end: bool| {
@@ -162,11 +163,11 @@ fn collisions(
                 .expect("contacts that stages before found"),
             touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
             law: Law {
-                friction: collision.friction,
-                ..Law::frictionless(collision.restitution)
+                friction: given.friction,
+                ..Law::frictionless(given.restitution)
             },
-            restitution_parameter: parameter(Quantity::Restitution { event }),
-            friction_parameter: parameter(Quantity::Friction { event }),
+            restitution_parameter: parameter(Quantity::Restitution { law }),
+            friction_parameter: parameter(Quantity::Friction { law }),
             tilts: (0..2)
                 .filter_map(|tangent| {
                     Some((tangent, parameter(Quantity::Tilt { event, tangent })?))

@@ -11,9 +11,10 @@ use super::problem::Problem;
 use super::recipe::{self, Recipe};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
-    ArcGuess, Collision, Cone, Event, EventKind, Feature, FreeBody, FreeParameter, Goal,
-    GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene, Segment, Sketch,
-    Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps, Weights,
+    ArcGuess, Collision, Cone, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
+    FreeParameter, Goal, GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene,
+    Segment, Sketch, Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps,
+    Weights,
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
@@ -34,13 +35,16 @@ fn parameter(name: &str, quantity: Quantity, initial: f64, bounds: (f64, f64)) -
     }
 }
 
+/// The law of the one bounce.
+const LAW: ContactLawIndex = ContactLawIndex(0);
+
 /// A rod that bounces once, with every kind of goal and parameter.
 pub(super) fn scene(timing: Timing) -> Scene {
     let event = |name: &str, kind| Event {
         name: name.into(),
         kind,
     };
-    let bounce = EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 0.6));
+    let bounce = EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, LAW));
     let mut scene = Scene {
         name: "rod".into(),
         gravity_m_s2: GRAVITY,
@@ -59,6 +63,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
             obstacle: None,
         }],
         obstacles: Vec::new(),
+        contact_laws: TiVec::from(vec![ContactLaw::frictionless("bounce", 0.6)]),
         events: vec![event("bounce", bounce), event("landing", EventKind::End)],
         goals: vec![
             Goal {
@@ -85,7 +90,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
         settle_s: None,
         parameters: vec![
             parameter("g", Quantity::Gravity { axis: 2 }, -9.7, (-11.0, -8.0)),
-            parameter("e", Quantity::Restitution { event: 0 }, 0.55, (0.3, 0.9)),
+            parameter("e", Quantity::Restitution { law: LAW }, 0.55, (0.3, 0.9)),
             parameter(
                 "t0",
                 Quantity::Tilt {
@@ -163,16 +168,16 @@ fn meeting(timing: Timing, friction: f64) -> Scene {
     });
     let bounce = Collision {
         partner: Partner::Link(LinkIndex(1)),
-        friction,
-        ..Collision::bounce(LinkIndex(0), 0, 0, 0.6)
+        ..Collision::bounce(LinkIndex(0), 0, 0, LAW)
     };
     scene.events[0].kind = EventKind::Collision(bounce);
+    scene.contact_laws[LAW].friction = friction;
     scene.cones.push(Cone {
         parameters: [2, 3],
         limit: 0.1,
     });
     if friction > 0.0 {
-        let free = parameter("f", Quantity::Friction { event: 0 }, friction, (0.0, 20.0));
+        let free = parameter("f", Quantity::Friction { law: LAW }, friction, (0.0, 20.0));
         scene.parameters.push(free);
     }
     scene
@@ -187,7 +192,7 @@ fn landing(timing: Timing) -> Scene {
     };
     let features = [point("east", 0.05, 0.0), point("west", -0.05, 0.01)];
     scene.links[LinkIndex(0)].features.extend(features);
-    let mut bounce = Collision::bounce(LinkIndex(0), 0, 0, 0.6);
+    let mut bounce = Collision::bounce(LinkIndex(0), 0, 0, LAW);
     bounce.contacts = (0..3)
         .map(|feature| Touching {
             feature: Some(feature),

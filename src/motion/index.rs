@@ -1,4 +1,4 @@
-//! Indices into the scene's lists of links, mechanisms and tracks: each a type of its own, so that
+//! Indices into the scene's lists of links, mechanisms, tracks and contact laws: each a type of its own, so that
 //! none is taken for another.
 
 macro_rules! index {
@@ -34,4 +34,9 @@ index! {
 index! {
     /// Index into `Scene::tracks`: what one tracker sees.
     TrackIndex
+}
+
+index! {
+    /// Index into `Scene::contact_laws`: restitution and friction of what touches.
+    ContactLawIndex
 }

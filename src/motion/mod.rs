@@ -28,14 +28,14 @@ pub use estimate::{
     SampleTime, SegmentResidual, Undetermined,
 };
 pub use guess::{ArcGuess, Guess};
-pub use index::{LinkIndex, MechanismIndex, TrackIndex};
+pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
-    Against, Collision, CollisionError, Cone, Event, EventKind, Feature, FreeBody, FreeParameter,
-    Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene, Surface, Timing,
-    Touching, Track, VelocityGaps, Weights,
+    Against, Collision, CollisionError, Cone, ContactLaw, Event, EventKind, Feature, FreeBody,
+    FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene, Surface,
+    Timing, Touching, Track, VelocityGaps, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

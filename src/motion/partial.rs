@@ -1,6 +1,6 @@
 //! The beginning of a scene: the part up to the last marked event.
 
-use super::scene::{Cone, Scene, Timing};
+use super::scene::{Cone, Quantity, Scene, Timing};
 
 impl Scene {
     /// The scene with only its first `count` events: goals and parameters of later ones are
@@ -10,8 +10,12 @@ impl Scene {
         scene.events.truncate(count);
         scene.goals.retain(|goal| goal.event < count);
         let is_kept = |index: &usize| {
-            let event = self.parameters[*index].quantity.event();
-            event.is_none_or(|event| event < count)
+            let quantity = self.parameters[*index].quantity;
+            let has_law = match quantity {
+                Quantity::Restitution { law } | Quantity::Friction { law } => scene.uses(law),
+                _ => true,
+            };
+            has_law && quantity.event().is_none_or(|event| event < count)
         };
         let kept: Vec<usize> = (0..self.parameters.len()).filter(is_kept).collect();
         let place = |index: usize| kept.iter().position(|kept| *kept == index);

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::reported::Reported;
 use super::samples::Ordered;
-use crate::motion::{DurationEstimate, Estimate, LinkIndex, Quantity, Scene, Undetermined};
+use crate::motion::{DurationEstimate, Estimate, LinkIndex, Scene, Undetermined};
 
 /// An event as estimated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -124,11 +124,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
 pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<ParameterLine> {
     let unit_of = |name: &str| {
         let free = scene.parameters.iter().find(|free| free.name == name);
-        match free.map(|free| free.quantity) {
-            Some(Quantity::Gravity { .. }) => "m/s²",
-            Some(Quantity::Tilt { .. }) => "rad",
-            Some(Quantity::Restitution { .. } | Quantity::Friction { .. }) | None => "",
-        }
+        free.map_or("", |free| free.quantity.unit())
     };
     let parameters = estimate.parameters.iter().map(|parameter| {
         let line = ParameterLine {

@@ -19,6 +19,7 @@ impl<'a> Law<'a> {
     pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
         let contacts = scene.contact_set(event).ok()??;
+        let (law, given) = (collision.law, scene.law_of(collision));
         let value = |quantity: Quantity| {
             let free = scene.parameters.iter().find(|p| p.quantity == quantity)?;
             let found = estimate.parameters.iter().find(|p| p.name == free.name)?;
@@ -29,9 +30,8 @@ impl<'a> Law<'a> {
             scene,
             contacts,
             law: impact::Law {
-                restitution: value(Quantity::Restitution { event })
-                    .unwrap_or(collision.restitution),
-                friction: value(Quantity::Friction { event }).unwrap_or(collision.friction),
+                restitution: value(Quantity::Restitution { law }).unwrap_or(given.restitution),
+                friction: value(Quantity::Friction { law }).unwrap_or(given.friction),
                 tilt_rad: [tilt(0), tilt(1)],
             },
             link: collision.link,

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use enact::math::Pose;
-use enact::motion::{EventKind, FreeParameter, Quantity, TrackIndex};
+use enact::motion::{FreeParameter, Quantity, TrackIndex};
 use enact::physics::{Body, Shape, contact};
 
 use crate::case::Case;
@@ -49,12 +49,10 @@ impl Way {
 /// The same with the restitution of the first collision free, and gravity along z if asked for.
 pub fn freed(mut truth: Truth, gravity: bool) -> Truth {
     let scene = &mut truth.scene;
-    let mut collisions = scene.events.iter().enumerate();
-    let first = collisions.find_map(|(event, e)| match &e.kind {
-        EventKind::Collision(collision) => Some((event, collision.restitution)),
-        _ => None,
-    });
-    let (event, restitution) = first.expect("a scene with a collision");
+    let mut events = scene.events.iter();
+    let first = events.find_map(|event| event.kind.collision());
+    let law = first.expect("a scene with a collision").law;
+    let restitution = scene.contact_laws[law].restitution;
     let free = |name: &str, quantity, initial, lower| FreeParameter {
         name: name.into(),
         quantity,
@@ -63,7 +61,7 @@ pub fn freed(mut truth: Truth, gravity: bool) -> Truth {
         upper: f64::INFINITY,
         prior_sd: None,
     };
-    let quantity = Quantity::Restitution { event };
+    let quantity = Quantity::Restitution { law };
     scene
         .parameters
         .push(free("restitution", quantity, 0.6, 0.0));

@@ -1,7 +1,7 @@
 use super::{error_of, with};
 
 /// Asserts line, a piece of the message, and that the column points at `at` on that line.
-fn refused(text: &str, line: usize, at: &str, message: &str) {
+pub(super) fn refused(text: &str, line: usize, at: &str, message: &str) {
     let error = error_of(text);
     let shown = error.to_string();
     assert_eq!(error.line, line, "{shown}");

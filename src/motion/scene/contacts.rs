@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::event::{Partner, Touching};
-use super::parameter::Quantity;
+use super::quantity::Quantity;
 use super::whole::Scene;
 use crate::physics::contact::{Contact, ContactError};
 use crate::physics::impact::{ContactSet, ContactSetError};
@@ -52,13 +52,11 @@ impl Scene {
             };
             contacts.push(Contact::new(feature, other)?);
         }
-        let frees = |quantity: fn(usize) -> Quantity| {
-            let quantity = quantity(event);
-            self.parameters.iter().any(|free| free.quantity == quantity)
-        };
-        let is_tilted = frees(|event| Quantity::Tilt { event, tangent: 0 })
-            || frees(|event| Quantity::Tilt { event, tangent: 1 });
-        let has_friction = collision.friction > 0.0 || frees(|event| Quantity::Friction { event });
+        let law = collision.law;
+        let is_tilted = [0, 1].map(|tangent| self.frees(Quantity::Tilt { event, tangent }));
+        let is_tilted = is_tilted.contains(&true);
+        let has_friction =
+            self.contact_laws[law].friction > 0.0 || self.frees(Quantity::Friction { law });
         let set = if has_friction {
             ContactSet::with_friction(&contacts)?
         } else {
@@ -68,5 +66,10 @@ impl Scene {
             set.check_tilt()?;
         }
         Ok(Some(set))
+    }
+
+    /// Whether a parameter frees the quantity.
+    fn frees(&self, quantity: Quantity) -> bool {
+        self.parameters.iter().any(|free| free.quantity == quantity)
     }
 }

@@ -1,6 +1,6 @@
 //! What happens: starts, collisions, ends.
 
-use crate::motion::index::LinkIndex;
+use crate::motion::index::{ContactLawIndex, LinkIndex};
 
 /// Something that happens at one instant and is marked by the performer.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,15 +61,13 @@ pub struct Collision {
     pub partner: Partner,
     /// Their contacts, one to three at once.
     pub contacts: Vec<Touching>,
-    /// Coefficient of restitution, 0 to 1.
-    pub restitution: f64,
-    /// Coefficient of Coulomb friction.
-    pub friction: f64,
+    /// Restitution and friction, which other collisions may share.
+    pub law: ContactLawIndex,
 }
 
 impl Collision {
-    /// A bounce of one feature off one surface, without friction.
-    pub fn bounce(link: LinkIndex, feature: usize, surface: usize, restitution: f64) -> Self {
+    /// A bounce of one feature off one surface.
+    pub fn bounce(link: LinkIndex, feature: usize, surface: usize, law: ContactLawIndex) -> Self {
         Self {
             link,
             partner: Partner::World,
@@ -77,8 +75,7 @@ impl Collision {
                 feature: Some(feature),
                 other: Some(surface),
             }],
-            restitution,
-            friction: 0.0,
+            law,
         }
     }
 

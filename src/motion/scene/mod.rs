@@ -2,18 +2,22 @@
 //!
 //! Plain validated data in SI units. `config` makes it from TOML; the stages do not check it again.
 
+mod contact_law;
 mod contacts;
 mod event;
 mod goal;
 mod link;
 mod parameter;
+mod quantity;
 mod whole;
 mod world;
 
+pub use contact_law::ContactLaw;
 pub use contacts::CollisionError;
 pub use event::{Collision, Event, EventKind, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
 pub use link::{Feature, FreeBody, Link, Mechanism, Track};
-pub use parameter::{Cone, FreeParameter, Quantity};
+pub use parameter::{Cone, FreeParameter};
+pub use quantity::Quantity;
 pub use whole::{Scene, Timing, VelocityGaps, Weights};
 pub use world::{Against, Obstacle, Surface};

@@ -3,12 +3,13 @@
 use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
-use super::event::{Collision, Event};
+use super::contact_law::ContactLaw;
+use super::event::{Collision, Event, EventKind};
 use super::goal::Goal;
 use super::link::{FreeBody, Link, Mechanism, Track};
 use super::parameter::{Cone, FreeParameter};
 use super::world::{Against, Obstacle, Surface};
-use crate::motion::index::{LinkIndex, MechanismIndex, TrackIndex};
+use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
 
 /// Everything that is known about a performance before it is seen.
@@ -35,6 +36,8 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// Solid parts of the static world, for drawing and for verification.
     pub obstacles: Vec<Obstacle>,
+    /// Restitution and friction of collisions.
+    pub contact_laws: TiVec<ContactLawIndex, ContactLaw>,
     /// What happens, in order of time.
     pub events: Vec<Event>,
     /// Goals: hard conditions at events (paper §3.1).
@@ -107,6 +110,26 @@ impl Scene {
             link_from_tracker: body.body_from_tracker,
         });
         link
+    }
+
+    /// Adds a contact law.
+    pub fn add_law(&mut self, law: ContactLaw) -> ContactLawIndex {
+        self.contact_laws.push_and_get_key(law)
+    }
+
+    /// The law of a collision.
+    pub fn law_of(&self, collision: &Collision) -> &ContactLaw {
+        &self.contact_laws[collision.law]
+    }
+
+    /// Whether a collision has the law.
+    pub fn uses(&self, law: ContactLawIndex) -> bool {
+        let mut collisions = self.events.iter().filter_map(|event| match &event.kind {
+            EventKind::Collision(collision) => Some(collision),
+            EventKind::Collisions { each, .. } => Some(each),
+            EventKind::Start | EventKind::End => None,
+        });
+        collisions.any(|collision| collision.law == law)
     }
 
     /// What moves with that link.

@@ -3,7 +3,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::motion::{
-    Collision, Event, Feature, FreeBody, LinkIndex, Surface, Timing, VelocityGaps, Weights,
+    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, Surface, Timing,
+    VelocityGaps, Weights,
 };
 use crate::physics::{Shape, contact};
 
@@ -49,11 +50,12 @@ fn scene() -> Scene {
             obstacle: None,
         }],
         obstacles: vec![],
+        contact_laws: TiVec::from(vec![ContactLaw::frictionless("bounce", 0.5)]),
         events: vec![
             event("release", EventKind::Start),
             event(
                 "bounce",
-                EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 0.5)),
+                EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, ContactLawIndex(0))),
             ),
             event("landing", EventKind::End),
         ],

@@ -5,7 +5,8 @@ use typed_index_collections::TiVec;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    Event, EventKind, FreeBody, LinkIndex, Stamp, Surface, Timing, VelocityGaps, Weights,
+    ContactLaw, ContactLawIndex, Event, EventKind, FreeBody, LinkIndex, Stamp, Surface, Timing,
+    VelocityGaps, Weights,
 };
 use crate::physics::Shape;
 use crate::segment::{refine, relocate_marks};
@@ -28,10 +29,16 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
             obstacle: None,
         }],
         obstacles: Vec::new(),
+        contact_laws: TiVec::from(vec![ContactLaw::frictionless("table", 1.0)]),
         events: (0..bounces)
             .map(|k| Event {
                 name: format!("bounce {k}"),
-                kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 1.0)),
+                kind: EventKind::Collision(Collision::bounce(
+                    LinkIndex(0),
+                    0,
+                    0,
+                    ContactLawIndex(0),
+                )),
             })
             .collect(),
         goals: Vec::new(),

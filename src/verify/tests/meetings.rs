@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::motion::{
-    Collision, EventKind, Feature as Named, ParameterEstimate, Quantity, Touching,
+    Collision, ContactLawIndex, EventKind, Feature as Named, ParameterEstimate, Quantity, Touching,
 };
 use crate::physics::Shape;
 use crate::physics::contact::{Feature, Frame};
@@ -109,9 +109,7 @@ fn two_bodies_meet_with_and_without_friction_and_tilt() {
     ] {
         let tilted = "[[free]]\nquantity = \"hit.tilt\"\ncone_deg = 6\n";
         let mut scene = cube_and_board(tilted);
-        if let EventKind::Collision(hit) = &mut scene.events[0].kind {
-            hit.friction = friction;
-        }
+        scene.contact_laws[ContactLawIndex(0)].friction = friction;
         let law = Law {
             restitution: 0.5,
             friction,
@@ -184,9 +182,7 @@ fn a_rim_and_a_rounded_end_are_followed_as_they_are() {
                 name: "tip".to_owned(),
                 geometry,
             }];
-            if let EventKind::Collision(hit) = &mut scene.events[0].kind {
-                hit.friction = friction;
-            }
+            scene.contact_laws[ContactLawIndex(0)].friction = friction;
             let law = Law {
                 friction,
                 ..Law::frictionless(0.6)

@@ -1,6 +1,6 @@
 //! Wrong models of right performances, and the right ones beside them.
 
-use enact::motion::{EventKind, PoseSample, Scene, TakeEvent, Timing as Stamps};
+use enact::motion::{PoseSample, Scene, TakeEvent, Timing as Stamps};
 use enact::physics::contact;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -49,10 +49,8 @@ impl Fault {
             }
             Fault::Centimetres => each_sample(&mut asked.events, |s| s.position_m *= 100.0),
             Fault::Restitution(less) => {
-                for event in &mut asked.scene.events {
-                    if let EventKind::Collision(collision) = &mut event.kind {
-                        collision.restitution -= less;
-                    }
+                for law in &mut asked.scene.contact_laws {
+                    law.restitution -= less;
                 }
             }
         }

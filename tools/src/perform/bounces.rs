@@ -7,8 +7,8 @@
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Collision, Event, EventKind, Feature, FreeBody, LinkIndex, MechanismIndex, Scene,
-    Surface, Timing, TrackIndex, VelocityGaps, Weights,
+    ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
+    LinkIndex, MechanismIndex, Scene, Surface, Timing, TrackIndex, VelocityGaps, Weights,
 };
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -221,7 +221,7 @@ pub fn scene_toml(truth: &Truth) -> String {
         if let Some(collision) = event.kind.collision()
             && let Some(feature) = collision.contacts[0].feature
         {
-            let restitution = collision.restitution;
+            let restitution = scene.law_of(collision).restitution;
             text += &format!(
                 "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n",
                 cube.features[feature].name,
@@ -353,6 +353,7 @@ impl Bouncer {
         let mut arcs = Vec::new();
         let mut event_times_s = Vec::new();
         let mut events = Vec::new();
+        let mut laws = TiVec::new();
         let mut start_s = 0.0;
         for (index, hop) in path.iter().enumerate() {
             let is_last = index + 1 == path.len();
@@ -361,13 +362,11 @@ impl Bouncer {
             let (name, kind) = if is_last {
                 ("end".to_owned(), EventKind::End)
             } else {
-                let kind = EventKind::Collision(Collision::bounce(
-                    LinkIndex(0),
-                    hop.corner,
-                    0,
-                    hop.restitution,
-                ));
-                (format!("bounce {}", index + 1), kind)
+                let name = format!("bounce {}", index + 1);
+                let law = ContactLaw::frictionless(name.clone(), hop.restitution);
+                let law = laws.push_and_get_key(law);
+                let bounce = Collision::bounce(LinkIndex(0), hop.corner, 0, law);
+                (name, EventKind::Collision(bounce))
             };
             events.push(Event { name, kind });
             event_times_s.push(end_s);
@@ -381,7 +380,7 @@ impl Bouncer {
             start_s = end_s;
         }
         Truth {
-            scene: self.scene(events),
+            scene: self.scene(events, laws),
             is_physical: true,
             parameters: Vec::new(),
             arcs,
@@ -390,7 +389,7 @@ impl Bouncer {
         }
     }
 
-    fn scene(&self, events: Vec<Event>) -> Scene {
+    fn scene(&self, events: Vec<Event>, contact_laws: TiVec<ContactLawIndex, ContactLaw>) -> Scene {
         let feature = |(corner, point_m): (usize, &Vector3<f64>)| Feature {
             name: format!("corner_{corner}"),
             geometry: contact::Feature::corner(*point_m),
@@ -428,6 +427,7 @@ impl Bouncer {
             tracks: TiVec::new(),
             surfaces: vec![table],
             obstacles: Vec::new(),
+            contact_laws,
             events,
             goals: Vec::new(),
             parameters: Vec::new(),

@@ -133,7 +133,8 @@ impl Encounter {
             face_point_m,
             face_normal: normal,
             push_normal: so3::exp(&tilt) * normal,
-            restitution: value_of(Quantity::Restitution { event }).unwrap_or(collision.restitution),
+            restitution: value_of(Quantity::Restitution { law: collision.law })
+                .unwrap_or(scene.law_of(collision).restitution),
             inverse: [
                 Inverse::of(&moving.body),
                 other.map_or(Inverse::default(), |b| Inverse::of(&scene.links[b].body)),

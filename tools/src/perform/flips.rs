@@ -1,7 +1,9 @@
 //! A brick thrown spinning about its middle axis, which flips over and over, bounces once on a
 //! corner and flies on: for studies of bodies with three different moments.
 
-use enact::motion::{Collision, Event, EventKind, Feature, LinkIndex, Scene, TrackIndex};
+use enact::motion::{
+    Collision, ContactLaw, Event, EventKind, Feature, LinkIndex, Scene, TrackIndex,
+};
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -155,10 +157,11 @@ fn scene(like: &Scene, corner: usize) -> Scene {
         geometry: contact::Feature::corner(point_m),
     });
     brick_of.features = features.collect();
+    let law = scene.add_law(ContactLaw::frictionless("bounce", RESTITUTION));
     scene.events = vec![
         Event {
             name: "bounce".to_owned(),
-            kind: EventKind::Collision(Collision::bounce(LinkIndex(0), corner, 0, RESTITUTION)),
+            kind: EventKind::Collision(Collision::bounce(LinkIndex(0), corner, 0, law)),
         },
         Event {
             name: "end".to_owned(),

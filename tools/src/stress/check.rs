@@ -145,7 +145,7 @@ fn collision_gap(scene: &Scene, estimate: &Estimate, event: usize) -> Option<Str
             };
             let a_side = side(links[0], &a);
             let b_side = b.as_ref().map(|state| side(links[1], state));
-            let law = Law::frictionless(collision.restitution);
+            let law = Law::frictionless(scene.law_of(collision).restitution);
             let impact = contacts.impact(&a_side, b_side.as_ref(), &law).ok()?;
             let pushed = |state: &State, index: usize| State {
                 velocity_m_s: impact.after[index].velocity_m_s,

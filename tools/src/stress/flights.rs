@@ -1,7 +1,7 @@
 //! Hard motions: many bounces, grazing contacts, extreme restitution, two bounces at once.
 
 use enact::math::so3;
-use enact::motion::{Collision, Event, EventKind, LinkIndex};
+use enact::motion::{Collision, ContactLaw, Event, EventKind, LinkIndex};
 use enact::physics::{Body, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -35,8 +35,8 @@ pub fn add(all: &mut Vec<Trouble>) {
     }
     add_both(all, "restitution", "1, tip first", |acting, seed| {
         let mut scene = Style::Tip.truth().scene;
-        if let EventKind::Collision(collision) = &mut scene.events[0].kind {
-            collision.restitution = 1.0;
+        for law in &mut scene.contact_laws {
+            law.restitution = 1.0;
         }
         let truth = Style::Tip.truth_in(&scene).map_err(|e| e.to_string())?;
         Ok(Case::new(&truth, acting, seed))
@@ -97,9 +97,10 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
     let heavy_ends = body.mass_kg() * 0.095 * 0.095;
     let moments_kg_m2 = Vector3::new(heavy_ends, heavy_ends, body.moments_kg_m2().z);
     *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|e| e.to_string())?;
+    let law = scene.add_law(ContactLaw::frictionless("pencil", 0.7));
     let bounce = |name: &str, feature: usize| Event {
         name: name.to_owned(),
-        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), feature, 0, 0.7)),
+        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), feature, 0, law)),
     };
     let end = scene.events.pop().ok_or("no events")?;
     scene.events = vec![bounce("tip", tip), bounce("eraser", eraser), end];

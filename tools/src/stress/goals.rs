@@ -2,8 +2,8 @@
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Collision, Event, EventKind, Feature, Goal, GoalTarget, LinkIndex, MechanismIndex,
-    Scene, TrackIndex, VelocityGaps,
+    ArcEstimate, Collision, ContactLaw, Event, EventKind, Feature, Goal, GoalTarget, LinkIndex,
+    MechanismIndex, Scene, TrackIndex, VelocityGaps,
 };
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -73,10 +73,8 @@ pub fn add(all: &mut Vec<Trouble>) {
             truth.scene.velocity_gaps = gaps;
             let mut case = Case::new(&truth, acting, seed);
             // As acted the ball gains energy; the scene says that it loses half of it.
-            for event in &mut case.performance.truth.scene.events {
-                if let EventKind::Collision(collision) = &mut event.kind {
-                    collision.restitution = 0.7;
-                }
+            for law in &mut case.performance.truth.scene.contact_laws {
+                law.restitution = 0.7;
             }
             Ok(case)
         });
@@ -171,9 +169,10 @@ fn ball_scene() -> Scene {
             radius_m: RADIUS_M,
         },
     }];
+    let law = scene.add_law(ContactLaw::frictionless("ball", 1.0));
     let bounce = |index: usize| Event {
         name: format!("bounce {index}"),
-        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, 1.0)),
+        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, law)),
     };
     let end = Event {
         name: "end".to_owned(),

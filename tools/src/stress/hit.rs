@@ -101,10 +101,8 @@ pub fn wall(
         geometry: contact::Feature::face(Vector3::zeros(), Vector3::x()),
         obstacle: None,
     }];
-    for event in &mut scene.events {
-        if let EventKind::Collision(collision) = &mut event.kind {
-            collision.restitution = restitution;
-        }
+    for law in &mut scene.contact_laws {
+        law.restitution = restitution;
     }
     let mut rng = rng(seed);
     // The tip is at the lower end of the body's third axis, which leads away from the wall.

@@ -78,9 +78,10 @@ impl<'a> Stage<'a> {
     ) -> Option<Self> {
         let bounces = open.iter().map(|(event, candidates)| {
             let collision = scene.events[*event].kind.collision()?;
+            let given = scene.law_of(collision);
             let law = Law {
-                friction: collision.friction,
-                ..Law::frictionless(collision.restitution)
+                friction: given.friction,
+                ..Law::frictionless(given.restitution)
             };
             let meetings = candidates.iter().map(|contacts| {
                 let meeting = scene.contact_set_of(*event, contacts).ok()??;

@@ -1,0 +1,129 @@
+//! Contact laws: restitution and friction of a body, or of one event.
+
+use toml::Spanned;
+use typed_index_collections::TiVec;
+
+use super::error::{Fault, fault};
+use super::number::finite;
+use super::raw::{Number, RawBody, RawEvent};
+use crate::motion::{Collision, ContactLaw, ContactLawIndex, LinkIndex};
+
+/// Greatest coefficient of friction; a larger one is a mistake.
+const FRICTION_MAX: f64 = 10.0;
+
+/// All laws of a scene.
+pub(super) type Laws = TiVec<ContactLawIndex, ContactLaw>;
+
+/// The laws of the bodies that have one.
+pub(super) type BodyLaws = TiVec<LinkIndex, Option<ContactLawIndex>>;
+
+/// The laws of the bodies that have one; appends them to the scene's.
+pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<BodyLaws, Fault> {
+    let of_body = |spanned: &Spanned<RawBody>| {
+        let body = spanned.get_ref();
+        let Some(restitution) = &body.restitution else {
+            return match &body.friction {
+                None => Ok(None),
+                Some(alone) => fault(
+                    alone.span(),
+                    "the body has a friction and no restitution, expected both or neither",
+                ),
+            };
+        };
+        let name = body.name.get_ref();
+        let law = law(name, restitution, body.friction.as_ref())?;
+        Ok(Some(laws.push_and_get_key(law)))
+    };
+    raw.iter().map(of_body).collect()
+}
+
+/// The law of a collision between links of which the bodies' laws are known: the event's own, or
+/// that of the one body that has one.
+pub(super) fn of_event(
+    spanned: &Spanned<RawEvent>,
+    collision: &Collision,
+    of_links: &BodyLaws,
+    laws: &mut Laws,
+) -> Result<ContactLawIndex, Fault> {
+    let event = spanned.get_ref();
+    let of_bodies: Vec<ContactLawIndex> = collision.links().filter_map(|l| of_links[l]).collect();
+    let found = match (&event.restitution, &event.friction, of_bodies.as_slice()) {
+        (Some(restitution), friction, bodies) => {
+            if let (None, Some(body)) = (friction, bodies.first()) {
+                let body = &laws[*body];
+                if body.friction > 0.0 {
+                    return fault(
+                        restitution.span(),
+                        format!(
+                            "the event has a restitution of its own but no friction, and {:?} has friction, expected both here or neither",
+                            body.name
+                        ),
+                    );
+                }
+            }
+            let name = event.name.get_ref();
+            if laws.iter().any(|law| law.name == *name) {
+                return fault(
+                    event.name.span(),
+                    format!(
+                        "the event {name:?} has a restitution and so has the body of this name, expected another name"
+                    ),
+                );
+            }
+            laws.push_and_get_key(law(name, restitution, friction.as_ref())?)
+        }
+        (None, Some(friction), [_, ..]) => {
+            return fault(
+                friction.span(),
+                "the event has a friction of its own but no restitution, expected both or neither",
+            );
+        }
+        (None, None, [body]) => *body,
+        (None, None, [_, other, ..]) => {
+            return fault(
+                spanned.span(),
+                format!(
+                    "both bodies have a restitution ({:?} {}), expected the event's own",
+                    laws[*other].name, laws[*other].restitution
+                ),
+            );
+        }
+        (None, _, []) => {
+            return fault(
+                spanned.span(),
+                "missing key `restitution`: a collision needs body and restitution, its own or the body's",
+            );
+        }
+    };
+    if collision.contacts.len() > 1 && laws[found].friction > 0.0 {
+        return fault(
+            spanned.span(),
+            "friction is for one contact, not for several at once",
+        );
+    }
+    Ok(found)
+}
+
+fn law(name: &str, restitution: &Number, friction: Option<&Number>) -> Result<ContactLaw, Fault> {
+    Ok(ContactLaw {
+        name: name.to_owned(),
+        restitution: within("restitution", restitution, 1.0)?,
+        friction: match friction {
+            None => 0.0,
+            Some(number) => within("friction", number, FRICTION_MAX)?,
+        },
+    })
+}
+
+/// A number from zero to a greatest one.
+fn within(what: &str, number: &Number, most: f64) -> Result<f64, Fault> {
+    let value = finite(what, number)?;
+    if (0.0..=most).contains(&value) {
+        Ok(value)
+    } else {
+        fault(
+            number.span(),
+            format!("{what} is {value}, expected 0 to {most}"),
+        )
+    }
+}

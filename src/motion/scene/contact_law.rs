@@ -1,0 +1,24 @@
+//! How things that touch part again.
+
+/// Restitution and friction of what touches: of an object, shared by all its impacts, or of one
+/// event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactLaw {
+    /// Unique name: of the body or of the event to which it belongs.
+    pub name: String,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// Coefficient of Coulomb friction, 0 or more.
+    pub friction: f64,
+}
+
+impl ContactLaw {
+    /// A law with restitution only.
+    pub fn frictionless(name: impl Into<String>, restitution: f64) -> Self {
+        Self {
+            name: name.into(),
+            restitution,
+            friction: 0.0,
+        }
+    }
+}
