@@ -5,7 +5,7 @@
 //!   sample times are unknowns, and their values in a [`point`].
 //! - Its terms: [`samples`], [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
 //!   for each hard condition. `evaluate` joins them for the [optimiser](crate::optimise), with a
-//!   [`context`] that is fixed during a solve and the constraints' `curvature`.
+//!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
 //! - The way to the solution: [`events`] gives the first event times, [`recipe`] the schedule.
 //! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`.
 //!

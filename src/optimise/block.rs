@@ -122,6 +122,17 @@ impl BlockPattern {
     }
 }
 
+/// A second derivative of a row, with its mirror where the two unknowns differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondDerivative {
+    /// Which row.
+    pub row: usize,
+    /// Places of the two unknowns among [`BlockPattern::unknowns`] of the row.
+    pub by: [usize; 2],
+    /// Its value, in units.
+    pub value: f64,
+}
+
 /// Values of some rows and their derivatives by the unknowns they depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
@@ -137,6 +148,8 @@ pub struct Block {
     /// `κ` where the Hessian of the first row is `κ·1` over its unknowns; zero where the row is
     /// linear or its curvature is not given here.
     pub curvature: f64,
+    /// Second derivatives of rows that have them in closed form; those that vanish are left out.
+    pub second: Vec<SecondDerivative>,
 }
 
 impl Block {
@@ -168,6 +181,7 @@ impl Block {
         self.jacobian.resize(pattern.stored, 0.0);
         self.leads = 0..0;
         self.curvature = 0.0;
+        self.second.clear();
     }
 
     /// Sets every value to NaN and every derivative to zero.

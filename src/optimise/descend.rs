@@ -7,16 +7,18 @@
 //! ```
 //!
 //! with `g_L` the gradient of the augmented Lagrangian `L`, `W` and `d` its weights and distances
-//! of active rows. The rule for `λ` is that of H. B. Nielsen, "Damping Parameter in Marquardt's
-//! Method" (IMM-REP-1999-05). The damping matrix `D` is fixed ([`Program::damping`]): the diagonal
-//! of the normal matrix would let the constraints' weight damp the motion along their valley.
+//! of active rows. `H` contains what is convex of the rows' own curvature
+//! ([`System::curvature`]): at an apex nothing else holds the time of a goal. The rule for `λ` is
+//! that of H. B. Nielsen, "Damping Parameter in Marquardt's Method" (IMM-REP-1999-05). The damping
+//! matrix `D` is fixed ([`Program::damping`]): the diagonal of the normal matrix would let the
+//! constraints' weight damp the motion along their valley.
 
 use nalgebra::DVector;
 
 use super::envelope::Envelope;
 use super::lagrangian::{Acting, AugmentedLagrangian};
 use super::program::Program;
-use super::system::System;
+use super::system::{Curvature, System};
 use super::work::Work;
 
 /// Least and greatest damping `λ` at the start of a descent.
@@ -172,8 +174,10 @@ impl<'a, P: Program> Descent<'a, P> {
         self.matrix.copy_from(&self.system.hessian);
         self.system
             .add_square(structure, &acting.weights, &mut self.matrix);
-        for (at, value) in self.system.curvature(structure, pull) {
-            self.matrix.add(&structure.pattern, at, at, value);
+        let curvature = self.system.curvature(structure, pull).into_iter();
+        for of in curvature.filter(Curvature::is_convex) {
+            self.matrix
+                .add(&structure.pattern, of.row, of.column, of.value);
         }
         for row in 0..structure.size() {
             self.matrix

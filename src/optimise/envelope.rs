@@ -126,6 +126,16 @@ impl Envelope {
     /// Replaces the matrix by its Cholesky factor `L`, `A = L Lᵀ`. Fails at the first pivot that is
     /// not positive; the matrix is then partly overwritten.
     pub fn factorise(&mut self, pattern: &Pattern) -> Result<(), NotPositiveDefinite> {
+        self.factorise_repaired(pattern, |_, _| None)
+    }
+
+    /// [`Envelope::factorise`] of the matrix with shifts on its diagonal: of a row whose pivot is
+    /// negative `shift(row, pivot)` may raise it. Fails where the pivot is not positive then.
+    pub fn factorise_repaired(
+        &mut self,
+        pattern: &Pattern,
+        mut shift: impl FnMut(usize, f64) -> Option<f64>,
+    ) -> Result<(), NotPositiveDefinite> {
         for row in 0..pattern.size() {
             let first = pattern.first[row];
             let start = pattern.diagonal[row] + first - row;
@@ -144,7 +154,10 @@ impl Envelope {
                 entry[0] = (entry[0] - product) * inverse;
             }
             let (off_diagonal, pivot) = current.split_at_mut(row - first);
-            let value = pivot[0] - dot(off_diagonal, off_diagonal);
+            let mut value = pivot[0] - dot(off_diagonal, off_diagonal);
+            if value < 0.0 {
+                value += shift(row, value).unwrap_or(0.0);
+            }
             // Written so that NaN fails too.
             if !(value > 0.0) {
                 return Err(NotPositiveDefinite { row, pivot: value });
@@ -277,6 +290,27 @@ mod tests {
         let mut y = DVector::zeros(pattern.size());
         matrix.multiply_add(&pattern, &x, &mut y);
         assert!((y - dense * x).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_shift_of_the_pivot_is_one_of_the_diagonal() {
+        let (pattern, mut matrix, mut dense) = example();
+        matrix.add(&pattern, 17, 17, -1e3);
+        dense[(17, 17)] -= 1e3;
+        let mut shifts = Vec::new();
+        let repaired = matrix.factorise_repaired(&pattern, |row, pivot| {
+            shifts.push((row, -2.0 * pivot));
+            Some(-2.0 * pivot)
+        });
+        repaired.unwrap();
+        let [(17, shift)] = shifts[..] else {
+            panic!("{shifts:?}")
+        };
+        dense[(17, 17)] += shift;
+        let b = DVector::from_fn(pattern.size(), |i, _| (i as f64).sin());
+        let mut x = b.clone();
+        matrix.solve(&pattern, &mut x);
+        assert!((dense * x - b).norm() < 1e-12);
     }
 
     #[test]

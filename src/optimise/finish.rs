@@ -19,7 +19,7 @@ use super::work::Work;
 /// Greatest number of revisions of the active set before clarabel decides.
 const ACTIVE_ROUNDS: usize = 12;
 /// Convergence is slow where, after [`SLOW_STEPS`] steps, a step predicts more than this share of
-/// the decrease that the previous one predicted. The constraints' curvature is then added to `H`.
+/// the decrease that the previous one predicted. The curvature of constraints and residuals is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
 /// Greatest number of halvings of a step.
@@ -102,7 +102,8 @@ impl<P: Program> Finish<'_, P> {
             decrease: f64::INFINITY,
         };
         let mut promised_before: Option<f64> = None;
-        let mut is_slow = false;
+        // At an apex the constraint's own curvature alone would be a wrong model.
+        let mut is_slow = self.system.has_pulled_curvature(&self.multipliers);
         for taken_before in 0..tolerances.steps {
             if should_stop() {
                 break;
@@ -131,8 +132,8 @@ impl<P: Program> Finish<'_, P> {
             if finished.converged || taken == Taken::Not {
                 break;
             }
-            // Shortened or slowly converging steps mean that the Gauss–Newton model lacks the
-            // constraints' curvature.
+            // Shortened or slowly converging steps mean that the Gauss–Newton model lacks
+            // curvature.
             let is_late = taken_before + 1 >= SLOW_STEPS;
             is_slow |= taken != Taken::Whole
                 || is_late && promised_before.is_some_and(|before| promised > SLOW * before);
@@ -151,8 +152,8 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The step with the curvature of the constraints in the Hessian; `None` where the model is
-    /// then not convex on the active rows.
+    /// The step with the curvature of constraints and residuals in the Hessian; `None` where it is
+    /// not finite.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut curved = self.system.hessian.clone();
         let at = (&self.point, &self.system);
@@ -164,14 +165,13 @@ impl<P: Program> Finish<'_, P> {
     fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
         let (program, system) = (self.program, &self.system);
         let structure = program.structure();
-        let hessian = curved.unwrap_or(&system.hessian);
         let information = program.information().1;
         let mut active = ActiveSet::of(system, &self.multipliers, information);
         let mut tried = Vec::new();
         while tried.len() < ACTIVE_ROUNDS && !tried.contains(&active) {
             self.work.factorisations += 1;
-            let kkt = Kkt::with(program, (system, hessian), &self.multipliers, &active)?;
-            let step = kkt.step(structure, (system, hessian));
+            let kkt = Kkt::with(program, (system, curved), &self.multipliers, &active)?;
+            let step = kkt.step(structure, (system, curved));
             tried.push(active.clone());
             if !active.revise(structure, system, (&step.delta, &step.multipliers)) {
                 return Some((kkt, step));
@@ -181,7 +181,7 @@ impl<P: Program> Finish<'_, P> {
         let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
         self.work.factorisations += 1;
         let kkt = Kkt::new(program, system, multipliers)?;
-        let step = kkt.step(structure, (system, &system.hessian));
+        let step = kkt.step(structure, (system, None));
         Some((kkt, step))
     }
 

@@ -22,9 +22,9 @@
 use nalgebra::DVector;
 
 use super::active::ActiveSet;
-use super::envelope::Envelope;
+use super::envelope::{Envelope, Pattern};
 use super::program::Program;
-use super::system::{Structure, System};
+use super::system::{Curvature, Structure, System};
 
 /// Damping of the factorised matrix, as a share of `1 + Hᵢᵢ`: so small that it only keeps
 /// undetermined unknowns in place.
@@ -48,8 +48,10 @@ pub struct KktStep {
 /// The factorised `H + Jᵀ W J` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
-    /// Curvature of active rows, added to the diagonal of `H`.
-    curvature: Vec<(usize, f64)>,
+    /// Curvature of active rows in closed form, added to `H`.
+    curvature: Vec<Curvature>,
+    /// Shifts of pivots, added to `H`.
+    shifts: Vec<Curvature>,
     /// Weight of every row, zero where it is not active.
     weights: Vec<f64>,
     /// Signed distance of every row from its active bound.
@@ -64,14 +66,14 @@ impl Kkt {
     /// the matrix is not positive definite: an unknown is undetermined beyond the damping.
     pub fn new<P: Program>(program: &P, system: &System, multipliers: &[f64]) -> Option<Self> {
         let active = ActiveSet::of(system, multipliers, program.information().1);
-        Self::with(program, (system, &system.hessian), multipliers, &active)
+        Self::with(program, (system, None), multipliers, &active)
     }
 
-    /// Factorises with a given active set; `hessian` is the system's, or the system's with the
-    /// curvature of the constraints added. `None` as for [`Kkt::new`].
+    /// Factorises with a given active set; `curved` is the system's Hessian with curvature added
+    /// ([`Program::add_curvature`]), for none the system's own. `None` as for [`Kkt::new`].
     pub fn with<P: Program>(
         program: &P,
-        (system, hessian): (&System, &Envelope),
+        (system, curved): (&System, Option<&Envelope>),
         multipliers: &[f64],
         active: &ActiveSet,
     ) -> Option<Self> {
@@ -79,14 +81,14 @@ impl Kkt {
         let weighed = active.weights_and_violations(system, program.information().1);
         let damping = vec![DAMPING; structure.size()];
         let multipliers = multipliers.to_vec();
-        Self::weighed(structure, (system, hessian), multipliers, weighed, damping)
+        Self::weighed(structure, (system, curved), multipliers, weighed, damping)
     }
 
     /// Factorises with given weights and violations of the rows, and with `damping` as a share of
     /// `1 + Hᵢᵢ` on the diagonal. `None` as for [`Kkt::new`].
     pub fn weighed(
         structure: &Structure,
-        (system, hessian): (&System, &Envelope),
+        (system, curved): (&System, Option<&Envelope>),
         multipliers: Vec<f64>,
         (weights, violations): (Vec<f64>, Vec<f64>),
         mut damping: Vec<f64>,
@@ -100,19 +102,25 @@ impl Kkt {
             }
         };
         let curvature = system.curvature(structure, pull);
-        let mut matrix = hessian.clone();
-        for (at, value) in &curvature {
-            matrix.add(pattern, *at, *at, *value);
+        let mut matrix = curved.unwrap_or(&system.hessian).clone();
+        for of in &curvature {
+            matrix.add(pattern, of.row, of.column, of.value);
         }
         for (row, damping) in damping.iter_mut().enumerate() {
             *damping *= 1.0 + system.hessian.get(pattern, row, row);
             matrix.add(pattern, row, row, *damping);
         }
         system.add_square(structure, &weights, &mut matrix);
-        matrix.factorise(pattern).ok()?;
+        let shifts = if curved.is_some() || !curvature.iter().all(Curvature::is_convex) {
+            factorise_curved(&mut matrix, pattern)?
+        } else {
+            matrix.factorise(pattern).ok()?;
+            Vec::new()
+        };
         Some(Self {
             matrix,
             curvature,
+            shifts,
             weights,
             violations,
             multipliers,
@@ -120,8 +128,14 @@ impl Kkt {
         })
     }
 
-    /// The step to the optimum of the quadratic model at `system` with the Hessian `hessian`.
-    pub fn step(&self, structure: &Structure, (system, hessian): (&System, &Envelope)) -> KktStep {
+    /// The step to the optimum of the quadratic model at `system`, with the Hessian of the
+    /// factorisation.
+    pub fn step(
+        &self,
+        structure: &Structure,
+        (system, curved): (&System, Option<&Envelope>),
+    ) -> KktStep {
+        let hessian = curved.unwrap_or(&system.hessian);
         let (weights, violations) = (&self.weights, &self.violations);
         let mut multipliers = self.multipliers.clone();
         let mut delta = DVector::zeros(structure.size());
@@ -135,8 +149,8 @@ impl Kkt {
             residual.copy_from(&system.gradient);
             if refinement > 0 {
                 hessian.multiply_add(&structure.pattern, &delta, &mut residual);
-                for (at, value) in &self.curvature {
-                    residual[*at] += value * delta[*at];
+                for of in self.curvature.iter().chain(&self.shifts) {
+                    of.multiply_add(&delta, &mut residual);
                 }
             }
             let pull = |row: usize| {
@@ -183,13 +197,50 @@ impl Kkt {
         delta + system.correction(structure, trial, delta, &self.weights, &self.matrix)
     }
 
-    /// The damping's part of `xᵀ (H + Jᵀ W J) x`.
+    /// The part of `xᵀ (H + Jᵀ W J) x` from damping and shifts.
     pub fn damped(&self, x: &DVector<f64>) -> f64 {
-        x.iter().zip(&self.damping).map(|(x, d)| d * x * x).sum()
+        let damping = x.iter().zip(&self.damping).map(|(x, d)| d * x * x);
+        damping.sum::<f64>() + square(&self.shifts, x)
+    }
+
+    /// The part from the curvature of rows in closed form.
+    pub fn curved(&self, x: &DVector<f64>) -> f64 {
+        square(&self.curvature, x)
     }
 
     /// Solves `(H + Jᵀ W J) x = b` in place.
     pub fn solve(&self, structure: &Structure, b: &mut DVector<f64>) {
         self.matrix.solve(&structure.pattern, b);
     }
+}
+
+/// `xᵀ K x`.
+fn square(curvature: &[Curvature], x: &DVector<f64>) -> f64 {
+    let each = curvature.iter().map(|of| {
+        let once = of.value * x[of.row] * x[of.column];
+        if of.row == of.column {
+            once
+        } else {
+            2.0 * once
+        }
+    });
+    each.sum()
+}
+
+/// Factorises a matrix that contains curvature. With large weights it is positive definite where the
+/// Hessian is on the null space of the weighted rows (Nocedal and Wright, theorem 17.5); where
+/// curvature prevents that, pivots that are negative change their sign. Returns those shifts of the
+/// diagonal; `None` where an entry is not a number.
+fn factorise_curved(matrix: &mut Envelope, pattern: &Pattern) -> Option<Vec<Curvature>> {
+    let mut shifts = Vec::new();
+    let repaired = matrix.factorise_repaired(pattern, |row, pivot| {
+        let value = -2.0 * pivot;
+        shifts.push(Curvature {
+            row,
+            column: row,
+            value,
+        });
+        Some(value)
+    });
+    repaired.is_ok().then_some(shifts)
 }

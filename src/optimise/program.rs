@@ -41,9 +41,11 @@ pub trait Program {
     /// Weights of constraints are multiplied by it, so that they keep their proportion to the cost.
     fn information(&self) -> (f64, f64);
 
-    /// Adds the constraints' curvature `Σ_k ν_k ∇²c_k` with multipliers `ν`, row by row, to a
-    /// Hessian. Rows with [`Block::curvature`](super::block::Block::curvature) are left out: theirs
-    /// is added by the optimiser.
+    /// Adds what the cost's Hessian lacks of the Lagrangian's, `Σ_k ν_k ∇²c_k + Σ_i r_i ∇²r_i` with
+    /// multipliers `ν`, row by row. Rows with their curvature in closed form
+    /// ([`Block::curvature`](super::block::Block::curvature),
+    /// [`Block::second`](super::block::Block::second)) are left out: theirs is added by the
+    /// optimiser.
     fn add_curvature(
         &self,
         at: (&Self::Point, &System),

@@ -25,6 +25,32 @@ impl Structure {
     }
 }
 
+/// An entry of the constraints' curvature; its mirror is the same entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curvature {
+    /// Row of the Hessian.
+    pub row: usize,
+    /// Column, at most the row.
+    pub column: usize,
+    /// What it adds.
+    pub value: f64,
+}
+
+impl Curvature {
+    /// Whether it is on the diagonal and makes a matrix more positive.
+    pub fn is_convex(&self) -> bool {
+        self.row == self.column && self.value > 0.0
+    }
+
+    /// `y += K x`.
+    pub fn multiply_add(&self, x: &DVector<f64>, y: &mut DVector<f64>) {
+        y[self.row] += self.value * x[self.column];
+        if self.row != self.column {
+            y[self.column] += self.value * x[self.row];
+        }
+    }
+}
+
 /// Cost and constraints at a point.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -112,14 +138,9 @@ impl System {
         }
     }
 
-    /// Curvature of the Lagrangian from curved rows, which is diagonal: pairs of an unknown and
-    /// `p·∂²c/∂x²`, with `p = pull(row)`.
-    pub fn curvature(
-        &self,
-        structure: &Structure,
-        pull: impl Fn(usize) -> f64,
-    ) -> Vec<(usize, f64)> {
-        let mut diagonal = Vec::new();
+    /// Curvature `Σ p ∇²c` of the rows that have it in closed form, with `p = pull(row)`.
+    pub fn curvature(&self, structure: &Structure, pull: impl Fn(usize) -> f64) -> Vec<Curvature> {
+        let mut all = Vec::new();
         let mut offset = 0;
         for (block, pattern) in self.blocks.iter().zip(&structure.blocks) {
             if block.curvature > 0.0 {
@@ -127,12 +148,40 @@ impl System {
                 // is about to leave the active set.
                 let value = block.curvature * pull(offset).max(0.0);
                 if value > 0.0 {
-                    diagonal.extend(pattern.unknowns(0).iter().map(|at| (*at, value)));
+                    let unknowns = pattern.unknowns(0).iter();
+                    all.extend(unknowns.map(|at| Curvature {
+                        row: *at,
+                        column: *at,
+                        value,
+                    }));
+                }
+            }
+            for second in &block.second {
+                let value = second.value * pull(offset + second.row);
+                if value != 0.0 {
+                    let [a, b] = second.by.map(|place| pattern.unknowns(second.row)[place]);
+                    all.push(Curvature {
+                        row: a.max(b),
+                        column: a.min(b),
+                        value,
+                    });
                 }
             }
             offset += block.values.len();
         }
-        diagonal
+        all
+    }
+
+    /// Whether a row with second derivatives ([`Block::second`]) pulls.
+    pub fn has_pulled_curvature(&self, multipliers: &[f64]) -> bool {
+        let mut first = 0;
+        let mut pulled = self.blocks.iter().map(|block| {
+            let mut rows = block.second.iter().map(|of| first + of.row);
+            let pulled = rows.any(|row| multipliers[row] != 0.0);
+            first += block.values.len();
+            pulled
+        });
+        pulled.any(|pulled| pulled)
     }
 
     /// `J δ`, the linearised change of every row, into `change`.
@@ -147,7 +196,8 @@ impl System {
         }
     }
 
-    /// Adds `½ δᵀ ∇²c δ` of curved rows to `change`, which is then their exact change.
+    /// Adds `½ δᵀ ∇²c δ` of rows with [`Block::curvature`] to `change`, which is then their exact
+    /// change.
     pub fn add_curved(&self, structure: &Structure, delta: &DVector<f64>, change: &mut [f64]) {
         let mut row = 0;
         for (block, pattern) in self.blocks.iter().zip(&structure.blocks) {

@@ -11,7 +11,7 @@ use crate::estimate::layout::Layout;
 use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
 use crate::math::so3;
 use crate::motion::Gap;
-use crate::optimise::block::{Block, BlockPattern};
+use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
 use crate::physics::Dynamics;
 use crate::physics::state::part;
 
@@ -85,6 +85,11 @@ impl Constraint for ArcGoal {
             } => {
                 fill_position(0, *axis, arrival.state.position_m[*axis]);
                 block.bounds[0] = (lower_m / unit::POSITION_M, upper_m / unit::POSITION_M);
+                if time == 1 {
+                    let acceleration_m_s2 = arrival.rate[part::VELOCITY + axis];
+                    let is_gravity_free = problem.gravity_parameters[*axis].is_some();
+                    block.second = by_time(arrival.duration_s, acceleration_m_s2, is_gravity_free);
+                }
             }
         }
     }
@@ -102,7 +107,29 @@ impl Constraint for ArcGoal {
         }
     }
 
+    /// A coordinate has its second derivatives in closed form.
     fn is_curved(&self) -> bool {
-        true
+        matches!(self.target, ArcTarget::Pose(_))
     }
+}
+
+/// Second derivatives of `x + v s + ½ g s²` by the time and, in the order of the columns, by
+/// velocity, time and, where it is free, gravity. At an apex the first derivative by the time
+/// vanishes, and these are all that say where it is.
+fn by_time(
+    duration_s: f64,
+    acceleration_m_s2: f64,
+    is_gravity_free: bool,
+) -> Vec<SecondDerivative> {
+    const VELOCITY: usize = 1;
+    const TIME: usize = 2;
+    const GRAVITY: usize = 3;
+    let by = |other: usize, value: f64| SecondDerivative {
+        row: 0,
+        by: [TIME, other],
+        value: value / unit::POSITION_M,
+    };
+    let by_gravity = is_gravity_free.then(|| by(GRAVITY, duration_s));
+    let others = [by(VELOCITY, 1.0), by(TIME, acceleration_m_s2)];
+    others.into_iter().chain(by_gravity).collect()
 }

@@ -8,6 +8,7 @@ use super::trace::Design;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::optimise::active::ActiveSet;
+use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
 
@@ -33,6 +34,8 @@ pub struct Covariance<'a> {
     system: &'a System,
     point: &'a Point,
     kkt: Kkt,
+    /// The Hessian with curvature, where that is in it.
+    curved: Option<Envelope>,
     design: Design<'a>,
     /// Covariance of the residuals.
     pub noise: Noise,
@@ -48,13 +51,15 @@ impl<'a> Covariance<'a> {
         multipliers: &[f64],
         residuals: &[Vec<Six>],
     ) -> Option<Self> {
-        let kkt = with_soft_bounds(context, system, multipliers)?;
+        let curved = curved(context, (point, system), multipliers);
+        let kkt = with_soft_bounds(context, (system, curved.as_ref()), multipliers)?;
         let bins = Bins::new(context.problem, point);
         let mut covariance = Self {
             context,
             system,
             point,
             kkt,
+            curved,
             design: Design::new(context, point, &bins),
             noise: Noise::stated(),
         };
@@ -130,11 +135,28 @@ impl<'a> Covariance<'a> {
         let seen = trace.squares[0] + trace.squares[1];
         // Written so that NaN is undetermined too.
         let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
-        if is_damped || seen + marks < SEEN_SHARE_MIN * own {
+        // Curvature leads errors on to what it holds; it is not known better for that.
+        let known = own - self.curvature(answer);
+        if is_damped || seen + marks < SEEN_SHARE_MIN * known {
             return None;
         }
-        let priors = (own - seen + beyond).max(0.0);
+        let priors = (known - seen + beyond).max(0.0);
         Some((self.noise.variance(&trace) + priors).sqrt())
+    }
+
+    /// The part of `xᵀ P⁻¹ x` from curvature.
+    fn curvature(&self, x: &DVector<f64>) -> f64 {
+        let pattern = &self.context.structure().pattern;
+        let square = |matrix: &Envelope| {
+            let mut y = DVector::zeros(x.len());
+            matrix.multiply_add(pattern, x, &mut y);
+            y.dot(x)
+        };
+        let added = self
+            .curved
+            .as_ref()
+            .map_or(0.0, |curved| square(curved) - square(&self.system.hessian));
+        added + self.kkt.curved(x)
     }
 
     /// `P m` for a linear combination `m`.
@@ -164,10 +186,24 @@ impl<'a> Covariance<'a> {
     }
 }
 
+/// The Hessian with all curvature, where a row pulls that has its own in closed form: at an apex, that
+/// of the constraint alone would be too much or too little.
+fn curved(context: &SolveContext, at: (&Point, &System), multipliers: &[f64]) -> Option<Envelope> {
+    at.1.has_pulled_curvature(multipliers).then(|| {
+        let mut curved = at.1.hessian.clone();
+        context.add_curvature(at, multipliers, &mut curved);
+        curved
+    })
+}
+
 /// The factorised `H + w CᵀC`, in which an active bound of a parameter has the weight of a prior
 /// with a standard deviation of half the width between the bounds, or none where there is only one
 /// bound.
-fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]) -> Option<Kkt> {
+fn with_soft_bounds(
+    context: &SolveContext,
+    (system, curved): (&System, Option<&Envelope>),
+    multipliers: &[f64],
+) -> Option<Kkt> {
     let (_, information) = context.information();
     let active = ActiveSet::of(system, multipliers, information);
     let (mut weights, violations) = active.weights_and_violations(system, information);
@@ -189,7 +225,7 @@ fn with_soft_bounds(context: &SolveContext, system: &System, multipliers: &[f64]
         damping[*node] = 0.0;
     }
     let weighed = (weights, violations);
-    let at = (system, &system.hessian);
+    let at = (system, curved);
     Kkt::weighed(context.structure(), at, multipliers, weighed, damping)
 }
 

@@ -10,6 +10,10 @@
 //! var u_k = yᵀ Σ y + xᵀ H_p x,     y = J x,   xᵀ H_p x = x_k − |y|²
 //! ```
 //!
+//! Where a goal on a coordinate holds, `H` contains the curvature of constraints and residuals
+//! (`curvature`): through it alone the time of a goal at an apex responds to errors. It counts
+//! neither as samples nor as a prior.
+//!
 //! This is the sandwich estimator (Huber 1967; White 1982). The weights in `H` determine how errors
 //! propagate, although they are not the inverse of the errors' covariance `Σ`; `Σ` determines their
 //! size. `H_p` is the part of `H` from priors (tempo, parameters, priced velocity gaps), whose

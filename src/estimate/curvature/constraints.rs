@@ -1,15 +1,13 @@
-//! The curvature of the constraints, `Σ_k ν_k ∇²c_k`, which a Gauss–Newton step omits.
+//! The curvature of the constraints, `Σ_k ν_k ∇²c_k`.
 //!
-//! Where multipliers are large, or where only a constraint determines an unknown (the time of an
-//! apex), steps without it converge slowly or not at all. It is the derivative of `Jᵀν`, computed
-//! block by block as central differences of the exact `J`. It only shapes steps, while the
-//! equations that are solved have exact derivatives, so that its error of some 10⁻⁸ costs no digit
-//! of the result. With right perturbations, the symmetric part of that derivative is the second
-//! derivative along the retraction.
+//! It is the derivative of `Jᵀν`, computed block by block as central differences of the exact `J`.
+//! With right perturbations, the symmetric part of that derivative is the second derivative along
+//! the retraction. Coordinates of goals have theirs in closed form
+//! ([`Block::second`]), which the optimiser adds by itself.
 
-use super::constraint::At;
-use super::context::SolveContext;
-use super::point::Point;
+use crate::estimate::constraint::At;
+use crate::estimate::context::SolveContext;
+use crate::estimate::point::Point;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::optimise::envelope::Envelope;
@@ -25,7 +23,7 @@ const PARAMETER_STEP: f64 = 1e-5;
 
 /// Adds the curvature of constraints with `multipliers`, row by row, and that of velocity gaps
 /// where these are priced.
-pub(super) fn add(
+pub fn add(
     context: &SolveContext,
     system: &System,
     point: &Point,
@@ -192,9 +190,9 @@ impl<'a> Nudged<'a> {
 mod tests {
     use nalgebra::DVector;
 
-    use super::super::context::Guidance;
-    use super::super::tests::each_case;
     use super::*;
+    use crate::estimate::context::Guidance;
+    use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 
     /// `νᵀc` and the price of velocity gaps, of which the curvature is asked.
@@ -227,7 +225,8 @@ mod tests {
             // Bounds and cones of parameters have no curvature here.
             let blocks = problem.constraints().zip(&system.blocks);
             let is_curved = blocks.flat_map(|(constraint, block)| {
-                block.values.iter().map(move |_| constraint.is_curved())
+                let is_curved = constraint.is_curved() || !block.second.is_empty();
+                block.values.iter().map(move |_| is_curved)
             });
             let pulls = is_curved
                 .enumerate()
@@ -239,6 +238,10 @@ mod tests {
             let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
             let mut matrix = Envelope::zeros(&context.layout.structure.pattern);
             add(context, &system, point, &pulls, &mut matrix);
+            let pattern = &context.layout.structure.pattern;
+            for of in system.curvature(context.structure(), |row| pulls[row]) {
+                matrix.add(pattern, of.row, of.column, of.value);
+            }
             let at = Nudged::new(context, point);
             // A few pairs of every kind: all would take long.
             for i in (0..size).step_by(3) {
@@ -253,7 +256,7 @@ mod tests {
                     let second = value([1.0, 1.0]) - value([1.0, -1.0]) - value([-1.0, 1.0])
                         + value([-1.0, -1.0]);
                     let expected = second / (4.0 * steps[0] * steps[1]);
-                    let got = matrix.get(&context.layout.structure.pattern, i, j);
+                    let got = matrix.get(pattern, i, j);
                     assert!(
                         (got - expected).abs() < 1e-3 * (1.0 + expected.abs()),
                         "{i} {j}: {got} {expected}"
