@@ -152,7 +152,7 @@ impl Simulation {
         }
         let links = scene.links.iter().zip(states).map(|(link, state)| {
             let state = (*state)?;
-            let solid = link.shape.solid().expect("scenes have valid shapes");
+            let solid = link.solid();
             let (shape, solid_from_shape) = solid.parts();
             let collider = surfaced(ColliderBuilder::new(shape.clone()))
                 .density(0.0)
@@ -160,7 +160,7 @@ impl Simulation {
             Some(world.insert(moving(&link.body, &state), collider).0)
         });
         let links = links.collect();
-        let radii = scene.links.iter().map(|link| link.shape.radius_m());
+        let radii = scene.links.iter().map(|link| link.radius_m());
         Some(Self {
             world,
             links,

@@ -6,12 +6,14 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
-use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
-use super::raw::{RawBody, RawShape};
+use super::number::{
+    direction, name, not_negative, pose, positive, topic, unique, vector, vector_from_mm,
+};
+use super::raw::{Number, RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
 use crate::math::Pose;
 use crate::motion::{Feature, FreeBody};
-use crate::physics::{Body, BodyError, Shape, ShapeError, contact};
+use crate::physics::{Body, BodyError, Drag, Shape, ShapeError, contact};
 
 /// Sizes of bodies: objects that a hand can act with.
 const SIZE: SizeLimits = SizeLimits {
@@ -31,7 +33,7 @@ pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<FreeBody, Fault> {
         None => format!("/tracker/{name}/pose"),
     };
     let shape = shape("the body", &raw.shape, &SIZE)?;
-    let body = mass_and_moments(spanned, &raw.shape, &shape)?;
+    let body = in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?;
     let body_from_tracker = match &raw.tracker {
         Some(tracker) => pose(
             "the tracker",
@@ -113,6 +115,26 @@ fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
         && (a_numbers.0 - b_numbers.0).norm() < DIGITS
         && (a_numbers.1 - b_numbers.1).norm() < DIGITS
         && (a_numbers.2 - b_numbers.2).abs() < DIGITS
+}
+
+/// The body with the force and drag that are given.
+fn in_air(raw: &RawBody, body: Body) -> Result<Body, Fault> {
+    let force_m_s2 = match &raw.force_m_s2 {
+        Some(force) => vector("force_m_s2", force)?,
+        None => Vector3::zeros(),
+    };
+    let number = |key: &str, number: &Option<Number>| match number {
+        Some(number) => not_negative(key, number),
+        None => Ok(0.0),
+    };
+    let drag = Drag {
+        linear_per_s: number("drag_linear_per_s", &raw.drag_linear_per_s)?,
+        quadratic_per_m: number("drag_quadratic_per_m", &raw.drag_quadratic_per_m)?,
+    };
+    let body = body
+        .with_force(force_m_s2)
+        .and_then(|body| body.with_drag(drag));
+    Ok(body.expect("checked numbers"))
 }
 
 /// Exactly one of the three keys for mass; moments from the shape unless they are given.

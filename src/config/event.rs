@@ -164,6 +164,7 @@ fn collision(
         partner,
         contacts,
         law: ContactLawIndex::default(),
+        tilt_rad: [0.0; 2],
     };
     collision.law = law::of_event(spanned, &collision, of_links, laws)?;
     Ok(collision)

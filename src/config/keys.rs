@@ -1,13 +1,7 @@
 //! Messages of the TOML reader, rewritten in the terms of the scene format.
 
 /// Keys that replace one another: an error about one names all.
-const ALTERNATIVES: &[&[&str]] = &[
-    &["mass_g", "mass_kg", "density_kg_m3"],
-    &["initial", "initial_m_s2", "initial_deg"],
-    &["lower", "lower_m_s2", "lower_deg"],
-    &["upper", "upper_m_s2", "upper_deg"],
-    &["prior_sd", "prior_sd_m_s2", "prior_sd_deg"],
-];
+const ALTERNATIVES: &[&[&str]] = &[&["mass_g", "mass_kg", "density_kg_m3"]];
 
 /// Rewrites a message of the deserialiser.
 pub(super) fn explain(message: &str) -> String {
@@ -42,16 +36,21 @@ fn unknown_key(unknown: &str, accepted: &[&str]) -> String {
         }
     }
     let all = accepted.join(", ");
-    let nearest = accepted
-        .iter()
-        .map(|name| (edit_distance(unknown, name), *name))
-        .min();
-    match nearest {
-        Some((distance, name)) if distance <= 2.max(unknown.chars().count() / 3) => {
+    match nearest(unknown, accepted) {
+        Some(name) => {
             format!("unknown key `{unknown}`, did you mean {name}? Expected one of {all}")
         }
-        _ => format!("unknown key `{unknown}`, expected one of {all}"),
+        None => format!("unknown key `{unknown}`, expected one of {all}"),
     }
+}
+
+/// The accepted word nearest to an unknown one, if it is near: two letters off, or a third of them.
+pub(super) fn nearest<'a>(unknown: &str, accepted: &[&'a str]) -> Option<&'a str> {
+    let distances = accepted
+        .iter()
+        .map(|name| (edit_distance(unknown, name), *name));
+    let (distance, name) = distances.min()?;
+    (distance <= 2.max(unknown.chars().count() / 3)).then_some(name)
 }
 
 /// Accepted keys that begin with the same word, and their alternatives.

@@ -28,6 +28,41 @@
 //! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
 //! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
 //!
+//! # Free quantities
+//!
+//! `[[free]]` hands a `quantity` to the estimation. `initial` is where it begins, `lower` and `upper`
+//! bound it, and a `prior_sd` draws it to where it begins. The unit is a suffix of these keys:
+//! `lower_mm`. Values that correct the scene are 0 where it is right, factors are 1.
+//!
+//! | quantity | what it is | suffix | initial | bounds |
+//! |---|---|---|---|---|
+//! | `gravity.x`, `gravity.y`, `gravity.z` | gravity | `_m_s2` | the scene's | −∞, +∞ |
+//! | `<body>.restitution`, `<event>.restitution` | coefficient of restitution | none | the scene's | 0, 1 |
+//! | `<body>.friction`, `<event>.friction` | coefficient of friction | none | the scene's | 0, +∞ |
+//! | `<event>.tilt.0`, `<event>.tilt.1` | tilt of the normal that one impact sees | `_deg` | 0 | −∞, +∞ |
+//! | `<body>.force.x`, `<body>.force.y`, `<body>.force.z` | constant force per mass, world axes | `_m_s2` | `force_m_s2` | −∞, +∞ |
+//! | `<body>.drag.linear` | drag that grows with speed, per mass | `_per_s` | `drag_linear_per_s` | 0, +∞ |
+//! | `<body>.drag.quadratic` | drag that grows with speed squared, per mass | `_per_m` | `drag_quadratic_per_m` | 0, +∞ |
+//! | `<body>.moment.x`, `<body>.moment.y`, `<body>.moment.z` | factor of a moment of inertia at fixed mass; equal ones have the first one's name | none | 1 | 0.01, +∞ |
+//! | `<body>.mass` | factor of the mass, and of the moments with it | none | 1 | 0.01, +∞ |
+//! | `<body>.centre.x`, `<body>.centre.y`, `<body>.centre.z` | centre of mass, from the origin of the body's shape | `_mm` | 0 | −∞, +∞ |
+//! | `<body>.tracker.x`, `<body>.tracker.y`, `<body>.tracker.z` | what to add to the tracker's position, body axes | `_mm` | 0 | −∞, +∞ |
+//! | `<body>.tracker.turn.x`, `<body>.tracker.turn.y`, `<body>.tracker.turn.z` | rotation of the tracker on the body, tracker axes | `_deg` | 0 | −∞, +∞ |
+//! | `<body>.clock.rate` | by how much the tracker's clock is slow: time is 1 + rate times what stamps say | `_percent` | 0 | −99, +∞ |
+//! | `<body>.clock.offset` | what to add to the tracker's stamps | `_ms` | 0 | −∞, +∞ |
+//! | `<surface>.height` | how much higher the surface is, along its normal | `_mm` | 0 | −∞, +∞ |
+//! | `<surface>.tilt.0`, `<surface>.tilt.1` | rotation of the surface about its point | `_deg` | 0 | −∞, +∞ |
+//!
+//! `quantity = "<event>.tilt"` or `"<surface>.tilt"` with `cone_deg` frees both tilts within a circle.
+//!
+//! What no performance can tell is refused with the reason: the mass of a body that meets no other
+//! moving body, a clock's offset with no other clock, moments of a body that never collides as long
+//! as all of them are free, a surface that nothing touches
+//! ([`Untold`](crate::motion::Untold), [`Together`](crate::motion::Together)). A `prior_sd` on one of
+//! those that count only together is enough.
+//!
+//! # Recording
+//!
 //! `[capture]` is how `enact capture` records: `folder`, `chunk_ms`, `sync_ms`, and for a tracker
 //! whose stamps are not to be chosen by what its first sample has, `[[capture.tracker]]` with
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
@@ -37,7 +72,8 @@
 //! takes are counted and not kept, and no key changes that. `viewer_port` serves viewers,
 //! `metrics_port` health and metrics, both at the address `listen`.
 //!
-//! Defaults, all of them:
+//! # Defaults
+//!
 //!
 //! | key | default |
 //! |---|---|
@@ -59,8 +95,9 @@
 //! | `event.restitution`, `event.friction` | the body's |
 //! | `body.restitution`, `body.friction` | each event has its own; no friction |
 //! | `event.count` | one collision |
-//! | `free.initial…` | the scene's value; 0 for a tilt |
-//! | `free.lower…`, `free.upper…` | −∞, +∞; 0 and 1 for a restitution |
+//! | `body.force_m_s2`, `body.drag_linear_per_s`, `body.drag_quadratic_per_m` | none |
+//! | `free.initial…`, `free.lower…`, `free.upper…` | see above |
+//! | `free.prior_sd…` | no prior |
 
 mod body;
 mod capture;
@@ -70,10 +107,12 @@ mod keys;
 mod law;
 mod number;
 mod parameter;
+mod quantity;
 mod raw;
 mod scene;
 mod solid;
 mod text;
+mod unit;
 
 pub use capture::CaptureSettings;
 pub use error::SceneError;

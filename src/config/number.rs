@@ -39,6 +39,19 @@ pub(super) fn positive(what: &str, number: &Number) -> Result<f64, Fault> {
     }
 }
 
+/// A finite number, zero or more.
+pub(super) fn not_negative(what: &str, number: &Number) -> Result<f64, Fault> {
+    let value = finite(what, number)?;
+    if value >= 0.0 {
+        Ok(value)
+    } else {
+        fault(
+            number.span(),
+            format!("{what} is {value}, expected zero or more"),
+        )
+    }
+}
+
 /// Three finite numbers.
 pub(super) fn vector(what: &str, triple: &Triple) -> Result<Vector3<f64>, Fault> {
     let value = Vector3::from(*triple.get_ref());

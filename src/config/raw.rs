@@ -63,6 +63,9 @@ pub(super) struct RawBody {
     pub(super) tracker: Option<RawTracker>,
     pub(super) restitution: Option<Number>,
     pub(super) friction: Option<Number>,
+    pub(super) force_m_s2: Option<Triple>,
+    pub(super) drag_linear_per_s: Option<Number>,
+    pub(super) drag_quadratic_per_m: Option<Number>,
     #[serde(default)]
     pub(super) features_mm: BTreeMap<Text, Triple>,
     #[serde(default)]
@@ -147,23 +150,36 @@ pub(super) struct RawGoal {
     pub(super) position_within_mm: Option<Spanned<[[f64; 3]; 2]>>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a free quantity")]
-pub(super) struct RawFree {
-    pub(super) quantity: Text,
-    pub(super) initial: Option<Number>,
-    pub(super) initial_m_s2: Option<Number>,
-    pub(super) initial_deg: Option<Number>,
-    pub(super) lower: Option<Number>,
-    pub(super) lower_m_s2: Option<Number>,
-    pub(super) lower_deg: Option<Number>,
-    pub(super) upper: Option<Number>,
-    pub(super) upper_m_s2: Option<Number>,
-    pub(super) upper_deg: Option<Number>,
-    pub(super) prior_sd: Option<Number>,
-    pub(super) prior_sd_m_s2: Option<Number>,
-    pub(super) prior_sd_deg: Option<Number>,
-    pub(super) cone_deg: Option<Number>,
+/// A free quantity, with a number of each key in each unit.
+macro_rules! raw_free {
+    ($($key:ident)*) => {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields, expecting = "a free quantity")]
+        pub(super) struct RawFree {
+            pub(super) quantity: Text,
+            $($key: Option<Number>,)*
+            pub(super) cone_deg: Option<Number>,
+        }
+
+        impl RawFree {
+            /// The number at a key, if it is given.
+            pub(super) fn number(&self, key: &str) -> Option<&Number> {
+                match key {
+                    $(stringify!($key) => self.$key.as_ref(),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+raw_free! {
+    initial initial_m_s2 initial_deg initial_mm initial_ms initial_percent
+    initial_per_s initial_per_m
+    lower lower_m_s2 lower_deg lower_mm lower_ms lower_percent lower_per_s lower_per_m
+    upper upper_m_s2 upper_deg upper_mm upper_ms upper_percent upper_per_s upper_per_m
+    prior_sd prior_sd_m_s2 prior_sd_deg prior_sd_mm prior_sd_ms prior_sd_percent
+    prior_sd_per_s prior_sd_per_m
 }
 
 #[derive(Default, Deserialize)]

@@ -73,7 +73,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
     scene.contact_laws = laws;
     scene.goals = goals(&raw.goal, &scene)?;
-    (scene.parameters, scene.cones) = parameters(&raw.free, &scene)?;
+    parameters(&raw.free, &mut scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),

@@ -164,7 +164,8 @@ fn collisions(
             touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
             law: Law {
                 friction: given.friction,
-                ..Law::frictionless(given.restitution)
+                restitution: given.restitution,
+                tilt_rad: collision.tilt_rad,
             },
             restitution_parameter: parameter(Quantity::Restitution { law }),
             friction_parameter: parameter(Quantity::Friction { law }),

@@ -33,9 +33,9 @@ pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
-    Against, Collision, CollisionError, Cone, ContactLaw, Event, EventKind, Feature, FreeBody,
-    FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene, Surface,
-    Timing, Touching, Track, VelocityGaps, Weights,
+    Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, Feature,
+    FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene,
+    Surface, Timing, Together, Touching, Track, Untold, VelocityGaps, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

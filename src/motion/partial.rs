@@ -1,23 +1,34 @@
 //! The beginning of a scene: the part up to the last marked event.
 
-use super::scene::{Cone, Quantity, Scene, Timing};
+use super::scene::{Cone, Scene, Timing};
 
 impl Scene {
     /// The scene with only its first `count` events: goals and parameters of later ones are
-    /// dropped. Write out a repeated collision first ([`Scene::with_marks`]).
+    /// dropped, and parameters that only later events would tell. Write out a repeated collision first ([`Scene::with_marks`]).
     pub fn first_events(&self, count: usize) -> Scene {
         let mut scene = self.clone();
         scene.events.truncate(count);
         scene.goals.retain(|goal| goal.event < count);
         let is_kept = |index: &usize| {
             let quantity = self.parameters[*index].quantity;
-            let has_law = match quantity {
-                Quantity::Restitution { law } | Quantity::Friction { law } => scene.uses(law),
-                _ => true,
-            };
-            has_law && quantity.event().is_none_or(|event| event < count)
+            let is_there = quantity.event().is_none_or(|event| event < count);
+            is_there && scene.untold(quantity).is_none()
         };
         let kept: Vec<usize> = (0..self.parameters.len()).filter(is_kept).collect();
+        self.keep_parameters(&kept, &mut scene);
+        // Of what only later events would tell apart the last stays as the scene has it.
+        while let Some(combination) = scene.told_together() {
+            let last = combination.parameters.last().copied();
+            let others = (0..scene.parameters.len()).filter(|index| Some(*index) != last);
+            scene
+                .clone()
+                .keep_parameters(&others.collect::<Vec<_>>(), &mut scene);
+        }
+        scene
+    }
+
+    /// Gives the other scene only these of the parameters, and cones of which both are there.
+    fn keep_parameters(&self, kept: &[usize], other: &mut Scene) {
         let place = |index: usize| kept.iter().position(|kept| *kept == index);
         let cone = |cone: &Cone| {
             let [a, b] = cone.parameters.map(place);
@@ -27,9 +38,8 @@ impl Scene {
                 limit: cone.limit,
             })
         };
-        scene.cones = self.cones.iter().filter_map(cone).collect();
-        scene.parameters = kept.iter().map(|i| self.parameters[*i].clone()).collect();
-        scene
+        other.cones = self.cones.iter().filter_map(cone).collect();
+        other.parameters = kept.iter().map(|i| self.parameters[*i].clone()).collect();
     }
 
     /// Number of events marked by marks with these names: as many as there are marks, and at least

@@ -7,6 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
 use super::index::{MechanismIndex, TrackIndex};
+use super::scene::Scene;
 use super::take::Stamp;
 
 /// One acted pose of a link.
@@ -40,6 +41,26 @@ pub struct Sketch {
     pub marks_s: Vec<f64>,
     /// The performer's mark of each event; `None` for an unmarked one.
     pub marks: Vec<Option<MarkTime>>,
+}
+
+impl Sketch {
+    /// The performance as another scene sees it, in which trackers are mounted otherwise than in
+    /// the one of which this is the sketch.
+    pub fn seen_in(mut self, of: &Scene, other: &Scene) -> Self {
+        for (track, sketch) in self.tracks.iter_mut_enumerated() {
+            let [old, new] = [of, other].map(|scene| scene.tracks[track].link_from_tracker);
+            if old == new {
+                continue;
+            }
+            let old_from_new = old * new.inverse();
+            for sample in &mut sketch.samples {
+                let shift = sample.orientation * old_from_new.translation.vector;
+                sample.position_m += shift;
+                sample.orientation *= old_from_new.rotation;
+            }
+        }
+        self
+    }
 }
 
 /// A mark as a measurement of its event's acted time.

@@ -10,13 +10,16 @@ use crate::segment::SegmentError;
 /// The result of a take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The scene as estimated: repeated collisions written out, contacts filled in.
+    /// The scene as estimated: repeated collisions written out, contacts filled in, and what was
+    /// free with its estimated value ([`Scene::as_estimated`]).
     pub scene: Scene,
+    /// The same with what was free as the scene has it: what was estimated.
+    pub given: Scene,
     /// Collisions whose contacts were inferred (indices into `scene.events`).
     pub inferred: Vec<usize>,
     /// Work of the search for them, if there was one.
     pub search: Option<SearchWork>,
-    /// The performance as used by the estimation.
+    /// The performance as used by the estimation, seen from trackers mounted as estimated.
     pub sketch: Sketch,
     /// Acted time of each event's mark before it was refined [s since the sketch's origin]; `None`
     /// for an event without a mark.
@@ -56,14 +59,17 @@ impl Outcome {
         (sketch, counts): (Sketch, SampleCounts),
         observer: &mut dyn Observer,
     ) -> Self {
-        let scene = inferred.scene;
+        let given = inferred.scene;
+        let estimate = inferred.solved.with_deviations(&given, observer);
+        let scene = given.as_estimated(&estimate);
         Self {
-            estimate: inferred.solved.with_deviations(&scene, observer),
+            estimate,
             marks_made_s,
+            sketch: sketch.seen_in(&given, &scene),
             scene,
+            given,
             inferred: inferred.events,
             search: inferred.search,
-            sketch,
             counts,
             verification: None,
             settled: None,

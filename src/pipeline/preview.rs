@@ -195,7 +195,7 @@ impl Last {
     /// The new motion in place of this one, in the scene with its inferred contacts.
     fn continued(self, solved: Solved) -> Inferred {
         Inferred {
-            scene: self.outcome.scene,
+            scene: self.outcome.given,
             events: self.outcome.inferred,
             search: self.outcome.search,
             solved,
@@ -216,7 +216,7 @@ impl Last {
         if self.solved == Verdict::Failed {
             return None;
         }
-        let scene = &self.outcome.scene;
+        let scene = &self.outcome.given;
         let guess = [warm::guess(&known, scene, sketch, segments)?];
         let recipe = Recipe::default().from_the_last();
         let solved = estimate::estimate(scene, sketch, segments, &guess, &recipe, observer);

@@ -6,7 +6,7 @@ use crate::verify::touches;
 /// Whether the estimate is a motion, and the inferred contacts of its open collisions touch first.
 pub(super) fn is_sound(scene: &Scene, estimate: &Estimate, open: &[usize]) -> bool {
     let is_wrong = || {
-        let touches = touches(scene, estimate);
+        let touches = touches(&scene.as_estimated(estimate), estimate);
         let mut wrong = touches.iter().filter(|touch| touch.is_wrong);
         wrong.any(|touch| open.contains(&touch.event))
     };

@@ -67,6 +67,7 @@ mod tests {
             name: "die".into(),
             body: shape.body_of_mass_kg(0.01).unwrap(),
             shape,
+            shape_at_m: Vector3::zeros(),
             features: Vec::new(),
             mechanism: MechanismIndex(0),
         }

@@ -25,7 +25,9 @@ impl<'a> Law<'a> {
             let found = estimate.parameters.iter().find(|p| p.name == free.name)?;
             Some(found.value)
         };
-        let tilt = |tangent| value(Quantity::Tilt { event, tangent }).unwrap_or(0.0);
+        let tilt = |tangent| {
+            value(Quantity::Tilt { event, tangent }).unwrap_or(collision.tilt_rad[tangent])
+        };
         Some(Self {
             scene,
             contacts,

@@ -26,8 +26,8 @@ impl<'a> MovingLink<'a> {
         let is_its = |arc: &&ArcEstimate| arc.mechanism == mechanism && arc.end_s >= arc.start_s;
         Self {
             of_scene,
-            solid: of_scene.shape.solid().expect("scenes have valid shapes"),
-            radius_m: of_scene.shape.radius_m(),
+            solid: of_scene.solid(),
+            radius_m: of_scene.radius_m(),
             arcs: estimate.arcs.iter().filter(is_its).collect(),
             dynamics: scene.dynamics(mechanism),
             gravity_m_s2: estimate.gravity_m_s2,

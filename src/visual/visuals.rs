@@ -53,7 +53,7 @@ impl Subject {
 pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
     let links = scene.links.iter_enumerated().map(|(index, link)| Visual {
         subject: Subject::Link(index),
-        frame_from_shape: Pose::identity(),
+        frame_from_shape: link.link_from_shape(),
         shape: Some(link.shape.clone()),
     });
     let obstacles = scene.obstacles.iter().enumerate();
@@ -81,8 +81,9 @@ fn goal_visual(scene: &Scene, index: usize) -> Visual {
     let goal = &scene.goals[index];
     let (frame_from_shape, shape) = match &goal.target {
         GoalTarget::Pose { world_from_body } => {
-            let shape = scene.links[goal.link].shape.clone();
-            (*world_from_body, Some(shape))
+            let link = &scene.links[goal.link];
+            let world_from_shape = world_from_body * link.link_from_shape();
+            (world_from_shape, Some(link.shape.clone()))
         }
         GoalTarget::PositionWithin { lower_m, upper_m } => {
             let sides_m = upper_m - lower_m;

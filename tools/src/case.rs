@@ -106,13 +106,13 @@ impl Case {
     /// The problem of an outcome, and the truth as a guess for it: the program's own guess where
     /// velocities may jump, for then no motion is true.
     pub fn posed(&self, outcome: &Outcome) -> (Posed, Guess) {
-        self.with_truth(Posed::new(&outcome.scene, &outcome.sketch), outcome)
+        self.with_truth(Posed::new(&outcome.given, &outcome.sketch), outcome)
     }
 
     /// The same without the performer's marks: for methods and solvers that are asked about the
     /// samples alone.
     pub fn posed_without_marks(&self, outcome: &Outcome) -> (Posed, Guess) {
-        let posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
+        let posed = Posed::without_marks(&outcome.given, &outcome.sketch);
         self.with_truth(posed, outcome)
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::units::{angle, bound, decimals, deviation_ms, length, seconds};
+use super::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 use crate::cli::table::table;
 use crate::report::{EstimateReport, EventLine};
 
@@ -106,11 +106,7 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
         .0
         .iter()
         .map(|(name, parameter)| {
-            // Radians are for machines.
-            let (factor, unit) = match parameter.unit {
-                "rad" => (1f64.to_degrees(), "°"),
-                other => (1.0, other),
-            };
+            let (factor, unit) = for_people(parameter.unit);
             let [lower, upper] = parameter.bounds.map(|bound| bound * factor);
             let decimals = decimals(parameter.sd.map(|sd| sd * factor));
             vec![

@@ -10,6 +10,17 @@ pub(super) fn decimals(sd: Option<f64>) -> usize {
     }
 }
 
+/// The unit in which people read values in an SI unit, and how many of it are one.
+pub(super) fn for_people(unit: &str) -> (f64, &str) {
+    match unit {
+        "rad" => (1f64.to_degrees(), "°"),
+        "m" => (1e3, "mm"),
+        "s" => (1e3, "ms"),
+        "s/s" => (1e2, "%"),
+        other => (1.0, other),
+    }
+}
+
 pub(super) fn deviation_ms(sd_s: f64) -> String {
     if sd_s < 5e-5 {
         "± < 0.1 ms".into()

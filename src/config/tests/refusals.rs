@@ -430,7 +430,7 @@ fn free_quantities_are_consistent() {
             "\"gravity.w\"",
             51,
             "\"gravity.w\"",
-            "expected one of gravity.x, gravity.y, gravity.z, bounce.restitution, bounce.friction, bounce.tilt.0",
+            "one of gravity.x, gravity.y, gravity.z, bounce.restitution, bounce.friction, bounce.tilt.0",
         ),
         (
             "\"gravity.z\"",

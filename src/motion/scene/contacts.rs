@@ -53,8 +53,8 @@ impl Scene {
             contacts.push(Contact::new(feature, other)?);
         }
         let law = collision.law;
-        let is_tilted = [0, 1].map(|tangent| self.frees(Quantity::Tilt { event, tangent }));
-        let is_tilted = is_tilted.contains(&true);
+        let is_tilted = collision.tilt_rad != [0.0; 2]
+            || (0..2).any(|tangent| self.frees(Quantity::Tilt { event, tangent }));
         let has_friction =
             self.contact_laws[law].friction > 0.0 || self.frees(Quantity::Friction { law });
         let set = if has_friction {

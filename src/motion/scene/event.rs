@@ -63,6 +63,9 @@ pub struct Collision {
     pub contacts: Vec<Touching>,
     /// Restitution and friction, which other collisions may share.
     pub law: ContactLawIndex,
+    /// Tilt of the normal that the impact sees \[rad\], about two tangents: see
+    /// [`Law::tilt_rad`](crate::physics::impact::Law::tilt_rad).
+    pub tilt_rad: [f64; 2],
 }
 
 impl Collision {
@@ -76,6 +79,7 @@ impl Collision {
                 other: Some(surface),
             }],
             law,
+            tilt_rad: [0.0; 2],
         }
     }
 

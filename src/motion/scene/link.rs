@@ -1,8 +1,11 @@
 //! What moves and who sees it: links, mechanisms, tracks.
 
+use nalgebra::{UnitQuaternion, Vector3};
+
 use crate::math::Pose;
 use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::contact;
+use crate::physics::shape::Solid;
 use crate::physics::{Body, Shape};
 
 /// A rigid body.
@@ -12,12 +15,36 @@ pub struct Link {
     pub name: String,
     /// Mass and principal moments; the link's axes are principal axes at its centre of mass.
     pub body: Body,
-    /// Shape in the link's axes.
+    /// Its shape.
     pub shape: Shape,
+    /// Where the origin of the shape is \[m\], in the link's axes, along which it lies: zero unless
+    /// the centre of mass was estimated elsewhere ([`Scene::with_values`](super::Scene::with_values)).
+    pub shape_at_m: Vector3<f64>,
     /// What of it may touch something.
     pub features: Vec<Feature>,
     /// What it moves with.
     pub mechanism: MechanismIndex,
+}
+
+impl Link {
+    /// Pose of its shape in its axes.
+    pub fn link_from_shape(&self) -> Pose {
+        Pose::from_parts(self.shape_at_m.into(), UnitQuaternion::identity())
+    }
+
+    /// Its shape prepared for distance queries, in its axes.
+    ///
+    /// # Panics
+    /// Where the shape is no solid, which the makers of scenes exclude.
+    pub fn solid(&self) -> Solid {
+        let solid = self.shape.solid().expect("scenes have valid shapes");
+        solid.moved(&self.shape_at_m)
+    }
+
+    /// Radius of a sphere about its centre of mass that holds its shape \[m\].
+    pub fn radius_m(&self) -> f64 {
+        self.shape.radius_m() + self.shape_at_m.norm()
+    }
 }
 
 /// What moves as one system of ordinary differential equations between its collisions.

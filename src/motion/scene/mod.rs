@@ -4,11 +4,14 @@
 
 mod contact_law;
 mod contacts;
+mod estimated;
 mod event;
+mod freedom;
 mod goal;
 mod link;
 mod parameter;
 mod quantity;
+mod untold;
 mod whole;
 mod world;
 
@@ -19,5 +22,6 @@ pub use goal::{Goal, GoalTarget};
 pub use link::{Feature, FreeBody, Link, Mechanism, Track};
 pub use parameter::{Cone, FreeParameter};
 pub use quantity::Quantity;
+pub use untold::{Combination, Together, Untold};
 pub use whole::{Scene, Timing, VelocityGaps, Weights};
 pub use world::{Against, Obstacle, Surface};

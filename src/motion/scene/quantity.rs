@@ -86,7 +86,7 @@ pub enum Quantity {
         /// Tracker axis.
         axis: usize,
     },
-    /// By how much a track's clock is slow [–]: a physical interval is `1 + rate` times the
+    /// By how much a track's clock is slow [s/s]: a physical interval is `1 + rate` times the
     /// interval of its stamps.
     ClockRate {
         /// The track.
@@ -123,8 +123,8 @@ impl Quantity {
             Quantity::Restitution { .. }
             | Quantity::Friction { .. }
             | Quantity::Moment { .. }
-            | Quantity::Mass { .. }
-            | Quantity::ClockRate { .. } => "",
+            | Quantity::Mass { .. } => "",
+            Quantity::ClockRate { .. } => "s/s",
             Quantity::Tilt { .. }
             | Quantity::TrackerOrientation { .. }
             | Quantity::SurfaceTilt { .. } => "rad",

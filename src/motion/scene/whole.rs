@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
 use super::contact_law::ContactLaw;
-use super::event::{Collision, Event, EventKind};
+use super::event::{Collision, Event};
 use super::goal::Goal;
 use super::link::{FreeBody, Link, Mechanism, Track};
 use super::parameter::{Cone, FreeParameter};
@@ -100,6 +100,7 @@ impl Scene {
             name: body.name,
             body: body.body,
             shape: body.shape,
+            shape_at_m: Vector3::zeros(),
             features: body.features,
             mechanism,
         });
@@ -120,16 +121,6 @@ impl Scene {
     /// The law of a collision.
     pub fn law_of(&self, collision: &Collision) -> &ContactLaw {
         &self.contact_laws[collision.law]
-    }
-
-    /// Whether a collision has the law.
-    pub fn uses(&self, law: ContactLawIndex) -> bool {
-        let mut collisions = self.events.iter().filter_map(|event| match &event.kind {
-            EventKind::Collision(collision) => Some(collision),
-            EventKind::Collisions { each, .. } => Some(each),
-            EventKind::Start | EventKind::End => None,
-        });
-        collisions.any(|collision| collision.law == law)
     }
 
     /// What moves with that link.

@@ -63,6 +63,14 @@ impl Feature {
         Feature::Face { point_m, normal }
     }
 
+    /// Two orthonormal tangents of a plane; the first is perpendicular to the axis along which the
+    /// normal has its smallest component.
+    pub fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let least = Vector3::ith(normal.iamin(), 1.0);
+        let first = normal.cross(&least).normalize();
+        [first, normal.cross(&first)]
+    }
+
     /// The feature in the axes in which its solid has the given pose.
     pub fn placed(&self, pose: &Pose) -> Self {
         let place = |point_m: Vector3<f64>| (pose * Point3::from(point_m)).coords;

@@ -87,7 +87,7 @@ impl Contact {
             },
         };
         let tangents = match b {
-            Feature::Face { normal, .. } => Some(tangents(&normal)),
+            Feature::Face { normal, .. } => Some(Feature::tangents(&normal)),
             _ => None,
         };
         Ok(Self {
@@ -199,12 +199,4 @@ fn instead(a: &Feature, b: &Feature) -> &'static str {
         }
         _ => "use the face that the rim bounds, or the side beside it as a line with a radius",
     }
-}
-
-/// Two orthonormal tangents of a plane; the first is perpendicular to the axis along which the
-/// normal has its smallest component.
-fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let least = Vector3::ith(normal.iamin(), 1.0);
-    let first = normal.cross(&least).normalize();
-    [first, normal.cross(&first)]
 }

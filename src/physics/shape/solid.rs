@@ -104,6 +104,18 @@ impl Solid {
         }
     }
 
+    /// The solid moved \[m\] in its own axes.
+    pub fn moved(self, by_m: &Vector3<f64>) -> Self {
+        let ParryPose {
+            rotation,
+            translation,
+        } = self.shape_from_parry;
+        Self {
+            shape_from_parry: ParryPose::from_parts(translation + to_parry(by_m), rotation),
+            ..self
+        }
+    }
+
     /// parry's shape and its pose in the solid's own axes, for a simulation that shares
     /// parry's types.
     pub fn parts(&self) -> (&SharedShape, &ParryPose) {

@@ -7,10 +7,10 @@ use crate::motion::{Doubt, Estimate, Scene, Sketch};
 /// All doubts about an estimated motion, except those from overlaps of its shapes.
 ///
 /// `marks_made_s` are the acted times of the scene's events as the performer marked them, `None`
-/// for unmarked ones. The estimate's arcs must be finite and belong to this sketch. Costs a few
+/// for unmarked ones. The scene is the one as estimated, then the one of which it is the estimate. The estimate's arcs must be finite and belong to this sketch. Costs a few
 /// sums per sample.
 pub fn doubts(
-    scene: &Scene,
+    (scene, given): (&Scene, &Scene),
     sketch: &Sketch,
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
@@ -20,6 +20,6 @@ pub fn doubts(
     doubts.extend(fit::doubts(scene, estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(outside::doubts(scene, &flights));
-    doubts.extend(parameters::doubts(scene, estimate));
+    doubts.extend(parameters::doubts(given, estimate));
     doubts
 }

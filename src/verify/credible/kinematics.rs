@@ -33,7 +33,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
             let since_s = time_s - arc.epoch_s;
             flow::velocity(&link.body, &estimate.gravity_m_s2, &arc.state, since_s).norm()
         };
-        let radius_m = link.shape.radius_m();
+        let radius_m = link.radius_m();
         let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;
         let way = way(flight, radius_m);
         doubts.extend(Doubt::beyond(

@@ -1,0 +1,178 @@
+//! The scene as estimated: what the estimation changed, in its place.
+
+use nalgebra::Vector3;
+
+use super::event::EventKind;
+use super::goal::GoalTarget;
+use super::quantity::Quantity;
+use super::whole::Scene;
+use crate::math::{Pose, so3};
+use crate::motion::estimate::Estimate;
+use crate::motion::index::{LinkIndex, TrackIndex};
+use crate::physics::contact::Feature;
+use crate::physics::{Body, BodyError, Drag};
+
+/// Values of quantities; what is not among them stays as the scene has it.
+struct Values<'a>(&'a [(Quantity, f64)]);
+
+impl Values<'_> {
+    fn of(&self, quantity: Quantity) -> Option<f64> {
+        let mut values = self.0.iter();
+        let (_, value) = values.find(|(other, _)| *other == quantity)?;
+        Some(*value)
+    }
+
+    /// Corrections along three axes.
+    fn vector(&self, along: impl Fn(usize) -> Quantity) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| self.of(along(axis)).unwrap_or(0.0))
+    }
+}
+
+impl Scene {
+    /// The scene with the parameters of an estimate of it in their places ([`Scene::with_values`]).
+    ///
+    /// # Panics
+    /// Where no body has the estimated moments, which the estimation excludes.
+    pub fn as_estimated(&self, estimate: &Estimate) -> Scene {
+        let values = estimate.parameters.iter().filter_map(|parameter| {
+            let mut free = self.parameters.iter();
+            let free = free.find(|free| free.name == parameter.name)?;
+            Some((free.quantity, parameter.value))
+        });
+        let values: Vec<(Quantity, f64)> = values.collect();
+        self.with_values(&values).expect("moments of a body")
+    }
+
+    /// The scene with these values of its quantities: each in its place, so that in the result every
+    /// correction is zero again and every factor one.
+    ///
+    /// Where a centre of mass moves, the link's axes move with it: features, shape, trackers and
+    /// pose goals stay where they are on the object. A surface of an obstacle takes the obstacle and
+    /// all of its surfaces along. Clocks are no part of a scene: their values change nothing. The
+    /// list of parameters stays as it is.
+    ///
+    /// Fails where no body has such a mass, moments, force or drag.
+    pub fn with_values(&self, values: &[(Quantity, f64)]) -> Result<Scene, BodyError> {
+        let values = Values(values);
+        let mut scene = self.clone();
+        scene.set_laws(&values);
+        for link in self.links.keys() {
+            scene.links[link].body = self.body_with(link, &values)?;
+            scene.move_centre(link, values.vector(|axis| Quantity::Centre { link, axis }));
+        }
+        for track in self.tracks.keys() {
+            scene.correct_tracker(track, &values);
+        }
+        for surface in 0..self.surfaces.len() {
+            scene.move_surface(surface, &values);
+        }
+        Ok(scene)
+    }
+
+    /// Gravity, restitution, friction and the tilts that impacts see.
+    fn set_laws(&mut self, values: &Values) {
+        for axis in 0..3 {
+            let gravity = values.of(Quantity::Gravity { axis });
+            self.gravity_m_s2[axis] = gravity.unwrap_or(self.gravity_m_s2[axis]);
+        }
+        for (law, of) in self.contact_laws.iter_mut_enumerated() {
+            let restitution = values.of(Quantity::Restitution { law });
+            of.restitution = restitution.unwrap_or(of.restitution);
+            let friction = values.of(Quantity::Friction { law });
+            of.friction = friction.unwrap_or(of.friction);
+        }
+        for (event, of) in self.events.iter_mut().enumerate() {
+            if let EventKind::Collision(collision) = &mut of.kind {
+                for (tangent, tilt_rad) in collision.tilt_rad.iter_mut().enumerate() {
+                    let tilt = values.of(Quantity::Tilt { event, tangent });
+                    *tilt_rad = tilt.unwrap_or(*tilt_rad);
+                }
+            }
+        }
+    }
+
+    fn body_with(&self, link: LinkIndex, values: &Values) -> Result<Body, BodyError> {
+        let of = &self.links[link];
+        let factor = |quantity| values.of(quantity).unwrap_or(1.0);
+        let mass = factor(Quantity::Mass { link });
+        let moments = of.body.moments_kg_m2();
+        let moments = Vector3::from_fn(|axis, _| {
+            let named = of.moment_axis(axis);
+            moments[axis] * factor(Quantity::Moment { link, axis: named }) * mass
+        });
+        let (force, drag) = (of.body.force_m_s2(), of.body.drag());
+        let force = Vector3::from_fn(|axis, _| {
+            let value = values.of(Quantity::Force { link, axis });
+            value.unwrap_or(force[axis])
+        });
+        let linear = values.of(Quantity::LinearDrag { link });
+        let quadratic = values.of(Quantity::QuadraticDrag { link });
+        let body = Body::new(of.body.mass_kg() * mass, moments)?;
+        body.with_force(force)?.with_drag(Drag {
+            linear_per_s: linear.unwrap_or(drag.linear_per_s),
+            quadratic_per_m: quadratic.unwrap_or(drag.quadratic_per_m),
+        })
+    }
+
+    /// Moves a link's axes to where its centre of mass is \[m, its axes\].
+    fn move_centre(&mut self, link: LinkIndex, by_m: Vector3<f64>) {
+        if by_m == Vector3::zeros() {
+            return;
+        }
+        let old_from_new = Pose::translation(by_m.x, by_m.y, by_m.z);
+        let new_from_old = old_from_new.inverse();
+        let of = &mut self.links[link];
+        of.shape_at_m -= by_m;
+        for feature in &mut of.features {
+            feature.geometry = feature.geometry.placed(&new_from_old);
+        }
+        for track in self.tracks.iter_mut().filter(|track| track.link == link) {
+            track.link_from_tracker = new_from_old * track.link_from_tracker;
+        }
+        for goal in self.goals.iter_mut().filter(|goal| goal.link == link) {
+            if let GoalTarget::Pose { world_from_body } = &mut goal.target {
+                *world_from_body *= old_from_new;
+            }
+        }
+    }
+
+    fn correct_tracker(&mut self, track: TrackIndex, values: &Values) {
+        let by_m = values.vector(|axis| Quantity::TrackerPosition { track, axis });
+        let turn = values.vector(|axis| Quantity::TrackerOrientation { track, axis });
+        let pose = &mut self.tracks[track].link_from_tracker;
+        pose.translation.vector += by_m;
+        if turn != Vector3::zeros() {
+            pose.rotation *= so3::exp(&turn);
+        }
+    }
+
+    /// Moves a face along its normal and turns it about its point, with the obstacle that it is of.
+    fn move_surface(&mut self, surface: usize, values: &Values) {
+        let height_m = values.of(Quantity::SurfaceHeight { surface });
+        let tilts = [0, 1].map(|tangent| values.of(Quantity::SurfaceTilt { surface, tangent }));
+        if height_m.is_none() && tilts == [None; 2] {
+            return;
+        }
+        let Feature::Face { point_m, normal } = self.surfaces[surface].geometry else {
+            return;
+        };
+        let tangents = Feature::tangents(&normal);
+        let turn: Vector3<f64> = (0..2).map(|i| tangents[i] * tilts[i].unwrap_or(0.0)).sum();
+        let to_m = point_m + normal * height_m.unwrap_or(0.0);
+        let rotation = so3::exp(&turn);
+        let moved = Pose::from_parts((to_m - rotation * point_m).into(), rotation);
+        let solid = self.surfaces[surface].obstacle;
+        for (index, other) in self.surfaces.iter_mut().enumerate() {
+            if index == surface || (solid.is_some() && other.obstacle == solid) {
+                other.geometry = other.geometry.placed(&moved);
+            }
+        }
+        if let Some(solid) = solid {
+            let pose = &mut self.obstacles[solid].world_from_shape;
+            *pose = moved * *pose;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! What of a scene may be free: its quantities, their names, and the values that it gives them.
+
+use super::event::Event;
+use super::link::Link;
+use super::quantity::Quantity;
+use super::whole::Scene;
+use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
+use crate::physics::contact;
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Link {
+    /// The first axis whose moment equals that about `axis`: it names them.
+    pub fn moment_axis(&self, axis: usize) -> usize {
+        let moments = self.body.moments_kg_m2();
+        (0..axis)
+            .find(|other| moments[*other] == moments[axis])
+            .unwrap_or(axis)
+    }
+
+    /// The axes that name its different moments.
+    pub fn moment_axes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..3).filter(|axis| self.moment_axis(*axis) == *axis)
+    }
+}
+
+impl Scene {
+    /// The quantities of the scene that an estimation may free, in the order of its lists. Not
+    /// every one of them is told by a performance: see [`Scene::untold`].
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
+        let laws = self.contact_laws.keys();
+        let laws = laws.flat_map(|law| [Quantity::Restitution { law }, Quantity::Friction { law }]);
+        let is_collision = |(_, event): &(usize, &Event)| event.kind.collision().is_some();
+        let events = self.events.iter().enumerate().filter(is_collision);
+        let tilts =
+            events.flat_map(|(event, _)| [0, 1].map(|tangent| Quantity::Tilt { event, tangent }));
+        let links = self.links.keys().flat_map(|link| self.quantities_of(link));
+        let tracks = self.tracks.keys().flat_map(|track| {
+            let places = (0..3).map(move |axis| Quantity::TrackerPosition { track, axis });
+            let turns = (0..3).map(move |axis| Quantity::TrackerOrientation { track, axis });
+            let clock = [
+                Quantity::ClockRate { track },
+                Quantity::ClockOffset { track },
+            ];
+            places.chain(turns).chain(clock)
+        });
+        let surfaces = self.surfaces.iter().enumerate();
+        let faces = surfaces.filter(|(_, s)| matches!(s.geometry, contact::Feature::Face { .. }));
+        let faces = faces.flat_map(|(surface, _)| {
+            let tilt = |tangent| Quantity::SurfaceTilt { surface, tangent };
+            [Quantity::SurfaceHeight { surface }, tilt(0), tilt(1)]
+        });
+        let world = gravity.chain(laws).chain(tilts);
+        world.chain(links).chain(tracks).chain(faces).collect()
+    }
+
+    fn quantities_of(&self, link: LinkIndex) -> Vec<Quantity> {
+        let force = (0..3).map(|axis| Quantity::Force { link, axis });
+        let drag = [
+            Quantity::LinearDrag { link },
+            Quantity::QuadraticDrag { link },
+        ];
+        let axes = self.links[link].moment_axes();
+        let moments = axes.map(|axis| Quantity::Moment { link, axis });
+        let centre = (0..3).map(|axis| Quantity::Centre { link, axis });
+        let mass = [Quantity::Mass { link }];
+        let inertia = moments.chain(mass).chain(centre);
+        force.chain(drag).chain(inertia).collect()
+    }
+
+    /// The name of a quantity in scene files and reports: `gravity.z`, `bounce.restitution`,
+    /// `pencil.tracker.turn.x`.
+    pub fn name_of_quantity(&self, quantity: Quantity) -> String {
+        let law = |law: ContactLawIndex| &self.contact_laws[law].name;
+        let link = |link: LinkIndex| &self.links[link].name;
+        let seen = |track: TrackIndex| &self.link_seen_by(track).name;
+        let surface = |surface: usize| &self.surfaces[surface].name;
+        match quantity {
+            Quantity::Gravity { axis } => format!("gravity.{}", AXES[axis]),
+            Quantity::Restitution { law: of } => format!("{}.restitution", law(of)),
+            Quantity::Friction { law: of } => format!("{}.friction", law(of)),
+            Quantity::Tilt { event, tangent } => {
+                format!("{}.tilt.{tangent}", self.events[event].name)
+            }
+            Quantity::Force { link: of, axis } => format!("{}.force.{}", link(of), AXES[axis]),
+            Quantity::LinearDrag { link: of } => format!("{}.drag.linear", link(of)),
+            Quantity::QuadraticDrag { link: of } => format!("{}.drag.quadratic", link(of)),
+            Quantity::Moment { link: of, axis } => format!("{}.moment.{}", link(of), AXES[axis]),
+            Quantity::Mass { link: of } => format!("{}.mass", link(of)),
+            Quantity::Centre { link: of, axis } => format!("{}.centre.{}", link(of), AXES[axis]),
+            Quantity::TrackerPosition { track, axis } => {
+                format!("{}.tracker.{}", seen(track), AXES[axis])
+            }
+            Quantity::TrackerOrientation { track, axis } => {
+                format!("{}.tracker.turn.{}", seen(track), AXES[axis])
+            }
+            Quantity::ClockRate { track } => format!("{}.clock.rate", seen(track)),
+            Quantity::ClockOffset { track } => format!("{}.clock.offset", seen(track)),
+            Quantity::SurfaceHeight { surface: of } => format!("{}.height", surface(of)),
+            Quantity::SurfaceTilt {
+                surface: of,
+                tangent,
+            } => format!("{}.tilt.{tangent}", surface(of)),
+        }
+    }
+
+    /// The value that the scene gives a quantity, in its unit: 0 for a correction, 1 for a factor.
+    pub fn value_of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Gravity { axis } => self.gravity_m_s2[axis],
+            Quantity::Restitution { law } => self.contact_laws[law].restitution,
+            Quantity::Friction { law } => self.contact_laws[law].friction,
+            Quantity::Tilt { event, tangent } => {
+                let collision = self.events[event].kind.collision();
+                collision.map_or(0.0, |collision| collision.tilt_rad[tangent])
+            }
+            Quantity::Force { link, axis } => self.links[link].body.force_m_s2()[axis],
+            Quantity::LinearDrag { link } => self.links[link].body.drag().linear_per_s,
+            Quantity::QuadraticDrag { link } => self.links[link].body.drag().quadratic_per_m,
+            Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
+            Quantity::Centre { .. }
+            | Quantity::TrackerPosition { .. }
+            | Quantity::TrackerOrientation { .. }
+            | Quantity::ClockRate { .. }
+            | Quantity::ClockOffset { .. }
+            | Quantity::SurfaceHeight { .. }
+            | Quantity::SurfaceTilt { .. } => 0.0,
+        }
+    }
+}

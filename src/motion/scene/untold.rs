@@ -1,0 +1,246 @@
+//! What no performance of a scene can tell: quantities alone, and free ones that count only
+//! together.
+
+use thiserror::Error;
+
+use super::event::{Collision, EventKind, Partner};
+use super::goal::GoalTarget;
+use super::quantity::Quantity;
+use super::whole::{Scene, Timing};
+use crate::motion::index::{ContactLawIndex, LinkIndex};
+use crate::physics::body::Symmetry;
+
+/// Why no performance of a scene can tell a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Untold {
+    /// A contact law without a collision.
+    #[error("no collision has this restitution and friction")]
+    UnusedLaw,
+    /// The mass of a link that meets no other.
+    #[error("the mass of a body that meets no other moving body cancels out of its motion")]
+    MassCancels,
+    /// Three equal moments of a link that never collides.
+    #[error("only ratios of moments show in flight, and all moments of this body are equal")]
+    MomentCancels,
+    /// The turn of a tracker on a link with three equal moments that never collides.
+    #[error(
+        "a body with three equal moments that never collides turns alike whichever way its tracker is mounted"
+    )]
+    TurnCancels,
+    /// A clock where stamps are no physical times from one zero.
+    #[error("clocks are told only where stamps are physical times: timing.stamps = \"physical\"")]
+    NoClock,
+    /// The offset of the only track.
+    #[error("the only tracker's clock is the time itself: there is no other to tell its offset")]
+    OnlyClock,
+    /// A surface without a collision.
+    #[error("nothing touches this surface")]
+    Untouched,
+    /// A surface of a solid of which others are touched too.
+    #[error("another surface of the same obstacle may be touched too, and both would move as one")]
+    OneSolid,
+}
+
+/// Free parameters of which only a combination is told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Combination {
+    /// Indices into `Scene::parameters`, in order; none has a prior.
+    pub parameters: Vec<usize>,
+    /// Why.
+    pub why: Together,
+}
+
+/// Why quantities count only together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Together {
+    /// All moments of a link that never collides.
+    #[error("a body that never collides shows only the ratios of its moments")]
+    Moments,
+    /// The masses of all links that meet, one another or by way of others.
+    #[error("masses of bodies that meet count only relative to one another")]
+    Masses,
+    /// Gravity along an axis and the forces on all links.
+    #[error("a force on every body and gravity along the same axis are one pull")]
+    Pull,
+    /// Offsets of all clocks.
+    #[error("offsets of clocks count only relative to one another")]
+    Offsets,
+    /// Rates of all clocks, with all of gravity.
+    #[error("with no known acceleration nothing tells how fast time runs")]
+    Rates,
+    /// Centre of mass and tracker of a link that touches nothing.
+    #[error(
+        "for a body that never collides and has no goal, its centre of mass and its tracker have only one offset between them"
+    )]
+    Mount,
+}
+
+impl Scene {
+    /// Why no performance of the scene can tell the quantity, where that is known beforehand.
+    pub fn untold(&self, quantity: Quantity) -> Option<Untold> {
+        let unless = |is_told: bool, why| (!is_told).then_some(why);
+        match quantity {
+            Quantity::Restitution { law } | Quantity::Friction { law } => {
+                unless(self.uses(law), Untold::UnusedLaw)
+            }
+            Quantity::Mass { link } => unless(self.met_by(link).len() > 1, Untold::MassCancels),
+            Quantity::Moment { link, .. } => unless(
+                self.collides(link) || !self.is_round(link),
+                Untold::MomentCancels,
+            ),
+            Quantity::TrackerOrientation { track, .. } => {
+                let link = self.tracks[track].link;
+                unless(
+                    self.is_held(link) || !self.is_round(link),
+                    Untold::TurnCancels,
+                )
+            }
+            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. }
+                if self.timing != Timing::Known =>
+            {
+                Some(Untold::NoClock)
+            }
+            Quantity::ClockOffset { .. } => unless(self.tracks.len() > 1, Untold::OnlyClock),
+            Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
+                self.surface_untold(surface)
+            }
+            Quantity::Gravity { .. }
+            | Quantity::Tilt { .. }
+            | Quantity::Force { .. }
+            | Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::Centre { .. }
+            | Quantity::TrackerPosition { .. }
+            | Quantity::ClockRate { .. } => None,
+        }
+    }
+
+    fn surface_untold(&self, surface: usize) -> Option<Untold> {
+        let is_touched = |surface: usize| {
+            let mut hits = self.collisions().filter(|c| c.partner == Partner::World);
+            hits.any(|collision| {
+                let mut others = collision.contacts.iter().map(|touching| touching.other);
+                others.any(|other| other.is_none_or(|other| other == surface))
+            })
+        };
+        if !is_touched(surface) {
+            return Some(Untold::Untouched);
+        }
+        let solid = self.surfaces[surface].obstacle;
+        let mut others = (0..self.surfaces.len()).filter(|other| *other != surface);
+        let shares = |other: usize| {
+            solid.is_some() && self.surfaces[other].obstacle == solid && is_touched(other)
+        };
+        others.any(shares).then_some(Untold::OneSolid)
+    }
+
+    /// Free parameters without priors of which only a combination is told, where that is known
+    /// beforehand: the first such set.
+    pub fn told_together(&self) -> Option<Combination> {
+        let links = self.links.keys();
+        let moments = links
+            .clone()
+            .filter(|link| !self.collides(*link))
+            .map(|link| {
+                let axes = self.links[link].moment_axes();
+                let all = axes.map(|axis| Quantity::Moment { link, axis });
+                (all.collect(), Together::Moments)
+            });
+        let masses = links.clone().map(|link| {
+            let met = self.met_by(link).into_iter();
+            let all = met.map(|link| Quantity::Mass { link });
+            (all.collect(), Together::Masses)
+        });
+        let pulls = (0..3).map(|axis| {
+            let forces = self.links.keys().map(|link| Quantity::Force { link, axis });
+            let all = [Quantity::Gravity { axis }].into_iter().chain(forces);
+            (all.collect(), Together::Pull)
+        });
+        let tracks = || self.tracks.keys();
+        let offsets = tracks().map(|track| Quantity::ClockOffset { track });
+        let offsets = (offsets.collect(), Together::Offsets);
+        let rates = tracks().map(|track| Quantity::ClockRate { track });
+        let rates = (rates.chain(self.accelerations()).collect(), Together::Rates);
+        let mounts = tracks().flat_map(|track| (0..3).map(move |axis| (track, axis)));
+        let mounts = mounts.filter(|(track, _)| !self.is_held(self.tracks[*track].link));
+        let mounts = mounts.map(|(track, axis)| {
+            let link = self.tracks[track].link;
+            let centre = Quantity::Centre { link, axis };
+            let all = vec![centre, Quantity::TrackerPosition { track, axis }];
+            (all, Together::Mount)
+        });
+        let all = moments.chain(masses).chain(pulls);
+        let mut all = all.chain([offsets, rates]).chain(mounts);
+        all.find_map(|(quantities, why)| self.all_free(&quantities, why))
+    }
+
+    /// The parameters that free all of the quantities; `None` where one is held, by the scene or by
+    /// a prior.
+    fn all_free(&self, quantities: &[Quantity], why: Together) -> Option<Combination> {
+        let freed = |quantity: &Quantity| {
+            let mut parameters = self.parameters.iter();
+            parameters.position(|free| free.quantity == *quantity && free.prior_sd.is_none())
+        };
+        let mut parameters: Vec<usize> = quantities.iter().map(freed).collect::<Option<_>>()?;
+        parameters.sort_unstable();
+        Some(Combination { parameters, why })
+    }
+
+    /// What has seconds in its unit and is not zero: accelerations, and drags that grow with speed.
+    fn accelerations(&self) -> impl Iterator<Item = Quantity> + '_ {
+        let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
+        let of_links = self.links.keys().flat_map(|link| {
+            let forces = (0..3).map(move |axis| Quantity::Force { link, axis });
+            forces.chain([Quantity::LinearDrag { link }])
+        });
+        let all = gravity.chain(of_links);
+        all.filter(|quantity| self.value_of(*quantity) != 0.0)
+    }
+
+    fn collisions(&self) -> impl Iterator<Item = &Collision> {
+        self.events.iter().filter_map(|event| match &event.kind {
+            EventKind::Collision(collision) => Some(collision),
+            EventKind::Collisions { each, .. } => Some(each),
+            EventKind::Start | EventKind::End => None,
+        })
+    }
+
+    /// Whether a collision has the law.
+    pub fn uses(&self, law: ContactLawIndex) -> bool {
+        self.collisions().any(|collision| collision.law == law)
+    }
+
+    fn collides(&self, link: LinkIndex) -> bool {
+        self.collisions()
+            .any(|c| c.links().any(|other| other == link))
+    }
+
+    /// Whether something fixes the link's own axes: what it touches, or a goal of its pose.
+    fn is_held(&self, link: LinkIndex) -> bool {
+        let mut goals = self.goals.iter();
+        let has_goal =
+            goals.any(|goal| goal.link == link && matches!(goal.target, GoalTarget::Pose { .. }));
+        has_goal || self.collides(link)
+    }
+
+    fn is_round(&self, link: LinkIndex) -> bool {
+        self.links[link].body.symmetry() == Symmetry::Spherical
+    }
+
+    /// The links that a link meets, directly or by way of others, and itself.
+    fn met_by(&self, link: LinkIndex) -> Vec<LinkIndex> {
+        let mut met = vec![link];
+        let mut next = 0;
+        while next < met.len() {
+            for collision in self.collisions() {
+                let links: Vec<LinkIndex> = collision.links().collect();
+                if links.contains(&met[next]) {
+                    let new = links.into_iter().filter(|other| !met.contains(other));
+                    met.extend(new.collect::<Vec<_>>());
+                }
+            }
+            next += 1;
+        }
+        met
+    }
+}
