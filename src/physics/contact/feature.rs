@@ -105,6 +105,23 @@ impl Feature {
         }
     }
 
+    /// The feature displaced by `shift_m` \[m\].
+    pub fn shifted(&self, shift_m: &Vector3<f64>) -> Self {
+        self.placed(&Pose::translation(shift_m.x, shift_m.y, shift_m.z))
+    }
+
+    /// Its own point \[m\]: the centre of a point or a rim, the point given on a line or a face.
+    pub fn place_m(&self) -> Vector3<f64> {
+        match *self {
+            Feature::Point { point_m, .. }
+            | Feature::Line { point_m, .. }
+            | Feature::Rim {
+                centre_m: point_m, ..
+            }
+            | Feature::Face { point_m, .. } => point_m,
+        }
+    }
+
     /// Its kind as a word for messages.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -119,21 +136,17 @@ impl Feature {
     /// negative (of a rim: not positive).
     pub fn check(&self) -> Result<(), ContactError> {
         let kind = self.kind();
-        let (place, direction, radius_m) = match *self {
-            Feature::Point { point_m, radius_m } => (point_m, None, radius_m),
+        let (direction, radius_m) = match *self {
+            Feature::Point { radius_m, .. } => (None, radius_m),
             Feature::Line {
-                point_m,
                 direction,
                 radius_m,
-            } => (point_m, Some(direction), radius_m),
-            Feature::Rim {
-                centre_m,
-                axis,
-                radius_m,
-            } => (centre_m, Some(axis), radius_m),
-            Feature::Face { point_m, normal } => (point_m, Some(normal), 0.0),
+                ..
+            } => (Some(direction), radius_m),
+            Feature::Rim { axis, radius_m, .. } => (Some(axis), radius_m),
+            Feature::Face { normal, .. } => (Some(normal), 0.0),
         };
-        if !place.iter().all(|x| x.is_finite()) {
+        if !self.place_m().iter().all(|x| x.is_finite()) {
             return Err(ContactError::NotFinite { kind });
         }
         if let Some(length) = direction.map(|d| d.norm())

@@ -5,6 +5,7 @@
 mod derivative;
 mod error;
 mod feature;
+mod moved;
 mod pair;
 mod touch;
 

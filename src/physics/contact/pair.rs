@@ -18,7 +18,7 @@ pub struct Contact {
     pub(super) pair: Pair,
     /// Whether `pair` holds B's feature first.
     pub(super) mirrored: bool,
-    tangents: Option<[Vector3<f64>; 2]>,
+    pub(super) tangents: Option<[Vector3<f64>; 2]>,
 }
 
 /// A point and the ball about it.

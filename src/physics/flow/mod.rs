@@ -14,7 +14,8 @@
 //!   series are in `series`).
 //!
 //! Both rotations are exact to rounding for durations of either sign, and agree where moments become equal.
-//! Derivatives are by right perturbations.
+//! Derivatives are by right perturbations. Those of any rotation by the moments are series too
+//! ([`SpinByMoments`]).
 
 mod asymmetric;
 mod axial;
@@ -30,7 +31,7 @@ mod tests;
 mod turn;
 mod turned;
 
-pub use asymmetric::ANGLE_MAX_RAD;
+pub use asymmetric::{ANGLE_MAX_RAD, SpinByMoments, TurnByMoments, turn_by_moments};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, fallen, position, rate, velocity};

@@ -22,7 +22,7 @@ pub const ORDER: usize = 20;
 /// of it or less and grows as a power of the time, so that it adds no more than rounding over a
 /// whole rotation (`tools/results`: a smaller value costs steps and gains nothing, 2⁻⁴² loses a
 /// digit of derivatives).
-const TRUNCATION: f64 = 1.0 / (1u64 << 46) as f64;
+pub const TRUNCATION: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// Lengths of steps are multiples of this, so that their sums are exact in floating point.
 const QUANTUM: f64 = 1.0 / (1u64 << 20) as f64;
@@ -410,7 +410,8 @@ pub fn derivatives_reach(eta: &Columns) -> f64 {
     quantised(reach)
 }
 
-fn quantised(reach: f64) -> f64 {
+/// A step as a multiple of [`QUANTUM`].
+pub fn quantised(reach: f64) -> f64 {
     if reach < QUANTUM {
         return reach;
     }

@@ -4,6 +4,7 @@ use super::contact_set::ContactSet;
 use super::derivative::ImpactDerivative;
 use super::error::ImpactError;
 use super::law::{Impact, Law, Side};
+use super::model::ImpactByModel;
 use super::plane;
 use super::solution::Solution;
 
@@ -38,6 +39,20 @@ impl ContactSet {
         let solution = Solution::new(self, a, b, law)?;
         solution.derivative(derivative)?;
         Ok(solution.impact())
+    }
+
+    /// Derivatives of [`ContactSet::impact`] by the model: by inertia, by where features are on the
+    /// bodies and in the world. A work of its own, beside [`ContactSet::derivative`].
+    ///
+    /// Fails and panics as that does.
+    pub fn by_model(
+        &self,
+        a: &Side,
+        b: Option<&Side>,
+        law: &Law,
+    ) -> Result<ImpactByModel, ImpactError> {
+        self.check_law(law);
+        Solution::new(self, a, b, law)?.by_model()
     }
 
     fn check_law(&self, law: &Law) {

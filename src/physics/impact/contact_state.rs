@@ -45,6 +45,23 @@ impl PoseChange<6> {
     }
 }
 
+impl PoseChange<3> {
+    /// Changes by a shift of one body's feature [m, its axes]. Gap and normal change as if the whole
+    /// body were displaced; but its centre of mass stays, so that its point moves with the feature.
+    pub(super) fn of_shift(body: usize, rates: &TouchDerivative, rotation: &Matrix3<f64>) -> Self {
+        let columns = |rate: &SMatrix<f64, 3, 12>| -> Change<3> {
+            rate.fixed_columns::<3>(6 * body) * rotation
+        };
+        let mut points = [columns(&rates.on_a), columns(&rates.on_b)];
+        points[body] += Matrix3::identity();
+        Self {
+            normal: columns(&rates.normal),
+            points,
+            turn: None,
+        }
+    }
+}
+
 impl<const C: usize> PoseChange<C> {
     /// No change.
     pub(super) fn none() -> Self {
@@ -124,7 +141,7 @@ impl<'a> ContactState<'a> {
     }
 
     /// Change of the tilted normal, which rotates with B's face.
-    pub(super) fn normal_change(&self, by: &PoseChange<6>) -> Change<6> {
+    pub(super) fn normal_change<const C: usize>(&self, by: &PoseChange<C>) -> Change<C> {
         match (&self.normal_by_tilt, &by.turn) {
             (Some(_), Some((1, turn))) => -so3::hat(&self.normal) * self.rotations[1] * turn,
             (Some(_), _) => Change::zeros(),

@@ -102,13 +102,7 @@ impl Solution<'_> {
         by: &PoseChange<6>,
     ) -> RowSVector<f64, 12> {
         let normal = &state.touch.normal;
-        let [a, b] = &self.before;
-        let mut by_pose = (a.velocity_m_s - b.velocity_m_s).tr_mul(&by.normal);
-        for (side, motion) in self.before.iter().enumerate().take(self.rows.bodies) {
-            let lever = state.lever_change(side, normal, Some(&by.normal), by);
-            let sign = [1.0, -1.0][side];
-            by_pose += (motion.angular_velocity_rad_s * sign).tr_mul(&lever);
-        }
+        let by_pose = self.speed_change(state, by);
         let sign = [1.0, -1.0][body];
         let lever = state.levers(normal)[body] * sign;
         let mut row = RowSVector::<f64, 12>::zeros();
@@ -121,6 +115,35 @@ impl Solution<'_> {
         row
     }
 
+    /// Change of the speed along the untilted normal with the geometry.
+    pub(super) fn speed_change<const C: usize>(
+        &self,
+        state: &ContactState,
+        by: &PoseChange<C>,
+    ) -> RowSVector<f64, C> {
+        let normal = &state.touch.normal;
+        let [a, b] = &self.before;
+        let mut change = (a.velocity_m_s - b.velocity_m_s).tr_mul(&by.normal);
+        for (side, motion) in self.before.iter().enumerate().take(self.rows.bodies) {
+            let lever = state.lever_change(side, normal, Some(&by.normal), by);
+            let sign = [1.0, -1.0][side];
+            change += (motion.angular_velocity_rad_s * sign).tr_mul(&lever);
+        }
+        change
+    }
+
+    /// Changes of the velocities after with the geometry, given those of the tilted normals.
+    pub(super) fn after_change<const C: usize>(
+        &self,
+        normals: &[Change<C>; MOST_CONTACTS],
+        poses: &[Option<PoseChange<C>>; MOST_CONTACTS],
+    ) -> [SMatrix<f64, 6, C>; 2] {
+        let rows = self.rows_change(normals, poses);
+        let impulses = self.impulses_change(normals, &rows);
+        self.rows
+            .velocity_changes_by(self.impulses(), Some(&impulses), &rows)
+    }
+
     fn after_by_pose(
         &self,
         body: usize,
@@ -128,11 +151,7 @@ impl Solution<'_> {
         poses: &[Option<PoseChange<6>>; MOST_CONTACTS],
         derivative: &mut ImpactDerivative,
     ) {
-        let rows = self.rows_change(normals, poses);
-        let impulses = self.impulses_change(normals, &rows);
-        let after = self
-            .rows
-            .velocity_changes_by(self.impulses(), Some(&impulses), &rows);
+        let after = self.after_change(normals, poses);
         for i in 0..self.rows.bodies {
             derivative.after[i][body]
                 .fixed_columns_mut::<6>(part::POSITION)
@@ -164,11 +183,7 @@ impl Solution<'_> {
             normals[contact] = Change::from_columns(by_tilt);
             poses[contact] = Some(PoseChange::none());
         }
-        let rows = self.rows_change(&normals, &poses);
-        let impulses = self.impulses_change(&normals, &rows);
-        let after = self
-            .rows
-            .velocity_changes_by(self.impulses(), Some(&impulses), &rows);
+        let after = self.after_change(&normals, &poses);
         derivative.after_by_tilt[..self.rows.bodies].copy_from_slice(&after[..self.rows.bodies]);
     }
 }

@@ -3,6 +3,9 @@
 //! at one contact with Coulomb friction or at up to three simultaneous ones without
 //! ([`ContactSet`]).
 //!
+//! Derivatives by the states and by the law are in [`ImpactDerivative`], those by masses, moments and
+//! the places of features in [`ImpactByModel`].
+//!
 //! The law at one contact is the algebraic one of Chatterjee and Ruina ([`Law`]).
 
 mod bounce;
@@ -13,6 +16,7 @@ mod derivative;
 mod error;
 mod inertia;
 mod law;
+mod model;
 mod newton;
 mod plane;
 mod rows;
@@ -22,6 +26,7 @@ pub use contact_set::ContactSet;
 pub use derivative::ImpactDerivative;
 pub use error::{ContactSetError, ImpactError};
 pub use law::{Impact, Law, Side, Velocities};
+pub use model::ImpactByModel;
 
 #[cfg(test)]
 mod tests;

@@ -169,6 +169,23 @@ impl Rows {
         result
     }
 
+    /// `δ(M⁻¹) Jᵀ p` of one body by `ln` of its mass and of its three moments: rows `v`, `ω`.
+    pub(super) fn velocity_changes_by_inertia(
+        &self,
+        body: usize,
+        impulses: &Vector3<f64>,
+    ) -> SMatrix<f64, 6, 4> {
+        let changes = &self.velocity_changes(impulses)[body];
+        let mut result = SMatrix::<f64, 6, 4>::zeros();
+        result
+            .fixed_view_mut::<3, 1>(0, 0)
+            .copy_from(&-changes.velocity_m_s);
+        for axis in 0..3 {
+            result[(3 + axis, 1 + axis)] = -changes.angular_velocity_rad_s[axis];
+        }
+        result
+    }
+
     /// `M⁻¹ Jᵀ δp`.
     pub(super) fn velocity_changes_by_impulses<const C: usize>(
         &self,

@@ -157,6 +157,22 @@ impl<'a> Solution<'a> {
         }
     }
 
+    /// Changes of the impulses by `ln` of one body's mass and of its three moments.
+    pub(super) fn impulses_by_inertia(&self, body: usize) -> Change<4> {
+        let delassus = |impulses: &Vector3<f64>| -> Change<4> {
+            self.rows.of_body(body) * self.rows.velocity_changes_by_inertia(body, impulses)
+        };
+        match &self.solved {
+            Solved::Coulomb(law) => law.change(&CoulombChange {
+                normal: Change::zeros(),
+                velocity: Change::zeros(),
+                delassus_normal: delassus(law.normal()),
+                delassus_stuck: delassus(&law.stuck()),
+            }),
+            Solved::Newton(law) => law.change(&Change::zeros(), &delassus(&self.impulses)),
+        }
+    }
+
     /// Derivatives of the impulses by restitution and friction.
     pub(super) fn impulses_by_law(&self) -> Change<2> {
         match &self.solved {
