@@ -3,6 +3,7 @@
 use super::*;
 use crate::config::scene_from_toml;
 use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, Progress, Verdict};
+use crate::physics::Drag;
 
 const TABLE_AND_WALL: &str = r#"
 name = "drop"
@@ -214,4 +215,34 @@ fn without_motion_nothing_settles() {
     assert_eq!(settle(&scene, &estimate, 1.0), None);
     estimate.arcs.clear();
     assert_eq!(settle(&scene, &estimate, 1.0), None);
+}
+
+#[test]
+fn what_flies_on_keeps_its_drag_and_force() {
+    let free = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let mut windy = free.clone();
+    let body = &mut windy.links[LinkIndex(0)].body;
+    let drag = Drag {
+        linear_per_s: 2.0,
+        quadratic_per_m: 0.5,
+    };
+    *body = body.with_drag(drag).unwrap();
+    *body = body.with_force(Vector3::x()).unwrap();
+    let state = brick(0.5);
+    let step = 12;
+    let [there, then] = [&free, &windy].map(|scene| {
+        let settled = settle(scene, &estimate(scene, state), 0.1).unwrap();
+        let dynamics = scene.dynamics(MechanismIndex(0));
+        let duration_s = step as f64 * INTERVAL_S;
+        let exact = dynamics.advance(&scene.gravity_m_s2, &state, duration_s);
+        let simulated = settled.links[LinkIndex(0)].poses[step].translation.vector;
+        (simulated, exact.position_m)
+    });
+    let (found, exact) = (then.0 - there.0, then.1 - there.1);
+    assert!(exact.norm() > 3e-3, "{exact}");
+    // A step in twelve is the order of the simulation's error.
+    assert!(
+        (found - exact).norm() < 0.15 * exact.norm(),
+        "{found} {exact}"
+    );
 }

@@ -10,7 +10,7 @@ use crate::motion::{
     MechanismIndex, Penetration, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
-use crate::physics::{State, flow};
+use crate::physics::{Drag, State, flow};
 
 mod meetings;
 
@@ -315,6 +315,43 @@ fn a_part_that_is_not_declared_is_wrong_too() {
         .map(|found| scene.links[LinkIndex(0)].features[found].name.as_str());
     assert_eq!(found, Some("corner +x -y -z"));
     assert!((touch.found_point_m.y + 0.05).abs() < 1e-12, "{touch:?}");
+}
+
+/// What is off in the single shot and the balances of a motion about a bounce.
+fn off_in(scene: &Scene, motion: &Estimate) -> (f64, f64) {
+    let checked = verify(scene, motion);
+    let shot = &checked.single_shot;
+    let deviations = shot.deviations.iter();
+    let off = deviations.map(|d| d.position_m + d.velocity_m_s + d.time_s);
+    let balance = &checked.balance;
+    (
+        off.fold(0.0, f64::max),
+        balance.flight_energy.max(balance.flight_momentum),
+    )
+}
+
+#[test]
+fn a_bounce_in_wind_and_air_is_that_of_its_drag_and_force() {
+    let air = scene(
+        -9.81,
+        PENCIL,
+        "tip = [0, 0, -95]",
+        &format!("{TABLE}{DROP}"),
+    );
+    let mut windy = air.clone();
+    let body = &mut windy.links[LinkIndex(0)].body;
+    let drag = Drag {
+        linear_per_s: 0.3,
+        quadratic_per_m: 0.2,
+    };
+    *body = body.with_drag(drag).unwrap();
+    *body = body.with_force(Vector3::new(0.4, 0.0, 0.1)).unwrap();
+    let tip = Vector3::new(0.0, 0.0, -0.095);
+    let (off, unbalanced) = off_in(&windy, &bounced(&windy, leaning(0.3), tip));
+    assert!(off < 1e-10 && unbalanced < 1e-10, "{off:e} {unbalanced:e}");
+    // The motion of another body is told from it by both.
+    let (off, unbalanced) = off_in(&windy, &bounced(&air, leaning(0.3), tip));
+    assert!(off > 0.0 && unbalanced > 1e-2, "{off:e} {unbalanced:e}");
 }
 
 #[test]

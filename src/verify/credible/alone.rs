@@ -173,3 +173,73 @@ fn dragged(flight: &Flight, body: &Body, gravity_m_s2: &Vector3<f64>) -> Option<
         weight: factor.norm_squared() / 3.0,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
+    use crate::motion::{ArcEstimate, MechanismIndex, SegmentResidual, TrackIndex};
+    use crate::physics::{Drag, State, flow};
+    use crate::verify::credible::flights::FlightSample;
+
+    const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
+    #[test]
+    fn a_flight_with_drag_alone_shows_what_else_pulls_it() {
+        let drag = Drag {
+            linear_per_s: 1.0,
+            quadratic_per_m: 0.13,
+        };
+        let body = Body::new(0.0027, Vector3::repeat(7e-7)).unwrap();
+        let body = body.with_drag(drag).unwrap();
+        let state = State {
+            position_m: Vector3::new(0.1, 0.2, 0.3),
+            orientation: UnitQuaternion::identity(),
+            velocity_m_s: Vector3::new(3.0, 0.5, 4.0),
+            angular_velocity_rad_s: Vector3::zeros(),
+        };
+        let thrown = State {
+            velocity_m_s: state.velocity_m_s + Vector3::new(1e-3, -1e-3, 2e-3),
+            ..state
+        };
+        let pull = Vector3::new(2e-3, 0.0, -1e-3);
+        let arc = ArcEstimate {
+            mechanism: MechanismIndex(0),
+            epoch_s: 0.3,
+            state,
+            start_s: 0.0,
+            end_s: 0.8,
+        };
+        let residual = SegmentResidual {
+            track: TrackIndex(0),
+            samples: 30,
+            position_rms_m: 0.0,
+            orientation_rms_rad: 0.0,
+        };
+        let readings = (0..30).map(|index| {
+            let time_s = 0.8 * f64::from(index) / 29.0;
+            let since_s = time_s - arc.epoch_s;
+            FlightSample {
+                acted_s: time_s,
+                time_s,
+                position_m: flow::position(&body, &(GRAVITY + pull), &thrown, since_s),
+                estimated_m: flow::position(&body, &GRAVITY, &state, since_s),
+            }
+        });
+        let flight = Flight {
+            arc: &arc,
+            residual: &residual,
+            readings: readings.collect(),
+        };
+        let fit = dragged(&flight, &body, &GRAVITY).unwrap();
+        assert!(
+            (fit.pull - pull).norm() < 1e-2 * pull.norm(),
+            "{}",
+            fit.pull
+        );
+        let left_m2: f64 = fit.left.iter().map(Vector3::norm_squared).sum();
+        assert!(left_m2 > 0.0 && (left_m2 - fit.gain_m2) < 1e-4 * left_m2);
+        assert!((fit.gain_m2 / fit.pull.norm_squared() / fit.weight - 1.0).abs() < 0.5);
+    }
+}

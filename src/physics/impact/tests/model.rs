@@ -142,7 +142,7 @@ fn movers(case: &Case) -> Vec<Mover> {
 fn all_kinds_of_contact_with_friction_and_without() {
     let mut draw = Draw::new(51);
     let (mut stuck, mut slid, mut smooth) = ([0; KINDS], [0; KINDS], [0; KINDS]);
-    for index in 0..12 * KINDS {
+    for index in 0..24 * KINDS {
         let (kind, round) = (index % KINDS, index / KINDS);
         let mut case = Case::draw(&mut draw, kind, round % 2 == 0);
         let name = format!("case {index}, kind {kind}");
