@@ -5,21 +5,26 @@
 //! alone; clocks, files and threads belong to the driver. The same take gives the same [`Outcome`]
 //! bit for bit.
 
+mod diagnose;
 mod follow;
 mod infer;
 mod outcome;
+mod perform;
 mod preview;
 mod search;
 mod sound;
 mod stages;
 mod warm;
 
-use self::follow::follow;
+use self::diagnose::diagnose;
 pub use self::outcome::{Outcome, PipelineError};
+use self::perform::perform;
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
-use self::stages::{account, cut, doubts, solve};
-use crate::motion::{EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict};
+use self::stages::doubts;
+use crate::motion::{
+    Diagnosis, EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+};
 use crate::segment;
 use crate::settle::settle;
 use crate::verify::verify;
@@ -113,6 +118,7 @@ impl Pipeline {
             let doubts = doubts(&outcome);
             outcome.estimate.doubt(doubts);
         }
+        outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
         let scene = &outcome.scene;
         if outcome.estimate.verdict != Verdict::Failed
             && let Some(limit_s) = scene.settle_s
@@ -124,6 +130,11 @@ impl Pipeline {
         Ok(outcome)
     }
 
+    /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
+    pub fn diagnose(&self, observer: &mut dyn Observer) -> Vec<Diagnosis> {
+        diagnose(&self.scene, &self.events, None, observer)
+    }
+
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let outcome = self.solved(observer)?;
@@ -132,27 +143,18 @@ impl Pipeline {
     }
 
     fn solved(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        observer.phase(Phase::Clean);
-        let scene = self.scene.with_marks(self.marks());
-        let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
-        let mut cut = cut(&scene, &mut sketch, &mut counts, observer)?;
-        let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
-        follow(&mut sketch, &mut cut, &mut inferred, observer);
-        account(&sketch, &cut.segments, &mut counts);
-        let performed = (sketch, counts);
-        let marks_made_s = cut.marks_made_s;
+        let performed = perform(&self.scene, &self.events, observer)?;
         Ok(Outcome::unchecked(
-            inferred,
-            marks_made_s,
-            performed,
+            performed.inferred,
+            performed.marks_made_s,
+            (performed.sketch, performed.counts),
             observer,
         ))
     }
 
     /// Number of marks: it determines how often a repeated collision happens.
     pub fn marks(&self) -> usize {
-        let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
-        self.events.iter().filter(is_mark).count()
+        perform::marks(&self.events)
     }
 }
 

@@ -3,6 +3,7 @@
 //! ([`verification`]), doubts about it ([`doubt`]), its continuation ([`settled`]), and the
 //! observer of a run ([`observe`]).
 
+pub mod diagnosis;
 pub mod doubt;
 pub mod estimate;
 #[cfg(test)]
@@ -22,6 +23,9 @@ pub mod time_map;
 pub mod verdict;
 pub mod verification;
 
+pub use diagnosis::{
+    Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, SignedAxis,
+};
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,

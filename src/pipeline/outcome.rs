@@ -4,7 +4,9 @@ use thiserror::Error;
 
 use super::infer::Inferred;
 use super::search::SearchWork;
-use crate::motion::{Estimate, Observer, SampleCounts, Scene, Settled, Sketch, Verification};
+use crate::motion::{
+    Diagnosis, Estimate, Observer, SampleCounts, Scene, Settled, Sketch, Verification,
+};
 use crate::segment::SegmentError;
 
 /// The result of a take.
@@ -33,6 +35,9 @@ pub struct Outcome {
     pub verification: Option<Verification>,
     /// Its continuation until it rests, if the scene asks for that and the estimation did not fail.
     pub settled: Option<Settled>,
+    /// Likely mistakes in what is said of the performance, where something speaks against the motion
+    /// and a remedy explains it; that which explains most first.
+    pub diagnoses: Vec<Diagnosis>,
 }
 
 /// Why a take has no estimate at all.
@@ -73,6 +78,7 @@ impl Outcome {
             counts,
             verification: None,
             settled: None,
+            diagnoses: Vec::new(),
         }
     }
 }
