@@ -3,7 +3,8 @@
 //! A driver pushes the events of its source, in any order, and calls [`Pipeline::finish`] when the
 //! take is over, or [`Pipeline::estimate`] if it wants no checks. The result depends on the events
 //! alone; clocks, files and threads belong to the driver. The same take gives the same [`Outcome`]
-//! bit for bit.
+//! bit for bit. Where something speaks against the motion, likely mistakes in what is said of the
+//! performance are tried as remedies (`diagnose`).
 
 mod diagnose;
 mod follow;
@@ -18,7 +19,7 @@ mod warm;
 
 use self::diagnose::diagnose;
 pub use self::outcome::{Outcome, PipelineError};
-use self::perform::perform;
+use self::perform::Prepared;
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use self::stages::doubts;
@@ -143,7 +144,8 @@ impl Pipeline {
     }
 
     fn solved(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let performed = perform(&self.scene, &self.events, observer)?;
+        let prepared = Prepared::new(&self.scene, &self.events, observer)?;
+        let performed = prepared.performed(observer)?;
         Ok(Outcome::unchecked(
             performed.inferred,
             performed.marks_made_s,

@@ -35,6 +35,9 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         text.push_str(words.trim_end());
         text.push('\n');
     };
+    for diagnosis in &estimate.diagnoses {
+        line(format!("likely: {}", diagnosis.sentence));
+    }
     for doubt in grave {
         line(format!("doubt: {}", doubt.text));
     }

@@ -6,7 +6,8 @@ use super::account::{Style, account};
 use super::arguments::{Format, ProcessArguments};
 use super::exit::Exit;
 use super::output;
-use crate::service::{self, ProcessJob};
+use crate::report::DiagnosisLine;
+use crate::service::{self, ProcessJob, Refusal};
 
 pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = ProcessJob {
@@ -57,11 +58,18 @@ pub(super) fn print_failure(
     struct FailureLine<'a> {
         recording: &'a str,
         error: String,
+        diagnoses: &'a [DiagnosisLine],
     }
+    let refusal = error.downcast_ref::<Refusal>();
+    let diagnoses = refusal.map_or(&[][..], |refusal| &refusal.diagnoses);
     let error = service::words(error);
     output::print_error(&error);
     if format == Format::Ndjson {
-        output::print_json(&FailureLine { recording, error })?;
+        output::print_json(&FailureLine {
+            recording,
+            error,
+            diagnoses,
+        })?;
     }
     Ok(())
 }

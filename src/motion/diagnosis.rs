@@ -79,8 +79,8 @@ pub enum Remedy {
     Surface {
         /// Index into `Scene::surfaces`.
         surface: usize,
-        /// By how much \[m\].
-        higher_m: f64,
+        /// By how much, along its normal [m, world].
+        higher_m: Vector3<f64>,
         /// The point of the plane, moved so [m, world].
         point_m: Vector3<f64>,
     },
@@ -139,6 +139,27 @@ pub enum QuaternionSlip {
     ScalarLast,
     /// It is body from world, not world from body.
     Inverse,
+}
+
+impl Remedy {
+    /// The remedy with a place moved [m, world; of a mount in its link's axes]; `None` where it has none.
+    pub fn moved(&self, by_m: &Vector3<f64>) -> Option<Self> {
+        let mut moved = self.clone();
+        match &mut moved {
+            Remedy::Surface {
+                higher_m, point_m, ..
+            } => {
+                *point_m += by_m;
+                *higher_m += by_m;
+            }
+            Remedy::Origin { higher_m } => *higher_m += by_m,
+            Remedy::Mount {
+                link_from_tracker, ..
+            } => link_from_tracker.translation.vector += by_m,
+            _ => return None,
+        }
+        Some(moved)
+    }
 }
 
 impl SignedAxis {

@@ -1,6 +1,7 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
 //! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
-//! ([`verification`]), doubts about it ([`doubt`]), its continuation ([`settled`]), and the
+//! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
+//! is said of it ([`diagnosis`]), its continuation ([`settled`]), and the
 //! observer of a run ([`observe`]).
 
 pub mod diagnosis;

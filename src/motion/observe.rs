@@ -22,6 +22,8 @@ pub enum Phase {
     Covariance,
     /// Check the motion independently.
     Verify,
+    /// Try remedies for likely mistakes in what is said of the performance.
+    Diagnose,
     /// Continue the motion by simulation until it rests.
     Settle,
     /// The run has ended.
@@ -41,6 +43,7 @@ impl Phase {
             Phase::Finish => "finish",
             Phase::Covariance => "covariance",
             Phase::Verify => "verify",
+            Phase::Diagnose => "diagnose",
             Phase::Settle => "settle",
             Phase::Done => "done",
         }

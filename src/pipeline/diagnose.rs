@@ -17,12 +17,15 @@ mod times;
 mod units;
 mod world;
 
+use nalgebra::Vector3;
+
 use self::facts::Facts;
-use self::fall::fall;
-use self::motion::{Motion, as_delivered, misfit};
+use self::fall::falls;
+use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{Diagnosis, Observer, Remedy, Scene, TakeEvent, Verdict};
+use crate::motion::{Diagnosis, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict};
+use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into.
 const FAR: f64 = 2.5;
@@ -30,7 +33,12 @@ const FAR: f64 = 2.5;
 const GAIN: f64 = 2.0;
 /// Greatest distance with a remedy, in the scene's weights.
 const EXPLAINED: f64 = 5.0;
-/// Rounds in which a remedy's value is improved.
+/// A motion this many times as far as its flights one by one leaves nothing to explain.
+const ALL: f64 = 1.3;
+/// Least and greatest step of a remedy's value \[m\].
+const LEAST_STEP_M: f64 = 1e-3;
+const FARTHEST_M: f64 = 0.3;
+/// Rounds in which a mount is fitted again.
 const ROUNDS: usize = 3;
 
 /// Likely mistakes about a take, that which explains most first; `outcome` is what is estimated as
@@ -44,6 +52,8 @@ pub(super) fn diagnose(
     if outcome.is_some_and(is_well) || observer.should_stop() {
         return Vec::new();
     }
+    observer.phase(Phase::Diagnose);
+    let mut observer = Quiet(observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
         .map(|outcome| Motion {
@@ -51,39 +61,59 @@ pub(super) fn diagnose(
             sketch: outcome.sketch.clone(),
             estimate: outcome.estimate.clone(),
             is_credible: false,
+            alone: 0.0,
         });
+    let flights = match (&motion, scene.timing) {
+        (_, Timing::Known | Timing::Edited) => flights_by_stamps(scene, events, &mut observer),
+        (Some(motion), Timing::Unknown { .. }) => motion.flights(),
+        (None, Timing::Unknown { .. }) => Vec::new(),
+    };
     let facts = Facts {
         scene,
         events,
-        motion: motion.as_ref(),
-        fall: fall(scene, events),
+        falls: falls(scene, events),
+        flights,
     };
     let without = motion.as_ref().map(Motion::distance);
+    let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
     for remedy in remedies(&facts) {
         if observer.should_stop() {
             break;
         }
-        let Some((remedy, with)) = best(remedy, &facts, observer) else {
+        let Some((remedy, with)) = best(remedy, &facts, most, &mut observer) else {
             continue;
         };
         let distance = with.distance();
         let left = misfit(scene, &as_delivered(&remedy, &distance));
-        let gain = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / left);
-        if with.is_credible && with.misfit() <= EXPLAINED && gain >= GAIN {
-            found.push((
-                left,
-                Diagnosis {
-                    remedy,
-                    without,
-                    with: distance,
-                },
-            ));
+        if !(with.is_credible && with.misfit() <= EXPLAINED && left <= most) {
+            continue;
+        }
+        let explains_all = with.misfit() <= ALL * with.alone;
+        found.push((
+            left,
+            Diagnosis {
+                remedy,
+                without,
+                with: distance,
+            },
+        ));
+        if explains_all {
+            break;
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(1);
     found.into_iter().map(|(_, diagnosis)| diagnosis).collect()
+}
+
+/// An observer of the tries: the phases within them are not phases of the take's estimation.
+struct Quiet<'a>(&'a mut dyn Observer);
+
+impl Observer for Quiet<'_> {
+    fn should_stop(&mut self) -> bool {
+        self.0.should_stop()
+    }
 }
 
 /// Whether nothing speaks against an outcome.
@@ -106,52 +136,100 @@ fn is_motion(outcome: &Outcome) -> bool {
 
 /// All remedies whose signs are there.
 fn remedies(facts: &Facts) -> Vec<Remedy> {
-    [
-        frames::remedies(facts),
-        units::of_streams(facts),
-        units::of_scenes(facts),
-        times::remedies(facts),
-        world::remedies(facts),
-        mount::remedies(facts),
-        quaternions::remedies(facts),
-    ]
-    .concat()
+    let mut remedies = Vec::new();
+    for fall in &facts.falls {
+        remedies.extend(frames::remedies(facts, fall));
+        remedies.extend(units::of_streams(facts, fall));
+        remedies.extend(times::remedies(facts, fall));
+    }
+    remedies.extend(units::of_scenes(facts));
+    remedies.extend(world::remedies(facts));
+    remedies.extend(quaternions::remedies(facts));
+    remedies.extend(mount::remedies(facts));
+    let all = remedies.iter().enumerate();
+    let first = all.filter(|(index, remedy)| !remedies[..*index].contains(remedy));
+    first.map(|(_, remedy)| remedy.clone()).collect()
 }
 
 /// A remedy with its best value, and the motion with it.
 fn best(
-    mut remedy: Remedy,
+    remedy: Remedy,
     facts: &Facts,
+    most: f64,
     observer: &mut dyn Observer,
 ) -> Option<(Remedy, Motion)> {
-    let mut best: Option<(Remedy, Motion)> = None;
-    for _ in 0..ROUNDS {
+    // Lengths in another unit are compared as they came.
+    let farthest = match remedy {
+        Remedy::PositionUnit(_) => EXPLAINED,
+        _ => most.min(EXPLAINED),
+    };
+    let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
-        let Some(motion) = Motion::of(&scene, &events, observer) else {
+        let motion = Motion::of(&scene, &events, farthest, observer)?;
+        Some((remedy, motion))
+    };
+    let mut best = tried(remedy)?;
+    for _ in 0..ROUNDS {
+        let Some(next) = fitted(&best).and_then(&mut tried) else {
             break;
         };
-        if best
-            .as_ref()
-            .is_some_and(|(_, best)| best.misfit() <= motion.misfit())
-        {
+        if next.1.misfit() >= best.1.misfit() {
             break;
         }
-        let next = refined(&remedy, &motion);
-        best = Some((remedy, motion));
-        let Some(next) = next else { break };
-        remedy = next;
+        best = next;
     }
-    best
+    for along in directions(&best) {
+        // The square of the misfit is a parabola about its least.
+        let step_m = best.1.distance().position_m.max(LEAST_STEP_M);
+        let moved = |by_m: f64| best.0.moved(&(along * by_m));
+        let sides = [-step_m, step_m].map(|by_m| moved(by_m).and_then(&mut tried));
+        let [Some(low), Some(high)] = &sides else {
+            continue;
+        };
+        let [low, middle, high] = [&low.1, &best.1, &high.1].map(|motion| motion.misfit().powi(2));
+        let by_m = 0.5 * step_m * (low - high) / (low + high - 2.0 * middle);
+        if !(by_m.abs() < FARTHEST_M && low + high > 2.0 * middle) {
+            continue;
+        }
+        let next = moved(by_m).and_then(&mut tried);
+        best = sides
+            .into_iter()
+            .chain([next])
+            .flatten()
+            .fold(best, |best, next| {
+                if next.1.misfit() < best.1.misfit() {
+                    next
+                } else {
+                    best
+                }
+            });
+    }
+    Some(best)
 }
 
-/// A remedy with a better value, by the motion with the last.
-fn refined(remedy: &Remedy, motion: &Motion) -> Option<Remedy> {
+/// A mount fitted again, at the times of the last motion.
+fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
     match remedy {
         Remedy::Mount { track, slip, .. } if slip.is_fitted() => Some(Remedy::Mount {
             track: *track,
-            link_from_tracker: mount::fitted(motion, *track)?,
+            link_from_tracker: mount::fitted(&motion.scene, &motion.flights(), *track)?,
             slip: *slip,
         }),
-        _ => world::refined(remedy, motion),
+        _ => None,
+    }
+}
+
+/// Directions in which a remedy's value is still to be found: what impacts show and flights do not.
+fn directions((remedy, motion): &(Remedy, Motion)) -> Vec<Vector3<f64>> {
+    match remedy {
+        Remedy::Surface { surface, .. } => match motion.scene.surfaces[*surface].geometry {
+            contact::Feature::Face { normal, .. } => vec![normal],
+            _ => Vec::new(),
+        },
+        Remedy::Origin { higher_m } => higher_m.try_normalize(0.0).into_iter().collect(),
+        Remedy::Mount { track, slip, .. } if slip.is_fitted() => {
+            mount::unseen(&motion.scene, &motion.flights(), *track)
+        }
+        _ => Vec::new(),
     }
 }

@@ -3,9 +3,17 @@
 use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::PipelineError;
-use super::stages::{account, cut, solve};
-use crate::motion::{Observer, Phase, SampleCounts, Scene, Sketch, TakeEvent};
-use crate::segment;
+use super::stages::{Cut, account, cut, solve};
+use crate::motion::{Observer, Phase, Sample, SampleCounts, Scene, Sketch, TakeEvent, TrackIndex};
+use crate::{estimate, initialise, segment};
+
+/// A take that is cleaned and cut.
+pub(super) struct Prepared {
+    scene: Scene,
+    sketch: Sketch,
+    counts: SampleCounts,
+    cut: Cut,
+}
 
 /// A motion, and the performance that it is of.
 pub(super) struct Performed {
@@ -16,25 +24,59 @@ pub(super) struct Performed {
     pub(super) marks_made_s: Vec<Option<f64>>,
 }
 
-/// The motion of a take. A repeated collision happens as often as marks say.
-pub(super) fn perform(
-    scene: &Scene,
-    events: &[TakeEvent],
-    observer: &mut dyn Observer,
-) -> Result<Performed, PipelineError> {
-    observer.phase(Phase::Clean);
-    let scene = scene.with_marks(marks(events));
-    let (mut sketch, mut counts) = segment::clean::clean(&scene, events)?;
-    let mut cut = cut(&scene, &mut sketch, &mut counts, observer)?;
-    let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
-    follow(&mut sketch, &mut cut, &mut inferred, observer);
-    account(&sketch, &cut.segments, &mut counts);
-    Ok(Performed {
-        inferred,
-        sketch,
-        counts,
-        marks_made_s: cut.marks_made_s,
-    })
+impl Prepared {
+    /// Cleans and cuts a take. A repeated collision happens as often as marks say.
+    pub(super) fn new(
+        scene: &Scene,
+        events: &[TakeEvent],
+        observer: &mut dyn Observer,
+    ) -> Result<Self, PipelineError> {
+        observer.phase(Phase::Clean);
+        let scene = scene.with_marks(marks(events));
+        let (mut sketch, mut counts) = segment::clean::clean(&scene, events)?;
+        let cut = cut(&scene, &mut sketch, &mut counts, observer)?;
+        Ok(Self {
+            scene,
+            sketch,
+            counts,
+            cut,
+        })
+    }
+
+    /// Root mean square distance of the flights from their samples when each is fitted by itself,
+    /// in the scene's weights.
+    pub(super) fn alone(&self) -> f64 {
+        let segments = &self.cut.segments;
+        let guessed = initialise::guess(&self.scene, &self.sketch, segments);
+        let cost = estimate::cost(&self.scene, &self.sketch, segments, &guessed.guesses[0]);
+        let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
+        (2.0 * cost / samples.max(1) as f64).sqrt()
+    }
+
+    /// Tracks and samples of the flights.
+    pub(super) fn flights(&self) -> impl Iterator<Item = (TrackIndex, &[Sample])> {
+        let segments = self.cut.segments.iter();
+        segments.map(|segment| (segment.track, self.sketch.samples_of(segment)))
+    }
+
+    /// The motion.
+    pub(super) fn performed(self, observer: &mut dyn Observer) -> Result<Performed, PipelineError> {
+        let Self {
+            scene,
+            mut sketch,
+            mut counts,
+            mut cut,
+        } = self;
+        let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
+        follow(&mut sketch, &mut cut, &mut inferred, observer);
+        account(&sketch, &cut.segments, &mut counts);
+        Ok(Performed {
+            inferred,
+            sketch,
+            counts,
+            marks_made_s: cut.marks_made_s,
+        })
+    }
 }
 
 /// Number of marks in a take.

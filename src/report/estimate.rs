@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::checks::CheckLine;
+use super::diagnoses::DiagnosisLine;
 use super::doubts::DoubtLine;
 use super::motion::{
     DurationLine, EventLine, ParameterLine, SegmentLine, event_lines, parameter_lines,
@@ -27,6 +28,8 @@ pub struct EstimateReport {
     pub termination: TerminationLine,
     /// What speaks against the motion, the gravest first.
     pub doubts: Vec<DoubtLine>,
+    /// Likely mistakes in what is said of the performance, that which explains most first.
+    pub diagnoses: Vec<DiagnosisLine>,
     /// Sum of squared weighted residuals, priors included.
     pub objective: f64,
     /// Gravity in world axes, given or estimated.
@@ -71,6 +74,11 @@ impl EstimateReport {
             reason: reason_text(scene, &estimate.reason),
             termination: TerminationLine::new(scene, &estimate.reason),
             doubts: doubts.map(|doubt| DoubtLine::new(scene, doubt)).collect(),
+            diagnoses: of
+                .diagnoses
+                .iter()
+                .map(|diagnosis| DiagnosisLine::new(scene, diagnosis))
+                .collect(),
             objective: estimate.objective,
             gravity_m_s2: estimate.gravity_m_s2.into(),
             counters: CounterLine::new(&estimate.counters),

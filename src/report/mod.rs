@@ -4,12 +4,14 @@
 //! both the message of a file ([`EstimateMessage`], with a JSON schema) and the JSON object of a
 //! recording ([`RecordingReport`]) contain it, each with what it alone knows. The account in the
 //! terminal reads the latter. Sentences are made here: [`reason_text`] says why an estimation ended,
-//! [`DoubtLine`] what speaks against its motion.
+//! [`DoubtLine`] what speaks against its motion, [`DiagnosisLine`] what is likely mistaken in the scene or the
+//! stream.
 //!
 //! Numbers are SI unless a name says otherwise. Numbers that are not finite (a bound that does not
 //! bind, a deviation that nothing determines) are `null` in JSON.
 
 pub mod checks;
+pub mod diagnoses;
 pub mod doubts;
 pub mod estimate;
 pub mod message;
@@ -23,6 +25,7 @@ mod tests;
 pub mod time_map;
 
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
+pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};
 pub use estimate::{EstimateReport, residual_rms};
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};

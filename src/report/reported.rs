@@ -1,6 +1,6 @@
 //! What a report is about.
 
-use crate::motion::{Estimate, SampleCounts, Scene, Settled, Sketch, Verification};
+use crate::motion::{Diagnosis, Estimate, SampleCounts, Scene, Settled, Sketch, Verification};
 
 /// What a report is about.
 #[derive(Clone, Copy)]
@@ -19,4 +19,6 @@ pub struct Reported<'a> {
     pub verification: Option<&'a Verification>,
     /// How it goes on, if it does.
     pub settled: Option<&'a Settled>,
+    /// Likely mistakes in what is said of the performance.
+    pub diagnoses: &'a [Diagnosis],
 }

@@ -17,6 +17,7 @@ fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
         estimate: &estimate,
         verification: None,
         settled: None,
+        diagnoses: &[],
     };
     let circumstances = Circumstances {
         recording: "in.mcap".to_owned(),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::refusal::Refusal;
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
@@ -106,9 +107,10 @@ pub(super) fn finished(
     let mut stopwatch = Stopwatch::start();
     let outcome = pipeline
         .finish(&mut stopwatch)
+        .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
     let (whole_seconds, phase_seconds) = stopwatch.stop();
-    let is_after = |phase: &Phase| matches!(phase, Phase::Verify | Phase::Settle);
+    let is_after = |phase: &Phase| matches!(phase, Phase::Verify | Phase::Diagnose | Phase::Settle);
     let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
     let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
@@ -157,6 +159,7 @@ pub(super) fn reported(outcome: &Outcome) -> Reported<'_> {
         estimate: &outcome.estimate,
         verification: outcome.verification.as_ref(),
         settled: outcome.settled.as_ref(),
+        diagnoses: &outcome.diagnoses,
     }
 }
 

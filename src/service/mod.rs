@@ -23,6 +23,7 @@ mod publish;
 #[path = "not_live.rs"]
 mod publish;
 mod recover;
+mod refusal;
 mod replay;
 mod stopwatch;
 mod words;
@@ -37,6 +38,7 @@ pub use process::{Failure, ProcessJob, process};
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;
 pub use recover::{RecoveredLine, recover_all};
+pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use words::words;
 

@@ -202,6 +202,7 @@ mod tests {
             estimate: &estimate,
             verification: None,
             settled: None,
+            diagnoses: &[],
         })
         .expect("a motion");
         let now = Stamp(7);

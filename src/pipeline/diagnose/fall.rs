@@ -1,10 +1,14 @@
 //! How the flights fall by the streams alone, whatever the scene says of gravity and units.
 //!
 //! ```text
-//! min over x, v of each flight and one a   Σ |p_i − x − v s_i − ½ a s_i²|²
+//! min over x, v of each flight, δ of each track and one a   Σ |p_i − x − v s_i − ½ a s_i² − R_i δ|²
 //! ```
+//!
+//! with the mount as it is given (`δ = 0`), and with any other offset of the tracker: a wrong one, or one in
+//! another unit than the stream, adds what the turning body does to the fall. The first is the more
+//! certain where the mount is right and the body hardly turns.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::motion::{PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 
@@ -22,8 +26,13 @@ pub(super) struct Fall {
     pub(super) is_whole_seconds: bool,
 }
 
-/// The fall of the flights between the marks; `None` where no flight has enough samples.
-pub(super) fn fall(scene: &Scene, events: &[TakeEvent]) -> Option<Fall> {
+/// The fall of the flights between the marks, with the mounts as given and with any others; none where no
+/// flight has enough samples.
+pub(super) fn falls(scene: &Scene, events: &[TakeEvent]) -> Vec<Fall> {
+    fallen(scene, events).unwrap_or_default()
+}
+
+fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
     let mut cuts: Vec<Stamp> = events
         .iter()
         .filter_map(|event| match event {
@@ -48,7 +57,7 @@ pub(super) fn fall(scene: &Scene, events: &[TakeEvent]) -> Option<Fall> {
             None => streams.push((of, vec![*sample])),
         }
     }
-    let mut sums = Sums::default();
+    let (mut given, mut freed) = (Sums::default(), Sums::default());
     let mut is_whole_seconds = true;
     for ((track, _), samples) in &mut streams {
         samples.sort_by_key(|sample| sample.stamp);
@@ -59,7 +68,7 @@ pub(super) fn fall(scene: &Scene, events: &[TakeEvent]) -> Option<Fall> {
             since_ns % 1_000_000_000 == 0
         };
         is_whole_seconds &= samples.iter().all(is_whole);
-        let points: Vec<(f64, Vector3<f64>)> = samples
+        let points: Vec<Point> = samples
             .iter()
             .filter_map(|sample| {
                 let since_ns = i128::from(sample.stamp.0) - i128::from(first.0);
@@ -67,7 +76,11 @@ pub(super) fn fall(scene: &Scene, events: &[TakeEvent]) -> Option<Fall> {
                 let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
                 let centre_m = sample.position_m + turn * tracker_from_link.translation.vector;
                 let is_finite = centre_m.iter().all(|x| x.is_finite());
-                is_finite.then_some((since_ns as f64 * 1e-9, centre_m))
+                is_finite.then(|| Point {
+                    time_s: since_ns as f64 * 1e-9,
+                    centre_m,
+                    turn: turn.to_rotation_matrix().into_inner(),
+                })
             })
             .collect();
         let cuts_s = cuts
@@ -78,27 +91,65 @@ pub(super) fn fall(scene: &Scene, events: &[TakeEvent]) -> Option<Fall> {
             .chain(cuts_s)
             .chain([f64::INFINITY])
             .collect();
+        let mut sums = TrackSums::default();
         for pair in ends_s.windows(2) {
-            let from = points.partition_point(|(time_s, _)| *time_s < pair[0]);
-            let to = points.partition_point(|(time_s, _)| *time_s < pair[1]);
+            let from = points.partition_point(|point| point.time_s < pair[0]);
+            let to = points.partition_point(|point| point.time_s < pair[1]);
             sums.add(&points[from..to.max(from)]);
         }
+        given.add(Matrix3::identity() * sums.bow, sums.pull);
+        // The offset eliminated, where the body turns.
+        if let Some(inverse) = sums.turn.try_inverse() {
+            let bend = sums.bend * inverse;
+            let information = Matrix3::identity() * sums.bow - bend * sums.bend.transpose();
+            freed.add(information, sums.pull - bend * sums.right);
+        }
     }
-    (sums.weight > 0.0).then(|| Fall {
-        acceleration_m_s2: sums.pull / sums.weight,
-        is_whole_seconds,
-    })
+    let falls = [given, freed].into_iter().filter_map(|sums| {
+        let acceleration_m_s2 = sums.information.try_inverse()? * sums.pull;
+        let is_finite = acceleration_m_s2.iter().all(|x| x.is_finite());
+        is_finite.then_some(Fall {
+            acceleration_m_s2,
+            is_whole_seconds,
+        })
+    });
+    Some(falls.collect())
 }
 
+/// A reading as the body's pose.
+struct Point {
+    time_s: f64,
+    centre_m: Vector3<f64>,
+    turn: Matrix3<f64>,
+}
+
+/// Normal equations for the acceleration.
 #[derive(Default)]
 struct Sums {
+    information: Matrix3<f64>,
     pull: Vector3<f64>,
-    weight: f64,
 }
 
 impl Sums {
+    fn add(&mut self, information: Matrix3<f64>, pull: Vector3<f64>) {
+        self.information += information;
+        self.pull += pull;
+    }
+}
+
+/// Normal equations of one track for the acceleration and the offset.
+#[derive(Default)]
+struct TrackSums {
+    bow: f64,
+    pull: Vector3<f64>,
+    bend: Matrix3<f64>,
+    turn: Matrix3<f64>,
+    right: Vector3<f64>,
+}
+
+impl TrackSums {
     /// Adds a flight: what of it is orthogonal to a straight line.
-    fn add(&mut self, points: &[(f64, Vector3<f64>)]) {
+    fn add(&mut self, points: &[Point]) {
         let margin = (MARGIN * points.len() as f64).ceil() as usize;
         let Some(points) = points.get(margin..points.len().saturating_sub(margin)) else {
             return;
@@ -107,26 +158,32 @@ impl Sums {
             return;
         }
         let count = points.len() as f64;
-        let mean_s = points.iter().map(|(s, _)| s).sum::<f64>() / count;
-        let square_s2: f64 = points.iter().map(|(s, _)| (s - mean_s).powi(2)).sum();
+        let mean_s = points.iter().map(|point| point.time_s).sum::<f64>() / count;
+        let moment = |power: i32| -> f64 {
+            points
+                .iter()
+                .map(|point| (point.time_s - mean_s).powi(power))
+                .sum()
+        };
+        let square_s2 = moment(2);
         if square_s2 <= 0.0 {
             return;
         }
-        let mean = points
-            .iter()
-            .map(|(s, _)| (s - mean_s).powi(2))
-            .sum::<f64>()
-            / count;
-        let slope = points
-            .iter()
-            .map(|(s, _)| (s - mean_s).powi(3))
-            .sum::<f64>()
-            / square_s2;
-        for (s, position_m) in points {
-            let since_s = s - mean_s;
-            let bow = 0.5 * (since_s * since_s - mean - slope * since_s);
-            self.pull += position_m * bow;
-            self.weight += bow * bow;
+        let slope_s = moment(3) / square_s2;
+        let (mut mean, mut slope) = (Matrix3::zeros(), Matrix3::zeros());
+        for point in points {
+            mean += point.turn / count;
+            slope += point.turn * ((point.time_s - mean_s) / square_s2);
+        }
+        for point in points {
+            let since_s = point.time_s - mean_s;
+            let bow = 0.5 * (since_s * since_s - square_s2 / count - slope_s * since_s);
+            let turned = point.turn - mean - slope * since_s;
+            self.bow += bow * bow;
+            self.pull += point.centre_m * bow;
+            self.bend += turned * bow;
+            self.turn += turned.tr_mul(&turned);
+            self.right += turned.tr_mul(&point.centre_m);
         }
     }
 }

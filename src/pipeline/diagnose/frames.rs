@@ -1,6 +1,7 @@
 //! Axes: which way is up.
 
 use super::facts::Facts;
+use super::fall::Fall;
 use super::remedied::upright;
 use crate::motion::{Remedy, SignedAxis};
 
@@ -8,21 +9,17 @@ use crate::motion::{Remedy, SignedAxis};
 const ALIGNED: f64 = 0.707;
 
 /// Whether the flights fall about as gravity points.
-pub(super) fn is_upright(facts: &Facts) -> bool {
-    facts.fall.is_none_or(|fall| {
-        let gravity_m_s2 = &facts.scene.gravity_m_s2;
-        let along = fall.acceleration_m_s2.dot(gravity_m_s2);
-        along >= ALIGNED * fall.acceleration_m_s2.norm() * gravity_m_s2.norm()
-    })
+pub(super) fn is_upright(facts: &Facts, fall: &Fall) -> bool {
+    let gravity_m_s2 = &facts.scene.gravity_m_s2;
+    let along = fall.acceleration_m_s2.dot(gravity_m_s2);
+    along >= ALIGNED * fall.acceleration_m_s2.norm() * gravity_m_s2.norm()
 }
 
 /// Another axis up, in the streams or in the scene's gravity.
-pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
+pub(super) fn remedies(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
     let gravity_m_s2 = &facts.scene.gravity_m_s2;
-    let up = facts
-        .fall
-        .and_then(|fall| SignedAxis::along(&-fall.acceleration_m_s2));
-    let (Some(axis), false) = (up, is_upright(facts)) else {
+    let up = SignedAxis::along(&-fall.acceleration_m_s2);
+    let (Some(axis), false) = (up, is_upright(facts, fall)) else {
         return Vec::new();
     };
     let down_m_s2 = -axis.vector() * gravity_m_s2.norm();

@@ -2,10 +2,18 @@
 //! what was acted.
 
 use crate::motion::{
-    Distance, Estimate, Observer, Remedy, Scene, Sketch, TakeEvent, VelocityGaps, Verdict,
+    Distance, Estimate, Observer, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex,
+    VelocityGaps, Verdict,
 };
-use crate::pipeline::perform::perform;
+use crate::pipeline::perform::Prepared;
 use crate::verify::credible;
+
+/// How much less a motion may leave than its flights as they are guessed one by one, in
+/// physical stamps and where times are unknown.
+const TIMED: f64 = 1.05;
+const UNTIMED: f64 = 2.0;
+/// Iterations of one try.
+const ITERATIONS: usize = 100;
 
 /// A motion of the take as it is said to be, or with a remedy.
 pub(super) struct Motion {
@@ -15,16 +23,77 @@ pub(super) struct Motion {
     /// Whether its gaps are closed, or as closed as the scene lets them be, and nothing speaks
     /// against it.
     pub(super) is_credible: bool,
+    /// What its flights leave one by one, in the scene's weights; no motion leaves much less.
+    pub(super) alone: f64,
+}
+
+/// Samples of a flight with their physical times \[s\].
+pub(super) struct Flight {
+    pub(super) track: TrackIndex,
+    pub(super) readings: Vec<(f64, Sample)>,
+}
+
+/// The flights of a take by its stamps; none where it cannot be cut.
+pub(super) fn flights_by_stamps(
+    scene: &Scene,
+    events: &[TakeEvent],
+    observer: &mut dyn Observer,
+) -> Vec<Flight> {
+    let prepared = Prepared::new(scene, events, observer);
+    let flights = prepared.iter().flat_map(|prepared| prepared.flights());
+    let flights = flights.map(|(track, samples)| Flight {
+        track,
+        readings: samples.iter().map(|s| (s.acted_s, *s)).collect(),
+    });
+    flights.collect()
+}
+
+/// An observer of one try, which it ends where it takes many more iterations than a motion that fits.
+struct Budget<'a> {
+    observer: &'a mut dyn Observer,
+    left: usize,
+}
+
+impl<'a> Budget<'a> {
+    fn new(observer: &'a mut dyn Observer) -> Self {
+        Self {
+            observer,
+            left: ITERATIONS,
+        }
+    }
+}
+
+impl Observer for Budget<'_> {
+    fn should_stop(&mut self) -> bool {
+        self.left = self.left.saturating_sub(1);
+        self.left == 0 || self.observer.should_stop()
+    }
 }
 
 impl Motion {
-    /// Estimates a take; `None` where no motion closes its gaps.
+    /// Estimates a take; `None` where no motion closes its gaps, or where its flights are further than
+    /// `farthest` from their samples even one by one, in the scene's weights.
     pub(super) fn of(
         scene: &Scene,
         events: &[TakeEvent],
+        farthest: f64,
         observer: &mut dyn Observer,
     ) -> Option<Self> {
-        let performed = perform(scene, events, observer).ok()?;
+        let mut scene = scene.clone();
+        if scene.velocity_gaps == VelocityGaps::WhenNeeded {
+            scene.velocity_gaps = VelocityGaps::Never;
+        }
+        let prepared = Prepared::new(&scene, events, observer).ok()?;
+        let slack = match scene.timing {
+            // Guessed times are not yet those that fit best.
+            Timing::Unknown { .. } => UNTIMED,
+            Timing::Known | Timing::Edited => TIMED,
+        };
+        let alone = prepared.alone() / slack;
+        if !(alone <= farthest) {
+            return None;
+        }
+        let performed = prepared.performed(&mut Budget::new(observer)).ok()?;
         let (scene, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
         if estimate.verdict == Verdict::Failed {
             return None;
@@ -44,10 +113,31 @@ impl Motion {
             .any(|doubt| doubt.about.best() != Verdict::Physical);
         Some(Self {
             is_credible: estimate.verdict <= best && !is_grave,
+            alone,
             scene,
             sketch: performed.sketch,
             estimate,
         })
+    }
+
+    /// Its flights at its own times.
+    pub(super) fn flights(&self) -> Vec<Flight> {
+        let mut times = self.estimate.sample_times.iter();
+        let residuals = self.estimate.residuals.iter();
+        residuals
+            .map(|residual| {
+                let samples = &self.sketch.tracks[residual.track].samples;
+                let times = times.by_ref().take(residual.samples);
+                let readings = times.filter_map(|time| {
+                    let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
+                    Some((time.time_s, samples[at.ok()?]))
+                });
+                Flight {
+                    track: residual.track,
+                    readings: readings.collect(),
+                }
+            })
+            .collect()
     }
 
     /// Its distance from the samples.

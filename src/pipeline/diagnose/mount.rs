@@ -12,14 +12,16 @@
 use nalgebra::{Matrix3, SymmetricEigen, Translation3, Vector3};
 
 use super::facts::Facts;
-use super::motion::Motion;
+use super::motion::Flight;
 use crate::math::Pose;
-use crate::motion::{MountSlip, QuaternionSlip, Remedy, TrackIndex};
+use crate::motion::{MountSlip, QuaternionSlip, Remedy, Scene, TrackIndex};
 
 /// Least offset \[m\].
 const LEAST_M: f64 = 1e-3;
 /// Least mean square share of an axis in the body's turning for an offset along it to be seen.
 const LEAST_SHARE: f64 = 0.02;
+/// The same, below which impacts are asked too.
+const WEAK_SHARE: f64 = 0.1;
 
 /// Other mounts of each tracker.
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
@@ -34,7 +36,7 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
             let turned = |slip: QuaternionSlip| {
                 Pose::from_parts(given.translation, slip.corrected(&given.rotation))
             };
-            let fitted = facts.motion.and_then(|motion| fitted(motion, track));
+            let fitted = fitted(facts.scene, &facts.flights, track);
             let slip = if has_offset {
                 MountSlip::Offset
             } else {
@@ -62,56 +64,10 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
         .collect()
 }
 
-/// The mount with the offset that fits the flights of a motion best; `None` where it has no
-/// flights of the track in which the body turns.
-pub(super) fn fitted(motion: &Motion, track: TrackIndex) -> Option<Pose> {
-    let (sketch, estimate) = (&motion.sketch, &motion.estimate);
-    let mut times = estimate.sample_times.iter();
-    let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-    for residual in &estimate.residuals {
-        let times: Vec<_> = times.by_ref().take(residual.samples).collect();
-        if residual.track != track {
-            continue;
-        }
-        let samples = &sketch.tracks[track].samples;
-        let seen: Vec<(f64, Vector3<f64>, Matrix3<f64>)> = times
-            .iter()
-            .filter_map(|time| {
-                let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
-                let sample = &samples[at.ok()?];
-                let turn = sample.orientation.to_rotation_matrix().into_inner();
-                Some((time.time_s, sample.position_m, turn))
-            })
-            .collect();
-        let size = seen.len() as f64;
-        let mean_s = seen.iter().map(|(s, ..)| s).sum::<f64>() / size;
-        let square_s2: f64 = seen.iter().map(|(s, ..)| (s - mean_s).powi(2)).sum();
-        if !(square_s2 > 0.0) {
-            continue;
-        }
-        // A flight's own position and velocity: what is left is orthogonal to a straight line.
-        let fallen =
-            |s: f64, p: &Vector3<f64>| p - estimate.gravity_m_s2 * (0.5 * (s - mean_s).powi(2));
-        let (mut mean, mut slope) = (
-            (Vector3::zeros(), Matrix3::zeros()),
-            (Vector3::zeros(), Matrix3::zeros()),
-        );
-        for (s, p, turn) in &seen {
-            let fallen = fallen(*s, p);
-            mean = (mean.0 + fallen / size, mean.1 + turn / size);
-            let share = (s - mean_s) / square_s2;
-            slope = (slope.0 + fallen * share, slope.1 + turn * share);
-        }
-        for (s, p, turn) in &seen {
-            let since_s = s - mean_s;
-            let left = fallen(*s, p) - mean.0 - slope.0 * since_s;
-            let turned = turn - mean.1 - slope.1 * since_s;
-            normal += turned.tr_mul(&turned);
-            right += turned.tr_mul(&left);
-        }
-        count += size;
-    }
-    let eigen = SymmetricEigen::new(normal);
+/// The mount with the offset that fits flights best; `None` where the body turns in none of the track, and
+/// where the mount as it is fits as well.
+pub(super) fn fitted(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Option<Pose> {
+    let (eigen, right, count) = normal(scene, flights, track);
     let mut offset_m = Vector3::zeros();
     for (value, axis) in eigen
         .eigenvalues
@@ -122,8 +78,64 @@ pub(super) fn fitted(motion: &Motion, track: TrackIndex) -> Option<Pose> {
             offset_m += axis * (axis.dot(&right) / value);
         }
     }
+    let given = scene.tracks[track].link_from_tracker;
     // A body's acted centre is off by `R δ` where the mount's offset lacks `δ`.
-    let given = motion.scene.tracks[track].link_from_tracker;
     let moved = Translation3::from(given.translation.vector + offset_m);
     (offset_m.norm() > LEAST_M).then(|| Pose::from_parts(moved, given.rotation))
+}
+
+/// Axes of the body along which flights do not show an offset.
+pub(super) fn unseen(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Vec<Vector3<f64>> {
+    let (eigen, _, count) = normal(scene, flights, track);
+    let axes = eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter());
+    let weak = axes.filter(|(value, _)| **value <= WEAK_SHARE * count);
+    weak.map(|(_, axis)| axis.into_owned()).collect()
+}
+
+/// Normal equations of `δ`, and the number of samples.
+fn normal(
+    scene: &Scene,
+    flights: &[Flight],
+    track: TrackIndex,
+) -> (SymmetricEigen<f64, nalgebra::U3>, Vector3<f64>, f64) {
+    let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
+    for flight in flights.iter().filter(|flight| flight.track == track) {
+        let size = flight.readings.len() as f64;
+        let mean_s = flight.readings.iter().map(|(s, _)| s).sum::<f64>() / size;
+        let square_s2: f64 = flight
+            .readings
+            .iter()
+            .map(|(s, _)| (s - mean_s).powi(2))
+            .sum();
+        if !(square_s2 > 0.0) {
+            continue;
+        }
+        let seen = || {
+            flight.readings.iter().map(|(s, sample)| {
+                let since_s = s - mean_s;
+                let fallen_m = scene.gravity_m_s2 * (0.5 * since_s * since_s);
+                let turn = sample.orientation.to_rotation_matrix().into_inner();
+                (since_s, sample.position_m - fallen_m, turn)
+            })
+        };
+        // A flight's own position and velocity: what is left is orthogonal to a straight line.
+        let mut mean = (Vector3::zeros(), Matrix3::zeros());
+        let mut slope = (Vector3::zeros(), Matrix3::zeros());
+        for (since_s, p, turn) in seen() {
+            let share = since_s / square_s2;
+            mean = (mean.0 + p / size, mean.1 + turn / size);
+            slope = (slope.0 + p * share, slope.1 + turn * share);
+        }
+        for (since_s, p, turn) in seen() {
+            let left = p - mean.0 - slope.0 * since_s;
+            let turned = turn - mean.1 - slope.1 * since_s;
+            normal += turned.tr_mul(&turned);
+            right += turned.tr_mul(&left);
+        }
+        count += size;
+    }
+    (SymmetricEigen::new(normal), right, count)
 }

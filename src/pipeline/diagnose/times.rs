@@ -3,6 +3,7 @@
 //! Flights stamped `k` times too far apart fall with `g/k²`.
 
 use super::facts::Facts;
+use super::fall::Fall;
 use super::frames::is_upright;
 use crate::motion::Remedy;
 
@@ -23,8 +24,8 @@ const RATES_HZ: [f64; 18] = [
 ];
 
 /// Other meanings of the stamps.
-pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
-    let (Some(pull), Some(fall), true) = (facts.pull(), facts.fall, is_upright(facts)) else {
+pub(super) fn remedies(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
+    let Some(pull) = facts.pull(fall).filter(|_| is_upright(facts, fall)) else {
         return Vec::new();
     };
     let slowness = 1.0 / pull.sqrt();

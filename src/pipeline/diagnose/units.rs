@@ -4,6 +4,7 @@
 //! Flights in a unit of `l` metres fall with `g/l`; in acted time `c` times slower with `g/(l c²)`.
 
 use super::facts::Facts;
+use super::fall::Fall;
 use crate::motion::{LengthUnit, Remedy};
 
 /// Units in which trackers deliver positions.
@@ -23,8 +24,8 @@ const SLOW: f64 = 150.0;
 const LARGEST_M: f64 = 1.5;
 
 /// Other units of the streams.
-pub(super) fn of_streams(facts: &Facts) -> Vec<Remedy> {
-    let Some(pull) = facts.pull() else {
+pub(super) fn of_streams(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
+    let Some(pull) = facts.pull(fall) else {
         return Vec::new();
     };
     let is_possible = |unit: &LengthUnit| {

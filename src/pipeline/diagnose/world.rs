@@ -1,17 +1,20 @@
 //! Heights of surfaces: how far from its surface a body is when it bounces.
 
-use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::facts::Facts;
-use super::motion::Motion;
 use crate::math::Pose;
-use crate::motion::{
-    Collision, LinkIndex, Partner, PoseSample, Remedy, Scene, Stamp, TakeEvent, TrackIndex,
-};
+use crate::motion::{Collision, LinkIndex, Partner, Remedy, Scene, Stamp, TakeEvent};
 use crate::physics::contact;
 
 /// Least height that is looked into, in the scene's weights.
 const LEAST: f64 = 0.5;
+/// Farthest that a bounce is from its mark \[ns\].
+const REACH_NS: u64 = 150_000_000;
+/// Samples of the lines before and after a bounce.
+const LINE: usize = 3;
+/// Farthest that these lines meet from the lowest sample \[m\].
+const MEETS_M: f64 = 0.05;
 
 /// Other heights of the planes that bodies bounce off, and of everything where there is more.
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
@@ -34,7 +37,7 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
         }
         remedies.push(Remedy::Surface {
             surface,
-            higher_m,
+            higher_m: normal * higher_m,
             point_m: point_m + normal * higher_m,
         });
         let has_more = scene.surfaces.len() + scene.obstacles.len() + scene.goals.len() > 1;
@@ -43,15 +46,6 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
         }));
     }
     remedies
-}
-
-/// The height with which a motion's samples are, on the average, on neither side of it.
-pub(super) fn refined(remedy: &Remedy, motion: &Motion) -> Option<Remedy> {
-    let _ = motion;
-    match remedy {
-        Remedy::Surface { .. } | Remedy::Origin { .. } => None,
-        _ => None,
-    }
 }
 
 fn marks(events: &[TakeEvent]) -> Vec<Stamp> {
@@ -75,12 +69,63 @@ fn heights(scene: &Scene, events: &[TakeEvent]) -> Vec<(usize, f64)> {
         (collision.partner == Partner::World).then_some((collision, mark))
     });
     bounces
-        .flat_map(|(collision, mark)| {
-            let pose = pose_at(scene, events, collision.link, mark);
-            pose.map(|pose| over_planes(scene, collision, &pose))
-                .unwrap_or_default()
+        .filter_map(|(collision, mark)| {
+            let reach_ns = marks.iter().map(|other| other.0.abs_diff(mark.0));
+            let reach_ns = reach_ns
+                .filter(|apart_ns| *apart_ns > 0)
+                .min()
+                .unwrap_or(u64::MAX)
+                / 2;
+            at_bounce(scene, events, collision, mark, reach_ns.min(REACH_NS))
         })
         .collect()
+}
+
+/// The plane that is touched, with the height over it at which a body turns back: its samples about the mark
+/// come down, and go up again. Their lines meet between two of them.
+fn at_bounce(
+    scene: &Scene,
+    events: &[TakeEvent],
+    collision: &Collision,
+    mark: Stamp,
+    reach_ns: u64,
+) -> Option<(usize, f64)> {
+    let mut heights: Vec<(f64, usize, f64)> = poses(scene, events, collision.link)
+        .filter(|(stamp, _)| stamp.0.abs_diff(mark.0) <= reach_ns)
+        .filter_map(|(stamp, pose)| {
+            let (surface, height_m) = over_planes(scene, collision, &pose)?;
+            Some((
+                stamp.0.wrapping_sub(mark.0) as f64 * 1e-9,
+                surface,
+                height_m,
+            ))
+        })
+        .collect();
+    heights.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let lowest = (0..heights.len()).min_by(|a, b| heights[*a].2.total_cmp(&heights[*b].2))?;
+    let (time_s, surface, height_m) = heights[lowest];
+    let line = |of: &[(f64, usize, f64)]| -> Option<(f64, f64)> {
+        let count = of.len() as f64;
+        let mean_s = of.iter().map(|(s, ..)| s).sum::<f64>() / count;
+        let mean_m = of.iter().map(|(.., h)| h).sum::<f64>() / count;
+        let square_s2: f64 = of.iter().map(|(s, ..)| (s - mean_s).powi(2)).sum();
+        let slope = of.iter().map(|(s, _, h)| (s - mean_s) * h).sum::<f64>() / square_s2;
+        slope
+            .is_finite()
+            .then_some((mean_m - slope * (mean_s - time_s), slope))
+    };
+    let before = lowest
+        .checked_sub(LINE)
+        .and_then(|from| heights.get(from..lowest));
+    let after = heights.get(lowest + 1..lowest + 1 + LINE);
+    let (down, up) = (before.and_then(&line), after.and_then(&line));
+    let meets = down.zip(up).map(|((from, falls), (to, rises))| {
+        let at_s = (to - from) / (falls - rises);
+        from + falls * at_s
+    });
+    // The lines meet below the lowest sample, by less than a sample's way.
+    let meets = meets.filter(|m| m.is_finite() && (height_m - m).abs() < MEETS_M);
+    Some((surface, meets.unwrap_or(height_m)))
 }
 
 /// The nearest plane with the height of the nearest part over it.
@@ -126,19 +171,23 @@ fn lowest_m(part: &contact::Feature, up: &Vector3<f64>) -> f64 {
     }
 }
 
-/// Pose of a link by the reading nearest in time.
-fn pose_at(scene: &Scene, events: &[TakeEvent], link: LinkIndex, stamp: Stamp) -> Option<Pose> {
-    let readings = events.iter().filter_map(|event| match event {
-        TakeEvent::Pose { track, sample, .. } => Some((*track, sample)),
-        TakeEvent::Mark(_) => None,
-    });
-    let of_link =
-        readings.filter(|(track, _)| scene.tracks.get(*track).is_some_and(|t| t.link == link));
-    let apart = |sample: &PoseSample| sample.stamp.0.abs_diff(stamp.0);
-    let (track, sample): (TrackIndex, &PoseSample) =
-        of_link.min_by_key(|(_, sample)| apart(sample))?;
-    let [x, y, z, w] = sample.quaternion_xyzw;
-    let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
-    let world_from_tracker = Pose::from_parts(Point3::from(sample.position_m).coords.into(), turn);
-    Some(world_from_tracker * scene.tracks[track].link_from_tracker.inverse())
+/// Poses of a link by its readings.
+fn poses(
+    scene: &Scene,
+    events: &[TakeEvent],
+    link: LinkIndex,
+) -> impl Iterator<Item = (Stamp, Pose)> {
+    events.iter().filter_map(move |event| {
+        let TakeEvent::Pose { track, sample, .. } = event else {
+            return None;
+        };
+        let seen = scene.tracks.get(*track).filter(|seen| seen.link == link)?;
+        let [x, y, z, w] = sample.quaternion_xyzw;
+        let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
+        let world_from_tracker = Pose::from_parts(sample.position_m.into(), turn);
+        Some((
+            sample.stamp,
+            world_from_tracker * seen.link_from_tracker.inverse(),
+        ))
+    })
 }

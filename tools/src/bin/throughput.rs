@@ -137,6 +137,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
                 estimate: &estimate(),
                 verification: None,
                 settled: None,
+                diagnoses: &[],
             },
             scene_toml: recording.scene_toml().context("a scene")?,
             world_frame: "world",

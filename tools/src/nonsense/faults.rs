@@ -66,7 +66,7 @@ fn lift_tables(scene: &mut Scene, height_m: f64) {
     }
 }
 
-fn each_sample(events: &mut [TakeEvent], mut change: impl FnMut(&mut PoseSample)) {
+pub(super) fn each_sample(events: &mut [TakeEvent], mut change: impl FnMut(&mut PoseSample)) {
     for event in events {
         if let TakeEvent::Pose { sample, .. } = event {
             change(sample);
@@ -74,7 +74,7 @@ fn each_sample(events: &mut [TakeEvent], mut change: impl FnMut(&mut PoseSample)
     }
 }
 
-fn asked(truth: &Truth, acting: &Acting, seed: u64) -> Asked {
+pub(super) fn asked(truth: &Truth, acting: &Acting, seed: u64) -> Asked {
     let case = Case::new(truth, acting, seed);
     Asked {
         scene: case.scene().clone(),
@@ -83,13 +83,13 @@ fn asked(truth: &Truth, acting: &Acting, seed: u64) -> Asked {
 }
 
 /// A pencil, tip first with even seeds, eraser first with odd ones.
-fn pencil(acting: &Acting, seed: u64) -> Asked {
+pub(super) fn pencil(acting: &Acting, seed: u64) -> Asked {
     asked(&Style::ALL[(seed % 2) as usize].truth(), acting, seed)
 }
 
 /// A die of 16 mm that bounces four times, by a hand that strays farther than the die is large: every flight is
 /// too short to show it.
-fn die(seed: u64) -> Result<Asked, String> {
+pub(super) fn die(seed: u64) -> Result<Asked, String> {
     let truth = bounces::thrown(Polyhedron::Cube, &Throw::DIE, 4, seed);
     let truth = truth.map_err(|error| error.to_string())?;
     Ok(asked(&truth, &at(true, 1.0), seed))
@@ -100,7 +100,7 @@ const NOISE: (f64, f64) = (0.0005, 0.3 * std::f64::consts::PI / 180.0);
 
 /// A cube that was really thrown: one or two bounces, physical times, only the tracker's noise, and
 /// weights that say so.
-fn toss(seed: u64) -> Result<Asked, String> {
+pub(super) fn toss(seed: u64) -> Result<Asked, String> {
     let truth = bounces(1 + (seed / 2 % 2) as usize, seed).map_err(|error| error.to_string())?;
     let mut asked = asked(&truth, &at(true, 0.0), seed);
     asked.scene.weights.position_m = NOISE.0;
@@ -108,7 +108,7 @@ fn toss(seed: u64) -> Result<Asked, String> {
     Ok(asked)
 }
 
-fn at(is_known: bool, distortion: f64) -> Acting {
+pub(super) fn at(is_known: bool, distortion: f64) -> Acting {
     let acting = if is_known {
         Acting::timing_known()
     } else {
@@ -234,7 +234,7 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-fn stretch(events: &mut [TakeEvent], slowdown: f64) {
+pub(super) fn stretch(events: &mut [TakeEvent], slowdown: f64) {
     let stamps = events.iter().map(|event| match event {
         TakeEvent::Pose { sample, .. } => sample.stamp,
         TakeEvent::Mark(mark) => mark.stamp,

@@ -1,13 +1,15 @@
 //! Nonsense and sense: takes whose model is wrong in a known way, the same takes with the right one,
 //! and real recordings of what is no free flight.
 //!
-//! [`faults`] makes the first two from `tools/perform`, [`real`] reads the last.
+//! [`faults`] makes the first two from `tools/perform`, [`real`] reads the last; [`slips`] are mistakes in what is
+//! said of a performance that the program should name.
 
 pub mod faults;
 pub mod real;
+pub mod slips;
 pub mod thrown;
 
-use enact::motion::{Scene, TakeEvent};
+use enact::motion::{Diagnosis, Scene, TakeEvent};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 
 /// A scene and what is taken for a performance of it.
@@ -22,7 +24,16 @@ pub struct Asked {
 impl Asked {
     /// What the program makes of it, with all checks.
     pub fn answered(&self) -> Result<Outcome, PipelineError> {
-        Pipeline::of(self.scene.clone(), self.events.clone()).finish(&mut ())
+        self.pipeline().finish(&mut ())
+    }
+
+    /// What it says of the take where it has no answer.
+    pub fn diagnosed(&self) -> Vec<Diagnosis> {
+        self.pipeline().diagnose(&mut ())
+    }
+
+    fn pipeline(&self) -> Pipeline {
+        Pipeline::of(self.scene.clone(), self.events.clone())
     }
 }
 

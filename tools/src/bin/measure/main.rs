@@ -15,6 +15,7 @@ mod accuracy;
 mod answer;
 mod cost;
 mod damage;
+mod diagnosis;
 mod draw;
 mod durations;
 mod failure;
@@ -104,6 +105,11 @@ const SUBJECTS: &[Subject] = &[
         "nonsense",
         "wrong models, right ones, and real recordings of no flight",
         nonsense::run
+    ),
+    subject!(
+        "diagnosis",
+        "mistakes in scenes and drivers, and whether they are named",
+        diagnosis::run
     ),
     subject!(
         "damage",

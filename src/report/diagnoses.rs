@@ -1,0 +1,307 @@
+//! Likely mistakes in what is said of a performance, in words and as the key to change.
+
+use std::fmt;
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use crate::motion::{
+    Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, Scene, SignedAxis,
+};
+
+/// One likely mistake.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DiagnosisLine {
+    /// What is likely wrong.
+    pub cause: &'static str,
+    /// The scene's key to change, or the field of the stream's messages: `stream.position`,
+    /// `stream.orientation`, `stream.stamp`.
+    pub key: &'static str,
+    /// Its right value as in a scene file; for a field of the stream what to do with it.
+    pub value: String,
+    /// All of that as a sentence, with what is gained.
+    pub sentence: String,
+}
+
+impl DiagnosisLine {
+    /// With the scene's names.
+    pub fn new(scene: &Scene, diagnosis: &Diagnosis) -> Self {
+        let remedy = &diagnosis.remedy;
+        let value = value(remedy);
+        let gain = gain(diagnosis.without, diagnosis.with);
+        Self {
+            cause: cause(remedy),
+            key: key(remedy),
+            sentence: format!("{}; {gain}", advice(scene, remedy, &value)),
+            value,
+        }
+    }
+}
+
+fn cause(remedy: &Remedy) -> &'static str {
+    match remedy {
+        Remedy::Up { .. } => "up_axis",
+        Remedy::Gravity { .. } => "gravity_direction",
+        Remedy::PositionUnit(_) => "position_unit",
+        Remedy::SceneUnit(_) => "scene_unit",
+        Remedy::StampUnit { .. } => "stamp_unit",
+        Remedy::FrameNumbers { .. } => "frame_numbers",
+        Remedy::Tempo { .. } => "acted_tempo",
+        Remedy::Mount { slip, .. } => match slip {
+            MountSlip::Negated => "tracker_sign",
+            MountSlip::Inverted => "tracker_inverse",
+            MountSlip::Missing => "tracker_missing",
+            MountSlip::Offset => "tracker_offset",
+            MountSlip::Quaternion => "tracker_quaternion",
+        },
+        Remedy::StreamQuaternions(QuaternionSlip::Inverse) => "stream_inverse",
+        Remedy::StreamQuaternions(_) => "stream_quaternion",
+        Remedy::GoalQuaternions(QuaternionSlip::Inverse) => "goal_inverse",
+        Remedy::GoalQuaternions(_) => "goal_quaternion",
+        Remedy::Surface { .. } => "surface_height",
+        Remedy::Origin { .. } => "origin",
+    }
+}
+
+fn key(remedy: &Remedy) -> &'static str {
+    match remedy {
+        Remedy::Up { .. } | Remedy::Gravity { .. } => "gravity_m_s2",
+        Remedy::PositionUnit(_) => "stream.position",
+        Remedy::SceneUnit(_) => "*_mm",
+        Remedy::StampUnit { .. } | Remedy::FrameNumbers { .. } => "stream.stamp",
+        Remedy::Tempo { .. } => "timing.stamps",
+        Remedy::Mount { slip, .. } => match slip {
+            MountSlip::Negated | MountSlip::Missing | MountSlip::Offset => {
+                "body.tracker.position_mm"
+            }
+            MountSlip::Inverted => "body.tracker",
+            MountSlip::Quaternion => "body.tracker.orientation_wxyz",
+        },
+        Remedy::StreamQuaternions(_) => "stream.orientation",
+        Remedy::GoalQuaternions(_) => "goal.orientation_wxyz",
+        Remedy::Surface { .. } | Remedy::Origin { .. } => "surface.point_mm",
+    }
+}
+
+fn value(remedy: &Remedy) -> String {
+    match remedy {
+        Remedy::Up { gravity_m_s2, .. } | Remedy::Gravity { gravity_m_s2 } => {
+            array(gravity_m_s2.as_slice())
+        }
+        Remedy::PositionUnit(unit) => format!("× {}", Plain(unit.length_m())),
+        Remedy::SceneUnit(unit) => format!("× {}", Plain(unit.length_m() * 1e3)),
+        Remedy::StampUnit { factor } => format!("÷ {}", Plain(*factor)),
+        Remedy::FrameNumbers { rate_hz } => format!("÷ {}", Plain(*rate_hz)),
+        Remedy::Tempo { .. } => "\"tempo\"".to_owned(),
+        Remedy::Mount {
+            link_from_tracker,
+            slip,
+            ..
+        } => {
+            let offset_mm = tenths(&(link_from_tracker.translation.vector * 1e3));
+            let q = link_from_tracker.rotation.quaternion();
+            let wxyz = array(&[q.w, q.i, q.j, q.k]);
+            match slip {
+                MountSlip::Negated | MountSlip::Missing | MountSlip::Offset => offset_mm,
+                MountSlip::Inverted => {
+                    format!("{{ position_mm = {offset_mm}, orientation_wxyz = {wxyz} }}")
+                }
+                MountSlip::Quaternion => wxyz,
+            }
+        }
+        Remedy::StreamQuaternions(slip) => match slip {
+            QuaternionSlip::Inverse => "world from body".to_owned(),
+            QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => "x, y, z, w".to_owned(),
+        },
+        Remedy::GoalQuaternions(slip) => match slip {
+            QuaternionSlip::Inverse => "world from body".to_owned(),
+            QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => "[w, x, y, z]".to_owned(),
+        },
+        Remedy::Surface { point_m, .. } => tenths(&(point_m * 1e3)),
+        Remedy::Origin { higher_m } => format!("+ {}", tenths(&(higher_m * 1e3))),
+    }
+}
+
+/// What is likely wrong and what to change.
+fn advice(scene: &Scene, remedy: &Remedy, value: &str) -> String {
+    match remedy {
+        Remedy::Up { axis, .. } => {
+            let (up, down) = (Signed(*axis), Signed(axis.opposite()));
+            format!(
+                "the motion falls along {down}: is the tracker {up}-up? Turn the stream, or set \
+                 `gravity_m_s2 = {value}` and give surfaces, obstacles and goals in the tracker's axes"
+            )
+        }
+        Remedy::Gravity { gravity_m_s2 } => {
+            let down = SignedAxis::along(gravity_m_s2);
+            let down = down.map_or_else(|| "elsewhere".into(), |down| format!("along {}", Signed(down)));
+            format!(
+                "the motion falls {down}, and gravity points elsewhere: set `gravity_m_s2 = {value}`"
+            )
+        }
+        Remedy::PositionUnit(unit) => format!(
+            "the motion falls as if its positions were in {}: expected metres, so multiply them by {}",
+            plural(*unit),
+            Plain(unit.length_m())
+        ),
+        Remedy::SceneUnit(unit) => format!(
+            "the bodies are too small for their motion: are the scene's lengths in {}? Keys that end in \
+             `_mm` are in millimetres, so multiply them by {}",
+            plural(*unit),
+            Plain(unit.length_m() * 1e3)
+        ),
+        Remedy::StampUnit { factor } => {
+            let (pace, change) = if *factor > 1.0 {
+                (*factor, format!("divide them by {}", Plain(*factor)))
+            } else {
+                (1.0 / factor, format!("multiply them by {}", Plain(1.0 / factor)))
+            };
+            let pace = Plain(pace.round());
+            let side = if *factor > 1.0 { "long" } else { "short" };
+            format!(
+                "the motion takes {pace} times too {side}: are the stamps in another unit? Expected \
+                 nanoseconds or seconds as the message type says, so {change}"
+            )
+        }
+        Remedy::FrameNumbers { rate_hz } => format!(
+            "the stamps are whole seconds: are they frame numbers? Divide them by the frames in a second, \
+             about {}",
+            Plain(*rate_hz)
+        ),
+        Remedy::Tempo { slowness } => format!(
+            "the motion falls {slowness:.1} times slower than a thrown body: was it acted in slow motion? \
+             Stamps are then no physical times: set `timing.stamps = {value}`"
+        ),
+        Remedy::Mount { track, slip, .. } => {
+            let body = &scene.link_seen_by(*track).name;
+            let (wrong, key) = match slip {
+                MountSlip::Negated => ("the tracker's offset has the wrong sign", "position_mm = "),
+                MountSlip::Missing => ("the tracker's offset is missing", "position_mm = "),
+                MountSlip::Offset => ("the tracker is elsewhere on the body", "position_mm = "),
+                MountSlip::Inverted => (
+                    "the tracker's pose is the body's in the tracker's axes, expected the tracker's in \
+                     the body's",
+                    "",
+                ),
+                MountSlip::Quaternion => (
+                    "the tracker's orientation is in the order x, y, z, w",
+                    "orientation_wxyz = ",
+                ),
+            };
+            let set = match slip {
+                MountSlip::Inverted => format!("`tracker = {value}`"),
+                _ => format!("`tracker = {{ {key}{value}, … }}`"),
+            };
+            format!("on `{body}` it seems that {wrong}: set {set}")
+        }
+        Remedy::StreamQuaternions(slip) => match slip {
+            QuaternionSlip::ScalarFirst => {
+                "the stream's quaternions seem to have w first: the message wants x, y, z, w".to_owned()
+            }
+            QuaternionSlip::ScalarLast => "the stream's quaternions seem to be read with w first, where it \
+                                           is last: the message wants x, y, z, w"
+                .to_owned(),
+            QuaternionSlip::Inverse => "the stream's quaternions seem to be world in body axes: expected \
+                                        world from body, so negate x, y, z"
+                .to_owned(),
+        },
+        Remedy::GoalQuaternions(slip) => match slip {
+            QuaternionSlip::Inverse => "the goals' quaternions seem to be world in body axes: expected \
+                                        world from body, so negate x, y, z in `goal.orientation_wxyz`"
+                .to_owned(),
+            QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => {
+                "the goals' quaternions seem to be in the order x, y, z, w: `goal.orientation_wxyz` has w \
+                 first"
+                    .to_owned()
+            }
+        },
+        Remedy::Surface {
+            surface, higher_m, ..
+        } => {
+            let surface = &scene.surfaces[*surface];
+            let up = surface.plane().map_or(*higher_m, |(_, normal)| normal);
+            let (height_mm, side) = height(higher_m.norm() * higher_m.dot(&up).signum());
+            let name = &surface.name;
+            format!(
+                "the bounces are {height_mm:.0} mm {side} `{name}`: set `surface.point_mm = {value}` there"
+            )
+        }
+        Remedy::Origin { higher_m } => {
+            let up = -scene.gravity_m_s2;
+            let (height_mm, side) = height(higher_m.norm() * higher_m.dot(&up).signum());
+            format!(
+                "the motion is {height_mm:.0} mm {side} where the scene is: has the tracker another zero? Add \
+                 {} to `surface.point_mm`, and to `position_mm` of obstacles and goals",
+                tenths(&(higher_m * 1e3))
+            )
+        }
+    }
+}
+
+fn height(higher_m: f64) -> (f64, &'static str) {
+    let side = if higher_m > 0.0 { "above" } else { "below" };
+    (higher_m.abs() * 1e3, side)
+}
+
+/// What the remedy gains.
+fn gain(without: Option<Distance>, with: Distance) -> String {
+    let words = |distance: Distance| {
+        let (mm, degrees) = (
+            distance.position_m * 1e3,
+            distance.orientation_rad.to_degrees(),
+        );
+        format!("{mm:.1} mm and {degrees:.1}°")
+    };
+    match without {
+        Some(without) => format!(
+            "with that the motion is {} from the samples, without it {}",
+            words(with),
+            words(without)
+        ),
+        None => format!(
+            "with that there is a motion, {} from the samples",
+            words(with)
+        ),
+    }
+}
+
+fn plural(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Millimetre => "millimetres",
+        LengthUnit::Centimetre => "centimetres",
+        LengthUnit::Inch => "inches",
+        LengthUnit::Foot => "feet",
+        LengthUnit::Metre => "metres",
+    }
+}
+
+/// `-y`, `z`.
+struct Signed(SignedAxis);
+
+impl fmt::Display for Signed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let sign = if self.0.is_negative { "-" } else { "" };
+        write!(f, "{sign}{}", ["x", "y", "z"][self.0.axis])
+    }
+}
+
+/// A number without zeros at its end.
+struct Plain(f64);
+
+impl fmt::Display for Plain {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let text = format!("{:.6}", self.0);
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        f.write_str(if text == "-0" { "0" } else { text })
+    }
+}
+
+fn array(numbers: &[f64]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(|x| Plain(*x).to_string()).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+/// Millimetres to a tenth.
+fn tenths(vector_mm: &Vector3<f64>) -> String {
+    array(vector_mm.map(|x| (x * 10.0).round() / 10.0).as_slice())
+}

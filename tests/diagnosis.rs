@@ -1,0 +1,281 @@
+//! Mistakes in what is said of a performance, through the program: each row of `docs/diagnosis.md` is
+//! named with its key, and exit codes say that something is wrong.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use enact::motion::{LengthUnit, QuaternionSlip, TrackIndex};
+use enact_tools::nonsense::Asked;
+use enact_tools::nonsense::slips::Slip;
+use enact_tools::perform::{Acting, Performance, Style, bounces, perform, recording};
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// What is performed.
+#[derive(Clone, Copy, PartialEq)]
+enum Motion {
+    /// A cube that bounces once.
+    Cube,
+    /// A pencil that bounces and lands in a mug.
+    Pencil,
+}
+
+use Motion::{Cube, Pencil};
+
+/// A mistake, and what is said of it.
+struct Row {
+    cause: &'static str,
+    key: &'static str,
+    motion: Motion,
+    is_timed: bool,
+    /// Done to the stream.
+    slip: Slip,
+    /// Texts of the scene file that are replaced.
+    edits: &'static [(&'static str, &'static str)],
+    /// What the value of the key holds.
+    value: &'static str,
+}
+
+impl Row {
+    const fn new(cause: &'static str, key: &'static str, motion: Motion, is_timed: bool) -> Self {
+        Self {
+            cause,
+            key,
+            motion,
+            is_timed,
+            slip: Slip::None,
+            edits: &[],
+            value: "",
+        }
+    }
+
+    const fn slip(self, slip: Slip, value: &'static str) -> Self {
+        Self {
+            slip,
+            value,
+            ..self
+        }
+    }
+
+    const fn edits(
+        self,
+        edits: &'static [(&'static str, &'static str)],
+        value: &'static str,
+    ) -> Self {
+        Self {
+            edits,
+            value,
+            ..self
+        }
+    }
+}
+
+const OFFSET: &str = "position_mm = [20.0, -30.0, 150.0]";
+const TURNED: &str = "orientation_wxyz = [0.8, 0.6, 0.0, 0.0]";
+const PENCIL_TRACKER: &str =
+    "tracker = { position_mm = [12, -5, 40], orientation_wxyz = [0.5, 0.5, 0.5, 0.5] }";
+const LANDED: &str = "orientation_wxyz = [0.944, 0.016, 0.032, 0.328]";
+const LEVEL: &str = "point_mm = [0, 0, 0]";
+
+fn rows() -> Vec<Row> {
+    let stream = |slip| Slip::StreamQuaternions(slip);
+    vec![
+        Row::new("up_axis", "gravity_m_s2", Cube, true).slip(Slip::YUp, "[0, -9.80665, 0]"),
+        Row::new("up_axis", "gravity_m_s2", Pencil, false).slip(Slip::YUp, "[0, -9.80665, 0]"),
+        Row::new("gravity_direction", "gravity_m_s2", Cube, true).edits(
+            &[("[timing]", "gravity_m_s2 = [0, 0, 9.80665]\n[timing]")],
+            "[0, 0, -9.80665]",
+        ),
+        Row::new("position_unit", "stream.position", Cube, true)
+            .slip(Slip::Positions(LengthUnit::Inch), "0.0254"),
+        Row::new("position_unit", "stream.position", Cube, true)
+            .slip(Slip::Positions(LengthUnit::Millimetre), "0.001"),
+        Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000"),
+        Row::new("stamp_unit", "stream.stamp", Pencil, false).slip(Slip::Stamps(1e3), "1000"),
+        Row::new("frame_numbers", "stream.stamp", Cube, true).slip(Slip::Frames(120.0), "120"),
+        Row::new("acted_tempo", "timing.stamps", Cube, true).slip(Slip::Slow(2.5), "\"tempo\""),
+        Row::new("acted_tempo", "timing.stamps", Pencil, false)
+            .edits(&[("\"tempo\"", "\"physical\"")], "\"tempo\""),
+        Row::new("tracker_sign", "body.tracker.position_mm", Cube, true).edits(
+            &[(OFFSET, "position_mm = [-20.0, 30.0, -150.0]")],
+            "[20, -30, 150]",
+        ),
+        Row::new("tracker_missing", "body.tracker.position_mm", Cube, true)
+            .edits(&[(OFFSET, "position_mm = [0, 0, 0]")], ""),
+        Row::new("tracker_offset", "body.tracker.position_mm", Cube, true)
+            .edits(&[(OFFSET, "position_mm = [150.0, -30.0, 20.0]")], ""),
+        Row::new("tracker_inverse", "body.tracker", Pencil, true).edits(
+            &[(
+                PENCIL_TRACKER,
+                "tracker = { position_mm = [5, -40, -12], orientation_wxyz = [0.5, -0.5, -0.5, -0.5] }",
+            )],
+            "position_mm = [12, -5, 40]",
+        ),
+        Row::new("tracker_quaternion", "body.tracker.orientation_wxyz", Cube, true).edits(
+            &[(TURNED, "orientation_wxyz = [0.6, 0.0, 0.0, 0.8]")],
+            "[0.8, 0.6, 0, 0]",
+        ),
+        Row::new("goal_inverse", "goal.orientation_wxyz", Pencil, true).edits(
+            &[(LANDED, "orientation_wxyz = [0.944, -0.016, -0.032, -0.328]")],
+            "world from body",
+        ),
+        Row::new("origin", "surface.point_mm", Pencil, true).slip(Slip::Origin(0.73), ""),
+        Row::new("stream_quaternion", "stream.orientation", Pencil, true)
+            .slip(stream(QuaternionSlip::ScalarFirst), "x, y, z, w"),
+        Row::new("stream_quaternion", "stream.orientation", Cube, true)
+            .slip(stream(QuaternionSlip::ScalarLast), "x, y, z, w"),
+        Row::new("stream_inverse", "stream.orientation", Cube, true)
+            .slip(stream(QuaternionSlip::Inverse), "world from body"),
+        Row::new("goal_quaternion", "goal.orientation_wxyz", Pencil, true).edits(
+            &[(LANDED, "orientation_wxyz = [0.016, 0.032, 0.328, 0.944]")],
+            "[w, x, y, z]",
+        ),
+        Row::new("surface_height", "surface.point_mm", Cube, true)
+            .edits(&[(LEVEL, "point_mm = [0, 0, -730]")], ""),
+        Row::new("surface_height", "surface.point_mm", Cube, false)
+            .edits(&[(LEVEL, "point_mm = [0, 0, 730]")], ""),
+    ]
+}
+
+fn performance(motion: Motion, is_timed: bool) -> (Performance, String) {
+    let acting = if is_timed {
+        Acting::timing_known()
+    } else {
+        Acting::default()
+    };
+    let (truth, toml) = match motion {
+        Cube => {
+            let mut truth = bounces(1, 7).expect("a motion");
+            let toml = bounces::scene_toml(&truth);
+            let mount = &mut truth.scene.tracks[TrackIndex(0)].link_from_tracker;
+            mount.rotation = UnitQuaternion::new_normalize(Quaternion::new(0.8, 0.6, 0.0, 0.0));
+            (
+                truth,
+                toml.replacen(OFFSET, &format!("{OFFSET}, {TURNED}"), 1),
+            )
+        }
+        Pencil => (Style::Tip.truth(), Style::Tip.scene_toml().to_owned()),
+    };
+    let stamps = if is_timed {
+        "\"physical\""
+    } else {
+        "\"tempo\""
+    };
+    (
+        perform(&truth, &acting, 7),
+        toml.replace("\"tempo\"", stamps),
+    )
+}
+
+/// The recording of a row.
+fn record(row: &Row, path: &Path) {
+    let (mut performance, mut toml) = performance(row.motion, row.is_timed);
+    for (from, to) in row.edits {
+        assert!(toml.contains(from), "{from} is not in the scene");
+        toml = toml.replacen(from, to, 1);
+    }
+    let asked = Asked {
+        scene: performance.truth.scene.clone(),
+        events: performance.events.clone(),
+    };
+    performance.events = row.slip.put_into(asked).expect("it is there").events;
+    recording::write(&performance, &toml, path).expect("written");
+}
+
+/// Replays a recording; exit code, object on stdout, account, stderr.
+fn replayed(path: &Path) -> (Option<i32>, Value, String, String) {
+    let output: PathBuf = path.with_extension("out.mcap");
+    let run = |format: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command.env_remove("RUST_LOG").env("NO_COLOR", "1");
+        let command = command.arg("replay").arg(path).arg("-o").arg(&output);
+        command.args(format).output().expect("it ran")
+    };
+    let json = run(&["--format", "ndjson"]);
+    let text = run(&[]);
+    assert_eq!(json.status.code(), text.status.code());
+    let object = serde_json::from_slice(&json.stdout).expect("an object");
+    let words = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (
+        text.status.code(),
+        object,
+        words(text.stdout),
+        words(text.stderr),
+    )
+}
+
+#[test]
+fn mistakes_are_named_with_the_key_to_change() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("take.mcap");
+    let mut wrong = Vec::new();
+    for row in rows() {
+        record(&row, &path);
+        let (code, object, account, errors) = replayed(&path);
+        let what = format!("{} ({:?})", row.cause, row.slip);
+        let first = &object["diagnoses"][0];
+        let is_named = first["cause"] == row.cause
+            && first["key"] == row.key
+            && first["value"]
+                .as_str()
+                .is_some_and(|value| value.contains(row.value));
+        if !is_named {
+            wrong.push(format!("{what}: {first}; {code:?} {errors}"));
+            continue;
+        }
+        let sentence = first["sentence"].as_str().expect("a sentence");
+        if object["error"].is_null() {
+            assert_eq!(code, Some(3), "{what}");
+            let second = account.lines().nth(1).expect("a second line");
+            assert_eq!(second, format!("  likely: {sentence}"), "{what}");
+        } else {
+            assert_eq!(code, Some(1), "{what}");
+            assert!(errors.contains(&format!("; likely: {sentence}")), "{what}");
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn right_performances_are_not_corrected() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("take.mcap");
+    for (motion, is_timed) in [(Cube, true), (Cube, false), (Pencil, true), (Pencil, false)] {
+        record(&Row::new("", "", motion, is_timed), &path);
+        let (code, object, _, _) = replayed(&path);
+        assert_eq!(object["diagnoses"], serde_json::json!([]));
+        assert_eq!(code, Some(0));
+    }
+}
+
+/// Every cause in the documents is one that the program says.
+#[test]
+fn the_documents_list_every_cause() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/diagnosis.md")).expect("the page");
+    let rows = page.lines().filter(|line| line.starts_with("| "));
+    let listed: BTreeSet<String> = rows
+        .filter_map(|row| {
+            row.split('|')
+                .nth(3)?
+                .trim()
+                .strip_prefix('`')?
+                .strip_suffix('`')
+        })
+        .filter(|cause| *cause != "cause")
+        .map(str::to_owned)
+        .collect();
+    let schema: Value = serde_json::from_str(enact::report::REPORT_SCHEMA).expect("JSON");
+    let causes = &schema["properties"]["diagnoses"]["items"]["properties"]["cause"]["enum"];
+    let causes = causes.as_array().expect("causes");
+    let causes = causes.iter().filter_map(Value::as_str).map(str::to_owned);
+    assert_eq!(listed, causes.collect());
+    let tested: BTreeSet<String> = self::rows()
+        .iter()
+        .map(|row| row.cause.to_owned())
+        .collect();
+    assert_eq!(tested, listed);
+}
