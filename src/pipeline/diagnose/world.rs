@@ -64,9 +64,9 @@ fn heights(scene: &Scene, events: &[TakeEvent]) -> Vec<(usize, f64)> {
     if marks.len() != scene.events.len() {
         return Vec::new();
     }
-    let bounces = scene.events.iter().zip(marks).filter_map(|(event, mark)| {
+    let bounces = scene.events.iter().zip(&marks).filter_map(|(event, mark)| {
         let collision = event.kind.collision()?;
-        (collision.partner == Partner::World).then_some((collision, mark))
+        (collision.partner == Partner::World).then_some((collision, *mark))
     });
     bounces
         .filter_map(|(collision, mark)| {
