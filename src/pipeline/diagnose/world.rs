@@ -7,8 +7,8 @@ use crate::math::Pose;
 use crate::motion::{Collision, LinkIndex, Partner, Remedy, Scene, Stamp, TakeEvent};
 use crate::physics::contact;
 
-/// Least height that is looked into, in the scene's weights.
-const LEAST: f64 = 0.5;
+/// Least height that is looked into, in the scene's weights: a hand strays by two, for a whole motion.
+const LEAST: f64 = 4.0;
 /// Farthest that a bounce is from its mark \[ns\].
 const REACH_NS: u64 = 150_000_000;
 /// Samples of the lines before and after a bounce.
