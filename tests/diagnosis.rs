@@ -35,6 +35,8 @@ struct Row {
     slip: Slip,
     /// Texts of the scene file that are replaced.
     edits: &'static [(&'static str, &'static str)],
+    /// Whether all of the scene's lengths are typed in metres.
+    is_in_metres: bool,
     /// What the value of the key holds.
     value: &'static str,
 }
@@ -48,6 +50,7 @@ impl Row {
             is_timed,
             slip: Slip::None,
             edits: &[],
+            is_in_metres: false,
             value: "",
         }
     }
@@ -73,6 +76,27 @@ impl Row {
     }
 }
 
+/// A scene file with its lengths divided by 1000.
+fn in_metres(toml: &str) -> String {
+    let (mut text, mut rest) = (String::new(), toml);
+    while let Some(at) = rest.find(" = [") {
+        let (head, tail) = rest.split_at(at + 4);
+        let key = head[..at].rsplit([' ', '\n']).next().unwrap_or_default();
+        let end = tail.find(']').expect("a list ends");
+        text += head;
+        if key.ends_with("_mm") || key.starts_with("corner_") {
+            let numbers = tail[..end].split(',');
+            let metres = numbers.map(|mm| mm.trim().parse::<f64>().expect("a number") / 1e3);
+            let metres: Vec<String> = metres.map(|m| format!("{m:?}")).collect();
+            text += &metres.join(", ");
+        } else {
+            text += &tail[..end];
+        }
+        rest = &tail[end..];
+    }
+    text + rest
+}
+
 const OFFSET: &str = "position_mm = [20.0, -30.0, 150.0]";
 const TURNED: &str = "orientation_wxyz = [0.8, 0.6, 0.0, 0.0]";
 const PENCIL_TRACKER: &str =
@@ -93,6 +117,11 @@ fn rows() -> Vec<Row> {
             .slip(Slip::Positions(LengthUnit::Inch), "0.0254"),
         Row::new("position_unit", "stream.position", Cube, true)
             .slip(Slip::Positions(LengthUnit::Millimetre), "0.001"),
+        Row {
+            is_in_metres: true,
+            value: "× 1000",
+            ..Row::new("scene_unit", "*_mm", Cube, true)
+        },
         Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000"),
         Row::new("stamp_unit", "stream.stamp", Pencil, false).slip(Slip::Stamps(1e3), "1000"),
         Row::new("frame_numbers", "stream.stamp", Cube, true).slip(Slip::Frames(120.0), "120"),
@@ -176,6 +205,9 @@ fn record(row: &Row, path: &Path) {
     for (from, to) in row.edits {
         assert!(toml.contains(from), "{from} is not in the scene");
         toml = toml.replacen(from, to, 1);
+    }
+    if row.is_in_metres {
+        toml = in_metres(&toml);
     }
     let asked = Asked {
         scene: performance.truth.scene.clone(),
