@@ -94,16 +94,14 @@ impl Motion {
             return None;
         }
         let performed = prepared.performed(&mut Budget::new(observer)).ok()?;
-        let (scene, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
+        let (given, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
         if estimate.verdict == Verdict::Failed {
             return None;
         }
-        let doubts = credible::doubts(
-            &scene,
-            &performed.sketch,
-            &performed.marks_made_s,
-            &estimate,
-        );
+        let scene = given.as_estimated(&estimate);
+        let sketch = performed.sketch.seen_in(&given, &scene);
+        let scenes = (&scene, &given);
+        let doubts = credible::doubts(scenes, &sketch, &performed.marks_made_s, &estimate);
         let best = match scene.velocity_gaps {
             VelocityGaps::Always => Verdict::Plausible,
             VelocityGaps::WhenNeeded | VelocityGaps::Never => Verdict::Physical,
@@ -115,7 +113,7 @@ impl Motion {
             is_credible: estimate.verdict <= best && !is_grave,
             alone,
             scene,
-            sketch: performed.sketch,
+            sketch,
             estimate,
         })
     }
