@@ -585,7 +585,7 @@ fn one_failure_does_not_stop_the_others() {
     assert_eq!(first["output"], "out/take.estimate.mcap");
     assert_eq!(
         second,
-        serde_json::json!({"recording": "bad.mcap", "error": "bad.mcap: the file is empty"})
+        serde_json::json!({"recording": "bad.mcap", "error": "bad.mcap: the file is empty", "diagnoses": []})
     );
     assert_eq!(third["output"], "out/last.estimate.mcap");
     assert_eq!(
