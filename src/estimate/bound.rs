@@ -121,6 +121,11 @@ impl Bound {
             return Counters::default();
         }
         let (problem, guess) = part.problem();
+        if problem.sample_count() == 0 {
+            // Flights without samples cost nothing.
+            self.stage = BoundStage::Done;
+            return Counters::default();
+        }
         let layout = Layout::new(&problem);
         let start = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &start);
@@ -346,8 +351,9 @@ impl Part<'_> {
         if scene.velocity_gaps == VelocityGaps::Always {
             // Its Lagrangian is that of the whole performance.
             let samples = |of: &[Segment]| {
-                let count: usize = of.iter().map(|segment| segment.samples.len()).sum();
-                count as f64 / of.len() as f64
+                let counts = of.iter().map(|segment| segment.samples.len());
+                let seen = counts.clone().filter(|count| *count > 0).count();
+                counts.sum::<usize>() as f64 / seen.max(1) as f64
             };
             let information = problem.information() * samples(all) / samples(&part);
             problem.velocity_gap_weight = Some(VELOCITY_GAP_WEIGHT * information);

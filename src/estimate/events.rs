@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 use super::constraint::At;
 use super::context::SolveContext;
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{ArcSample, Problem};
 use crate::optimise::block::Block;
 
 /// Least angle that a fast body turns between samples \[rad\].
@@ -49,9 +49,13 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
     beside.fold(
         (0.0, 0.0),
         |(longest_s, most_rad): (f64, f64), (arc, state)| {
-            let time_s = |index: usize| arc.samples[index].time_s(&point.node_times_s);
-            let last = arc.samples.len() - 1;
-            let interval_s = (time_s(last) - time_s(0)) / last.max(1) as f64;
+            let times_s = |sample: &ArcSample| sample.time_s(&point.node_times_s);
+            let interval_s = match arc.samples.as_slice() {
+                [first, .., last] => {
+                    (times_s(last) - times_s(first)) / (arc.samples.len() - 1) as f64
+                }
+                _ => 0.0,
+            };
             let turned_rad = (state.angular_velocity_rad_s.norm() * interval_s).min(PI);
             (longest_s.max(interval_s), most_rad.max(turned_rad))
         },

@@ -6,7 +6,8 @@
 //! - Its terms: [`samples`], [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
 //!   for each hard condition. `evaluate` joins them for the [optimiser](crate::optimise), with a
 //!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
-//! - The way to the solution: [`events`] gives the first event times, [`recipe`] the schedule.
+//! - The way to the solution: [`events`] gives the first event times, `hand_on` the first states of
+//!   flights without samples, [`recipe`] the schedule.
 //! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`.
 //!
 //! [`solve`] is the stage as the pipeline calls it; [`bound`] gives lower bounds to the search over
@@ -21,6 +22,7 @@ mod curvature;
 mod deviation;
 mod evaluate;
 pub mod events;
+mod hand_on;
 pub mod layout;
 pub mod mark;
 mod nodes;

@@ -37,7 +37,8 @@ impl Nodes {
         let all = Self::everywhere(sketch, segments);
         let ends = segments.iter().flat_map(|segment| {
             let samples = samples(sketch, segment);
-            [samples[0].acted_s, samples[samples.len() - 1].acted_s]
+            let ends = [samples.first(), samples.last()].into_iter().flatten();
+            ends.map(|sample| sample.acted_s)
         });
         let mut ends = distinct(ends.collect()).into_iter().peekable();
         // With whether they are ends.

@@ -190,18 +190,22 @@ fn arcs(
         .arcs
         .iter()
         .enumerate()
-        .map(|(index, arc)| ArcEstimate {
-            mechanism: arc.mechanism,
-            epoch_s: context.epochs_s[index],
-            state: point.arcs[index],
-            start_s: match arc.start {
+        .map(|(index, arc)| {
+            let start_s = match arc.start {
                 Some(event) => events[event].time_s,
                 None => times(index).fold(f64::INFINITY, f64::min),
-            },
-            end_s: match arc.end {
-                Some(event) => events[event].time_s,
-                None => times(index).fold(f64::NEG_INFINITY, f64::max),
-            },
+            };
+            ArcEstimate {
+                mechanism: arc.mechanism,
+                epoch_s: context.epochs_s[index],
+                state: point.arcs[index],
+                start_s,
+                // Without event and samples it ends where it begins.
+                end_s: match arc.end {
+                    Some(event) => events[event].time_s,
+                    None => times(index).reduce(f64::max).unwrap_or(start_s),
+                },
+            }
         })
         .collect();
     arcs.sort_by(|a, b| {

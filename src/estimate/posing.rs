@@ -2,7 +2,7 @@
 
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Problem,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Ordered, Problem,
 };
 use crate::motion::{
     Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
@@ -48,6 +48,7 @@ impl Problem {
             gravity_parameters: [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis })),
             collisions: collisions(scene, &arcs, &parameter),
             goals: goals(scene, &arcs),
+            ordered: ordered(&arcs, &event_is_free),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
@@ -67,6 +68,15 @@ impl Problem {
             orientation_unit_rad: scene.weights.orientation_rad,
         }
     }
+}
+
+/// The ends of arcs that have few samples, where both are unknowns.
+fn ordered(arcs: &[Arc], event_is_free: &[bool]) -> Vec<Ordered> {
+    let few = arcs.iter().filter(|arc| !arc.is_informed());
+    let pairs = few.filter_map(|arc| Some([arc.start?, arc.end?]));
+    let free = pairs.filter(|events| events.iter().all(|event| event_is_free[*event]));
+    let ordered = free.filter(|_| std::env::var("NO_ORDER").is_err()).map(|events| Ordered { events });
+    ordered.collect()
 }
 
 fn bounded(scene: &Scene) -> Vec<Bounded> {

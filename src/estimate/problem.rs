@@ -18,6 +18,8 @@ pub mod unit {
     pub const VELOCITY_M_S: f64 = 0.1;
     /// Angular velocity [rad/s].
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
+    /// Interval between events \[s\].
+    pub const TIME_S: f64 = 0.01;
 }
 
 /// Weight of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays
@@ -51,6 +53,9 @@ impl ArcSample {
     }
 }
 
+/// Least number of samples of an arc that tell its state.
+const INFORMED_MIN: usize = 3;
+
 /// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
@@ -64,6 +69,13 @@ pub struct Arc {
     pub end: Option<usize>,
     /// Its samples in order.
     pub samples: Vec<ArcSample>,
+}
+
+impl Arc {
+    /// Whether its own samples tell its state, or only the impacts beside it.
+    pub fn is_informed(&self) -> bool {
+        self.samples.len() >= INFORMED_MIN
+    }
 }
 
 /// Arcs of one mechanism before and after an event.
@@ -163,6 +175,13 @@ pub struct Bounded {
     pub parameter: usize,
 }
 
+/// Two events in their order of time, of which no sample in between can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ordered {
+    /// Indices into [`Problem::event_is_free`].
+    pub events: [usize; 2],
+}
+
 /// Everything the solver needs, and nothing else.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -184,6 +203,8 @@ pub struct Problem {
     pub collisions: Vec<ArcCollision>,
     /// Goals.
     pub goals: Vec<ArcGoal>,
+    /// Events about flights that have few samples.
+    pub ordered: Vec<Ordered>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
     /// Parameters with bounds of their own.
@@ -239,7 +260,7 @@ impl Problem {
     /// Information of positions and of orientations.
     fn informations(&self) -> [f64; 2] {
         const REFERENCE_SAMPLES: f64 = 48.0;
-        let per_arc = self.sample_count() as f64 / self.arcs.len() as f64;
+        let per_arc = self.sample_count() as f64 / self.seen_arcs().max(1) as f64;
         [
             unit::POSITION_M / self.position_unit_m,
             unit::ORIENTATION_RAD / self.orientation_unit_rad,
@@ -295,6 +316,12 @@ impl Problem {
     /// Components of gravity that are free.
     pub fn free_gravity(&self) -> impl Iterator<Item = usize> + '_ {
         (0..3).filter(|axis| self.gravity_parameters[*axis].is_some())
+    }
+
+    /// Number of arcs with samples.
+    pub fn seen_arcs(&self) -> usize {
+        let seen = self.arcs.iter().filter(|arc| !arc.samples.is_empty());
+        seen.count()
     }
 
     /// All samples of all arcs.

@@ -3,6 +3,7 @@
 use super::constraint::collision;
 use super::context::{Guidance, SolveContext};
 use super::events;
+use super::hand_on::hand_on;
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
@@ -77,6 +78,9 @@ pub fn solve(
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
         events::align(&context, &mut start);
+        if std::env::var("NO_HAND").is_err() {
+            hand_on(problem, &context.epochs_s, &mut start);
+        }
     }
     let lead = Lead::new(&context, &start, recipe);
     let guidance = |stage| lead.guidance(stage);

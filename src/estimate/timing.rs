@@ -93,9 +93,13 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
         (point.node_times_s[node], moment.into_iter().collect())
     };
     let ends = problem.arcs.iter().map(|arc| {
-        let (first, last) = (&arc.samples[0], &arc.samples[arc.samples.len() - 1]);
-        let start: (f64, Moment) = arc.start.map_or_else(|| at_node(first.node), at_event);
-        let end: (f64, Moment) = arc.end.map_or_else(|| at_node(last.node), at_event);
+        // Only a flight that an impact begins may have no samples.
+        let [first, last] = [arc.samples.first(), arc.samples.last()]
+            .map(|sample| sample.map(|sample| at_node(sample.node)));
+        let start: Option<(f64, Moment)> = arc.start.map(at_event).or(first);
+        let end: Option<(f64, Moment)> = arc.end.map(at_event).or(last);
+        let start = start.expect("it begins with an event or a sample");
+        let end = end.unwrap_or_else(|| start.clone());
         (start, end)
     });
     let (starts, ends): (Vec<_>, Vec<_>) = ends.unzip();

@@ -1,6 +1,7 @@
 //! Fits all segments and places the fits on one time line (paper §6.2.1).
 
 use super::ballistic;
+use super::between::{self, is_fitted};
 use super::clock;
 use super::turn::{self, OrientationReading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
@@ -26,7 +27,8 @@ pub struct Guessed {
 }
 
 /// Fits every segment by itself and places the fits on one time line: where the tempo is unknown,
-/// time between two marks runs at the mean rate of the fits there.
+/// time between two marks runs at the mean rate of the fits there, or of all. Segments with too few
+/// samples for a fit follow from their neighbours.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     let known = match scene.timing {
         Timing::Known | Timing::Edited => Some(1.0),
@@ -39,7 +41,10 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     let samples = |segment: &Segment| sketch.samples_of(segment);
     let middle = |segment: &Segment| {
         let samples = samples(segment);
-        0.5 * (samples[0].acted_s + samples[samples.len() - 1].acted_s)
+        match (samples.first(), samples.last()) {
+            (Some(first), Some(last)) if is_fitted(segment) => 0.5 * (first.acted_s + last.acted_s),
+            _ => between_marks_s(sketch, segment),
+        }
     };
     let rates = rates(scene, segments, &samples, &middle, known);
     let time_line = TimeLine::new(scene, sketch, segments, &samples, &rates);
@@ -49,14 +54,18 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     for (segment, rate) in segments.iter().zip(&rates) {
         let samples = samples(segment);
         let middle_s = middle(segment);
-        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
-        let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
-        let flight = ballistic::fit(samples, middle_s, &pull_m_s2, Some(*rate));
+        let epoch_s = time_line.at(middle_s);
         let sample_times_s: Vec<f64> = samples
             .iter()
             .map(|sample| time_line.at(sample.acted_s))
             .collect();
-        let epoch_s = time_line.at(middle_s);
+        if !is_fitted(segment) {
+            arcs.push(between::open(epoch_s, sample_times_s));
+            continue;
+        }
+        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+        let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+        let flight = ballistic::fit(samples, middle_s, &pull_m_s2, Some(*rate));
         let readings: Vec<OrientationReading> = samples
             .iter()
             .zip(&sample_times_s)
@@ -85,26 +94,32 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             sample_times_s,
         });
     }
-    let event_times_s = sketch
-        .marks_s
-        .iter()
-        .map(|mark_s| time_line.at(*mark_s))
-        .collect();
+    let marks_s = sketch.marks_s.iter();
+    let guess = Guess {
+        arcs,
+        event_times_s: marks_s.map(|mark_s| time_line.at(*mark_s)).collect(),
+        parameters: scene.parameters.iter().map(|free| free.initial).collect(),
+    };
+    let mut guesses = combine(segments, &guess, &turns);
+    for guess in &mut guesses {
+        between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
+    }
     Guessed {
-        guesses: combine(
-            &Guess {
-                arcs,
-                event_times_s,
-                parameters: scene.parameters.iter().map(|free| free.initial).collect(),
-            },
-            &turns,
-        ),
+        guesses,
         fit_iterations,
     }
 }
 
-/// The guess with every choice of rotations, those with the least sum of squares first.
-fn combine(guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
+/// The middle between the marks of a segment that a collision begins.
+fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
+    let mark_s = |event: Option<usize>| event.map(|event| sketch.marks_s[event]);
+    let start_s = mark_s(segment.start_event).expect("the others have samples");
+    0.5 * (start_s + mark_s(segment.end_event).unwrap_or(start_s))
+}
+
+/// The guess with every choice of rotations of the fitted flights, those with the least sum of
+/// squares first.
+fn combine(segments: &[Segment], guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
     let mut choices: Vec<(f64, Vec<TurnFit>)> = vec![(0.0, Vec::new())];
     for fits in turns {
         choices = choices
@@ -123,7 +138,9 @@ fn combine(guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
         .into_iter()
         .map(|(_, chosen)| {
             let mut guess = guess.clone();
-            for (arc, turn) in guess.arcs.iter_mut().zip(chosen) {
+            let arcs = guess.arcs.iter_mut().zip(segments);
+            let fitted = arcs.filter(|(_, segment)| is_fitted(segment));
+            for ((arc, _), turn) in fitted.zip(chosen) {
                 arc.state.orientation = turn.orientation;
                 arc.state.angular_velocity_rad_s = turn.angular_velocity_rad_s;
             }
@@ -146,7 +163,8 @@ fn rates<'s>(
             known.or_else(|| {
                 let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
                 let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
-                ballistic::fit(samples(segment), middle(segment), &pull_m_s2, None).rate
+                let fit = || ballistic::fit(samples(segment), middle(segment), &pull_m_s2, None);
+                is_fitted(segment).then(fit)?.rate
             })
         })
         .collect();
@@ -180,18 +198,23 @@ impl TimeLine {
         samples: &impl Fn(&Segment) -> &'s [Sample],
         rates: &[f64],
     ) -> Self {
-        let first_s = segments
-            .iter()
-            .map(|segment| samples(segment)[0].acted_s)
+        let fitted = || {
+            let with_rates = segments.iter().zip(rates);
+            with_rates.filter(|(segment, _)| is_fitted(segment))
+        };
+        let first_s = fitted()
+            .map(|(segment, _)| samples(segment)[0].acted_s)
             .fold(f64::INFINITY, f64::min);
         let mut acted_s = vec![first_s];
         acted_s.extend((0..scene.events.len()).filter_map(|event| {
             let is_collision = scene.events[event].kind.collision().is_some();
             is_collision.then_some(sketch.marks_s[event])
         }));
+        let logs = fitted().map(|(_, rate)| rate.ln());
+        let mean_rate = (logs.sum::<f64>() / fitted().count() as f64).exp();
         let rate_in = |from_s: f64, to_s: f64| {
             let (mut sum, mut weight) = (0.0, 0.0);
-            for (segment, rate) in segments.iter().zip(rates) {
+            for (segment, rate) in fitted() {
                 let samples = samples(segment);
                 let end_s = samples[samples.len() - 1].acted_s.min(to_s);
                 let overlap_s = end_s - samples[0].acted_s.max(from_s);
@@ -203,7 +226,7 @@ impl TimeLine {
             if weight > 0.0 {
                 (sum / weight).exp()
             } else {
-                RATE_OTHERWISE
+                mean_rate
             }
         };
         let mut physical_s = vec![first_s];

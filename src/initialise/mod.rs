@@ -5,6 +5,7 @@
 //! weight of marks relative to samples ([`weigh()`]).
 
 pub mod ballistic;
+pub mod between;
 pub mod clock;
 pub mod contact;
 pub mod guess;

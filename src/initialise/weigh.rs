@@ -9,13 +9,15 @@
 
 use nalgebra::Vector3;
 
+use super::between::is_fitted;
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
 
 /// Sets how often marks count ([`MarkTime::counted`](crate::motion::MarkTime::counted)) to how
 /// often the samples of the flights in `guess` do.
 pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &Guess) {
     let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
-    let per_flight = samples as f64 / segments.len().max(1) as f64;
+    let flights = segments.iter().filter(|segment| is_fitted(segment)).count();
+    let per_flight = samples as f64 / flights.max(1) as f64;
     let unit_m = scene.weights.position_m;
     let square = square_off_m2(scene, segments, guess) / (unit_m * unit_m);
     let counted = (per_flight * square).max(f64::MIN_POSITIVE);
@@ -40,6 +42,10 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
     };
     let mut squares_m2 = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
+        // A flight that is not fitted was begun where the one before it ends.
+        if !is_fitted(segment) {
+            continue;
+        }
         let Some(event) = segment.start_event else {
             continue;
         };

@@ -15,7 +15,7 @@ use crate::motion::{
     Counters, EventKind, Observer, Scene, Segment, Sketch, TimeMap, Timing, Verdict,
 };
 use crate::segment;
-use crate::segment::cut::{SAMPLES_MIN, median_interval_s};
+use crate::segment::cut::{median_interval_s, samples_min};
 
 /// Greatest number of rounds in which samples are assigned again or left out.
 const ROUNDS: usize = 6;
@@ -159,7 +159,9 @@ impl<'a> Acted<'a> {
                 ..segment.clone()
             })
             .collect();
-        let is_enough = segments.iter().all(|s| s.samples.len() >= SAMPLES_MIN);
+        let mut each = segments.iter();
+        let is_enough =
+            each.all(|s| s.samples.len() >= samples_min(self.scene, s.start_event));
         (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,

@@ -18,9 +18,9 @@ pub(super) fn guess(
 ) -> Option<Guess> {
     let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
     // Convention of the estimation: the first sample used has its acted time as physical time.
-    let firsts = segments.iter().map(|segment| {
-        let samples = &sketch.tracks[segment.track].samples;
-        samples[segment.samples.start].acted_s
+    let firsts = segments.iter().filter_map(|segment| {
+        let first = sketch.samples_of(segment).first()?;
+        Some(first.acted_s)
     });
     let first_s = firsts.min_by(f64::total_cmp)?;
     let shift_s = first_s - map.physical_s(first_s);
@@ -32,8 +32,12 @@ pub(super) fn guess(
                 .iter()
                 .map(|sample| shift_s + map.physical_s(sample.acted_s))
         };
-        let middle_s = 0.5 * (samples.first()?.acted_s + samples.last()?.acted_s);
-        let epoch_s = shift_s + map.physical_s(middle_s);
+        let epoch_s = match (samples.first(), samples.last()) {
+            (Some(first), Some(last)) => {
+                shift_s + map.physical_s(0.5 * (first.acted_s + last.acted_s))
+            }
+            _ => shift_s + 0.5 * (arc.start_s + arc.end_s),
+        };
         let dynamics = scene.dynamics(segment.mechanism);
         let since_s = epoch_s - (arc.epoch_s + shift_s);
         Some(ArcGuess {

@@ -8,11 +8,19 @@ use crate::motion::{EventKind, Scene, Segment, Sketch, Timing, TrackIndex, Track
 /// discontinuous.
 const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 
-/// Least number of samples of a segment; two poses already have as many numbers as a state.
+/// Least number of samples of a segment that no collision begins; two poses already have as many
+/// numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
+/// Least number of samples of a segment. A flight that a collision begins needs none: the impact
+/// hands its state on.
+pub fn samples_min(scene: &Scene, start_event: Option<usize>) -> usize {
+    let begins = start_event.and_then(|event| scene.events[event].kind.collision());
+    if begins.is_some() { 0 } else { SAMPLES_MIN }
+}
+
 /// Cuts every track's samples at the events it takes part in; all tracks take part in `start` and
-/// `end`. Fails where a segment has fewer than [`SAMPLES_MIN`] samples.
+/// `end`. Fails where a segment has fewer samples than [`samples_min`].
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
@@ -60,14 +68,15 @@ fn cut_track(
         let is_start = end_event.is_some_and(|e| scene.events[e].kind == EventKind::Start);
         let past_end = start_event.is_some_and(|e: usize| scene.events[e].kind == EventKind::End);
         if !is_start && !past_end {
-            if end - first < SAMPLES_MIN {
+            let expected = samples_min(scene, start_event);
+            if end - first < expected {
                 let name = |event: Option<usize>, otherwise: &str| {
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))
                 };
                 return Err(SegmentError::TooFewSamples {
                     body: scene.link_seen_by(track).name.clone(),
                     samples: end - first,
-                    expected: SAMPLES_MIN,
+                    expected,
                     from: name(start_event, "the beginning"),
                     to: name(end_event, "the end of the data"),
                 });

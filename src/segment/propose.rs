@@ -144,8 +144,9 @@ impl<'a> Stream<'a> {
 
     /// [`Stream::cost`] between two cuts, or ends of the stream: samples beside a cut are left out.
     fn between(&self, from: usize, to: usize) -> f64 {
-        let begin = if from == 0 { 0 } else { from + 1 };
-        let end = if to == self.samples.len() { to } else { to - 1 };
+        let count = self.samples.len();
+        let begin = if from == 0 { 0 } else { (from + 1).min(count) };
+        let end = if to == count { to } else { to.saturating_sub(1) };
         self.cost(begin, end)
     }
 
@@ -260,11 +261,8 @@ impl<'a> Stream<'a> {
         (before, after.unwrap_or(self.samples.len()))
     }
 
-    /// Cost of all stretches and cuts; infinite where cuts are too close.
+    /// Cost of all stretches and cuts; that of a stretch too short for a flight's fit is zero.
     pub(super) fn total(&self, events: &[Option<usize>], cuts: &[usize]) -> f64 {
-        if !self.has_room(cuts) {
-            return f64::INFINITY;
-        }
         let apart = events.iter().zip(cuts);
         let apart: f64 = apart.map(|(event, cut)| self.apart(*event, *cut)).sum();
         let ends = self.ends(cuts);

@@ -14,7 +14,7 @@
 //! freedom of the mark's error `d` in standard deviations: now and then a mark is off by far more
 //! than that.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -123,42 +123,105 @@ fn student_sd(deviations: f64) -> f64 {
     square.max(1.0).sqrt()
 }
 
-/// The samples of a track between the events before and after a given one.
+/// The samples of a track between the events before and after some collisions, which follow each
+/// other so closely that no flight between them can be fitted. A cut is that at the first of them.
 struct Stretch {
     track: TrackIndex,
     begin: usize,
     end: usize,
+    /// Number of samples between the first of the collisions and the last.
+    span: usize,
 }
 
 impl Stretch {
-    fn new(scene: &Scene, sketch: &Sketch, track: TrackIndex, event: usize) -> Self {
+    fn new(scene: &Scene, sketch: &Sketch, track: TrackIndex, events: &[usize]) -> Self {
         let samples = &sketch.tracks[track].samples;
         let mechanism = scene.mechanism_seen_by(track);
         let concerns = |other: &usize| scene.concerns(*other, mechanism);
-        let index_at =
-            |event: usize| samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
+        let index_at = |event: usize| cut_at(sketch, track, event);
+        let (first, last) = (events[0], events[events.len() - 1]);
         // Samples beside a neighbouring collision are left out, as in the cut.
         let beside = |other: usize| usize::from(scene.events[other].kind.collision().is_some());
-        let mut before = (0..event).rev();
-        let mut after = event + 1..scene.events.len();
+        let mut before = (0..first).rev();
+        let mut after = last + 1..scene.events.len();
+        let begin = before.find(concerns).map_or(0, |e| index_at(e) + beside(e));
         Self {
             track,
-            begin: before.find(concerns).map_or(0, |e| index_at(e) + beside(e)),
+            begin: begin.min(samples.len()),
             end: after
                 .find(concerns)
                 .map_or(samples.len(), |e| index_at(e).saturating_sub(beside(e))),
+            span: index_at(last) - index_at(first),
         }
     }
 
-    /// Cuts that leave enough samples on either side.
-    fn cuts(&self) -> RangeInclusive<usize> {
-        self.begin + KEEP_SAMPLES..=self.end.saturating_sub(KEEP_SAMPLES)
+    /// Cuts that leave enough samples on either side, or as many as the present one.
+    fn cuts(&self, now: usize) -> RangeInclusive<usize> {
+        let kept = [
+            now.saturating_sub(self.begin),
+            self.end.saturating_sub(now + self.span),
+        ];
+        let [before, after] = kept.map(|kept| kept.min(KEEP_SAMPLES));
+        self.begin + before..=self.end.saturating_sub(after + self.span)
     }
 
     /// Residual sum of squares with a cut \[m²\]; the samples beside it are left out.
     fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
-        sums.cost(self.begin, cut - 1) + sums.cost(cut + 1, self.end)
+        let [before, after] = self.flights(cut);
+        sums.cost(before.start, before.end) + sums.cost(after.start, after.end)
     }
+
+    /// Numbers of samples per axis that the two flights' fits absorb.
+    fn absorbed(&self, cut: usize) -> usize {
+        let fitted = self.flights(cut).map(|samples| samples.len().min(2));
+        fitted.into_iter().sum()
+    }
+
+    fn flights(&self, cut: usize) -> [Range<usize>; 2] {
+        let next = cut + self.span + 1;
+        [
+            self.begin..cut.saturating_sub(1).max(self.begin),
+            next.min(self.end)..self.end,
+        ]
+    }
+}
+
+/// The first sample of a track after an event's mark.
+fn cut_at(sketch: &Sketch, track: TrackIndex, event: usize) -> usize {
+    let samples = &sketch.tracks[track].samples;
+    samples.partition_point(|s| s.acted_s <= sketch.marks_s[event])
+}
+
+/// A collision and those after it that follow so closely, one after the other, that no flight
+/// between them can be fitted; empty where it follows another one so itself. Collisions of several
+/// tracks are each by itself.
+fn close_events(scene: &Scene, sketch: &Sketch, event: usize) -> Vec<usize> {
+    let track_of = |event: usize| {
+        let collision = scene.events[event].kind.collision()?;
+        let mut tracks = scene.tracks_in(collision);
+        tracks.next().filter(|_| tracks.next().is_none())
+    };
+    let Some(track) = track_of(event) else {
+        return vec![event];
+    };
+    let mechanism = scene.mechanism_seen_by(track);
+    let concerns = |other: &usize| scene.concerns(*other, mechanism);
+    let is_close = |before: usize, after: usize| {
+        let samples = cut_at(sketch, track, after) - cut_at(sketch, track, before);
+        let both = [before, after].map(track_of);
+        both == [Some(track); 2] && samples < KEEP_SAMPLES
+    };
+    if (0..event).rev().find(concerns).is_some_and(|before| is_close(before, event)) {
+        return Vec::new();
+    }
+    let mut close = vec![event];
+    for next in (event + 1..scene.events.len()).filter(concerns) {
+        if !is_close(close[close.len() - 1], next) {
+            break;
+        }
+        close.push(next);
+    }
+    close
 }
 
 /// Greatest distance of a performer's mark from its event \[s\].
@@ -169,7 +232,8 @@ pub(super) fn reach_s(scene: &Scene) -> f64 {
     }
 }
 
-/// Moves one mark to the best place between the neighbouring events of its tracks.
+/// Moves the mark of a collision, and of those that follow it closely, to the best place between
+/// the neighbouring events of its tracks. Marks of close collisions keep their distances.
 fn refine_one(
     scene: &Scene,
     sketch: &mut Sketch,
@@ -179,57 +243,76 @@ fn refine_one(
     ),
     event: usize,
 ) -> bool {
+    let close = close_events(scene, sketch, event);
     let Some(collision) = scene.events[event].kind.collision() else {
         return false;
     };
+    if close.is_empty() {
+        return false;
+    }
     let tracks = scene.tracks_in(collision);
-    let stretches = tracks.map(|track| Stretch::new(scene, sketch, track, event));
+    let stretches = tracks.map(|track| Stretch::new(scene, sketch, track, &close));
     let stretches: Vec<Stretch> = stretches.collect();
     let Some(first) = stretches.first().map(|stretch| stretch.track) else {
         return false;
     };
     let samples = &sketch.tracks[first].samples;
     let interval_s = median_interval_s(&sketch.tracks[first]).max(1e-9);
-    let now = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
+    let Some(last_cut) = samples.len().checked_sub(1).filter(|last| *last > 0) else {
+        return false;
+    };
+    let now = cut_at(sketch, first, event).clamp(1, last_cut);
     let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
-    let cuts = stretches[0].cuts();
-    let least = now.saturating_sub(reach).max(*cuts.start());
-    let most = (now + reach).min(*cuts.end());
+    let cuts = stretches[0].cuts(now);
+    let least = now.saturating_sub(reach).max(*cuts.start()).max(1);
+    let most = (now + reach).min(*cuts.end()).min(last_cut);
     // The middle between the last sample before the cut and the first after it.
     let time_s = |cut: usize| 0.5 * (samples[cut - 1].acted_s + samples[cut].acted_s);
-    let mark = sketch.marks[event];
+    let others_cut = |stretch: &Stretch, cut: usize| {
+        if stretch.track == first {
+            return cut;
+        }
+        let others = &sketch.tracks[stretch.track].samples;
+        others.partition_point(|s| s.acted_s <= time_s(cut))
+    };
     let cost_m2 = |stretch: &Stretch, cut: usize| {
-        let is_first = stretch.track == first;
-        let of_other = || {
-            let others = &sketch.tracks[stretch.track].samples;
-            others.partition_point(|s| s.acted_s <= time_s(cut))
-        };
-        let cut = if is_first { cut } else { of_other() };
-        stretch
-            .cuts()
-            .contains(&cut)
-            .then(|| stretch.cost(&sums[stretch.track], cut))
+        let [marked, cut] = [now, cut].map(|cut| others_cut(stretch, cut));
+        let cuts = stretch.cuts(marked);
+        cuts.contains(&cut).then(|| {
+            let absorbed = stretch.absorbed(marked) as f64 - stretch.absorbed(cut) as f64;
+            (stretch.cost(&sums[stretch.track], cut), absorbed)
+        })
     };
     let now_m2: Vec<f64> = stretches
         .iter()
-        .map(|stretch| cost_m2(stretch, now).unwrap_or(0.0))
+        .map(|stretch| cost_m2(stretch, now).map_or(0.0, |(now_m2, _)| now_m2))
         .collect();
+    let marks_off = |cut: usize| -> f64 {
+        let marks = close.iter().filter_map(|close| {
+            let mark = sketch.marks[*close]?;
+            let cut = (cut + cut_at(sketch, first, *close)).saturating_sub(now);
+            let cut = cut.clamp(1, last_cut);
+            // Between its two samples a cut may be anywhere.
+            let [from_s, to_s] = [cut - 1, cut].map(|sample| samples[sample].acted_s);
+            Some(unlikely_mark(&mark, mark.acted_s.clamp(from_s, to_s)))
+        });
+        marks.sum()
+    };
     // Minus the logarithm of the likelihood, up to a constant.
     let unlikely = |cut: usize| -> f64 {
         let mut sum = 0.0;
         for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
-            let Some(cost_m2) = cost_m2(stretch, cut) else {
+            let Some((cost_m2, less_absorbed)) = cost_m2(stretch, cut) else {
                 return f64::INFINITY;
             };
             let others_m2 = (left_m2[stretch.track] - now_m2).max(0.0);
             let all_m2 = others_m2 + cost_m2 + ROUNDING_M2;
-            sum += unlikely_residuals(&sketch.tracks[stretch.track], all_m2);
+            // The variance is the sum over the degrees of freedom.
+            let count = sketch.tracks[stretch.track].samples.len() as f64;
+            let per_freedom = all_m2 * count / (count + less_absorbed);
+            sum += unlikely_residuals(&sketch.tracks[stretch.track], per_freedom);
         }
-        sum + mark.map_or(0.0, |mark| {
-            // Between its two samples a cut may be anywhere.
-            let [from_s, to_s] = [cut - 1, cut].map(|sample| samples[sample].acted_s);
-            unlikely_mark(&mark, mark.acted_s.clamp(from_s, to_s))
-        })
+        sum + marks_off(cut)
     };
     let Some(best) = (least..=most).min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b))) else {
         return false;
@@ -239,8 +322,14 @@ fn refine_one(
         return false;
     }
     for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
-        left_m2[stretch.track] += cost_m2(stretch, best).unwrap_or(*now_m2) - now_m2;
+        let best_m2 = cost_m2(stretch, best).map_or(*now_m2, |(best_m2, _)| best_m2);
+        left_m2[stretch.track] += best_m2 - now_m2;
     }
-    sketch.marks_s[event] = time_s(best);
+    let best_s = time_s(best);
+    let shift_s = best_s - time_s(now);
+    match close.as_slice() {
+        [event] => sketch.marks_s[*event] = best_s,
+        close => close.iter().for_each(|event| sketch.marks_s[*event] += shift_s),
+    }
     true
 }

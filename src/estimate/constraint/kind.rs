@@ -80,7 +80,8 @@ impl Problem {
         let collisions = self.collisions.iter().map(|of| of as &dyn Constraint);
         let goals = self.goals.iter().map(|of| of as &dyn Constraint);
         let bounded = self.bounded.iter().map(|of| of as &dyn Constraint);
+        let ordered = self.ordered.iter().map(|of| of as &dyn Constraint);
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
-        collisions.chain(goals).chain(bounded).chain(cones)
+        collisions.chain(goals).chain(bounded).chain(cones).chain(ordered)
     }
 }

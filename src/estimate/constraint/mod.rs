@@ -1,6 +1,6 @@
 //! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](super::problem::unit), one kind
 //! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
-//! through the impact), a `goal` (§3.1), the `bound` of a parameter and a `cone` of two (§6).
+//! through the impact), a `goal` (§3.1), the `bound` of a parameter and a `cone` of two (§6), the `order` of two events (eq. 7).
 //!
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
@@ -11,6 +11,7 @@ mod contact;
 mod continuity;
 mod goal;
 mod kind;
+mod order;
 mod rows;
 
 pub use self::kind::{At, Constraint, Filled};

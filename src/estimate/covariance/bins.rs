@@ -88,7 +88,7 @@ impl Bins {
         Self {
             bins,
             of_samples,
-            flight_s: flights_s / problem.arcs.len() as f64,
+            flight_s: flights_s / problem.seen_arcs().max(1) as f64,
         }
     }
 

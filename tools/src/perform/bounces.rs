@@ -98,12 +98,12 @@ impl Throw {
 
 /// A flight and the corner that ends it.
 #[derive(Clone, Copy)]
-struct Hop {
-    state: State,
-    duration_s: f64,
-    corner: usize,
-    restitution: f64,
-    choice: usize,
+pub(super) struct Hop {
+    pub(super) state: State,
+    pub(super) duration_s: f64,
+    pub(super) corner: usize,
+    pub(super) restitution: f64,
+    pub(super) choice: usize,
 }
 
 /// What bounces.
@@ -231,7 +231,7 @@ pub fn scene_toml(truth: &Truth) -> String {
     text
 }
 
-struct Bouncer {
+pub(super) struct Bouncer {
     solid: Polyhedron,
     throw: Throw,
     body: Body,
@@ -240,7 +240,7 @@ struct Bouncer {
 }
 
 impl Bouncer {
-    fn new(solid: Polyhedron, throw: Throw) -> Self {
+    pub(super) fn new(solid: Polyhedron, throw: Throw) -> Self {
         let half_m = throw.half_m;
         let square_m2 = (2.0 * half_m) * (2.0 * half_m);
         let moment_kg_m2 = match solid {
@@ -271,14 +271,14 @@ impl Bouncer {
         }
     }
 
-    fn flight(&self) -> Flight<'_> {
+    pub(super) fn flight(&self) -> Flight<'_> {
         Flight {
             body: &self.body,
             gravity_m_s2: &self.gravity_m_s2,
         }
     }
 
-    fn encounter(&self, corner: usize, restitution: f64) -> Encounter {
+    pub(super) fn encounter(&self, corner: usize, restitution: f64) -> Encounter {
         let (on_table_m, up) = (Vector3::zeros(), Vector3::z());
         Encounter::of_corner(
             &self.body,
@@ -290,7 +290,7 @@ impl Bouncer {
     }
 
     /// Heights of the corners and their indices, lowest first.
-    fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
+    pub(super) fn heights_m(&self, state: &State) -> Vec<(f64, usize)> {
         let mut heights: Vec<_> = (0..self.corners_m.len())
             .map(|corner| {
                 let height_m = self.encounter(corner, 1.0).gap_m(state, &still());
@@ -301,7 +301,7 @@ impl Bouncer {
         heights
     }
 
-    fn bounced(&self, hop: &Hop) -> State {
+    pub(super) fn bounced(&self, hop: &Hop) -> State {
         let before = self.flight().advance(&hop.state, hop.duration_s);
         let bounce = self.encounter(hop.corner, hop.restitution);
         bounce.after(&before, &still()).0
@@ -349,7 +349,7 @@ impl Bouncer {
     }
 
     /// The record of a path; it ends within its last flight.
-    fn truth(&self, path: &[Hop]) -> Truth {
+    pub(super) fn truth(&self, path: &[Hop]) -> Truth {
         let mut arcs = Vec::new();
         let mut event_times_s = Vec::new();
         let mut events = Vec::new();

@@ -1,6 +1,6 @@
 //! The performance maker: recordings of acted motions whose truth is known.
 //!
-//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@flips`]; [`die`] is
+//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@clatter`], [`mod@flips`]; [`die`] is
 //! none) is performed as a person would ([`act`]): slowly, in a wavering [`tempo`], with a hand
 //! that wanders ([`wander`]), before a tracker that is noisy, jitters and loses sight. A seed and
 //! the knobs in [`acting`] determine every byte.
@@ -8,6 +8,7 @@
 pub mod act;
 pub mod acting;
 pub mod bounces;
+pub mod clatter;
 pub mod die;
 pub mod encounter;
 pub mod flips;
@@ -23,6 +24,7 @@ pub mod wish;
 pub use act::perform;
 pub use acting::{Acting, Outliers};
 pub use bounces::{Polyhedron, Throw, bounces, thrown};
+pub use clatter::clatter;
 pub use flips::flips;
 pub use performance::Performance;
 pub use styles::Style;
