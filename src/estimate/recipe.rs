@@ -78,9 +78,7 @@ pub fn solve(
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
         events::align(&context, &mut start);
-        if std::env::var("NO_HAND").is_err() {
-            hand_on(problem, &context.epochs_s, &mut start);
-        }
+        hand_on(problem, &context.epochs_s, &mut start);
     }
     let lead = Lead::new(&context, &start, recipe);
     let guidance = |stage| lead.guidance(stage);

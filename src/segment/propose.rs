@@ -157,7 +157,9 @@ impl<'a> Stream<'a> {
         let Some(collision) = collision else {
             return 0.0;
         };
-        let gap_m = gap_m(self.scene, collision, &self.samples[cut]);
+        // A mark may lie after the last sample.
+        let at = cut.min(self.samples.len() - 1);
+        let gap_m = gap_m(self.scene, collision, &self.samples[at]);
         TOUCH_WEIGHT * (gap_m / self.scene.weights.position_m).powi(2)
     }
 

@@ -151,7 +151,7 @@ impl Stretch {
             end: after
                 .find(concerns)
                 .map_or(samples.len(), |e| index_at(e).saturating_sub(beside(e))),
-            span: index_at(last) - index_at(first),
+            span: index_at(last).saturating_sub(index_at(first)),
         }
     }
 
@@ -207,9 +207,9 @@ fn close_events(scene: &Scene, sketch: &Sketch, event: usize) -> Vec<usize> {
     let mechanism = scene.mechanism_seen_by(track);
     let concerns = |other: &usize| scene.concerns(*other, mechanism);
     let is_close = |before: usize, after: usize| {
-        let samples = cut_at(sketch, track, after) - cut_at(sketch, track, before);
+        let [from, to] = [before, after].map(|event| cut_at(sketch, track, event));
         let both = [before, after].map(track_of);
-        both == [Some(track); 2] && samples < KEEP_SAMPLES
+        both == [Some(track); 2] && to < from + KEEP_SAMPLES
     };
     if (0..event).rev().find(concerns).is_some_and(|before| is_close(before, event)) {
         return Vec::new();
