@@ -1,8 +1,8 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
 use enact::motion::TrackIndex;
-use enact::segment::{SegmentError, cut, refine};
-use enact_tools::perform::{Acting, Performance, Style, bounces, perform};
+use enact::segment::{SegmentError, cut, refine, relocate_marks};
+use enact_tools::perform::{Acting, Performance, Style, bounces, clatter, perform};
 
 /// The samples' interval [s].
 const INTERVAL_S: f64 = 1.0 / 120.0;
@@ -64,11 +64,24 @@ fn segments_follow_each_other_and_keep_away_from_collisions() {
 }
 
 #[test]
-fn a_segment_without_samples_is_refused_by_name() {
+fn a_flight_that_a_collision_begins_needs_no_samples_and_the_first_does() {
     let performance = exact(1);
+    let scene = &performance.truth.scene;
+    for (intervals, samples) in [(1.5, 0), (2.5, 1)] {
+        let mut sketch = performance.sketch();
+        sketch.marks_s[1] = sketch.marks_s[0] + intervals * INTERVAL_S;
+        let segments = cut(scene, &sketch).unwrap();
+        let counts: Vec<usize> = segments.iter().map(|s| s.samples.len()).collect();
+        assert_eq!((counts.len(), counts[1]), (4, samples), "{counts:?}");
+        assert!(
+            segments
+                .windows(2)
+                .all(|pair| pair[0].samples.end <= pair[1].samples.start)
+        );
+    }
     let mut sketch = performance.sketch();
-    sketch.marks_s[1] = sketch.marks_s[0] + 2.5 * INTERVAL_S;
-    let error = cut(&performance.truth.scene, &sketch).unwrap_err();
+    sketch.marks_s[0] = 2.5 * INTERVAL_S;
+    let error = cut(scene, &sketch).unwrap_err();
     let SegmentError::TooFewSamples {
         samples, from, to, ..
     } = &error
@@ -76,10 +89,39 @@ fn a_segment_without_samples_is_refused_by_name() {
         panic!("{error}");
     };
     assert!(*samples < 3 && from != to, "{error}");
-    assert!(
-        error
-            .to_string()
-            .contains(&performance.truth.scene.events[0].name),
-        "{error}"
-    );
+    assert!(error.to_string().contains(&scene.events[0].name), "{error}");
+}
+
+#[test]
+fn marks_about_a_flight_with_few_samples_stay_or_move_together() {
+    for seed in 0..12 {
+        let truth = clatter(2, 0.004, seed).unwrap();
+        let acting = Acting {
+            distortion: 0.0,
+            mark_error_s: 0.0,
+            ..Acting::timing_known()
+        };
+        let performance = perform(&truth, &acting, seed);
+        let exact = performance.sketch();
+        let mut refined = exact.clone();
+        refine(&performance.truth.scene, &mut refined);
+        relocate_marks(&performance.truth.scene, &mut refined);
+        for (refined_s, exact_s) in refined.marks_s.iter().zip(&exact.marks_s).take(2) {
+            assert!(
+                (refined_s - exact_s).abs() < 1e-9,
+                "{seed}: {refined_s} {exact_s}"
+            );
+        }
+        let mut late = exact.clone();
+        late.marks_s[..2]
+            .iter_mut()
+            .for_each(|mark_s| *mark_s += 5.0 * INTERVAL_S);
+        refine(&performance.truth.scene, &mut late);
+        for (late_s, exact_s) in late.marks_s.iter().zip(&exact.marks_s).take(2) {
+            assert!(
+                (late_s - exact_s).abs() < 2.0 * INTERVAL_S,
+                "{seed}: {late_s} {exact_s}"
+            );
+        }
+    }
 }

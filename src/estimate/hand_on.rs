@@ -52,7 +52,9 @@ fn after(
     let impact = collision.contacts.impact(&side(0)?, side(1).as_ref(), &law);
     let impact = impact.ok()?;
     let contacts = collision.contacts.as_slice().len();
-    let approaches = impact.speeds_m_s[..contacts].iter().all(|speed| *speed < 0.0);
+    let approaches = impact.speeds_m_s[..contacts]
+        .iter()
+        .all(|speed| *speed < 0.0);
     let states = before.iter().zip(&impact.after);
     let states = states.map(|(before, after)| State {
         velocity_m_s: after.velocity_m_s,

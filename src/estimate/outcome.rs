@@ -22,6 +22,9 @@ pub const PHYSICAL: Gap = Gap {
     angular_velocity_rad_s: 1e-7,
 };
 
+/// Least interval between events that are not at the bound of their order \[s\].
+const APART_S: f64 = 1e-9;
+
 /// The estimate of a scene from the solver's solution, without standard deviations; `errors` are
 /// the residuals of its samples ([`errors`]), `counters` the work.
 pub fn estimate(
@@ -128,8 +131,10 @@ fn judge(
         Some((found.event, found.time_s))
     };
     for arc in &problem.arcs {
+        // Where nothing but their order holds two events apart, they are at its bound.
+        let least_s = if arc.is_informed() { 0.0 } else { APART_S };
         if let (Some(start), Some(end)) = (time_s(arc.start), time_s(arc.end))
-            && end.1 < start.1
+            && end.1 - start.1 < least_s
         {
             let reversed = End::EventsReversed {
                 first: start.0,

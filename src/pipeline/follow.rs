@@ -160,8 +160,7 @@ impl<'a> Acted<'a> {
             })
             .collect();
         let mut each = segments.iter();
-        let is_enough =
-            each.all(|s| s.samples.len() >= samples_min(self.scene, s.start_event));
+        let is_enough = each.all(|s| s.samples.len() >= samples_min(self.scene, s.start_event));
         (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,

@@ -146,7 +146,11 @@ impl<'a> Stream<'a> {
     fn between(&self, from: usize, to: usize) -> f64 {
         let count = self.samples.len();
         let begin = if from == 0 { 0 } else { (from + 1).min(count) };
-        let end = if to == count { to } else { to.saturating_sub(1) };
+        let end = if to == count {
+            to
+        } else {
+            to.saturating_sub(1)
+        };
         self.cost(begin, end)
     }
 

@@ -211,7 +211,11 @@ fn close_events(scene: &Scene, sketch: &Sketch, event: usize) -> Vec<usize> {
         let both = [before, after].map(track_of);
         both == [Some(track); 2] && to < from + KEEP_SAMPLES
     };
-    if (0..event).rev().find(concerns).is_some_and(|before| is_close(before, event)) {
+    if (0..event)
+        .rev()
+        .find(concerns)
+        .is_some_and(|before| is_close(before, event))
+    {
         return Vec::new();
     }
     let mut close = vec![event];
@@ -329,7 +333,9 @@ fn refine_one(
     let shift_s = best_s - time_s(now);
     match close.as_slice() {
         [event] => sketch.marks_s[*event] = best_s,
-        close => close.iter().for_each(|event| sketch.marks_s[*event] += shift_s),
+        close => close
+            .iter()
+            .for_each(|event| sketch.marks_s[*event] += shift_s),
     }
     true
 }

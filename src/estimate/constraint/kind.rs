@@ -82,6 +82,10 @@ impl Problem {
         let bounded = self.bounded.iter().map(|of| of as &dyn Constraint);
         let ordered = self.ordered.iter().map(|of| of as &dyn Constraint);
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
-        collisions.chain(goals).chain(bounded).chain(cones).chain(ordered)
+        collisions
+            .chain(goals)
+            .chain(bounded)
+            .chain(cones)
+            .chain(ordered)
     }
 }

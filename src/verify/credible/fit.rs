@@ -110,13 +110,14 @@ fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
 
 /// Whether the residuals cannot be a hand's wander that is too slow to be visible in short flights.
 fn is_no_hand(flights: &[Flight]) -> bool {
-    let acted_s = flights
+    let seen = flights
         .iter()
-        .map(|flight| match flight.readings.as_slice() {
-            [first, .., last] => last.acted_s - first.acted_s,
-            _ => 0.0,
+        .filter_map(|flight| match flight.readings.as_slice() {
+            [first, .., last] => Some(last.acted_s - first.acted_s),
+            _ => None,
         });
-    let mean_s = acted_s.sum::<f64>() / flights.len() as f64;
+    let acted_s: Vec<f64> = seen.collect();
+    let mean_s = acted_s.iter().sum::<f64>() / acted_s.len() as f64;
     mean_s >= SHORT_S || kinks(flights).is_some_and(|kinks| kinks > KINKS)
 }
 

@@ -70,7 +70,9 @@ fn tried(
         let before = flight.advance(&state, duration_s);
         let heights_m = cube.heights_m(&before);
         let hit = heights_m[0].1;
-        let speed_m_s = cube.encounter(hit, 1.0).speed_m_s(&before, &super::encounter::still());
+        let speed_m_s = cube
+            .encounter(hit, 1.0)
+            .speed_m_s(&before, &super::encounter::still());
         if heights_m[1].0 < CLEAR_M || speed_m_s > -APPROACH_M_S {
             return None;
         }
@@ -121,8 +123,8 @@ fn tried(
 /// The state in which the lowest corner touches.
 fn falling(cube: &Bouncer, corners: usize, interval_s: f64, rng: &mut ChaCha8Rng) -> State {
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
-    let [drift, spin] = [DRIFT_M_S, SPIN_RAD_S]
-        .map(|sd| Vector3::new(normal(), normal(), normal()) * sd);
+    let [drift, spin] =
+        [DRIFT_M_S, SPIN_RAD_S].map(|sd| Vector3::new(normal(), normal(), normal()) * sd);
     let fall_m_s = rng.random_range(FALL_M_S.0..FALL_M_S.1);
     // The next corner comes with about the speed of the fall.
     let most_rad = (3.0 * fall_m_s * interval_s / SIDE_M).min(0.7);

@@ -2,6 +2,7 @@
 //! first impact, and what would have been predicted.
 
 mod bounce;
+mod contacts;
 mod flights;
 mod impacts;
 

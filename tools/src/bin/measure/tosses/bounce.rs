@@ -3,12 +3,13 @@
 
 use anyhow::Result;
 use enact::config::scene_from_toml;
-use enact::motion::{LinkIndex, Scene, Verdict};
+use enact::motion::{LinkIndex, Scene, SegmentResidual, Verdict};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::{Body, State, flow};
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::contacts::{Touched, contacts, first_impacts, orders};
 use enact_tools::case::estimated;
 use enact_tools::tosses::{FREE_LAW_TOML, IMPACT_TOML, RATES_HZ, Toss, end_toml, scene_toml};
 
@@ -21,36 +22,63 @@ const HALF_M: f64 = 0.05125;
 const GRAVITY_M_S2: f64 = 9.648;
 /// White noise per axis, as documented \[mm\], \[°\].
 const NOISE: (f64, f64) = (0.02, 0.025);
-/// A corner nearer to the table than this may touch it \[m\].
-const NEAR_M: f64 = 0.002;
-/// Samples between the first impact and the next contact that an estimate needs.
-const LEAST_AFTER: usize = 4;
 /// A prediction goes on for so long after the impact \[s\], in steps of \[s\].
 pub const AHEAD_S: f64 = 0.05;
 const STEP_S: f64 = 2e-5;
 /// Impacts of a prediction beyond which the cube chatters.
 const IMPACTS_MAX: usize = 200;
 
+/// Quantities of an impact's law after the first, and how far they may be from what is guessed.
+const LIKE_IT: [(&str, f64); 2] = [("restitution", 0.1), ("friction", 0.05)];
+
+/// A sample.
+type Pose = (Vector3<f64>, UnitQuaternion<f64>);
+
 /// The cube and its table, as these cameras see them.
 pub struct Setting {
+    /// The scene's file up to its events.
+    head: String,
     /// All flights until the first impact.
     before: Scene,
-    /// With the impact, restitution and friction free.
-    with_impact: Scene,
     body: Body,
-    /// Middles of the balls that the corners are, and their radius \[m\].
+    /// Middles of the balls that the corners are, their names, and their radius \[m\].
     corners_m: Vec<Vector3<f64>>,
+    names: Vec<String>,
     pub radius_m: f64,
 }
 
 /// The first impact of a toss as estimated.
 pub struct Bounce {
+    /// Number of impacts that were estimated together.
+    pub impacts: usize,
     /// Value and standard deviation.
     pub restitution: (f64, Option<f64>),
     /// Value and standard deviation.
     pub friction: (f64, Option<f64>),
-    /// Residuals after the impact, rms \[mm\], \[°\].
+    /// Residuals before the impact, rms \[mm\], \[°\].
+    pub before: (f64, f64),
+    /// Residuals after the impact.
     pub residual: (f64, f64),
+}
+
+/// Name of an impact.
+fn impact_name(index: usize) -> String {
+    match index {
+        0 => "impact".to_owned(),
+        later => format!("impact {}", later + 1),
+    }
+}
+
+/// Root mean square over some flights \[mm\], \[°\].
+fn rms(flights: &[SegmentResidual]) -> (f64, f64) {
+    let count: usize = flights.iter().map(|flight| flight.samples).sum();
+    let of = |value: fn(&SegmentResidual) -> f64| {
+        let squares = flights.iter();
+        let sum: f64 = squares.map(|f| f.samples as f64 * value(f).powi(2)).sum();
+        (sum / count.max(1) as f64).sqrt()
+    };
+    let (position_m, orientation_rad) = (of(|f| f.position_rms_m), of(|f| f.orientation_rms_rad));
+    (1e3 * position_m, orientation_rad.to_degrees())
 }
 
 /// Errors of a prediction at a sample.
@@ -79,27 +107,23 @@ impl Setting {
              orientation_deg = {orientation_deg:?}\n",
             -GRAVITY_M_S2
         );
-        let with_impact = format!("{head}{IMPACT_TOML}{}{FREE_LAW_TOML}", end_toml("end"));
-        let mut with_impact = scene_from_toml(&with_impact)?;
         let before = scene_from_toml(&format!("{head}{}", end_toml("impact")))?;
-        let mut corners_m = Vec::new();
-        for feature in &mut with_impact.links[LinkIndex(0)].features {
-            if let Feature::Point {
-                point_m,
-                radius_m: r,
-            } = &mut feature.geometry
-            {
-                *point_m *= 1.0 - radius_m / HALF_M;
-                *r = radius_m;
-                corners_m.push(*point_m);
+        let link = &before.links[LinkIndex(0)];
+        let (mut corners_m, mut names) = (Vec::new(), Vec::new());
+        for feature in link.candidate_features() {
+            let feature = &link.features[feature];
+            if let Feature::Point { point_m, .. } = feature.geometry {
+                corners_m.push(point_m * (1.0 - radius_m / HALF_M));
+                names.push(feature.name.clone());
             }
         }
         Ok(Self {
-            body: before.links[LinkIndex(0)].body,
-            corners_m,
-            radius_m,
-            with_impact,
+            body: link.body,
+            head,
             before,
+            corners_m,
+            names,
+            radius_m,
         })
     }
 
@@ -109,49 +133,39 @@ impl Setting {
     }
 
     /// Heights of the corners over the table \[m\].
-    fn heights_m(&self, position_m: &Vector3<f64>, orientation: &UnitQuaternion<f64>) -> Vec<f64> {
+    pub fn heights_m(&self, (position_m, orientation): &Pose) -> Vec<f64> {
         let corners = self.corners_m.iter();
         corners
             .map(|corner| (position_m + orientation * corner).z - self.radius_m)
             .collect()
     }
 
-    /// The samples until something touches again after the first impact.
-    fn until_next_contact(&self, toss: &Toss) -> usize {
-        let heights_m = |index: usize| {
-            let (position_m, orientation) = &toss.poses[index];
-            self.heights_m(position_m, orientation)
-        };
-        let first = heights_m(toss.flight.min(toss.poses.len() - 1));
-        let hit = (0..first.len()).min_by(|a, b| first[*a].total_cmp(&first[*b]));
-        let mut last_m = f64::NEG_INFINITY;
-        for index in toss.flight + 1..toss.poses.len() {
-            let heights_m = heights_m(index);
-            let touches = heights_m.iter().enumerate().any(|(corner, height_m)| {
-                let comes_back = Some(corner) != hit || *height_m < last_m;
-                *height_m < NEAR_M && comes_back
-            });
-            if touches {
-                return index;
+    /// Restitution and friction of the first impact, estimated through those that follow it closely.
+    pub fn bounce(&self, toss: &Toss) -> Result<Bounce, String> {
+        let all = contacts(self, toss);
+        let (impacts, end) = first_impacts(&all, toss.poses.len())
+            .ok_or_else(|| format!("{} contacts without a long flight", all.len()))?;
+        let mut first = None;
+        for order in orders(&impacts) {
+            let tried = self.bounce_off(toss, &order, end);
+            if tried.is_ok() {
+                return tried;
             }
-            last_m = hit.map_or(last_m, |hit| heights_m[hit]);
+            first = first.or(Some(tried));
         }
-        toss.poses.len()
+        first.expect("at least one order")
     }
 
-    /// Restitution and friction of the first impact.
-    pub fn bounce(&self, toss: &Toss) -> Result<Bounce, String> {
-        let end = self.until_next_contact(toss);
-        let after = end - toss.flight;
-        if after < LEAST_AFTER {
-            return Err(format!("{after} samples before the next contact"));
-        }
-        let marks = [
-            (toss.flight as f64 - 0.5, "impact"),
-            (end as f64 - 1.0, "end"),
-        ];
-        let events = toss.take(RATE_HZ, end, &marks);
-        let outcome = estimated(&self.with_impact, &events, &mut ()).map_err(|e| e.to_string())?;
+    /// The estimate of some impacts, each at its corner, and a flight that ends before a place.
+    fn bounce_off(&self, toss: &Toss, impacts: &[Touched], end: f64) -> Result<Bounce, String> {
+        let scene = self.with_impacts(impacts).map_err(|e| e.to_string())?;
+        let samples = (end.ceil() as usize).min(toss.poses.len());
+        let names: Vec<String> = (0..impacts.len()).map(impact_name).collect();
+        let places = impacts.iter().map(|impact| impact.place);
+        let mut marks: Vec<(f64, &str)> = places.zip(names.iter().map(String::as_str)).collect();
+        marks.push((samples as f64 - 1.0, "end"));
+        let events = toss.take(RATE_HZ, samples, &marks);
+        let outcome = estimated(&scene, &events, &mut ()).map_err(|e| e.to_string())?;
         let estimate = &outcome.estimate;
         if estimate.verdict != Verdict::Physical {
             return Err(format!(
@@ -167,15 +181,41 @@ impl Setting {
                 (parameter.value, parameter.sd)
             })
         };
-        let last = estimate.residuals.last();
+        let (before, after) = estimate.residuals.split_at(1);
         Ok(Bounce {
+            impacts: impacts.len(),
             restitution: parameter("impact.restitution"),
             friction: parameter("impact.friction"),
-            residual: last.map_or((f64::NAN, f64::NAN), |residual| {
-                let degrees = residual.orientation_rms_rad.to_degrees();
-                (1e3 * residual.position_rms_m, degrees)
-            }),
+            before: rms(before),
+            residual: rms(after),
         })
+    }
+
+    /// The scene with these impacts: the law of the first is free, the others' are expected to be
+    /// like it.
+    fn with_impacts(&self, impacts: &[Touched]) -> Result<Scene> {
+        let mut text = self.head.clone();
+        let mut free = FREE_LAW_TOML.to_owned();
+        for (index, impact) in impacts.iter().enumerate() {
+            let name = impact_name(index);
+            let corner = &self.names[impact.corner];
+            let event = IMPACT_TOML.replace("\"impact\"", &format!("{name:?}"));
+            text += &format!("{event}feature = {corner:?}\n");
+            if index > 0 {
+                for (quantity, sd) in LIKE_IT {
+                    free +=
+                        &format!("[[free]]\nquantity = \"{name}.{quantity}\"\nprior_sd = {sd}\n");
+                }
+            }
+        }
+        let mut scene = scene_from_toml(&format!("{text}{}{free}", end_toml("end")))?;
+        for feature in &mut scene.links[LinkIndex(0)].features {
+            if let Feature::Point { point_m, radius_m } = &mut feature.geometry {
+                *point_m *= 1.0 - self.radius_m / HALF_M;
+                *radius_m = self.radius_m;
+            }
+        }
+        Ok(scene)
     }
 
     /// The state of the first flight, and its time.

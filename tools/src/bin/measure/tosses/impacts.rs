@@ -28,12 +28,13 @@ pub fn run(tosses: &[Toss], quick: bool, record: &mut Record) -> Result<()> {
         "corners rounded by",
         "tosses",
         "estimated",
+        "through further impacts",
         "restitution, median (robust sd)",
         "its reported sd, median",
         "friction, median (robust sd)",
         "its reported sd, median",
-        "residual after the impact, median",
-        "why not",
+        "residual before the impact, median",
+        "residual after it, median",
     ];
     let mut table = Table::new("bounces", "", &header);
     let mut best: Option<(f64, Setting, Vec<Tried>)> = None;
@@ -55,6 +56,7 @@ pub fn run(tosses: &[Toss], quick: bool, record: &mut Record) -> Result<()> {
     }
     record.table(table);
     if let Some((_, setting, bounces)) = best {
+        record.table(failures(tosses, &bounces));
         record.figure(sorted("restitution", &setting, &bounces, |b| b.restitution));
         record.figure(sorted("friction", &setting, &bounces, |b| b.friction));
         predictions(record, &setting, tosses, &bounces);
@@ -92,29 +94,38 @@ fn row(setting: &Setting, bounces: &[Tried]) -> Vec<String> {
             good.len()
         )
     };
-    let reasons = bounces.iter().filter_map(|bounce| bounce.as_ref().err());
-    let (few, others): (Vec<&String>, Vec<&String>) =
-        reasons.partition(|reason| reason.contains("samples before"));
+    let through = good.iter().filter(|bounce| bounce.impacts > 1).count();
+    let left = |value: &dyn Fn(&Bounce) -> (f64, f64)| {
+        let [position_mm, orientation_deg] = [
+            median(&of(&|bounce| value(bounce).0)),
+            median(&of(&|bounce| value(bounce).1)),
+        ];
+        format!("{position_mm:.3} mm, {orientation_deg:.3}°")
+    };
     vec![
         format!("{:e}", setting.moment_kg_m2()),
         format!("{} mm", 1e3 * setting.radius_m),
         bounces.len().to_string(),
         good.len().to_string(),
+        through.to_string(),
         spread(&|bounce| bounce.restitution.0),
         sd(&|bounce| bounce.restitution.1),
         spread(&|bounce| bounce.friction.0),
         sd(&|bounce| bounce.friction.1),
-        format!(
-            "{:.3} mm, {:.3}°",
-            median(&of(&|bounce| bounce.residual.0)),
-            median(&of(&|bounce| bounce.residual.1))
-        ),
-        format!(
-            "{} touch again within 3 samples, {} not physical",
-            few.len(),
-            others.len()
-        ),
+        left(&|bounce| bounce.before),
+        left(&|bounce| bounce.residual),
     ]
+}
+
+fn failures(tosses: &[Toss], bounces: &[Tried]) -> Table {
+    let title = "Tosses whose first impact has no estimate, with the moment and the radius that leave the least";
+    let mut table = Table::new("impact_failures", title, &["toss", "why"]);
+    for (toss, bounce) in tosses.iter().zip(bounces) {
+        if let Err(reason) = bounce {
+            table.row([toss.number.to_string(), reason.clone()]);
+        }
+    }
+    table
 }
 
 fn sorted(
@@ -142,7 +153,7 @@ fn sorted(
             "The first impact's {quantity} in real tosses, with the reported 95 % intervals"
         ),
         note: format!(
-            "Sorted; {} of {} tosses have enough samples before the next contact. Moment of inertia \
+            "Sorted; {} of {} tosses. Moment of inertia \
              {:e} kg m², corners rounded by {} mm. A cross: not determined.",
             values.len(),
             bounces.len(),
