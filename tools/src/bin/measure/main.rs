@@ -13,6 +13,7 @@
 
 mod accuracy;
 mod answer;
+mod clatter;
 mod cost;
 mod damage;
 mod diagnosis;
@@ -120,6 +121,11 @@ const SUBJECTS: &[Subject] = &[
         "sequences",
         "what touches, where scenes leave that open",
         sequences::run
+    ),
+    subject!(
+        "clatter",
+        "corners that hit within milliseconds, with few samples between",
+        clatter::run
     ),
     subject!(
         "cost",
