@@ -119,9 +119,11 @@ fn a_flight_of_one_sample_is_compared_with_it() {
 fn unseen_after(mut truth: Truth, is_free: bool, seed: u64) -> (Case, Outcome) {
     let last = truth.event_times_s.len() - 2;
     if is_free {
+        let collision = truth.scene.events[last].kind.collision();
+        let law = collision.expect("an impact").law;
         truth.scene.parameters.push(FreeParameter {
             name: "last".into(),
-            quantity: Quantity::Restitution { event: last },
+            quantity: Quantity::Restitution { law },
             initial: 0.5,
             lower: 0.0,
             upper: 1.0,

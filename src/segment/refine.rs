@@ -330,7 +330,10 @@ fn refine_one(
         left_m2[stretch.track] += best_m2 - now_m2;
     }
     let best_s = time_s(best);
-    let shift_s = best_s - time_s(now);
+    let first_s = sketch.marks_s[event];
+    // No farther than to the cut.
+    let [from_s, to_s] = [best - 1, best].map(|sample| samples[sample].acted_s);
+    let shift_s = first_s.clamp(from_s, to_s - 1e-3 * (to_s - from_s)) - first_s;
     match close.as_slice() {
         [event] => sketch.marks_s[*event] = best_s,
         close => close

@@ -137,10 +137,13 @@ impl Way {
         }
         for event in (0..self.corners).filter(|_| self.is_free) {
             let collision = truth.scene.events[event].kind.collision();
-            truth.parameters.extend(collision.map(|c| c.restitution));
+            let law = collision.expect("an impact").law;
+            truth
+                .parameters
+                .push(truth.scene.contact_laws[law].restitution);
             truth.scene.parameters.push(FreeParameter {
                 name: format!("restitution {event}"),
-                quantity: Quantity::Restitution { event },
+                quantity: Quantity::Restitution { law },
                 initial: 0.5,
                 lower: 0.0,
                 upper: 1.0,

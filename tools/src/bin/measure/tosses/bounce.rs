@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::contacts::{Touched, contacts, first_impacts, orders};
 use enact_tools::case::estimated;
-use enact_tools::tosses::{FREE_LAW_TOML, IMPACT_TOML, RATES_HZ, Toss, end_toml, scene_toml};
+use enact_tools::tosses::{RATES_HZ, Toss, end_toml, scene_toml};
 
 /// As the cameras ran \[Hz\].
 const RATE_HZ: f64 = RATES_HZ[0];
@@ -28,8 +28,10 @@ const STEP_S: f64 = 2e-5;
 /// Impacts of a prediction beyond which the cube chatters.
 const IMPACTS_MAX: usize = 200;
 
-/// Quantities of an impact's law after the first, and how far they may be from what is guessed.
-const LIKE_IT: [(&str, f64); 2] = [("restitution", 0.1), ("friction", 0.05)];
+/// The law of all impacts of the cube.
+const LAW_TOML: &str = "restitution = 0.3\nfriction = 0.15\n";
+const FREE_LAW_TOML: &str = "[[free]]\nquantity = \"cube.restitution\"\n\
+                             [[free]]\nquantity = \"cube.friction\"\nlower = 0\nupper = 2\n";
 
 /// A sample.
 type Pose = (Vector3<f64>, UnitQuaternion<f64>);
@@ -99,7 +101,8 @@ impl Setting {
         let text = text
             .replace("104.8", &format!("{side_mm}"))
             .replace("52.4", &format!("{}", 0.5 * side_mm))
-            .replace("8.1e-4", &format!("{moment_kg_m2:e}"));
+            .replace("8.1e-4", &format!("{moment_kg_m2:e}"))
+            .replace("mass_kg", &format!("{LAW_TOML}mass_kg"));
         let (head, _) = text.split_once("[[event]]").unwrap_or((&text, ""));
         let (position_mm, orientation_deg) = NOISE;
         let head = format!(
@@ -184,31 +187,25 @@ impl Setting {
         let (before, after) = estimate.residuals.split_at(1);
         Ok(Bounce {
             impacts: impacts.len(),
-            restitution: parameter("impact.restitution"),
-            friction: parameter("impact.friction"),
+            restitution: parameter("cube.restitution"),
+            friction: parameter("cube.friction"),
             before: rms(before),
             residual: rms(after),
         })
     }
 
-    /// The scene with these impacts: the law of the first is free, the others' are expected to be
-    /// like it.
+    /// The scene with these impacts, their law free.
     fn with_impacts(&self, impacts: &[Touched]) -> Result<Scene> {
         let mut text = self.head.clone();
-        let mut free = FREE_LAW_TOML.to_owned();
         for (index, impact) in impacts.iter().enumerate() {
             let name = impact_name(index);
             let corner = &self.names[impact.corner];
-            let event = IMPACT_TOML.replace("\"impact\"", &format!("{name:?}"));
-            text += &format!("{event}feature = {corner:?}\n");
-            if index > 0 {
-                for (quantity, sd) in LIKE_IT {
-                    free +=
-                        &format!("[[free]]\nquantity = \"{name}.{quantity}\"\nprior_sd = {sd}\n");
-                }
-            }
+            text += &format!(
+                "[[event]]\nname = {name:?}\nkind = \"collision\"\nbody = \"cube\"\n\
+                 feature = {corner:?}\nsurface = \"table\"\n"
+            );
         }
-        let mut scene = scene_from_toml(&format!("{text}{}{free}", end_toml("end")))?;
+        let mut scene = scene_from_toml(&format!("{text}{}{FREE_LAW_TOML}", end_toml("end")))?;
         for feature in &mut scene.links[LinkIndex(0)].features {
             if let Feature::Point { point_m, radius_m } = &mut feature.geometry {
                 *point_m *= 1.0 - self.radius_m / HALF_M;
