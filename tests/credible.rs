@@ -318,6 +318,7 @@ fn a_gravity_that_was_freed_is_held_against_the_scenes() {
                 name: "gravity.z".into(),
                 value: estimate.gravity_m_s2.z,
                 sd,
+                at_bound: None,
                 lower: f64::NEG_INFINITY,
                 upper: f64::INFINITY,
             }];

@@ -285,13 +285,9 @@ fn a_count_becomes_as_many_bounces_as_there_are_marks() {
         least: 1,
         most: 5,
     };
-    scene.events.splice(
-        0..3,
-        [enact::motion::Event {
-            name: "bounce".into(),
-            kind,
-        }],
-    );
+    scene
+        .events
+        .splice(0..3, [enact::motion::Event::new("bounce", kind)]);
     let found = estimated(&scene, &case.performance.events, &mut ()).unwrap();
     let names: Vec<&str> = found.scene.events.iter().map(|e| e.name.as_str()).collect();
     assert_eq!(names, ["bounce 1", "bounce 2", "bounce 3", "end"]);

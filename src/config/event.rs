@@ -7,11 +7,11 @@ use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::law::{self, BodyLaws, Laws};
-use super::number::{index_of, name, pose, unique};
-use super::raw::{RawCount, RawEvent, RawGoal, Text};
+use super::number::{finite, index_of, name, pose, positive, unique};
+use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
 use crate::motion::{
-    Collision, ContactLawIndex, Event, EventKind, Goal, GoalTarget, Link, LinkIndex, Partner,
-    Scene, Touching,
+    Collision, ContactLawIndex, Event, EventKind, EventTime, Goal, GoalTarget, Link, LinkIndex,
+    Partner, Scene, Timing, Touching,
 };
 
 /// The events of a scene whose bodies and surfaces are known, in order: a start only first, an end
@@ -57,9 +57,74 @@ pub(super) fn events(
                 );
             }
         };
-        events.push(Event { name, kind });
+        let time = event_time(event, scene.timing)?;
+        events.push(Event { name, kind, time });
     }
     Ok(events)
+}
+
+/// What is known of an event's time beside its mark.
+fn event_time(event: &RawEvent, timing: Timing) -> Result<EventTime, Fault> {
+    let known = [
+        ("time_sd_ms", &event.time_sd_ms),
+        ("earliest_ms", &event.earliest_ms),
+        ("latest_ms", &event.latest_ms),
+    ];
+    let mut known = known
+        .into_iter()
+        .filter_map(|(key, number)| Some((key, number.as_ref()?)));
+    let first = known.next();
+    let is_free = match (&event.time, first) {
+        (None, None) => None,
+        (None, Some(_)) => Some(true),
+        (Some(text), first) => match (text.get_ref().as_str(), first) {
+            ("fixed", None) => Some(false),
+            ("free", _) => Some(true),
+            ("fixed", Some((key, number))) => {
+                return fault(
+                    number.span(),
+                    format!("{key} does not apply to a fixed time, expected time = \"free\""),
+                );
+            }
+            (other, _) => {
+                return fault(
+                    text.span(),
+                    format!("time is {other:?}, expected \"fixed\" or \"free\""),
+                );
+            }
+        },
+    };
+    if let (Timing::Edited, Some((key, number))) = (timing, first) {
+        return fault(
+            number.span(),
+            format!("{key} is about a mark and does not apply to edited stamps"),
+        );
+    }
+    let after_s = |what: &str, number: &Option<Number>, otherwise: f64| {
+        let given = number.as_ref().map(|number| finite(what, number));
+        Ok(given.transpose()?.map_or(otherwise, |ms| ms / 1e3))
+    };
+    let earliest_s = after_s("earliest_ms", &event.earliest_ms, f64::NEG_INFINITY)?;
+    let latest_s = after_s("latest_ms", &event.latest_ms, f64::INFINITY)?;
+    if let Some(latest) = event.latest_ms.as_ref().filter(|_| earliest_s >= latest_s) {
+        return fault(
+            latest.span(),
+            format!(
+                "latest_ms is {}, expected more than earliest_ms, {}: a time that is known is fixed",
+                latest_s * 1e3,
+                earliest_s * 1e3
+            ),
+        );
+    }
+    let sd_ms = event.time_sd_ms.as_ref();
+    let sd_ms = sd_ms
+        .map(|number| positive("time_sd_ms", number))
+        .transpose()?;
+    Ok(EventTime {
+        is_free,
+        mark_sd_s: sd_ms.map(|sd_ms| sd_ms / 1e3),
+        window_s: [earliest_s, latest_s],
+    })
 }
 
 /// Greatest number of collisions that a count may stand for.

@@ -28,6 +28,13 @@
 //! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
 //! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
 //!
+//! The time of an event is that of its mark, or it is estimated. `time = "fixed"` or `"free"` in an
+//! `[[event]]` says which; left out, collisions are free, a start is fixed, and an end is free only
+//! where a goal holds there and the stamps are those of a tempo. The mark is a measurement of a free
+//! time: `time_sd_ms` is its standard deviation if it is another than `timing.mark_sd_ms`.
+//! `earliest_ms` and `latest_ms` are bounds that hold exactly, in acted time after the mark,
+//! negative before it. Each of the three makes the time free.
+//!
 //! # Free quantities
 //!
 //! `[[free]]` hands a `quantity` to the estimation. `initial` is where it begins, `lower` and `upper`
@@ -95,6 +102,9 @@
 //! | `event.restitution`, `event.friction` | the body's |
 //! | `body.restitution`, `body.friction` | each event has its own; no friction |
 //! | `event.count` | one collision |
+//! | `event.time` | `"free"` for collisions, and for an end with a goal where stamps are a tempo; else `"fixed"` |
+//! | `event.time_sd_ms` | `timing.mark_sd_ms` |
+//! | `event.earliest_ms`, `event.latest_ms` | −∞, +∞ |
 //! | `body.force_m_s2`, `body.drag_linear_per_s`, `body.drag_quadratic_per_m` | none |
 //! | `free.initial…`, `free.lower…`, `free.upper…` | see above |
 //! | `free.prior_sd…` | no prior |

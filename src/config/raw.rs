@@ -130,6 +130,10 @@ pub(super) struct RawEvent {
     pub(super) restitution: Option<Number>,
     pub(super) friction: Option<Number>,
     pub(super) count: Option<Spanned<RawCount>>,
+    pub(super) time: Option<Text>,
+    pub(super) time_sd_ms: Option<Number>,
+    pub(super) earliest_ms: Option<Number>,
+    pub(super) latest_ms: Option<Number>,
 }
 
 /// How often a collision happens: a number, or the least and the greatest.

@@ -4,11 +4,11 @@ use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
 use super::recipe::Solution;
 use super::timing;
-use crate::motion::{Estimate, Scene, Undetermined};
+use crate::motion::{AtBound, Estimate, Scene, Undetermined};
 
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
-/// or undetermined ones, and lists what is undetermined. `errors` are the residuals of the
-/// solution's samples.
+/// or undetermined ones, and lists what is undetermined. Where there is no covariance, none is
+/// computed and none called undetermined. `errors` are the residuals of the solution's samples.
 pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
@@ -26,17 +26,26 @@ pub fn fill(
     let lasting = timing::duration(context, &solution.point).moment;
     let moments: Vec<Moment> = events.chain(parameters).chain([lasting]).collect();
     let mut each = moments.iter().zip(sds(&moments));
+    // At a bound the deviation covers what the performance asks for beyond it.
+    let covering = |sd: Option<f64>, moment: &Moment, at_bound: Option<AtBound>| {
+        let covariance = covariance.as_ref().filter(|_| at_bound.is_some());
+        let beyond = covariance.map_or(0.0, |covariance| covariance.beyond_bounds(moment));
+        sd.map(|sd| sd.hypot(beyond))
+    };
     let mut undetermined_times = Vec::new();
     for (event, (moment, sd_s)) in estimate.events.iter_mut().zip(&mut each) {
-        event.sd_s = sd_s;
-        if !moment.is_empty() && sd_s.is_none() {
+        if event.is_fixed {
+            continue;
+        }
+        event.sd_s = covering(sd_s, moment, event.at_bound);
+        if covariance.is_some() && !moment.is_empty() && sd_s.is_none() {
             undetermined_times.push(Undetermined::EventTime(event.event));
         }
     }
     let parameters = estimate.parameters.iter_mut().enumerate();
-    for ((index, parameter), (_, sd)) in parameters.zip(&mut each) {
-        parameter.sd = sd;
-        if sd.is_none() {
+    for ((index, parameter), (moment, sd)) in parameters.zip(&mut each) {
+        parameter.sd = covering(sd, moment, parameter.at_bound);
+        if covariance.is_some() && sd.is_none() {
             estimate.undetermined.push(Undetermined::Parameter(index));
         }
     }

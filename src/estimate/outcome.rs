@@ -2,12 +2,12 @@
 
 use super::context::SolveContext;
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{Problem, TimeSide, unit};
 use super::recipe::Solution;
 use super::timing;
 use crate::math::so3;
 use crate::motion::{
-    ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, Measured,
+    ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, Measured,
     ParameterEstimate, Progress, Reason, SampleTime, Scene, Segment, SegmentResidual, Sketch,
     Verdict,
 };
@@ -24,6 +24,10 @@ pub const PHYSICAL: Gap = Gap {
 
 /// Least interval between events that are not at the bound of their order \[s\].
 const APART_S: f64 = 1e-9;
+/// Greatest violation of a bound of a time \[s\].
+const PHYSICAL_TIME_S: f64 = 1e-9;
+/// A quantity is at its bound if it is nearer to it than this share of a typical change of it.
+const NEAR: f64 = 1e-6;
 
 /// The estimate of a scene from the solver's solution, without standard deviations; `errors` are
 /// the residuals of its samples ([`errors`]), `counters` the work.
@@ -56,10 +60,12 @@ pub fn estimate(
             sd_s: None,
         },
         parameters: parameters
-            .map(|(free, value)| ParameterEstimate {
+            .enumerate()
+            .map(|(index, (free, value))| ParameterEstimate {
                 name: free.name.clone(),
                 value: *value,
                 sd: None,
+                at_bound: parameter_bound(problem, point, index),
                 lower: free.lower,
                 upper: free.upper,
             })
@@ -81,10 +87,50 @@ fn events(
             event,
             time_s: timing::event_time_s(problem, point, event),
             sd_s: None,
+            is_fixed: !scene.time_is_free(event) && is_at_mark(problem, event),
+            at_bound: time_bound(problem, point, event),
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
         })
         .collect()
+}
+
+/// Whether the time of an event that is not free is given: by physical stamps, or as the zero of
+/// time. In an unknown tempo it is as certain as the time map at its mark.
+fn is_at_mark(problem: &Problem, event: usize) -> bool {
+    !problem.times_are_unknown() || timing::is_zero(problem, event)
+}
+
+/// The bound at which the time of an event is.
+fn time_bound(problem: &Problem, point: &Point, event: usize) -> Option<AtBound> {
+    let bounds = problem.time_bounds.iter();
+    let mut at = bounds.filter(|bound| {
+        let off_s = bound.time_s(problem, point) - point.event_times_s[event];
+        bound.event == event && off_s.abs() <= NEAR * unit::TIME_S
+    });
+    at.find_map(|bound| match bound.side {
+        TimeSide::Earliest => Some(AtBound::Lower),
+        TimeSide::Latest => Some(AtBound::Upper),
+        TimeSide::Only => None,
+    })
+}
+
+/// The bound at which a parameter is, or that of the cone that it is in.
+fn parameter_bound(problem: &Problem, point: &Point, index: usize) -> Option<AtBound> {
+    let free = &problem.parameters[index];
+    let value = point.parameters[index];
+    let is_at = |bound: f64| (value - bound).abs() <= NEAR * free.length();
+    let mut cones = problem.cones.iter();
+    let is_at_cone = cones.any(|cone| {
+        let [a, b] = cone.parameters.map(|of| point.parameters[of]);
+        cone.parameters.contains(&index) && a.hypot(b) >= cone.limit * (1.0 - NEAR)
+    });
+    match () {
+        () if is_at_cone => Some(AtBound::Cone),
+        () if is_at(free.lower) => Some(AtBound::Lower),
+        () if is_at(free.upper) => Some(AtBound::Upper),
+        () => None,
+    }
 }
 
 /// Largest remaining gap of each kind at an event.
@@ -161,7 +207,10 @@ fn judge(
         event.gap.velocity_m_s <= PHYSICAL.velocity_m_s
             && event.gap.angular_velocity_rad_s <= PHYSICAL.angular_velocity_rad_s
     };
-    if !events.iter().all(joins) {
+    let blocks = problem.constraints().zip(&solution.system.blocks);
+    let off_s = blocks.map(|(constraint, rows)| constraint.time_gap_s(rows));
+    let is_off = off_s.fold(0.0, f64::max) > PHYSICAL_TIME_S;
+    if is_off || !events.iter().all(joins) {
         return (Verdict::Failed, end);
     }
     if events.iter().all(obeys) {

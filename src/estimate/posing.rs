@@ -2,7 +2,8 @@
 
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Ordered, Problem,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Ordered,
+    Problem, TimeBound, TimeSide,
 };
 use crate::motion::{
     Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
@@ -30,12 +31,10 @@ impl Problem {
                 .iter()
                 .position(|free| free.quantity == quantity)
         };
-        let is_goal = |event| scene.goals.iter().any(|goal| goal.event == event);
-        let event_is_free: Vec<bool> = scene
-            .events
-            .iter()
-            .enumerate()
-            .map(|(event, e)| e.kind.collision().is_some() || is_goal(event))
+        // The time of a collision is an unknown even where it is fixed: by a bound.
+        let events = scene.events.iter().enumerate();
+        let event_is_free: Vec<bool> = events
+            .map(|(event, e)| e.kind.collision().is_some() || scene.time_is_free(event))
             .collect();
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         Self {
@@ -49,6 +48,7 @@ impl Problem {
             collisions: collisions(scene, &arcs, &parameter),
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
+            time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
@@ -112,6 +112,38 @@ fn marks(
             })
         })
         .collect()
+}
+
+fn time_bounds(scene: &Scene, sketch: &Sketch, nodes_acted_s: &[f64]) -> Vec<TimeBound> {
+    let is_known = !matches!(scene.timing, Timing::Unknown { .. });
+    let mut bounds = Vec::new();
+    for (event, of) in scene.events.iter().enumerate() {
+        let mark_s = sketch.marks[event].map_or(sketch.marks_s[event], |mark| mark.acted_s);
+        let [earliest_s, latest_s] = of.time.window_s;
+        let sides = if scene.time_is_free(event) {
+            vec![
+                (TimeSide::Earliest, earliest_s),
+                (TimeSide::Latest, latest_s),
+            ]
+        } else if of.kind.collision().is_some() {
+            vec![(TimeSide::Only, 0.0)]
+        } else {
+            Vec::new()
+        };
+        let sides = sides.into_iter().filter(|(_, after_s)| after_s.is_finite());
+        bounds.extend(sides.map(|(side, after_s)| {
+            let acted_s = mark_s + after_s;
+            let nodes = EventMark::nodes_about(nodes_acted_s, acted_s);
+            TimeBound {
+                event,
+                side,
+                acted_s,
+                nodes: nodes.filter(|_| !is_known),
+                half_width_s: 0.5 * (latest_s - earliest_s),
+            }
+        }));
+    }
+    bounds
 }
 
 fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {

@@ -18,7 +18,7 @@ pub mod unit {
     pub const VELOCITY_M_S: f64 = 0.1;
     /// Angular velocity [rad/s].
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
-    /// Interval between events \[s\].
+    /// Time of an event, or interval between two \[s\].
     pub const TIME_S: f64 = 0.01;
 }
 
@@ -168,6 +168,33 @@ pub enum ArcTarget {
     },
 }
 
+/// A bound of an event's time, at an acted time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeBound {
+    /// Index into [`Problem::event_is_free`].
+    pub event: usize,
+    /// Which bound.
+    pub side: TimeSide,
+    /// The acted time at which it is \[s\].
+    pub acted_s: f64,
+    /// The nodes about it, where sample times are unknown.
+    pub nodes: Option<[usize; 2]>,
+    /// Half the time between the earliest and the latest, infinite where there is only one
+    /// \[s, acted\].
+    pub half_width_s: f64,
+}
+
+/// Which bound of a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeSide {
+    /// No earlier.
+    Earliest,
+    /// No later.
+    Latest,
+    /// No other.
+    Only,
+}
+
 /// A parameter that has bounds of its own; its unit is its prior, or the width of its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounded {
@@ -205,6 +232,8 @@ pub struct Problem {
     pub goals: Vec<ArcGoal>,
     /// Events about flights that have few samples.
     pub ordered: Vec<Ordered>,
+    /// Bounds of events' times.
+    pub time_bounds: Vec<TimeBound>,
     /// Free parameters.
     pub parameters: Vec<FreeParameter>,
     /// Parameters with bounds of their own.
@@ -299,7 +328,9 @@ impl Problem {
         let free_events = self.event_is_free.iter().filter(|is_free| **is_free);
         let states: usize = (0..self.arcs.len()).map(|arc| self.dimension(arc)).sum();
         let unknowns = states + free_events.count() + self.parameters.len();
-        collisions.chain(goals).sum::<usize>() > unknowns
+        let times = self.time_bounds.iter();
+        let times = times.map(|bound| usize::from(bound.side == TimeSide::Only));
+        collisions.chain(goals).chain(times).sum::<usize>() > unknowns
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].

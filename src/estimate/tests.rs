@@ -40,9 +40,10 @@ const LAW: ContactLawIndex = ContactLawIndex(0);
 
 /// A rod that bounces once, with every kind of goal and parameter.
 pub(super) fn scene(timing: Timing) -> Scene {
-    let event = |name: &str, kind| Event {
-        name: name.into(),
-        kind,
+    let event = |name: &str, kind| {
+        let mut event = Event::new(name, kind);
+        event.time.is_free = Some(true);
+        event
     };
     let bounce = EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, LAW));
     let mut scene = Scene {

@@ -59,6 +59,11 @@ fn place(problem: &Problem, event: usize) -> (usize, f64) {
     }
 }
 
+/// Whether an event that is no unknown lies at the first node, the zero of time, or before it.
+pub(super) fn is_zero(problem: &Problem, event: usize) -> bool {
+    place(problem, event) == (0, 0.0)
+}
+
 /// The time of an event as a linear combination of unknowns.
 pub(super) fn event_moment(context: &SolveContext, event: usize) -> Moment {
     if let Some(at) = context.layout.events[event] {

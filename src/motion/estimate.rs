@@ -58,9 +58,13 @@ pub struct EventEstimate {
     pub event: usize,
     /// Physical time [s since the first sample].
     pub time_s: f64,
-    /// Its standard deviation \[s\], the first sample's time being zero; `None` where it is fixed
-    /// or undetermined.
+    /// Its standard deviation \[s\], the first sample's time being zero; `None` where it is fixed,
+    /// undetermined ([`Undetermined::EventTime`]) or was not computed.
     pub sd_s: Option<f64>,
+    /// Whether it is given: by a physical stamp, by the scene, or as the zero of time.
+    pub is_fixed: bool,
+    /// The bound of the scene at which it is.
+    pub at_bound: Option<AtBound>,
     /// Acted time, refined [s since `Sketch::origin`].
     pub acted_s: f64,
     /// Remaining violations of the constraints at it.
@@ -95,8 +99,13 @@ pub struct ParameterEstimate {
     pub name: String,
     /// Value, in the quantity's unit.
     pub value: f64,
-    /// Standard deviation; `None` where the performance does not determine it.
+    /// Standard deviation; `None` where the performance does not determine it
+    /// ([`Undetermined::Parameter`]) or it was not computed. At a bound, the bounds count as a prior
+    /// with a standard deviation of half their width, and it covers what the performance asks for
+    /// beyond the bound.
     pub sd: Option<f64>,
+    /// The bound at which it is.
+    pub at_bound: Option<AtBound>,
     /// Least value allowed.
     pub lower: f64,
     /// Greatest value allowed.
@@ -175,6 +184,28 @@ impl Estimate {
             self.verdict = self.verdict.max(doubt.about.best());
         }
         self.doubts = doubts;
+    }
+}
+
+/// A bound that holds a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AtBound {
+    /// The lower one.
+    Lower,
+    /// The upper one.
+    Upper,
+    /// That of the cone it is in with another.
+    Cone,
+}
+
+impl AtBound {
+    /// Its name in files and reports.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            AtBound::Lower => "lower",
+            AtBound::Upper => "upper",
+            AtBound::Cone => "cone",
+        }
     }
 }
 

@@ -90,6 +90,8 @@ pub(crate) fn estimate() -> Estimate {
         event,
         time_s,
         sd_s,
+        is_fixed: sd_s.is_none(),
+        at_bound: None,
         acted_s,
         gap: Gap::default(),
     };
@@ -108,6 +110,7 @@ pub(crate) fn estimate() -> Estimate {
             name: "bounce.restitution".to_owned(),
             value: 0.75,
             sd: None,
+            at_bound: None,
             lower: 0.0,
             upper: f64::INFINITY,
         }],

@@ -29,8 +29,8 @@ pub use diagnosis::{
 };
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
-    ArcEstimate, Counters, DurationEstimate, Estimate, EventEstimate, Gap, ParameterEstimate,
-    SampleTime, SegmentResidual, Undetermined,
+    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
+    ParameterEstimate, SampleTime, SegmentResidual, Undetermined,
 };
 pub use guess::{ArcGuess, Guess};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
@@ -38,9 +38,9 @@ pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use scene::{
-    Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, Feature,
-    FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner, Quantity, Scene,
-    Surface, Timing, Together, Touching, Track, Untold, VelocityGaps, Weights,
+    Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, EventTime,
+    Feature, FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner,
+    Quantity, Scene, Surface, Timing, Together, Touching, Track, Untold, VelocityGaps, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

@@ -154,6 +154,7 @@ impl Scene {
         let copies = (1..=count).map(|number| Event {
             name: repeat_name(&self.events[event].name, number),
             kind: EventKind::Collision(Collision::clone(each)),
+            time: self.events[event].time,
         });
         scene.events.splice(event..=event, copies);
         for goal in scene.goals.iter_mut().filter(|goal| goal.event > event) {

@@ -41,7 +41,7 @@ pub(super) fn cut(
         }
         rounds += segment::refine(scene, sketch);
     }
-    segment::loosen(sketch);
+    segment::loosen(scene, sketch);
     let segments = segment::cut(scene, sketch)?;
     Ok(Cut {
         segments,

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::reported::Reported;
 use super::samples::Ordered;
-use crate::motion::{DurationEstimate, Estimate, LinkIndex, Scene, Undetermined};
+use crate::motion::{AtBound, DurationEstimate, Estimate, LinkIndex, Scene, Undetermined};
 
 /// An event as estimated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -19,6 +19,10 @@ pub struct EventLine {
     pub time_sd_s: Option<f64>,
     /// Whether the time is fixed or the performance determines it.
     pub time_is_determined: bool,
+    /// `fixed`, `estimated`, `undetermined` or `not computed`, of the deviation.
+    pub time_is: &'static str,
+    /// `lower` or `upper` where the time is at a bound of the scene.
+    pub time_at_bound: Option<&'static str>,
     /// Acted time since the first sample.
     pub acted_s: f64,
     /// Names of the bodies that it concerns.
@@ -42,8 +46,11 @@ pub struct EventLine {
 pub struct ParameterLine {
     /// Its value.
     pub value: f64,
-    /// Its standard deviation, where it is determined.
+    /// Its standard deviation, where it is determined; with the bounds as a prior where it is at
+    /// one.
     pub sd: Option<f64>,
+    /// `lower`, `upper` or `cone` where it is at that bound.
+    pub at_bound: Option<&'static str>,
     /// Least and greatest value allowed.
     pub bounds: [f64; 2],
     /// Unit of them all; empty for ratios.
@@ -104,6 +111,13 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 time_s: event.time_s,
                 time_sd_s: event.sd_s,
                 time_is_determined: !estimate.undetermined.contains(&time),
+                time_is: match event.sd_s {
+                    _ if event.is_fixed => "fixed",
+                    Some(_) => "estimated",
+                    None if estimate.undetermined.contains(&time) => "undetermined",
+                    None => "not computed",
+                },
+                time_at_bound: event.at_bound.map(AtBound::as_str),
                 acted_s: event.acted_s,
                 bodies: match of_scene.kind.collision() {
                     Some(collision) => collision.links().map(name).collect(),
@@ -130,6 +144,7 @@ pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<Par
         let line = ParameterLine {
             value: parameter.value,
             sd: parameter.sd,
+            at_bound: parameter.at_bound.map(AtBound::as_str),
             bounds: [parameter.lower, parameter.upper],
             unit: unit_of(&parameter.name),
         };

@@ -79,6 +79,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
         let is_own = !changed.iter().any(|events| events.contains(&event));
+        let sd_s = scene.events[event].time.mark_sd_s.unwrap_or(sd_s);
         *mark = (is_own && sd_s > 0.0).then_some(MarkTime {
             acted_s: sketch.marks_s[event],
             sd_s,

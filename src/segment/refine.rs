@@ -52,6 +52,8 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     }
     let events: Vec<usize> = (0..scene.events.len())
         .filter(|event| scene.events[*event].kind.collision().is_some())
+        // A fixed time is that of the mark as it was made.
+        .filter(|event| scene.time_is_free(*event))
         .collect();
     let tracks = sketch.tracks.iter_enumerated();
     let sums = tracks.map(|(index, track)| PrefixSums::of_positions(scene, index, track));
@@ -91,8 +93,13 @@ fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackInd
 /// Enlarges the standard deviations `σ` of marks to `σ √((ν + d²)/(ν + 1))`, at least `σ`: at the
 /// cut, the gradient of a normal distribution then equals that of Student's. Removes marks that are
 /// far from their cut.
-pub fn loosen(sketch: &mut Sketch) {
-    for (mark, cut_s) in sketch.marks.iter_mut().zip(&sketch.marks_s) {
+/// Marks with bounds relative to them stay as they are.
+pub fn loosen(scene: &Scene, sketch: &mut Sketch) {
+    let marks = sketch.marks.iter_mut().zip(&sketch.marks_s);
+    for ((mark, cut_s), event) in marks.zip(&scene.events) {
+        if event.time.is_bounded() {
+            continue;
+        }
         *mark = mark.and_then(|mark| {
             let deviations = (cut_s - mark.acted_s) / mark.sd_s;
             (deviations.abs() <= FAR_DEVIATIONS).then(|| MarkTime {

@@ -5,7 +5,7 @@
 
 use super::propose::{CLEAR_SCORE, Stream};
 use super::refine::{unlikely_mark, unlikely_residuals};
-use crate::motion::{Partner, Scene, Sketch, Timing};
+use crate::motion::{Collision, Partner, Scene, Sketch, Timing};
 
 /// Marks are doubtful if the score of one of them is less than this,
 const DOUBT_SCORE: f64 = 4.0;
@@ -26,7 +26,11 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         events.filter_map(|(index, event)| Some((index, event.kind.collision()?)))
     };
     let is_between_links = collisions().any(|(_, c)| c.partner != Partner::World);
-    if scene.timing == Timing::Edited || is_between_links {
+    // A mark that fixes or bounds a time is trusted, and proposals are for all marks or none.
+    let is_trusted = |(event, _): (usize, &Collision)| {
+        !scene.time_is_free(event) || scene.events[event].time.is_bounded()
+    };
+    if scene.timing == Timing::Edited || is_between_links || collisions().any(is_trusted) {
         return Vec::new();
     }
     let mut moved = Vec::new();

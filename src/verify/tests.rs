@@ -71,6 +71,8 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         event,
         time_s: *time_s,
         sd_s: None,
+        is_fixed: false,
+        at_bound: None,
         acted_s: *time_s,
         gap: Gap::default(),
     };

@@ -30,10 +30,13 @@ pub(super) fn events(report: &EstimateReport) -> String {
 
 /// How certain an event's time is.
 fn deviation(event: &EventLine) -> String {
-    match event.time_sd_s {
-        Some(sd_s) => deviation_ms(sd_s),
-        None if !event.time_is_determined => "undetermined".into(),
-        None => "fixed".into(),
+    let deviation = event
+        .time_sd_s
+        .map_or_else(|| event.time_is.to_owned(), deviation_ms);
+    match event.time_at_bound {
+        Some("lower") => format!("{deviation}, at its earliest"),
+        Some(_) => format!("{deviation}, at its latest"),
+        None => deviation,
     }
 }
 
@@ -112,12 +115,22 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
             vec![
                 name.clone(),
                 format!("{:.decimals$}", parameter.value * factor),
-                parameter.sd.map_or_else(
-                    || "undetermined".into(),
-                    |sd| format!("± {:.decimals$}", sd * factor),
-                ),
+                match parameter.sd {
+                    Some(sd) => format!("± {:.decimals$}", sd * factor),
+                    None if report.undetermined.contains(name) => "undetermined".into(),
+                    None => "not computed".into(),
+                },
                 unit.to_owned(),
-                format!("[{}, {}]", bound(lower), bound(upper)),
+                format!(
+                    "[{}, {}]{}",
+                    bound(lower),
+                    bound(upper),
+                    match parameter.at_bound {
+                        Some("cone") => ", at the end of its cone".to_owned(),
+                        Some(end) => format!(", at its {end} bound"),
+                        None => String::new(),
+                    }
+                ),
             ]
         })
         .collect();

@@ -68,7 +68,12 @@ pub trait Constraint {
         false
     }
 
-    /// For bounds of parameters: half the width of the allowed range, in units.
+    /// Violation of a bound of a time \[s\].
+    fn time_gap_s(&self, _rows: &Block) -> f64 {
+        0.0
+    }
+
+    /// For bounds of parameters and times: half the width of the allowed range, in units.
     fn half_width(&self, _rows: &Block) -> Option<f64> {
         None
     }
@@ -82,8 +87,10 @@ impl Problem {
         let bounded = self.bounded.iter().map(|of| of as &dyn Constraint);
         let ordered = self.ordered.iter().map(|of| of as &dyn Constraint);
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
+        let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
         collisions
             .chain(goals)
+            .chain(times)
             .chain(bounded)
             .chain(cones)
             .chain(ordered)

@@ -1,6 +1,7 @@
 //! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](super::problem::unit), one kind
 //! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
-//! through the impact), a `goal` (§3.1), the `bound` of a parameter and a `cone` of two (§6), the `order` of two events (eq. 7).
+//! through the impact), a `goal` (§3.1), a bound of an event's `time`, the `bound` of a parameter, a
+//! `cone` of two (§6), the `order` of two events (eq. 7).
 //!
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
@@ -13,5 +14,6 @@ mod goal;
 mod kind;
 mod order;
 mod rows;
+mod time;
 
 pub use self::kind::{At, Constraint, Filled};

@@ -36,6 +36,8 @@ pub struct Covariance<'a> {
     kkt: Kkt,
     /// The Hessian with curvature, where that is in it.
     curved: Option<Envelope>,
+    /// Gradient of the Lagrangian without the pulls of bounds: where these act, it is not zero.
+    slope: DVector<f64>,
     design: Design<'a>,
     /// Covariance of the residuals.
     pub noise: Noise,
@@ -60,6 +62,7 @@ impl<'a> Covariance<'a> {
             point,
             kkt,
             curved,
+            slope: slope_without_bounds(context, system, multipliers),
             design: Design::new(context, point, &bins),
             noise: Noise::stated(),
         };
@@ -125,6 +128,12 @@ impl<'a> Covariance<'a> {
         };
         let each = sums.iter().map(|sum| (!sum.is_empty()).then(|| sd(sum)));
         each.map(Option::flatten).collect()
+    }
+
+    /// How far a linear combination of unknowns would move if bounds let it go and counted as
+    /// priors about where they are: what the performance asks for beyond them, to first order.
+    pub fn beyond_bounds(&self, sum: &Moment) -> f64 {
+        -self.answer(sum).dot(&self.slope)
     }
 
     /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
@@ -227,6 +236,25 @@ fn with_soft_bounds(
     let weighed = (weights, violations);
     let at = (system, curved);
     Kkt::weighed(context.structure(), at, multipliers, weighed, damping)
+}
+
+/// `g + Jᵀν` without the rows that bound parameters and times.
+fn slope_without_bounds(
+    context: &SolveContext,
+    system: &System,
+    multipliers: &[f64],
+) -> DVector<f64> {
+    let mut pulls = multipliers.to_vec();
+    let mut row = 0;
+    for (constraint, block) in context.problem.constraints().zip(&system.blocks) {
+        if constraint.half_width(block).is_some() {
+            pulls[row] = 0.0;
+        }
+        row += block.values.len();
+    }
+    let mut slope = system.gradient.clone();
+    system.add_pull(context.structure(), |row| pulls[row], &mut slope);
+    slope
 }
 
 /// Number of equalities.

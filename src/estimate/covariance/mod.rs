@@ -26,8 +26,10 @@
 //! means of some samples each ([`bins`]) accounts for the directions that the fit can absorb
 //! ([`trace`]). Where times are unknown, it absorbs the component along the flight in every bin.
 //!
-//! A parameter at its bound is not better determined for that: bounds of a parameter count as a
-//! prior with a standard deviation of half their width.
+//! A parameter or a time at its bound is not better determined for that: its bounds count as a prior
+//! with a standard deviation of half their width. Its deviation also covers what the performance asks
+//! for beyond the bound ([`Covariance::beyond_bounds`]): samples without noise that contradict a
+//! bound would seem to determine it to a micrometre.
 
 pub mod bins;
 pub mod certainty;

@@ -9,6 +9,48 @@ pub struct Event {
     pub name: String,
     /// What happens.
     pub kind: EventKind,
+    /// What is known of its time.
+    pub time: EventTime,
+}
+
+impl Event {
+    /// An event of whose time nothing is known but its mark.
+    pub fn new(name: impl Into<String>, kind: EventKind) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            time: EventTime::default(),
+        }
+    }
+}
+
+/// What is known of the time of an event, beside its mark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventTime {
+    /// Whether it is estimated; `None`: as [`Scene::time_is_free`](super::Scene::time_is_free) says
+    /// of its kind.
+    pub is_free: Option<bool>,
+    /// Standard deviation of its mark, in acted time \[s\]; `None`: that of the scene's marks.
+    pub mark_sd_s: Option<f64>,
+    /// Earliest and latest time, in acted time after the mark \[s\]; infinite where unbounded.
+    pub window_s: [f64; 2],
+}
+
+impl EventTime {
+    /// Whether it has an earliest or a latest time.
+    pub fn is_bounded(&self) -> bool {
+        self.window_s.iter().any(|bound_s| bound_s.is_finite())
+    }
+}
+
+impl Default for EventTime {
+    fn default() -> Self {
+        Self {
+            is_free: None,
+            mark_sd_s: None,
+            window_s: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
 }
 
 /// The kinds of event.
@@ -28,8 +70,7 @@ pub enum EventKind {
         /// Greatest number.
         most: usize,
     },
-    /// The performance ends; samples after it are not used. Only as the last event. Its time
-    /// is estimated when a goal holds there, otherwise it stays at the mark.
+    /// The performance ends; samples after it are not used. Only as the last event.
     End,
 }
 

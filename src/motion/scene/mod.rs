@@ -17,7 +17,7 @@ mod world;
 
 pub use contact_law::ContactLaw;
 pub use contacts::CollisionError;
-pub use event::{Collision, Event, EventKind, Partner, Touching};
+pub use event::{Collision, Event, EventKind, EventTime, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
 pub use link::{Feature, FreeBody, Link, Mechanism, Track};
 pub use parameter::{Cone, FreeParameter};

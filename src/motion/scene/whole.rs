@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
 use super::contact_law::ContactLaw;
-use super::event::{Collision, Event};
+use super::event::{Collision, Event, EventKind};
 use super::goal::Goal;
 use super::link::{FreeBody, Link, Mechanism, Track};
 use super::parameter::{Cone, FreeParameter};
@@ -163,6 +163,19 @@ impl Scene {
         mechanisms.flat_map(move |mechanism| {
             let is_its = move |track: &TrackIndex| self.mechanism_seen_by(*track) == mechanism;
             self.tracks.keys().filter(is_its)
+        })
+    }
+
+    /// Whether the time of an event is estimated, unless it stays at its mark. Where the event does
+    /// not say, that of a collision is; that of an end where a goal holds there and the tempo is
+    /// unknown; that of a start is not.
+    pub fn time_is_free(&self, event: usize) -> bool {
+        let of = &self.events[event];
+        let has_goal = || self.goals.iter().any(|goal| goal.event == event);
+        of.time.is_free.unwrap_or_else(|| match of.kind {
+            EventKind::Collision(_) | EventKind::Collisions { .. } => true,
+            EventKind::Start => false,
+            EventKind::End => matches!(self.timing, Timing::Unknown { .. }) && has_goal(),
         })
     }
 

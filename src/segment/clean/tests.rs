@@ -27,10 +27,7 @@ fn scene() -> Scene {
             }],
         }
     };
-    let event = |name: &str, kind: EventKind| Event {
-        name: name.into(),
-        kind,
-    };
+    let event = |name: &str, kind: EventKind| Event::new(name, kind);
     let mount = Pose::from_parts(
         Translation3::new(0.0, 0.0, 0.03),
         UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.0)),

@@ -31,14 +31,9 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
         obstacles: Vec::new(),
         contact_laws: TiVec::from(vec![ContactLaw::frictionless("table", 1.0)]),
         events: (0..bounces)
-            .map(|k| Event {
-                name: format!("bounce {k}"),
-                kind: EventKind::Collision(Collision::bounce(
-                    LinkIndex(0),
-                    0,
-                    0,
-                    ContactLawIndex(0),
-                )),
+            .map(|k| {
+                let bounce = Collision::bounce(LinkIndex(0), 0, 0, ContactLawIndex(0));
+                Event::new(format!("bounce {k}"), EventKind::Collision(bounce))
             })
             .collect(),
         goals: Vec::new(),

@@ -38,6 +38,7 @@ fn about(scene: &Scene, law: &Law, mut before: Vec<State>) -> Estimate {
                 _ => panic!("only tilts are free here"),
             },
             sd: None,
+            at_bound: None,
             lower: free.lower,
             upper: free.upper,
         })

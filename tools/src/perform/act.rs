@@ -1,7 +1,7 @@
 //! How a person acts a motion, and what the tracker makes of it.
 
 use enact::math::{Pose, so3};
-use enact::motion::{Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex};
+use enact::motion::{EventKind, Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -73,6 +73,13 @@ pub fn perform(truth: &Truth, acting: &Acting, seed: u64) -> Performance {
     );
     if acting.is_timing_known() && !is_edited {
         truth.scene.timing = Timing::Known;
+        // The performer's mark of an end is off; what must hold there holds at the true time.
+        let goals = truth.scene.goals.iter();
+        let mut ends: Vec<usize> = goals.map(|goal| goal.event).collect();
+        ends.retain(|event| truth.scene.events[*event].kind == EventKind::End);
+        for event in ends {
+            truth.scene.events[event].time.is_free = Some(true);
+        }
     }
     let mut deliveries: Vec<Delivery> = Vec::new();
     if !is_edited {

@@ -368,7 +368,7 @@ impl Bouncer {
                 let bounce = Collision::bounce(LinkIndex(0), hop.corner, 0, law);
                 (name, EventKind::Collision(bounce))
             };
-            events.push(Event { name, kind });
+            events.push(Event::new(name, kind));
             event_times_s.push(end_s);
             arcs.push(ArcEstimate {
                 mechanism: MechanismIndex(0),

@@ -159,14 +159,11 @@ fn scene(like: &Scene, corner: usize) -> Scene {
     brick_of.features = features.collect();
     let law = scene.add_law(ContactLaw::frictionless("bounce", RESTITUTION));
     scene.events = vec![
-        Event {
-            name: "bounce".to_owned(),
-            kind: EventKind::Collision(Collision::bounce(LinkIndex(0), corner, 0, law)),
-        },
-        Event {
-            name: "end".to_owned(),
-            kind: EventKind::End,
-        },
+        Event::new(
+            "bounce",
+            EventKind::Collision(Collision::bounce(LinkIndex(0), corner, 0, law)),
+        ),
+        Event::new("end", EventKind::End),
     ];
     scene
 }

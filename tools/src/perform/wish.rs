@@ -52,6 +52,10 @@ impl Manner {
         };
         if acting.is_timing_known() {
             scene_toml = scene_toml.replace("stamps = \"tempo\"", "stamps = \"physical\"");
+            if !truth.scene.goals.is_empty() {
+                let (end, free) = ("kind = \"end\"", "kind = \"end\"\ntime = \"free\"");
+                scene_toml = scene_toml.replace(end, free);
+            }
         }
         Ok((perform(&truth, &acting, self.seed), scene_toml))
     }

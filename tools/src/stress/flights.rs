@@ -98,9 +98,9 @@ fn both_ends(between_s: f64, seed: u64) -> Result<Truth, String> {
     let moments_kg_m2 = Vector3::new(heavy_ends, heavy_ends, body.moments_kg_m2().z);
     *body = Body::new(body.mass_kg(), moments_kg_m2).map_err(|e| e.to_string())?;
     let law = scene.add_law(ContactLaw::frictionless("pencil", 0.7));
-    let bounce = |name: &str, feature: usize| Event {
-        name: name.to_owned(),
-        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), feature, 0, law)),
+    let bounce = |name: &str, feature: usize| {
+        let bounce = Collision::bounce(LinkIndex(0), feature, 0, law);
+        Event::new(name, EventKind::Collision(bounce))
     };
     let end = scene.events.pop().ok_or("no events")?;
     scene.events = vec![bounce("tip", tip), bounce("eraser", eraser), end];

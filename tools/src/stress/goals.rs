@@ -170,14 +170,11 @@ fn ball_scene() -> Scene {
         },
     }];
     let law = scene.add_law(ContactLaw::frictionless("ball", 1.0));
-    let bounce = |index: usize| Event {
-        name: format!("bounce {index}"),
-        kind: EventKind::Collision(Collision::bounce(LinkIndex(0), 0, 0, law)),
+    let bounce = |index: usize| {
+        let bounce = Collision::bounce(LinkIndex(0), 0, 0, law);
+        Event::new(format!("bounce {index}"), EventKind::Collision(bounce))
     };
-    let end = Event {
-        name: "end".to_owned(),
-        kind: EventKind::End,
-    };
+    let end = Event::new("end", EventKind::End);
     scene.events = vec![bounce(1), bounce(2), bounce(3), end];
     scene
 }

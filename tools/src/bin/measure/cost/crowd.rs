@@ -53,18 +53,14 @@ pub fn crowd(count: usize) -> Case {
         let bounce = cube.scene.events[0].kind.collision();
         let mut bounce = bounce.expect("a bounce comes first").clone();
         bounce.link = link;
-        scene.events.push(Event {
-            name: format!("bounce {index}"),
-            kind: EventKind::Collision(bounce),
-        });
+        let name = format!("bounce {index}");
+        let kind = EventKind::Collision(bounce);
+        scene.events.push(Event::new(name, kind));
         let mut state = *state;
         state.position_m += Vector3::x() * (SPACING_M * index as f64);
         initial.push(state);
     }
-    scene.events.push(Event {
-        name: "end".to_owned(),
-        kind: EventKind::End,
-    });
+    scene.events.push(Event::new("end", EventKind::End));
     let truth = simulate(&scene, &[], &initial, END_S).expect("they bounced before");
     let acting = Acting {
         // Bounces are milliseconds apart, marks and estimates are to be in their order.
