@@ -18,8 +18,8 @@ use crate::physics::drag::Drag;
 /// at which drag has no second derivative: 1e-9 m for that ball thrown straight up.
 const STEP_S: f64 = 1.0 / 128.0;
 
-/// Greatest `(k + c|v|)` times the length of a step. At a half of it the error is 2e-9 m, at all of
-/// it 1e-4 m; above, a result would be none.
+/// Greatest `(k + c|v|)` times the length of a step. A balloon of `c = 3/m`, hit at 10 m/s, begins at
+/// 0.23 and is 5e-11 m off after 1 s; one of 10/m begins at 0.78 and is 1e-5 m off.
 const MOST_RATE: f64 = 1.0;
 
 /// Longest duration \[s\]; longer ones would take too many steps to store.
