@@ -9,15 +9,13 @@
 //! Time is multiplied by the initial angular speed, rounded down to a power of two so that the
 //! scaling is exact: slow and fast rotations take the same steps.
 
-mod moments;
+pub mod moments;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::series::{self, Columns, Series, Variables};
 use crate::math::so3;
 use crate::physics::body::Body;
-
-pub use moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 
 /// Longest rotation, as angle \[rad\]; since the speed is rounded down, up to twice this angle may
 /// be computed. Longer ones would take too many steps to store.

@@ -31,7 +31,8 @@ mod tests;
 mod turn;
 mod turned;
 
-pub use asymmetric::{ANGLE_MAX_RAD, SpinByMoments, TurnByMoments, turn_by_moments};
+pub use asymmetric::ANGLE_MAX_RAD;
+pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, fallen, position, rate, velocity};
