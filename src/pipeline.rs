@@ -12,6 +12,7 @@ mod infer;
 mod outcome;
 mod perform;
 mod preview;
+mod rest;
 mod search;
 mod sound;
 mod stages;
@@ -19,12 +20,12 @@ mod warm;
 
 use self::diagnose::diagnose;
 pub use self::outcome::{Outcome, PipelineError};
-use self::perform::Prepared;
+use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::motion::{
-    Diagnosis, EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+    Diagnosis, End, EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
 };
 use crate::segment;
 use crate::settle::settle;
@@ -112,20 +113,28 @@ impl Pipeline {
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let mut outcome = self.solved(observer)?;
+        let mut solved = self.solved(observer)?;
+        let sought = rest::seek(&mut solved, &self.events, observer);
+        let mut outcome = solved.outcome(observer);
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
             outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));
             let doubts = doubts(&outcome);
             outcome.estimate.doubt(doubts);
         }
-        outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
+        // What was led to its rest is as far from the performance as that takes.
+        if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {
+            outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
+        }
         let scene = &outcome.scene;
         if outcome.estimate.verdict != Verdict::Failed
             && let Some(limit_s) = scene.settle_s
         {
             observer.phase(Phase::Settle);
             outcome.settled = settle(scene, &outcome.estimate, limit_s);
+        }
+        if let Some(sought) = sought {
+            outcome.lie(sought.work, sought.labels);
         }
         observer.phase(Phase::Done);
         Ok(outcome)
@@ -138,20 +147,13 @@ impl Pipeline {
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let outcome = self.solved(observer)?;
+        let outcome = self.solved(observer)?.outcome(observer);
         observer.phase(Phase::Done);
         Ok(outcome)
     }
 
-    fn solved(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let prepared = Prepared::new(&self.scene, &self.events, observer)?;
-        let performed = prepared.performed(observer)?;
-        Ok(Outcome::unchecked(
-            performed.inferred,
-            performed.marks_made_s,
-            (performed.sketch, performed.counts),
-            observer,
-        ))
+    fn solved(&self, observer: &mut dyn Observer) -> Result<Performed, PipelineError> {
+        Prepared::new(&self.scene, &self.events, observer)?.performed(observer)
     }
 
     /// Number of marks: it determines how often a repeated collision happens.

@@ -43,12 +43,34 @@ const STEPS_AHEAD: f64 = 2.0;
 /// second.
 const PUSH_RADII_PER_S: f64 = 0.5;
 
+/// Slow is what moves at less than this share of the speed of a fall by its own radius,
+const SLOW: f64 = 0.02;
+/// for so many steps.
+const SLOW_STEPS: usize = 12;
+
 /// Simulates all links from the end of the estimate until they rest, for at most `limit_s`.
 ///
 /// A link whose last arc ends earlier flies freely until the last of all ends. The first poses
 /// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
 /// not finite.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
+    simulated(scene, estimate, limit_s, None)
+}
+
+/// The same simulation, ended as soon as every link has been slow for a while, which is mostly
+/// when it is known how they will lie: for comparisons of many. What is slow may still rest on an
+/// edge, and [`Settled::at_rest`] is false.
+pub fn settle_until_slow(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
+    simulated(scene, estimate, limit_s, Some(SLOW_STEPS))
+}
+
+/// Until all rest, or until all have been slow for so many steps.
+fn simulated(
+    scene: &Scene,
+    estimate: &Estimate,
+    limit_s: f64,
+    slow_steps: Option<usize>,
+) -> Option<Settled> {
     let from_s = estimate.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
     let states = scene.links.iter();
     let states = states.map(|link| last_state(scene, estimate, link.mechanism, from_s));
@@ -71,8 +93,10 @@ pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settle
             .map(|state| state.velocity_m_s.norm())
             .fold(0.0, f64::max),
     };
+    let mut slow = 0;
     for _ in 0..steps {
         simulation.step();
+        slow = if simulation.is_slow() { slow + 1 } else { 0 };
         for (link, moving) in settled.links.iter_mut().zip(&simulation.links) {
             let Some(handle) = *moving else { continue };
             let moving = &simulation.world.bodies[handle];
@@ -82,6 +106,9 @@ pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settle
         }
         if simulation.is_at_rest() {
             settled.at_rest = true;
+            break;
+        }
+        if slow_steps.is_some_and(|steps| slow >= steps) {
             break;
         }
     }
@@ -201,6 +228,20 @@ impl Simulation {
             moving.reset_forces(false);
             moving.add_force(to_rapier(&(acceleration * body.mass_kg())), false);
         }
+    }
+
+    /// Whether no point of any link is faster than a small share of what it gains in falling by its
+    /// radius.
+    fn is_slow(&self) -> bool {
+        let gravity_m_s2 = self.world.gravity.length();
+        let mut links = self.links.iter().zip(&self.radii_m);
+        links.all(|(handle, radius_m)| {
+            handle.is_none_or(|handle| {
+                let body = &self.world.bodies[handle];
+                let speed_m_s = body.linvel().length() + body.angvel().length() * radius_m;
+                speed_m_s <= SLOW * (2.0 * gravity_m_s2 * radius_m).sqrt()
+            })
+        })
     }
 
     fn is_at_rest(&self) -> bool {

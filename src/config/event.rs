@@ -259,7 +259,7 @@ fn features(event: &RawEvent, link: &Link) -> Result<Vec<Option<usize>>, Fault> 
 }
 
 /// The link of the body that is meant.
-fn link_of(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
+pub(super) fn link_of(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
     let names = scene.links.iter().map(|link| link.name.as_str());
     index_of("body", text, names).map(LinkIndex)
 }
@@ -270,7 +270,7 @@ fn feature_of(link: &Link, text: &Text) -> Result<usize, Fault> {
 }
 
 /// The goals, each on an event and a body of the scene that exist, none twice.
-pub(super) fn goals(raw: &[Spanned<RawGoal>], scene: &Scene) -> Result<Vec<Goal>, Fault> {
+pub(super) fn goals(raw: &[&Spanned<RawGoal>], scene: &Scene) -> Result<Vec<Goal>, Fault> {
     let events = &scene.events;
     let mut goals: Vec<Goal> = Vec::new();
     for spanned in raw {

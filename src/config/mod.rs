@@ -35,6 +35,16 @@
 //! `earliest_ms` and `latest_ms` are bounds that hold exactly, in acted time after the mark,
 //! negative before it. Each of the three makes the time free.
 //!
+//! # Goals at rest
+//!
+//! A goal at rest is about what follows the last event, until all rests (`settle_s`): `event =
+//! "rest"`, `body`, and `face_up`, the axis of the body (`"+z"`) or the face that is up then, in any
+//! yaw, within `within_deg`; `direction` in place of up is any direction of the world. Where the
+//! motion that fits best ends otherwise, the nearest that ends so is searched for, and the verdict is
+//! `failed` where none is found. `labels = "free"` allows to turn the labels of the body's faces
+//! instead, by a turn after which shape, moments and features are where they were: the motion is as
+//! acted, its orientations are those of the relabelled body, and the account says so.
+//!
 //! # Free quantities
 //!
 //! `[[free]]` hands a `quantity` to the estimation. `initial` is where it begins, `lower` and `upper`
@@ -102,6 +112,7 @@
 //! | `event.restitution`, `event.friction` | the body's |
 //! | `body.restitution`, `body.friction` | each event has its own; no friction |
 //! | `event.count` | one collision |
+//! | `goal.within_deg`, `goal.direction`, `goal.labels`, at rest | 10, against gravity, `"fixed"` |
 //! | `event.time` | `"free"` for collisions, and for an end with a goal where stamps are a tempo; else `"fixed"` |
 //! | `event.time_sd_ms` | `timing.mark_sd_ms` |
 //! | `event.earliest_ms`, `event.latest_ms` | −∞, +∞ |
@@ -119,6 +130,7 @@ mod number;
 mod parameter;
 mod quantity;
 mod raw;
+mod rest;
 mod scene;
 mod solid;
 mod text;

@@ -152,6 +152,10 @@ pub(super) struct RawGoal {
     pub(super) position_mm: Option<Triple>,
     pub(super) orientation_wxyz: Option<Quadruple>,
     pub(super) position_within_mm: Option<Spanned<[[f64; 3]; 2]>>,
+    pub(super) face_up: Option<Text>,
+    pub(super) direction: Option<Triple>,
+    pub(super) within_deg: Option<Number>,
+    pub(super) labels: Option<Text>,
 }
 
 /// A free quantity, with a number of each key in each unit.

@@ -10,6 +10,7 @@ use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
+use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
 use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, VelocityGaps, Weights};
 use crate::physics::contact;
@@ -59,6 +60,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         contact_laws: TiVec::new(),
         events: Vec::new(),
         goals: Vec::new(),
+        rest_goals: Vec::new(),
         parameters: Vec::new(),
         cones: Vec::new(),
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
@@ -72,7 +74,9 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
     scene.contact_laws = laws;
-    scene.goals = goals(&raw.goal, &scene)?;
+    let [at_rest, at_events] = split(&raw.goal)?;
+    scene.goals = goals(&at_events, &scene)?;
+    scene.rest_goals = rest_goals(&at_rest, &scene)?;
     parameters(&raw.free, &mut scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
@@ -80,7 +84,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
             message: error.to_string(),
         })?;
     }
-    for (goal, spanned) in raw.goal.iter().enumerate() {
+    for (goal, spanned) in at_events.iter().enumerate() {
         if let Err(error) = scene.snap_to_contact(goal) {
             return fault(spanned.span(), error.to_string());
         }

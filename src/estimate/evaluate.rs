@@ -40,6 +40,7 @@ impl Program for SolveContext<'_> {
         let mut objective = Objective::new(self, (guidance, point), system);
         objective.add_samples();
         objective.add_priors();
+        objective.add_pulls();
         self.fill_constraints(guidance, point, system);
         if let Some(weight) = self.problem.velocity_gap_weight {
             self.add_priced(weight, system);
@@ -83,6 +84,12 @@ impl Program for SolveContext<'_> {
 }
 
 impl SolveContext<'_> {
+    /// Typical step lengths of an arc's state.
+    pub(super) fn lengths_of_state(&self, arc: usize) -> DVector<f64> {
+        let dynamics = self.problem.dynamics_of(arc);
+        DVector::from_iterator(dynamics.dimension(), length::of_state(dynamics))
+    }
+
     fn fill_constraints(&self, guidance: &Guidance, point: &Point, system: &mut System) {
         let structure = &self.layout.structure;
         let mut at = At {

@@ -31,14 +31,18 @@ pub mod outcome;
 pub mod point;
 mod posing;
 pub mod problem;
+mod pull;
 pub mod recipe;
 pub mod samples;
+mod simulate;
 pub mod solve;
 pub mod tempo;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod whitened;
 
 pub use bound::{Bound, Part};
 pub use recipe::Recipe;
 pub use solve::{Solved, cost, estimate};
+pub use whitened::Whitened;

@@ -169,6 +169,24 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Adds the pulls on states.
+    pub(super) fn add_pulls(&mut self) {
+        for pull in &self.context.problem.pulls {
+            let (residuals, by_state) = pull.term(&self.point.arcs[pull.arc]);
+            let at = self.context.layout.arcs[pull.arc];
+            *self.cost += 0.5 * residuals.norm_squared();
+            let gradient = by_state.tr_mul(&residuals);
+            let square = by_state.tr_mul(&by_state);
+            for row in 0..gradient.len() {
+                self.gradient[at + row] += gradient[row];
+                for column in 0..=row {
+                    let value = square[(row, column)];
+                    self.hessian.add(self.pattern, at + row, at + column, value);
+                }
+            }
+        }
+    }
+
     /// Adds half the square of `offset/sd`, for one unknown.
     fn add_pull(&mut self, at: usize, offset: f64, sd: f64) {
         let weight = 1.0 / (sd * sd);

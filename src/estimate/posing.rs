@@ -66,6 +66,7 @@ impl Problem {
             nodes_acted_s: nodes.acted_s,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
+            pulls: Vec::new(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::pull::Pull;
 use crate::math::Pose;
 use crate::motion::{Cone, FreeParameter, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
@@ -253,6 +254,8 @@ pub struct Problem {
     pub position_unit_m: f64,
     /// One unit of orientation residual \[rad\].
     pub orientation_unit_rad: f64,
+    /// Pulls on states of arcs.
+    pub pulls: Vec<Pull>,
 }
 
 impl Problem {

@@ -73,8 +73,19 @@ pub fn solve(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let mut start = Point::new(problem, guess);
-    let context = SolveContext::new(problem, layout, epochs_s(guess), &start);
+    let start = Point::new(problem, guess);
+    solve_from(problem, layout, (start, epochs_s(guess)), recipe, observer)
+}
+
+/// Solves a problem from a point with those epochs.
+pub fn solve_from(
+    problem: &Problem,
+    layout: &Layout,
+    (mut start, epochs_s): (Point, Vec<f64>),
+    recipe: &Recipe,
+    observer: &mut dyn Observer,
+) -> Solution {
+    let context = SolveContext::new(problem, layout, epochs_s, &start);
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
         events::align(&context, &mut start);

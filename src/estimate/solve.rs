@@ -1,6 +1,8 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
+mod nearby;
+
 use super::context::{Guidance, SolveContext};
 use super::deviation;
 use super::layout::Layout;

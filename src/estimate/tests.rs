@@ -89,6 +89,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
         cones: Vec::new(),
         velocity_gaps: VelocityGaps::WhenNeeded,
         settle_s: None,
+        rest_goals: Vec::new(),
         parameters: vec![
             parameter("g", Quantity::Gravity { axis: 2 }, -9.7, (-11.0, -8.0)),
             parameter("e", Quantity::Restitution { law: LAW }, 0.55, (0.3, 0.9)),

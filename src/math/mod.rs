@@ -1,9 +1,10 @@
-//! Rotations and poses, and numeric differentiation for tests.
+//! Rotations and poses, pseudo-random numbers, and numeric differentiation for tests.
 //!
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
 
 mod pose;
+pub mod random;
 pub mod so3;
 
 #[cfg(test)]

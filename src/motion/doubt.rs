@@ -62,6 +62,8 @@ pub enum About {
     /// Root mean square residual of the whole motion, in units of the scene's weights; beyond its
     /// bound several motions may fit.
     Ambiguity,
+    /// Angle of a body's axis from where it should point at rest.
+    Rest,
 }
 
 impl About {
@@ -88,6 +90,7 @@ impl About {
             About::Outside => "outside",
             About::AtBound => "at_bound",
             About::Ambiguity => "ambiguity",
+            About::Rest => "rest",
         }
     }
 
@@ -97,7 +100,7 @@ impl About {
             About::Overlap | About::WrongFeature => "m",
             About::Speed => "m/s",
             About::Spin => "rad/s",
-            About::Orientation | About::FallDirection => "rad",
+            About::Orientation | About::FallDirection | About::Rest => "rad",
             About::AfterMark | About::BeforeMark | About::Outside => "s",
             About::Way
             | About::Slowness
@@ -130,9 +133,12 @@ impl About {
             | About::BeforeMark
             | About::Gravity
             | About::GravitySpread => Verdict::Plausible,
-            About::Speed | About::Spin | About::Way | About::Slowness | About::Haste => {
-                Verdict::Failed
-            }
+            About::Speed
+            | About::Spin
+            | About::Way
+            | About::Slowness
+            | About::Haste
+            | About::Rest => Verdict::Failed,
         }
     }
 }
@@ -173,6 +179,15 @@ pub enum Place {
         /// The feature that is nearer, if the scene names it.
         found: Option<usize>,
     },
+    /// A link at rest.
+    Rest {
+        /// Index into `Scene::rest_goals`.
+        goal: usize,
+        /// What points there instead; `None` where the link still moves.
+        shown: Option<String>,
+        /// Number of motions near the performance that were tried.
+        tried: usize,
+    },
 }
 
 impl Place {
@@ -182,6 +197,7 @@ impl Place {
             Place::Motion => None,
             Place::Flight { mechanism, .. } => Some(scene.name_of_mechanism(*mechanism)),
             Place::Inside { link, .. } => Some(&scene.links[*link].name),
+            Place::Rest { goal, .. } => Some(&scene.links[scene.rest_goals[*goal].link].name),
             Place::Event(event) | Place::Touch { event, .. } => Some(&scene.events[*event].name),
             Place::Parameter(parameter) => Some(&scene.parameters[*parameter].name),
         }
@@ -194,7 +210,11 @@ impl Place {
                 start_s: time_s, ..
             }
             | Place::Inside { time_s, .. } => Some(*time_s),
-            Place::Motion | Place::Event(_) | Place::Parameter(_) | Place::Touch { .. } => None,
+            Place::Motion
+            | Place::Event(_)
+            | Place::Parameter(_)
+            | Place::Touch { .. }
+            | Place::Rest { .. } => None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
 //! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
 //! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
-//! is said of it ([`diagnosis`]), its continuation ([`settled`]), and the
+//! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), and the
 //! observer of a run ([`observe`]).
 
 pub mod diagnosis;
@@ -15,6 +15,7 @@ pub mod observe;
 pub mod open;
 pub mod partial;
 pub mod reason;
+pub mod rest;
 pub mod scene;
 pub mod settled;
 pub mod sketch;
@@ -37,10 +38,12 @@ pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use observe::{Observer, Phase};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
+pub use rest::{Lie, Rest, RestWork};
 pub use scene::{
     Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, EventTime,
     Feature, FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner,
-    Quantity, Scene, Surface, Timing, Together, Touching, Track, Untold, VelocityGaps, Weights,
+    Quantity, RestGoal, Scene, Surface, Timing, Together, Touching, Track, Untold, VelocityGaps,
+    Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

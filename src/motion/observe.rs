@@ -26,6 +26,8 @@ pub enum Phase {
     Diagnose,
     /// Continue the motion by simulation until it rests.
     Settle,
+    /// Search for a motion near the performance that rests as the scene asks.
+    Rest,
     /// The run has ended.
     Done,
 }
@@ -45,6 +47,7 @@ impl Phase {
             Phase::Verify => "verify",
             Phase::Diagnose => "diagnose",
             Phase::Settle => "settle",
+            Phase::Rest => "rest",
             Phase::Done => "done",
         }
     }

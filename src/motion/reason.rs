@@ -17,6 +17,9 @@ pub struct Reason {
 pub enum End {
     /// The solver is within its tolerances.
     Converged(Progress),
+    /// Simulated from a first state near that of the best motion, so that it comes to rest as the
+    /// scene asks: no optimum, and no decrease is known.
+    Simulated(Progress),
     /// The caller ended it.
     Stopped(Progress),
     /// No further step of the solver helps.
@@ -83,6 +86,7 @@ impl End {
     pub fn as_str(&self) -> &'static str {
         match self {
             End::Converged(_) => "converged",
+            End::Simulated(_) => "simulated",
             End::Stopped(_) => "stopped",
             End::NoProgress(_) => "no_progress",
             End::VelocityJumps { .. } => "velocity_jumps",
@@ -96,6 +100,7 @@ impl End {
     pub fn progress(&self) -> Option<&Progress> {
         match self {
             End::Converged(progress)
+            | End::Simulated(progress)
             | End::Stopped(progress)
             | End::NoProgress(progress)
             | End::VelocityJumps { progress, .. } => Some(progress),

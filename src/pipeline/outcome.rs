@@ -1,13 +1,16 @@
 //! The result of a take, or the reason why there is none.
 
+use nalgebra::UnitQuaternion;
 use thiserror::Error;
 
 use super::infer::Inferred;
 use super::search::SearchWork;
 use crate::motion::{
-    Diagnosis, Estimate, Observer, SampleCounts, Scene, Settled, Sketch, Verification,
+    About, Diagnosis, Doubt, Estimate, Observer, Place, Rest, RestWork, SampleCounts, Scene,
+    Settled, Sketch, Verification,
 };
 use crate::segment::SegmentError;
+use crate::verify::lies;
 
 /// The result of a take.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +41,8 @@ pub struct Outcome {
     /// Likely mistakes in what is said of the performance, where something speaks against the motion
     /// and a remedy explains it; that which explains most first.
     pub diagnoses: Vec<Diagnosis>,
+    /// How it rests, if the scene has goals at rest and there is a continuation.
+    pub rest: Option<Rest>,
 }
 
 /// Why a take has no estimate at all.
@@ -79,6 +84,31 @@ impl Outcome {
             verification: None,
             settled: None,
             diagnoses: Vec::new(),
+            rest: None,
         }
+    }
+
+    /// Looks how the continuation rests; a goal that is not met is a doubt.
+    pub(super) fn lie(&mut self, work: RestWork, labels: Vec<Option<UnitQuaternion<f64>>>) {
+        let Some(settled) = &self.settled else { return };
+        let goals = lies(&self.scene, settled);
+        let missed = goals.iter().enumerate().filter(|(_, lie)| !lie.is_met());
+        let missed = missed.map(|(goal, lie)| Doubt {
+            about: About::Rest,
+            place: Place::Rest {
+                goal,
+                shown: lie.is_still.then(|| lie.shown.clone()),
+                tried: work.motions,
+            },
+            value: lie.angle_rad,
+            bound: self.scene.rest_goals[goal].within_rad,
+        });
+        let doubts = self.estimate.doubts.iter().cloned();
+        self.estimate.doubt(doubts.chain(missed).collect());
+        self.rest = Some(Rest {
+            goals,
+            work,
+            labels,
+        });
     }
 }

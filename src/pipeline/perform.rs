@@ -2,9 +2,11 @@
 
 use super::follow::follow;
 use super::infer::Inferred;
-use super::outcome::PipelineError;
+use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
-use crate::motion::{Observer, Phase, Sample, SampleCounts, Scene, Sketch, TakeEvent, TrackIndex};
+use crate::motion::{
+    Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent, TrackIndex,
+};
 use crate::{estimate, initialise, segment};
 
 /// A take that is cleaned and cut.
@@ -20,8 +22,18 @@ pub(super) struct Performed {
     pub(super) inferred: Inferred,
     pub(super) sketch: Sketch,
     pub(super) counts: SampleCounts,
-    /// See [`Outcome::marks_made_s`](super::Outcome::marks_made_s).
+    /// See [`Outcome::marks_made_s`].
     pub(super) marks_made_s: Vec<Option<f64>>,
+    /// How the sketch is cut.
+    pub(super) segments: Vec<Segment>,
+}
+
+impl Performed {
+    /// The motion with its deviations.
+    pub(super) fn outcome(self, observer: &mut dyn Observer) -> Outcome {
+        let performed = (self.sketch, self.counts);
+        Outcome::unchecked(self.inferred, self.marks_made_s, performed, observer)
+    }
 }
 
 impl Prepared {
@@ -75,6 +87,7 @@ impl Prepared {
             sketch,
             counts,
             marks_made_s: cut.marks_made_s,
+            segments: cut.segments,
         })
     }
 }

@@ -73,6 +73,7 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
                  {most_mm:.1} mm"
             )
         }
+        About::Rest => not_at_rest_so(scene, doubt, &subject),
         About::WrongFeature => wrong_feature(scene, doubt, &subject),
         About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
         About::Spin => format!("{subject} spins at {value:.0} rad/s, expected at most {bound:.0}"),
@@ -168,5 +169,24 @@ fn wrong_feature(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
     format!(
         "at {subject} {found} leads `{}` by {lead_mm:.1} mm, expected at most {most_mm:.1} mm",
         expected.join(", ")
+    )
+}
+
+fn not_at_rest_so(scene: &Scene, doubt: &Doubt, subject: &str) -> String {
+    let Place::Rest { goal, shown, tried } = &doubt.place else {
+        return format!("{subject} does not rest as it should");
+    };
+    let goal = &scene.rest_goals[*goal];
+    let is_up =
+        goal.direction.dot(&scene.gravity_m_s2) <= -(1.0 - 1e-9) * scene.gravity_m_s2.norm();
+    let place = if is_up { "up" } else { "there" };
+    let asked = &goal.name;
+    let instead = match shown {
+        Some(shown) => format!("rests with {shown} {place}"),
+        None => "still moves at the limit".to_owned(),
+    };
+    format!(
+        "no motion near the performance ends with {asked} of {subject} {place}: tried {tried}; this one \
+         {instead}"
     )
 }

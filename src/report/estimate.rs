@@ -11,6 +11,7 @@ use super::motion::{
 };
 use super::reason::{TerminationLine, reason_text};
 use super::reported::Reported;
+use super::rest::RestLine;
 use super::samples::{CounterLine, Ordered, SampleLine, SettledLine};
 use crate::motion::{Estimate, SegmentResidual, Sketch, Verdict};
 
@@ -58,6 +59,8 @@ pub struct EstimateReport {
     pub verification: Option<CheckLine>,
     /// How the motion goes on by simulation, if the scene asks for that.
     pub settled: Option<SettledLine>,
+    /// How bodies lie at rest, if the scene asks that.
+    pub rest: Option<RestLine>,
     /// What became of the samples.
     pub samples: SampleLine,
 }
@@ -92,6 +95,7 @@ impl EstimateReport {
             undetermined: undetermined_names(scene, estimate),
             verification: of.verification.map(|found| CheckLine::new(scene, found)),
             settled: of.settled.map(SettledLine::new),
+            rest: of.rest.map(|rest| RestLine::new(scene, rest)),
             samples: SampleLine::new(of.counts),
         }
     }

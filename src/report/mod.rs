@@ -19,6 +19,7 @@ pub mod motion;
 pub mod reason;
 pub mod recording;
 pub mod reported;
+pub mod rest;
 pub mod samples;
 #[cfg(test)]
 mod tests;
@@ -33,5 +34,6 @@ pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};
 pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;
+pub use rest::{LieLine, RestLine};
 pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
 pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMapMessage};

@@ -46,9 +46,11 @@ impl TerminationLine {
                 let name = scene.name_of_mechanism(*mechanism).to_owned();
                 (vec![name], Some(*start_s))
             }
-            End::Converged(_) | End::Stopped(_) | End::NoProgress(_) | End::NotFinite => {
-                (Vec::new(), None)
-            }
+            End::Converged(_)
+            | End::Simulated(_)
+            | End::Stopped(_)
+            | End::NoProgress(_)
+            | End::NotFinite => (Vec::new(), None),
         };
         Self {
             kind: reason.end.as_str(),
@@ -76,6 +78,7 @@ fn measured(end: &End) -> Vec<MeasuredLine> {
     match end {
         End::EventsReversed { interval_s, .. } => vec![duration(*interval_s)],
         End::FlightReversed { start_s, end_s, .. } => vec![duration(end_s - start_s)],
+        End::Simulated(progress) => vec![line("violation", &progress.violation)],
         _ => end.progress().map_or_else(Vec::new, |progress| {
             vec![
                 line("violation", &progress.violation),
@@ -90,6 +93,10 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
     let event = |event: &usize| scene.events[*event].name.as_str();
     let text = match &reason.end {
         End::Converged(progress) => format!("converged: {}", progress_text(progress)),
+        End::Simulated(progress) => format!(
+            "simulated from a first state near the best: largest violation {:.1e} units",
+            progress.violation.value
+        ),
         End::Stopped(progress) => format!("stopped by the caller: {}", progress_text(progress)),
         End::NoProgress(progress) => format!("no further progress: {}", progress_text(progress)),
         End::VelocityJumps { events, progress } => {

@@ -1,6 +1,8 @@
 //! What a report is about.
 
-use crate::motion::{Diagnosis, Estimate, SampleCounts, Scene, Settled, Sketch, Verification};
+use crate::motion::{
+    Diagnosis, Estimate, Rest, SampleCounts, Scene, Settled, Sketch, Verification,
+};
 
 /// What a report is about.
 #[derive(Clone, Copy)]
@@ -21,4 +23,6 @@ pub struct Reported<'a> {
     pub settled: Option<&'a Settled>,
     /// Likely mistakes in what is said of the performance.
     pub diagnoses: &'a [Diagnosis],
+    /// How it rests, if the scene asks that.
+    pub rest: Option<&'a Rest>,
 }

@@ -110,7 +110,10 @@ pub(super) fn finished(
         .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
     let (whole_seconds, phase_seconds) = stopwatch.stop();
-    let is_after = |phase: &Phase| matches!(phase, Phase::Verify | Phase::Diagnose | Phase::Settle);
+    let is_after = |phase: &Phase| {
+        use Phase::{Diagnose, Rest, Settle, Verify};
+        matches!(phase, Verify | Diagnose | Settle | Rest)
+    };
     let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
     let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
@@ -160,6 +163,7 @@ pub(super) fn reported(outcome: &Outcome) -> Reported<'_> {
         verification: outcome.verification.as_ref(),
         settled: outcome.settled.as_ref(),
         diagnoses: &outcome.diagnoses,
+        rest: outcome.rest.as_ref(),
     }
 }
 

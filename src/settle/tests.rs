@@ -246,3 +246,18 @@ fn what_flies_on_keeps_its_drag_and_force() {
         "{found} {exact}"
     );
 }
+
+#[test]
+fn until_slow_it_is_the_same_simulation_and_shorter() {
+    let scene = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let estimate = estimate(&scene, brick(0.2));
+    let whole = settle(&scene, &estimate, 5.0).unwrap();
+    let brief = settle_until_slow(&scene, &estimate, 5.0).unwrap();
+    let [whole, brief] = [&whole, &brief].map(|settled| &settled.links[LinkIndex(0)].poses);
+    assert!(brief.len() < whole.len());
+    assert_eq!(brief[..], whole[..brief.len()]);
+    let turn = brief[brief.len() - 1]
+        .rotation
+        .angle_to(&whole[whole.len() - 1].rotation);
+    assert!(turn < 0.01, "{turn}");
+}

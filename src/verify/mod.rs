@@ -15,6 +15,7 @@ mod law;
 mod meeting;
 mod moving;
 mod overlap;
+mod rest;
 mod series;
 mod shot;
 #[cfg(test)]
@@ -23,4 +24,5 @@ mod touch;
 mod whole;
 
 pub use overlap::TOLERANCE_M;
+pub use rest::{is_met, lies};
 pub use whole::{touches, verify};

@@ -203,6 +203,7 @@ mod tests {
             verification: None,
             settled: None,
             diagnoses: &[],
+            rest: None,
         })
         .expect("a motion");
         let now = Stamp(7);

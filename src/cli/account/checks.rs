@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::units::{angle, length, seconds};
-use crate::report::EstimateReport;
+use crate::report::{EstimateReport, LieLine};
 
 /// What independent checks found, and how the motion goes on.
 pub(super) fn checks(report: &EstimateReport) -> String {
@@ -62,5 +62,32 @@ pub(super) fn checks(report: &EstimateReport) -> String {
             )
         };
     }
+    if let Some(rest) = &report.rest {
+        for lie in &rest.goals {
+            let _ = writeln!(text, "  rest      {}", lying(lie));
+        }
+        if rest.tried > 0 {
+            let _ = writeln!(
+                text,
+                "            {} motions near the best tried, objective {:.1} against its {:.1}",
+                rest.tried, report.objective, rest.best_objective
+            );
+        }
+    }
     text
+}
+
+/// How a body lies, against what was asked.
+fn lying(lie: &LieLine) -> String {
+    let found = if lie.is_met {
+        format!("{} up as asked, {} off", lie.asked, angle(lie.angle_rad))
+    } else if lie.is_still {
+        format!("{} up, asked for {}", lie.face_up, lie.asked)
+    } else {
+        format!("not at rest, asked for {} up", lie.asked)
+    };
+    let labels = lie.labels_wxyz.map_or_else(String::new, |[w, x, y, z]| {
+        format!("; its labels turned from those acted by wxyz {w:.3}, {x:.3}, {y:.3}, {z:.3}")
+    });
+    format!("{}: {found}{labels}", lie.body)
 }

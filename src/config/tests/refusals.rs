@@ -417,9 +417,68 @@ fn events_and_goals_refer_to_what_exists() {
             "",
             "a second goal",
         ),
+        (
+            "position_mm = [300, 0, 99]",
+            "within_deg = 5\nposition_mm = [300, 0, 99]",
+            47,
+            "5",
+            "within_deg needs face_up",
+        ),
     ] {
         refused(&with(from, to), line, at, message);
     }
+}
+
+#[test]
+fn goals_at_rest_are_of_what_can_rest_so() {
+    let pose = "event = \"landing\"\nbody = \"pencil\"\nposition_mm = [300, 0, 99]\norientation_wxyz = [1, 0, 0, 0]";
+    let settles = with("[timing]", "settle_s = 5\n[timing]");
+    let goal = |keys: &str| settles.replace(pose, keys);
+    for (keys, line, at, message) in [
+        (
+            "event = \"landing\"\nbody = \"pencil\"\nface_up = \"+z\"",
+            46,
+            "\"landing\"",
+            "expected event = \"rest\"",
+        ),
+        (
+            "event = \"rest\"\nbody = \"pencil\"\nface_up = \"z\"",
+            48,
+            "\"z\"",
+            "expected an axis or a face of \"pencil\": +x, -x, +y, -y, +z, -z",
+        ),
+        (
+            "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"\nwithin_deg = 90",
+            49,
+            "90",
+            "expected less than 90",
+        ),
+        (
+            "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"\nlabels = \"loose\"",
+            49,
+            "\"loose\"",
+            "expected \"fixed\" or \"free\"",
+        ),
+        (
+            "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"\nposition_mm = [0, 0, 0]",
+            49,
+            "[0, 0, 0]",
+            "does not apply to a goal at rest",
+        ),
+        (
+            "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"\n[[goal]]\nevent = \"rest\"\nbody = \"pencil\"\nface_up = \"-z\"",
+            49,
+            "[[goal]]",
+            "a second goal",
+        ),
+    ] {
+        refused(&goal(keys), line, at, message);
+    }
+    let up = "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"";
+    let still = with(pose, up);
+    refused(&still, 45, "\"rest\"", "expected settle_s");
+    let weightless = goal(up).replace("[0.0, 0.0, -9.81]", "[0, 0, 0]");
+    refused(&weightless, 48, "\"+z\"", "without gravity nothing is up");
 }
 
 #[test]

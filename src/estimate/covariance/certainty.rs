@@ -7,6 +7,7 @@ use super::noise::Noise;
 use super::trace::Design;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
+use crate::math::random::Random;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
@@ -93,7 +94,7 @@ impl<'a> Covariance<'a> {
         directions.extend((0..free).map(|_| {
             let hessian = &self.system.hessian;
             let mut step = DVector::from_fn(layout.size(), |at, _| {
-                random.next()
+                random.signed()
                     * hessian
                         .get(&layout.structure.pattern, at, at)
                         .max(0.0)
@@ -108,14 +109,13 @@ impl<'a> Covariance<'a> {
     /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance if the weights were those of the
     /// errors.
     pub fn of(&self, at: &[usize]) -> DMatrix<f64> {
-        let mut result = DMatrix::zeros(at.len(), at.len());
-        for (column, unknown) in at.iter().enumerate() {
-            let x = self.answer(&[(*unknown, 1.0)]);
-            for (row, other) in at.iter().enumerate() {
-                result[(row, column)] = x[*other];
-            }
-        }
-        result
+        self.with_all(at).select_rows(at)
+    }
+
+    /// The columns `at` of `(H + w CᵀC)⁻¹`: their covariances with all unknowns in that case.
+    pub fn with_all(&self, at: &[usize]) -> DMatrix<f64> {
+        let columns = at.iter().map(|unknown| self.answer(&[(*unknown, 1.0)]));
+        DMatrix::from_columns(&columns.collect::<Vec<_>>())
     }
 
     /// Standard deviations of linear combinations of unknowns; `None` where one is empty, or where
@@ -281,22 +281,4 @@ fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
     let (axes, _) = columns.as_slice().as_chunks::<6>();
     let bins = columns.nrows() / 6;
     axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
-}
-
-/// Pseudo-random numbers from a fixed seed, uniform in ±1 (Marsaglia's xorshift).
-struct Random(u64);
-
-impl Default for Random {
-    fn default() -> Self {
-        Self(0x9e37_79b9_7f4a_7c15)
-    }
-}
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
 }

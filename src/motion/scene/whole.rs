@@ -8,6 +8,7 @@ use super::event::{Collision, Event, EventKind};
 use super::goal::Goal;
 use super::link::{FreeBody, Link, Mechanism, Track};
 use super::parameter::{Cone, FreeParameter};
+use super::rest::RestGoal;
 use super::world::{Against, Obstacle, Surface};
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
@@ -42,6 +43,8 @@ pub struct Scene {
     pub events: Vec<Event>,
     /// Goals: hard conditions at events (paper §3.1).
     pub goals: Vec<Goal>,
+    /// Goals at rest: what must hold once the motion has gone on until it rests.
+    pub rest_goals: Vec<RestGoal>,
     /// Free parameters `u` of the estimation.
     pub parameters: Vec<FreeParameter>,
     /// Pairs of parameters whose norm is bounded: tilts of a normal within a cone.

@@ -41,6 +41,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
         cones: Vec::new(),
         velocity_gaps: VelocityGaps::WhenNeeded,
         settle_s: None,
+        rest_goals: Vec::new(),
         weights: Weights {
             position_m: 0.01,
             orientation_rad: 0.1,

@@ -241,6 +241,7 @@ impl Viewer {
         };
         let showing = Showing::new(&Reported {
             settled: None,
+            rest: None,
             ..reported(&outcome)
         });
         match showing {

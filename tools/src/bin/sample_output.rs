@@ -64,6 +64,7 @@ fn main() -> Result<()> {
                 verification: outcome.verification.as_ref(),
                 settled: outcome.settled.as_ref(),
                 diagnoses: &outcome.diagnoses,
+                rest: outcome.rest.as_ref(),
             },
             scene_toml: scene_toml.as_bytes(),
             world_frame: world_frame.map_or(DEFAULT_WORLD_FRAME, String::as_str),

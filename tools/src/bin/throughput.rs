@@ -138,6 +138,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
                 verification: None,
                 settled: None,
                 diagnoses: &[],
+                rest: None,
             },
             scene_toml: recording.scene_toml().context("a scene")?,
             world_frame: "world",

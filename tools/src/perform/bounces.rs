@@ -3,13 +3,16 @@
 //!
 //! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
 //! So each bounce's restitution is chosen, from a few values, such that the flight after it is a
-//! good one: depth-first search. Most choices are near 1, so that the energy lasts.
+//! good one: depth-first search. Most choices are near 1, so that the energy lasts. With friction the
+//! law is the estimator's own.
 
 use enact::math::Pose;
 use enact::motion::{
     ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
     LinkIndex, MechanismIndex, Scene, Surface, Timing, TrackIndex, VelocityGaps, Weights,
 };
+use enact::physics::contact::Contact;
+use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::{Body, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -56,6 +59,8 @@ pub struct Throw {
     pub clearest_m: f64,
     /// The motion ends after this share of its last flight.
     pub last_share: f64,
+    /// Coefficient of friction at every bounce.
+    pub friction: f64,
 }
 
 impl Throw {
@@ -71,6 +76,7 @@ impl Throw {
         slowest_approach_m_s: 0.5,
         clearest_m: 0.002,
         last_share: 0.5,
+        friction: 0.0,
     };
 
     /// A die of 16 mm, as people roll them.
@@ -92,6 +98,7 @@ impl Throw {
             slowest_approach_m_s: 0.3 * speed_m_s,
             clearest_m: 0.006 * side_m,
             last_share: 0.95,
+            friction: 0.0,
         }
     }
 }
@@ -221,9 +228,11 @@ pub fn scene_toml(truth: &Truth) -> String {
         if let Some(collision) = event.kind.collision()
             && let Some(feature) = collision.contacts[0].feature
         {
-            let restitution = scene.law_of(collision).restitution;
+            let law = scene.law_of(collision);
+            let (restitution, friction) = (law.restitution, law.friction);
             text += &format!(
-                "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n",
+                "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n\
+                 friction = {friction:?}\n",
                 cube.features[feature].name,
             );
         }
@@ -303,8 +312,28 @@ impl Bouncer {
 
     pub(super) fn bounced(&self, hop: &Hop) -> State {
         let before = self.flight().advance(&hop.state, hop.duration_s);
-        let bounce = self.encounter(hop.corner, hop.restitution);
-        bounce.after(&before, &still()).0
+        if self.throw.friction == 0.0 {
+            let bounce = self.encounter(hop.corner, hop.restitution);
+            return bounce.after(&before, &still()).0;
+        }
+        let corner = contact::Feature::corner(self.corners_m[hop.corner]);
+        let table = contact::Feature::face(Vector3::zeros(), Vector3::z());
+        let contact = Contact::new(corner, table).expect("a corner touches a face");
+        let contacts = ContactSet::with_friction(&[contact]).expect("one has friction");
+        let side = Side {
+            body: &self.body,
+            state: &before,
+        };
+        let law = Law {
+            friction: self.throw.friction,
+            ..Law::frictionless(hop.restitution)
+        };
+        let impact = contacts.impact(&side, None, &law).expect("it touches");
+        State {
+            velocity_m_s: impact.after[0].velocity_m_s,
+            angular_velocity_rad_s: impact.after[0].angular_velocity_rad_s,
+            ..before
+        }
     }
 
     /// The flight from a state, if it is a good one.
@@ -363,7 +392,10 @@ impl Bouncer {
                 ("end".to_owned(), EventKind::End)
             } else {
                 let name = format!("bounce {}", index + 1);
-                let law = ContactLaw::frictionless(name.clone(), hop.restitution);
+                let law = ContactLaw {
+                    friction: self.throw.friction,
+                    ..ContactLaw::frictionless(name.clone(), hop.restitution)
+                };
                 let law = laws.push_and_get_key(law);
                 let bounce = Collision::bounce(LinkIndex(0), hop.corner, 0, law);
                 (name, EventKind::Collision(bounce))
@@ -434,6 +466,7 @@ impl Bouncer {
             cones: Vec::new(),
             velocity_gaps: VelocityGaps::WhenNeeded,
             settle_s: None,
+            rest_goals: Vec::new(),
             weights: Weights {
                 position_m: 0.01,
                 orientation_rad: 0.1,
