@@ -13,8 +13,8 @@ use crate::options::Options;
 use crate::record::Record;
 use crate::table::{Table, percent};
 
-/// Performances of a row.
-const SEEDS: u64 = 20;
+/// Right performances of a row.
+const SEEDS: u64 = 22;
 
 /// What was said of a row's takes.
 #[derive(Default)]
@@ -120,7 +120,11 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                 continue;
             }
             let mut tally = Tally::default();
-            for seed in options.seeds(SEEDS) {
+            for seed in options.seeds(if *slip == Slip::None {
+                SEEDS
+            } else {
+                base.seeds
+            }) {
                 let Some(asked) = (base.make)(seed)
                     .ok()
                     .and_then(|asked| slip.put_into(asked))
