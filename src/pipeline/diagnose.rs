@@ -29,6 +29,9 @@ use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
 /// leaves 1.5 usually, and 3.2 where it strays twice as far.
+const NEAR: f64 = 2.5;
+/// The same, up to which nothing but a tracker's mount is looked into where nothing speaks against the
+/// motion: other mistakes leave more.
 const FAR: f64 = 3.5;
 /// Least ratio of the distances without and with a remedy.
 const GAIN: f64 = 2.0;
@@ -50,7 +53,7 @@ pub(super) fn diagnose(
     outcome: Option<&Outcome>,
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
-    if outcome.is_some_and(is_well) || observer.should_stop() {
+    if outcome.is_some_and(|outcome| is_well(outcome, NEAR)) || observer.should_stop() {
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
@@ -78,7 +81,12 @@ pub(super) fn diagnose(
     let without = motion.as_ref().map(Motion::distance);
     let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
-    for remedy in remedies(&facts) {
+    let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
+        mount::remedies(&facts)
+    } else {
+        remedies(&facts)
+    };
+    for remedy in remedies {
         if observer.should_stop() {
             break;
         }
@@ -117,12 +125,15 @@ impl Observer for Quiet<'_> {
     }
 }
 
-/// Whether nothing speaks against an outcome.
-fn is_well(outcome: &Outcome) -> bool {
+/// Whether nothing speaks against an outcome, and its motion is not too far from the samples, in the scene's
+/// weights.
+fn is_well(outcome: &Outcome, farthest: f64) -> bool {
     let estimate = &outcome.estimate;
     let mut doubts = estimate.doubts.iter();
     let is_doubted = doubts.any(|doubt| doubt.about.best() != Verdict::Physical);
-    is_motion(outcome) && !is_doubted && misfit(&outcome.scene, &motion::distance(estimate)) <= FAR
+    is_motion(outcome)
+        && !is_doubted
+        && misfit(&outcome.scene, &motion::distance(estimate)) <= farthest
 }
 
 /// Whether an outcome's gaps are closed.
