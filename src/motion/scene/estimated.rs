@@ -29,10 +29,8 @@ impl Values<'_> {
 }
 
 impl Scene {
-    /// The scene with the parameters of an estimate of it in their places ([`Scene::with_values`]).
-    ///
-    /// # Panics
-    /// Where no body has the estimated moments, which the estimation excludes.
+    /// The scene with the parameters of an estimate of it in their places ([`Scene::with_values`]);
+    /// the scene itself where no body has such moments, which only a failed estimate has.
     pub fn as_estimated(&self, estimate: &Estimate) -> Scene {
         let values = estimate.parameters.iter().filter_map(|parameter| {
             let mut free = self.parameters.iter();
@@ -40,7 +38,7 @@ impl Scene {
             Some((free.quantity, parameter.value))
         });
         let values: Vec<(Quantity, f64)> = values.collect();
-        self.with_values(&values).expect("moments of a body")
+        self.with_values(&values).unwrap_or_else(|_| self.clone())
     }
 
     /// The scene with these values of its quantities: each in its place, so that in the result every
