@@ -8,9 +8,9 @@ use std::fmt::Write;
 
 use checks::checks;
 use tables::{events, parameters, segments};
-use units::{deviation_ms, duration, seconds};
+use units::{deviation_ms, duration, for_people, seconds};
 
-use crate::report::RecordingReport;
+use crate::report::{RecordingReport, SuspectLine};
 
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,9 +25,15 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     let mut grave = estimate.doubts.iter().filter(|doubt| doubt.is_grave());
     let gravest = grave.next().map(|doubt| format!(": {}", doubt.text));
     let mut text = format!(
-        "{}: {}{}\n",
+        "{}: {}, {}, {}{}\n",
         report.recording,
         coloured(estimate.verdict, style),
+        fit_words(estimate.fits),
+        if estimate.determined {
+            "determined"
+        } else {
+            "not determined"
+        },
         gravest.unwrap_or_default()
     );
     let mut line = |words: String| {
@@ -37,6 +43,9 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     };
     for diagnosis in &estimate.diagnoses {
         line(format!("likely: {}", diagnosis.sentence));
+    }
+    for suspect in &estimate.suspects {
+        line(suspect_words(suspect));
     }
     for doubt in grave {
         line(format!("doubt: {}", doubt.text));
@@ -87,6 +96,31 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         }
     }
     text
+}
+
+/// Whether the motion fits, in words.
+fn fit_words(fits: &str) -> &'static str {
+    match fits {
+        "yes" => "fits well",
+        "no" => "does not fit",
+        _ => "off beyond the noise",
+    }
+}
+
+/// What may be wrong, its likely value and how much of the misfit goes with it.
+fn suspect_words(suspect: &SuspectLine) -> String {
+    let values = suspect.quantities.iter().map(|(name, value)| {
+        let (factor, unit) = for_people(suspect.unit);
+        format!("{name} {:.3} {unit}", value * factor)
+            .trim_end()
+            .to_owned()
+    });
+    let values: Vec<String> = values.collect();
+    format!(
+        "suspect: {} would explain {:.0} % of the misfit",
+        values.join(", "),
+        100.0 * suspect.explains
+    )
 }
 
 fn coloured(verdict: &str, style: Style) -> String {

@@ -15,8 +15,8 @@ pub struct SolveContext<'a> {
     pub layout: &'a Layout,
     /// Epochs: physical times at which the arcs' states hold \[s\].
     pub epochs_s: Vec<f64>,
-    /// Sums of each arc's samples; empty where times are unknown.
-    pub sums: Vec<ArcSums>,
+    /// Sums of each plain arc's samples; empty where times are unknown.
+    pub sums: Vec<Option<ArcSums>>,
 }
 
 impl<'a> SolveContext<'a> {
@@ -34,7 +34,9 @@ impl<'a> SolveContext<'a> {
             let arcs = problem.arcs.iter().zip(&point.arcs).zip(&epochs_s);
             arcs.map(|((arc, state), epoch_s)| {
                 let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
-                ArcSums::new(body, arc, &point.node_times_s, *epoch_s, state, &gravity)
+                arc.is_plain.then(|| {
+                    ArcSums::new(body, arc, &point.node_times_s, *epoch_s, state, &gravity)
+                })
             })
             .collect()
         };
@@ -104,6 +106,8 @@ mod tests {
             track: TrackIndex(0),
             start: None,
             end: None,
+            acting: Vec::new(),
+            is_plain: true,
             samples: (0..samples).map(sample).collect(),
         }
     }

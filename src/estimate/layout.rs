@@ -137,6 +137,8 @@ impl Layout {
         for (index, arc) in problem.arcs.iter().enumerate() {
             let mut members: Vec<usize> = self.state(problem, index).collect();
             members.extend(&gravity);
+            let acting = arc.acting.iter().map(|a| self.parameters[a.parameter]);
+            members.extend(acting);
             clique(&members);
             let own = members.len();
             let mut before = None;

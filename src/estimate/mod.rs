@@ -8,12 +8,17 @@
 //!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
 //! - The way to the solution: [`events`] gives the first event times, `hand_on` the first states of
 //!   flights without samples, [`recipe`] the schedule.
-//! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`.
+//! - Parameters beside gravity and laws have roles ([`influence`]); where one acts, residuals
+//!   (`observed`) and arrivals (`arrival`) take their general form.
+//! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`; whether it explains the
+//!   performance: [`adequacy`].
 //!
 //! [`solve`] is the stage as the pipeline calls it; [`bound`] gives lower bounds to the search over
 //! collision sequences.
 
+pub mod adequacy;
 mod arc_end;
+mod arrival;
 pub mod bound;
 pub mod constraint;
 pub mod context;
@@ -23,10 +28,12 @@ mod deviation;
 mod evaluate;
 pub mod events;
 mod hand_on;
+pub mod influence;
 pub mod layout;
 pub mod mark;
 mod nodes;
 mod objective;
+mod observed;
 pub mod outcome;
 pub mod point;
 mod posing;

@@ -5,14 +5,16 @@
 //! f = ½ Σ |r|²,   g = Σ Jᵀ r,   H = Σ JᵀJ
 //! ```
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 use super::context::{Guidance, SolveContext};
+use super::observed::Observer;
 use super::point::Point;
 use super::samples::{self, ArcTerms, TimeTerms};
 use super::tempo;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
+use crate::physics::Dynamics;
 use crate::physics::state::part;
 
 /// The objective while its terms are being added: value, gradient and Gauss–Newton Hessian.
@@ -52,6 +54,10 @@ impl<'a> Objective<'a> {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
         for (index, arc) in problem.arcs.iter().enumerate() {
+            if !arc.is_plain {
+                self.add_general(index, &gravity);
+                continue;
+            }
             let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
             let times_s = &self.point.node_times_s;
             let terms = if problem.times_are_unknown() {
@@ -68,11 +74,57 @@ impl<'a> Objective<'a> {
                     }
                 })
             } else {
-                let sums = &self.context.sums[index];
+                let sums = self.context.sums[index].as_ref();
+                let sums = sums.expect("sums of a plain arc");
                 let stride = (arc.samples.len() / self.guidance.orientations_per_arc).max(1);
                 samples::known_times(problem, arc, (sums, stride), flight, &gravity, times_s)
             };
             self.add_arc(layout.arcs[index], &terms);
+        }
+    }
+
+    /// Adds the residuals of an arc in general; infinitely many where no body has such moments.
+    fn add_general(&mut self, index: usize, gravity_m_s2: &Vector3<f64>) {
+        let (problem, layout) = (self.context.problem, self.context.layout);
+        let arc = &problem.arcs[index];
+        let Some(dynamics) = problem.dynamics_at(&self.point.parameters) else {
+            *self.cost = f64::INFINITY;
+            return;
+        };
+        let Dynamics::Free(body) = &dynamics[arc.mechanism];
+        let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
+        let parameters = &self.point.parameters;
+        let mut observer = Observer::new(problem, index, (body, gravity_m_s2), flight, parameters);
+        let stride = self.guidance.stride(arc);
+        let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
+        let weight = arc.samples.len() as f64 / samples.len().max(1) as f64;
+        let state = layout.state(problem, index);
+        let acting = arc.acting.iter().map(|a| layout.parameters[a.parameter]);
+        let own: Vec<usize> = state.chain(acting).collect();
+        for sample in samples {
+            let observed = observer.observed(sample, &self.point.node_times_s);
+            let of_own = observed.by_state.iter().chain(&observed.by_acting).copied();
+            let mut columns: Vec<(usize, [f64; 6])> = own.iter().copied().zip(of_own).collect();
+            for (node, share) in [
+                (sample.node, 1.0 - sample.share),
+                (sample.node + 1, sample.share),
+            ] {
+                let at = layout.nodes.get(node).copied().flatten();
+                if let Some(at) = at.filter(|_| share > 0.0) {
+                    columns.push((at, observed.by_time.map(|by| by * share)));
+                }
+            }
+            let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
+                a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * weight
+            };
+            *self.cost += 0.5 * dot(&observed.residual, &observed.residual);
+            for (i, (row, a)) in columns.iter().enumerate() {
+                self.gradient[*row] += dot(a, &observed.residual);
+                for (column, b) in &columns[..=i] {
+                    self.hessian
+                        .add(self.pattern, *row.max(column), *row.min(column), dot(a, b));
+                }
+            }
         }
     }
 

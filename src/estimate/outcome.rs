@@ -1,6 +1,7 @@
 //! The solver's result as an estimate of the scene: events, arcs, gaps, residuals and verdict.
 
 use super::context::SolveContext;
+use super::observed::Observer;
 use super::point::Point;
 use super::problem::{Problem, TimeSide, unit};
 use super::recipe::Solution;
@@ -12,7 +13,7 @@ use crate::motion::{
     Verdict,
 };
 use crate::optimise::System;
-use crate::physics::{Dynamics, flow};
+use crate::physics::Dynamics;
 
 /// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
@@ -70,6 +71,8 @@ pub fn estimate(
                 upper: free.upper,
             })
             .collect(),
+        fit: None,
+        suspects: Vec::new(),
         undetermined: Vec::new(),
         counters,
     }
@@ -238,7 +241,7 @@ fn arcs(
         problem.arcs[arc]
             .samples
             .iter()
-            .map(|s| s.time_s(&point.node_times_s))
+            .map(move |s| problem.sample_time_s(arc, s, point))
     };
     let mut arcs: Vec<ArcEstimate> = problem
         .arcs
@@ -273,20 +276,19 @@ fn arcs(
 pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Vec<[f64; 6]>> {
     let gravity = problem.gravity(&point.parameters);
     let arcs = problem.arcs.iter().enumerate();
+    let dynamics = problem.dynamics_at(&point.parameters);
+    let dynamics = dynamics.expect("moments that the solution has");
     arcs.map(|(index, arc)| {
-        let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
-        let state = &point.arcs[index];
-        let mut spin = flow::Spin::new(body, &state.angular_velocity_rad_s);
-        let mut fall = flow::Fall::new(body, &gravity, state);
+        let Dynamics::Free(body) = &dynamics[arc.mechanism];
+        let flight = (&point.arcs[index], context.epochs_s[index]);
+        let parameters = &point.parameters;
+        let mut observer = Observer::new(problem, index, (body, &gravity), flight, parameters);
         let samples = arc.samples.iter();
         samples
             .map(|sample| {
-                let s = sample.time_s(&point.node_times_s) - context.epochs_s[index];
-                let position_m = fall.position(s);
-                let orientation = state.orientation * spin.turn(s);
-                let shift = (position_m - sample.position_m) / problem.position_unit_m;
-                let turn = so3::log(&(sample.orientation.inverse() * orientation))
-                    / problem.orientation_unit_rad;
+                let [flown, seen] = observer.seen(sample, &point.node_times_s);
+                let shift = (flown.0 - seen.0) / problem.position_unit_m;
+                let turn = so3::log(&(seen.1.inverse() * flown.1)) / problem.orientation_unit_rad;
                 [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
             })
             .collect()
@@ -330,10 +332,10 @@ fn sample_times(
             samples
                 .iter()
                 .zip(&problem.arcs[index].samples)
-                .map(|(sample, arc)| SampleTime {
+                .map(move |(sample, arc)| SampleTime {
                     track: segment.track,
                     stamp: sample.stamp,
-                    time_s: arc.time_s(&point.node_times_s),
+                    time_s: problem.sample_time_s(index, arc, point),
                 })
         })
         .collect()

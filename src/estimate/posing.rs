@@ -1,5 +1,6 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
+use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
     Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Ordered,
@@ -8,6 +9,7 @@ use super::problem::{
 use crate::motion::{
     Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
+use crate::physics::Dynamics;
 use crate::physics::impact::Law;
 
 impl Problem {
@@ -21,7 +23,12 @@ impl Problem {
             Timing::Known | Timing::Edited => Nodes::everywhere(sketch, segments),
             Timing::Unknown { .. } => Nodes::spaced(sketch, segments),
         };
-        let arcs: Vec<Arc> = segments
+        let roles = Role::all(
+            scene.parameters.iter().map(|free| free.quantity),
+            |link| scene.mechanism_of(link),
+            |link| scene.links[link].body.moments_kg_m2(),
+        );
+        let mut arcs: Vec<Arc> = segments
             .iter()
             .map(|segment| arc(sketch, segment, &nodes))
             .collect();
@@ -31,6 +38,21 @@ impl Problem {
                 .iter()
                 .position(|free| free.quantity == quantity)
         };
+        let gravity_parameters = [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis }));
+        for arc in &mut arcs {
+            let acting = |role: &Role| match role.owner {
+                Owner::Link(_, mechanism) => mechanism == arc.mechanism,
+                Owner::Track(track) => track == arc.track,
+                Owner::World | Owner::Surface(_) => false,
+            };
+            let acting = roles.iter().filter(|role| acting(role));
+            arc.acting = acting.map(|role| role.acting(None)).collect();
+            let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
+            arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
+            if !arc.is_plain {
+                arc.acting.extend(gravity(&gravity_parameters));
+            }
+        }
         // The time of a collision is an unknown even where it is fixed: by a bound.
         let events = scene.events.iter().enumerate();
         let event_is_free: Vec<bool> = events
@@ -44,8 +66,14 @@ impl Problem {
                 .map(|mechanism| scene.dynamics(mechanism))
                 .collect(),
             gravity_m_s2: scene.gravity_m_s2,
-            gravity_parameters: [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis })),
-            collisions: collisions(scene, &arcs, &parameter),
+            collisions: collisions(scene, &arcs, (&roles, &gravity_parameters), &parameter),
+            gravity_parameters,
+            mounts: scene
+                .tracks
+                .iter()
+                .map(|track| track.link_from_tracker)
+                .collect(),
+            roles,
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
             time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
@@ -78,6 +106,18 @@ fn ordered(arcs: &[Arc], event_is_free: &[bool]) -> Vec<Ordered> {
     let free = pairs.filter(|events| events.iter().all(|event| event_is_free[*event]));
     let ordered = free.map(|events| Ordered { events });
     ordered.collect()
+}
+
+/// Gravity's free components as parameters that act on every flight.
+fn gravity(parameters: &[Option<usize>; 3]) -> impl Iterator<Item = Acting> + '_ {
+    let axes = parameters.iter().enumerate();
+    axes.filter_map(|(axis, parameter)| {
+        Some(Acting {
+            parameter: (*parameter)?,
+            influence: Influence::Pull(axis),
+            side: None,
+        })
+    })
 }
 
 fn bounded(scene: &Scene) -> Vec<Bounded> {
@@ -154,6 +194,8 @@ fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
         track: segment.track,
         start: segment.start_event,
         end: segment.end_event,
+        acting: Vec::new(),
+        is_plain: true,
         samples: samples
             .iter()
             .map(|sample| {
@@ -172,6 +214,7 @@ fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
 fn collisions(
     scene: &Scene,
     arcs: &[Arc],
+    (roles, gravity_parameters): (&[Role], &[Option<usize>; 3]),
     parameter: &impl Fn(Quantity) -> Option<usize>,
 ) -> Vec<ArcCollision> {
     let events = scene.events.iter().enumerate();
@@ -197,9 +240,36 @@ fn collisions(
                 && goal.link == collision.link
                 && matches!(goal.target, GoalTarget::Pose { .. })
         };
+        let sides: Vec<ArcPair> = collision.links().map(side).collect::<Option<_>>()?;
+        let surface = match collision.partner {
+            Partner::World => collision
+                .contacts
+                .first()
+                .and_then(|touching| touching.other),
+            Partner::Link(_) => None,
+        };
+        let acting = roles.iter().filter_map(|role| match role.owner {
+            Owner::Link(link, _) => {
+                let side = collision.links().position(|other| other == link)?;
+                Some(role.acting(Some(side)))
+            }
+            Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
+            Owner::World | Owner::Track(_) => None,
+        });
+        let mut acting: Vec<Acting> = acting.collect();
+        let is_parabola = |side: &ArcPair| {
+            let Dynamics::Free(body) = scene.dynamics(side.mechanism);
+            body.is_ballistic()
+        };
+        let is_plain = acting.is_empty() && sides.iter().all(is_parabola);
+        if !is_plain {
+            acting.extend(gravity(gravity_parameters));
+        }
         Some(ArcCollision {
             event,
-            sides: collision.links().map(side).collect::<Option<_>>()?,
+            sides,
+            acting,
+            is_plain,
             contacts: scene
                 .contact_set(event)
                 .expect("a collision that the scene's makers checked")

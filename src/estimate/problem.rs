@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
 use crate::motion::{Cone, FreeParameter, MechanismIndex, TrackIndex};
@@ -70,6 +71,12 @@ pub struct Arc {
     pub end: Option<usize>,
     /// Its samples in order.
     pub samples: Vec<ArcSample>,
+    /// Parameters that act on it or on what is seen of it, where it is not plain; gravity among
+    /// them.
+    pub acting: Vec<Acting>,
+    /// Whether it is a parabola on which at most gravity acts, so that the short form of its
+    /// residuals serves ([`samples`](super::samples)).
+    pub is_plain: bool,
 }
 
 impl Arc {
@@ -109,6 +116,12 @@ pub struct ArcCollision {
     pub friction_parameter: Option<usize>,
     /// Tangents of the first contact's face and the parameters that hold the tilt about them.
     pub tilts: Vec<(usize, usize)>,
+    /// Parameters that act on its flights, bodies or surface, where it is not plain; gravity among
+    /// them.
+    pub acting: Vec<Acting>,
+    /// Whether its flights are parabolas on which at most gravity acts, between bodies and a
+    /// surface that are given.
+    pub is_plain: bool,
 }
 
 impl ArcCollision {
@@ -219,6 +232,10 @@ pub struct Problem {
     pub gravity_m_s2: Vector3<f64>,
     /// Parameters that hold components of gravity.
     pub gravity_parameters: [Option<usize>; 3],
+    /// Roles of the free parameters but gravity and laws.
+    pub roles: Vec<Role>,
+    /// How the trackers are mounted: link from tracker.
+    pub mounts: TiVec<TrackIndex, Pose>,
     /// All arcs, in order of time.
     pub arcs: Vec<Arc>,
     /// Whether the time of each of the scene's events is an unknown.

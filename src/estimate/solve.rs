@@ -3,6 +3,7 @@
 
 mod nearby;
 
+use super::adequacy;
 use super::context::{Guidance, SolveContext};
 use super::deviation;
 use super::layout::Layout;
@@ -29,7 +30,11 @@ pub struct Solved {
 
 impl Solved {
     /// The estimate with its standard deviations and the list of undetermined quantities.
-    pub fn with_deviations(self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
+    pub fn with_deviations(
+        self,
+        (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+        observer: &mut dyn Observer,
+    ) -> Estimate {
         observer.phase(Phase::Covariance);
         let Self {
             mut estimate,
@@ -39,6 +44,11 @@ impl Solved {
             errors,
         } = self;
         let context = posed.context(epochs_s, &solution.point);
+        let posed = (scene, sketch, segments);
+        if let Some((fit, suspects)) = adequacy::judge(&context, &solution, &errors, posed) {
+            estimate.fit = Some(fit);
+            estimate.suspects = suspects;
+        }
         deviation::fill(&mut estimate, scene, &context, (&solution, &errors));
         estimate
     }

@@ -18,7 +18,7 @@ use crate::motion::{
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
-use crate::physics::{Body, Dynamics, Shape, State, contact, flow, impact};
+use crate::physics::{Body, Drag, Dynamics, Shape, State, contact, flow, impact};
 
 mod approach;
 
@@ -204,6 +204,84 @@ fn landing(timing: Timing) -> Scene {
     scene.events[0].kind = EventKind::Collision(bounce);
     scene
 }
+
+/// The scene with every quantity free that its estimation could change, away from what is given.
+fn modelled(mut scene: Scene) -> Scene {
+    let track = TrackIndex(0);
+    scene.tracks[track].link_from_tracker = Pose::from_parts(
+        Vector3::new(0.02, -0.03, 0.05).into(),
+        UnitQuaternion::from_euler_angles(0.4, -0.7, 1.1),
+    );
+    let drag = Drag {
+        linear_per_s: 0.3,
+        quadratic_per_m: 0.2,
+    };
+    for link in &mut scene.links {
+        link.body = link.body.with_drag(drag).unwrap();
+    }
+    let mut add = |quantity: Quantity, value: f64| {
+        let name = format!("{quantity:?}");
+        let [lower, upper] = quantity.limits();
+        scene
+            .parameters
+            .push(parameter(&name, quantity, value, (lower, upper)));
+    };
+    for link in scene.links.keys() {
+        for axis in 0..3 {
+            add(Quantity::Force { link, axis }, 0.2 - 0.3 * axis as f64);
+            add(Quantity::Centre { link, axis }, 0.004 * axis as f64 - 0.003);
+        }
+        add(Quantity::LinearDrag { link }, 0.4);
+        add(Quantity::QuadraticDrag { link }, 0.15);
+        add(Quantity::Moment { link, axis: 0 }, 1.2);
+        add(Quantity::Moment { link, axis: 2 }, 0.9);
+    }
+    if scene.links.len() > 1 {
+        add(Quantity::Mass { link: LinkIndex(1) }, 1.3);
+    }
+    for axis in 0..3 {
+        let shift_m = 0.01 - 0.004 * axis as f64;
+        add(Quantity::TrackerPosition { track, axis }, shift_m);
+        add(
+            Quantity::TrackerOrientation { track, axis },
+            0.2 * axis as f64 - 0.1,
+        );
+    }
+    if scene.timing == Timing::Known {
+        add(Quantity::ClockRate { track }, 0.03);
+        add(Quantity::ClockOffset { track }, -0.004);
+    }
+    add(Quantity::SurfaceHeight { surface: 0 }, 0.003);
+    add(
+        Quantity::SurfaceTilt {
+            surface: 0,
+            tangent: 0,
+        },
+        0.05,
+    );
+    add(
+        Quantity::SurfaceTilt {
+            surface: 0,
+            tangent: 1,
+        },
+        -0.04,
+    );
+    scene
+}
+
+/// The value at which a quantity changes nothing.
+fn as_given(scene: &Scene, quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::Gravity { axis } => scene.gravity_m_s2[axis],
+        Quantity::Restitution { law } => scene.contact_laws[law].restitution,
+        Quantity::Friction { law } => scene.contact_laws[law].friction,
+        Quantity::LinearDrag { link } => scene.links[link].body.drag().linear_per_s,
+        Quantity::QuadraticDrag { link } => scene.links[link].body.drag().quadratic_per_m,
+        Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
+        _ => 0.0,
+    }
+}
+
 const SAMPLES: usize = 9;
 
 /// Samples of two arcs of every link, off the flights by `offset`, and a guess at the flights.
@@ -325,7 +403,13 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             &[1.0, 0.1]
         };
         let at = |scene: Scene| paces.iter().map(move |pace| (scene.clone(), *pace));
-        scenes.into_iter().flat_map(at).collect::<Vec<_>>()
+        let modelled = [modelled(scene(timing)), modelled(meeting(timing, 9.0))];
+        let modelled = modelled.into_iter().map(|scene| (scene, 1.0));
+        scenes
+            .into_iter()
+            .flat_map(at)
+            .chain(modelled)
+            .collect::<Vec<_>>()
     });
     for (mut scene, pace) in cases {
         if offset == 0.0 {
@@ -334,6 +418,10 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
                 .iter_mut()
                 .for_each(|free| free.prior_sd = None);
             scene.parameters[0].initial = GRAVITY.z;
+            for index in 4..scene.parameters.len() {
+                let quantity = scene.parameters[index].quantity;
+                scene.parameters[index].initial = as_given(&scene, quantity);
+            }
         }
         let (mut sketch, segments, guess) = sketch(&scene, offset);
         let samples = sketch.tracks.iter_mut().flat_map(|body| &mut body.samples);

@@ -3,8 +3,10 @@
 use nalgebra::Vector3;
 
 use super::doubt::Doubt;
+use super::fit::Fit;
 use super::index::{MechanismIndex, TrackIndex};
 use super::reason::Reason;
+use super::suspect::Suspect;
 use super::take::Stamp;
 use super::verdict::Verdict;
 use crate::physics::State;
@@ -234,6 +236,11 @@ pub struct Estimate {
     pub residuals: Vec<SegmentResidual>,
     /// Physical time of every used sample, track by track.
     pub sample_times: Vec<SampleTime>,
+    /// How well the motion explains the performance; `None` where the performance does not tell, or
+    /// deviations were not asked for.
+    pub fit: Option<Fit>,
+    /// What may be wrong in the scene where it does not, the likeliest first.
+    pub suspects: Vec<Suspect>,
     /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<Undetermined>,
     /// Work done.

@@ -99,6 +99,8 @@ pub(crate) fn estimate() -> Estimate {
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
+        fit: None,
+        suspects: Vec::new(),
         objective: 1.5,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
         arcs: vec![

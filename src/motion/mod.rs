@@ -7,6 +7,7 @@
 pub mod diagnosis;
 pub mod doubt;
 pub mod estimate;
+pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod guess;
@@ -20,6 +21,7 @@ pub mod scene;
 pub mod settled;
 pub mod sketch;
 pub mod snap;
+pub mod suspect;
 pub mod take;
 pub mod time_map;
 pub mod verdict;
@@ -33,6 +35,7 @@ pub use estimate::{
     ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
     ParameterEstimate, SampleTime, SegmentResidual, Undetermined,
 };
+pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use observe::{Observer, Phase};
@@ -50,6 +53,7 @@ pub use sketch::{
     DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch, TrackSketch,
 };
 pub use snap::SnapError;
+pub use suspect::Suspect;
 pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;

@@ -208,6 +208,11 @@ impl Kkt {
         square(&self.curvature, x)
     }
 
+    /// Weight of a row in the factorised matrix; zero where it is not active.
+    pub fn weight(&self, row: usize) -> f64 {
+        self.weights[row]
+    }
+
     /// Solves `(H + Jᵀ W J) x = b` in place.
     pub fn solve(&self, structure: &Structure, b: &mut DVector<f64>) {
         self.matrix.solve(&structure.pattern, b);

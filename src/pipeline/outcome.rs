@@ -7,7 +7,7 @@ use super::infer::Inferred;
 use super::search::SearchWork;
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Place, Rest, RestWork, SampleCounts, Scene,
-    Settled, Sketch, Verification,
+    Segment, Settled, Sketch, Verification,
 };
 use crate::segment::SegmentError;
 use crate::verify::lies;
@@ -66,11 +66,14 @@ impl Outcome {
     pub(super) fn unchecked(
         inferred: Inferred,
         marks_made_s: Vec<Option<f64>>,
-        (sketch, counts): (Sketch, SampleCounts),
+        (sketch, segments, counts): (Sketch, &[Segment], SampleCounts),
         observer: &mut dyn Observer,
     ) -> Self {
         let given = inferred.scene;
-        let estimate = inferred.solved.with_deviations(&given, observer);
+        let estimate = {
+            let performed = (&given, &sketch, segments);
+            inferred.solved.with_deviations(performed, observer)
+        };
         let scene = given.as_estimated(&estimate);
         Self {
             estimate,

@@ -31,7 +31,7 @@ pub(super) struct Performed {
 impl Performed {
     /// The motion with its deviations.
     pub(super) fn outcome(self, observer: &mut dyn Observer) -> Outcome {
-        let performed = (self.sketch, self.counts);
+        let performed = (self.sketch, &self.segments, self.counts);
         Outcome::unchecked(self.inferred, self.marks_made_s, performed, observer)
     }
 }

@@ -13,7 +13,8 @@ use super::reason::{TerminationLine, reason_text};
 use super::reported::Reported;
 use super::rest::RestLine;
 use super::samples::{CounterLine, Ordered, SampleLine, SettledLine};
-use crate::motion::{Estimate, SegmentResidual, Sketch, Verdict};
+use super::suspects::{SuspectLine, suspect_lines};
+use crate::motion::{Estimate, Fits, SegmentResidual, Sketch, Verdict};
 
 /// An estimate in words and numbers. Physical times are seconds since the first used sample, acted
 /// times seconds since the performance's origin.
@@ -23,6 +24,12 @@ pub struct EstimateReport {
     pub scene: String,
     /// `physical`, `plausible` or `failed`.
     pub verdict: &'static str,
+    /// Whether the motion explains the performance: `yes`, `unknown` or `no`.
+    pub fits: &'static str,
+    /// Whether the performance determines everything that was asked.
+    pub determined: bool,
+    /// What may be wrong in the scene, the likeliest first; none where the motion fits.
+    pub suspects: Vec<SuspectLine>,
     /// Why the estimation ended, as a sentence.
     pub reason: String,
     /// The same in numbers.
@@ -74,6 +81,9 @@ impl EstimateReport {
         Self {
             scene: scene.name.clone(),
             verdict: estimate.verdict.as_str(),
+            fits: fits(estimate).as_str(),
+            determined: estimate.undetermined.is_empty(),
+            suspects: suspect_lines(scene, estimate),
             reason: reason_text(scene, &estimate.reason),
             termination: TerminationLine::new(scene, &estimate.reason),
             doubts: doubts.map(|doubt| DoubtLine::new(scene, doubt)).collect(),
@@ -100,10 +110,20 @@ impl EstimateReport {
         }
     }
 
+    /// Whether nothing speaks against the motion: it is physical, and not known not to fit.
+    pub fn is_good(&self) -> bool {
+        self.is_physical() && self.fits != Fits::No.as_str()
+    }
+
     /// Whether the motion may be called physical.
     pub fn is_physical(&self) -> bool {
         self.verdict == Verdict::Physical.as_str()
     }
+}
+
+/// Whether a motion fits; unknown where that was not tested, or could not be.
+fn fits(estimate: &Estimate) -> Fits {
+    estimate.fit.as_ref().map_or(Fits::Unknown, |fit| fit.fits)
 }
 
 fn acted_s(sketch: &Sketch) -> f64 {

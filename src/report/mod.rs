@@ -21,6 +21,7 @@ pub mod recording;
 pub mod reported;
 pub mod rest;
 pub mod samples;
+pub mod suspects;
 #[cfg(test)]
 mod tests;
 pub mod time_map;
@@ -36,4 +37,5 @@ pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;
 pub use rest::{LieLine, RestLine};
 pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
+pub use suspects::SuspectLine;
 pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMapMessage};

@@ -60,8 +60,8 @@ impl RecordingReport {
         }
     }
 
-    /// Whether nothing was lost, the motion is physical, and no mistake is likely.
+    /// Whether nothing was lost, the motion is physical and not known not to fit, and no mistake is likely.
     pub fn is_whole(&self) -> bool {
-        self.lost.is_empty() && self.estimate.is_physical() && self.estimate.diagnoses.is_empty()
+        self.lost.is_empty() && self.estimate.is_good() && self.estimate.diagnoses.is_empty()
     }
 }

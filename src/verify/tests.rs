@@ -80,6 +80,8 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
+        fit: None,
+        suspects: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
         arcs,

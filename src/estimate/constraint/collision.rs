@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use super::general;
 use super::kind::{At, Constraint, Filled};
 use super::rows::{CollisionRows, HALF, Half, Places, STATE};
 use crate::estimate::arc_end::ArcEnd;
@@ -25,6 +26,9 @@ impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
     /// restitution, friction, tilts, as far as they go.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
+        if !self.is_plain {
+            return general::patterns(self, problem, layout);
+        }
         let places = Places::new(problem, self);
         let (mut block, mut gaps) = (BlockPattern::default(), BlockPattern::default());
         let time = layout.events[self.event];
@@ -76,6 +80,14 @@ impl Constraint for ArcCollision {
         block.reset(pattern);
         block.leads = places.contacts..places.contacts + places.approaches;
         gaps.reset(gap_pattern);
+        if !self.is_plain {
+            let rows = [(pattern, &mut *block), (gap_pattern, &mut *gaps)];
+            if general::fill(self, at, rows).is_none() {
+                block.spoil();
+                gaps.spoil();
+            }
+            return;
+        }
 
         let arrive = arrivals(problem, self, at.point, at.epochs_s);
         let before = before(self, &arrive);

@@ -6,19 +6,36 @@
 //! ```
 
 use super::kind::{At, Constraint, Filled};
+use super::rows::STATE;
 use crate::estimate::arc_end::ArcEnd;
+use crate::estimate::arrival::{Arrival, ByStates};
+use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
 use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
 use crate::physics::Dynamics;
-use crate::physics::state::part;
+use crate::physics::state::{StateTangent, part};
 
 impl Constraint for ArcGoal {
     /// Columns: position and velocity along an axis, row by row, and for a pose orientation and
     /// angular velocity; the event's time, where that is free; gravity.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
+        let of = &problem.arcs[self.arc];
+        if !of.is_plain {
+            let acting = of.acting.iter().map(|a| layout.parameters[a.parameter]);
+            let time = layout.events[self.event];
+            let all = layout.state(problem, self.arc).chain(time).chain(acting);
+            let rows = match &self.target {
+                ArcTarget::Pose(_) => 6,
+                ArcTarget::Coordinate { .. } => 1,
+            };
+            return [
+                BlockPattern::dense(rows, all.collect()),
+                BlockPattern::default(),
+            ];
+        }
         let state = layout.arcs[self.arc];
         let time = layout.events[self.event];
         let mut pattern = BlockPattern::default();
@@ -41,6 +58,12 @@ impl Constraint for ArcGoal {
 
     fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
         let problem = at.problem;
+        if !problem.arcs[self.arc].is_plain {
+            if self.fill_general(at, (pattern, &mut *block)).is_none() {
+                block.spoil();
+            }
+            return;
+        }
         let Dynamics::Free(body) = problem.dynamics_of(self.arc);
         let gravity = problem.gravity(&at.point.parameters);
         let flight = (&at.point.arcs[self.arc], at.epochs_s[self.arc]);
@@ -132,4 +155,99 @@ fn by_time(
     let by_gravity = is_gravity_free.then(|| by(GRAVITY, duration_s));
     let others = [by(VELOCITY, 1.0), by(TIME, acceleration_m_s2)];
     others.into_iter().chain(by_gravity).collect()
+}
+
+impl ArcGoal {
+    /// The rows in general, with drag or with parameters that act on the flight; `None` where there
+    /// is no such flight. A moved centre of mass moves the point of the body whose pose is the goal.
+    fn fill_general(&self, at: &At, (pattern, block): Filled) -> Option<()> {
+        let (problem, parameters) = (at.problem, &at.point.parameters);
+        let of = &problem.arcs[self.arc];
+        let time_s = at.point.event_times_s[self.event];
+        let arrival = Arrival::new(problem, at.point, (self.arc, at.epochs_s[self.arc]), time_s)?;
+        let state = &arrival.end.state;
+        block.reset(pattern);
+        // Derivatives of the rows by the arriving state, and by the centre of mass in body axes.
+        let mut by = ByStates::zeros();
+        let mut by_centre = nalgebra::SMatrix::<f64, 6, 3>::zeros();
+        let mut values = nalgebra::SVector::<f64, 6>::zeros();
+        let rows = match &self.target {
+            ArcTarget::Pose(pose) => {
+                let centre_m =
+                    of.acting
+                        .iter()
+                        .fold(nalgebra::Vector3::zeros(), |mut sum, acting| {
+                            if let Influence::Centre(axis) = acting.influence {
+                                sum[axis] += parameters[acting.parameter];
+                            }
+                            sum
+                        });
+                let offset = state.position_m - pose.translation.vector - pose.rotation * centre_m;
+                let logarithm = so3::log(&(pose.rotation.inverse() * state.orientation));
+                values
+                    .fixed_rows_mut::<3>(0)
+                    .copy_from(&(offset / unit::POSITION_M));
+                values
+                    .fixed_rows_mut::<3>(3)
+                    .copy_from(&(logarithm / unit::ORIENTATION_RAD));
+                by.fixed_view_mut::<3, 3>(0, part::POSITION).copy_from(
+                    &nalgebra::Matrix3::from_diagonal_element(1.0 / unit::POSITION_M),
+                );
+                let by_turn = so3::right_jacobian_inverse(&logarithm) / unit::ORIENTATION_RAD;
+                by.fixed_view_mut::<3, 3>(3, part::ORIENTATION)
+                    .copy_from(&by_turn);
+                let turned = so3::matrix(&pose.rotation) / -unit::POSITION_M;
+                by_centre.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+                6
+            }
+            ArcTarget::Coordinate {
+                axis,
+                lower_m,
+                upper_m,
+            } => {
+                values[0] = state.position_m[*axis] / unit::POSITION_M;
+                by[(0, part::POSITION + axis)] = 1.0 / unit::POSITION_M;
+                block.bounds[0] = (lower_m / unit::POSITION_M, upper_m / unit::POSITION_M);
+                if problem.event_is_free[self.event] {
+                    let by = |other: usize, value: f64| SecondDerivative {
+                        row: 0,
+                        by: [STATE, other],
+                        value: value / unit::POSITION_M,
+                    };
+                    let acceleration_m_s2 = arrival.end.rate[part::VELOCITY + axis];
+                    let by_velocity = arrival.velocity_by_velocity(*axis);
+                    block.second = vec![
+                        by(part::VELOCITY + axis, by_velocity),
+                        by(STATE, acceleration_m_s2),
+                    ];
+                }
+                1
+            }
+        };
+        let chained = by * arrival.by_state();
+        let mut columns: Vec<StateTangent> = chained
+            .column_iter()
+            .map(|column| column.into_owned())
+            .collect();
+        if problem.event_is_free[self.event] {
+            columns.push(by * arrival.end.rate);
+        }
+        columns.extend(of.acting.iter().map(|acting| {
+            let value = parameters[acting.parameter];
+            let mut column = by * arrival.by(acting.influence, value);
+            if let Influence::Centre(axis) = acting.influence {
+                let mut own = column.fixed_rows_mut::<6>(0);
+                own += by_centre.column(axis);
+            }
+            column
+        }));
+        for row in 0..rows {
+            block.values[row] = values[row];
+            let entries = block.derivatives_mut(pattern, row);
+            for (entry, column) in entries.iter_mut().zip(&columns) {
+                *entry = column[row];
+            }
+        }
+        Some(())
+    }
 }

@@ -10,6 +10,7 @@ pub mod collision;
 mod cone;
 mod contact;
 mod continuity;
+mod general;
 mod goal;
 mod kind;
 mod order;

@@ -20,6 +20,8 @@ pub struct Bin {
     pub track: TrackIndex,
     /// Mean time of the samples \[s\].
     pub time_s: f64,
+    /// Mean acted time of the samples \[s\].
+    pub acted_s: f64,
     /// Number of samples.
     pub samples: usize,
 }
@@ -29,13 +31,15 @@ impl Bin {
         Self {
             track,
             time_s: 0.0,
+            acted_s: 0.0,
             samples: 0,
         }
     }
 
-    fn add(&mut self, time_s: f64) {
+    fn add(&mut self, time_s: f64, acted_s: f64) {
         self.samples += 1;
         self.time_s += (time_s - self.time_s) / self.samples as f64;
+        self.acted_s += (acted_s - self.acted_s) / self.samples as f64;
     }
 }
 
@@ -54,16 +58,23 @@ impl Bins {
     /// Bins of every track: four of equal size per flight, fewer with many flights; with more than
     /// sixteen flights, neighbouring flights share one.
     pub fn new(problem: &Problem, point: &Point) -> Self {
+        let all: Vec<usize> = (0..problem.arcs.len()).collect();
+        Self::of(problem, point, &all)
+    }
+
+    /// The bins of some arcs alone, in order of time.
+    pub fn of(problem: &Problem, point: &Point, arcs: &[usize]) -> Self {
+        let arcs: Vec<&Arc> = arcs.iter().map(|arc| &problem.arcs[*arc]).collect();
         let mut bins: Vec<Bin> = Vec::new();
-        let mut of_samples = vec![0; problem.sample_count()];
+        let mut of_samples = vec![0; arcs.iter().map(|arc| arc.samples.len()).sum()];
         let mut flights_s = 0.0;
-        let tracks: BTreeSet<TrackIndex> = problem.arcs.iter().map(|arc| arc.track).collect();
+        let tracks: BTreeSet<TrackIndex> = arcs.iter().map(|arc| arc.track).collect();
         for track in tracks {
-            let of_track = |arc: &&Arc| arc.track == track && !arc.samples.is_empty();
-            let flights = problem.arcs.iter().filter(of_track).count();
+            let of_track = |arc: &&&Arc| arc.track == track && !arc.samples.is_empty();
+            let flights = arcs.iter().filter(of_track).count();
             let per_flight = (MOST / flights.max(1)).clamp(1, PER_FLIGHT);
             let (mut next, mut flight, mut last) = (0, 0, None);
-            for arc in &problem.arcs {
+            for arc in &arcs {
                 let count = arc.samples.len();
                 if of_track(&arc) {
                     for (index, sample) in arc.samples.iter().enumerate() {
@@ -76,7 +87,8 @@ impl Bins {
                         }
                         of_samples[next + index] = bins.len() - 1;
                         let bin = bins.last_mut().expect("one was begun");
-                        bin.add(point.node_times_s[sample.node]);
+                        let acted_s = problem.nodes_acted_s[sample.node];
+                        bin.add(point.node_times_s[sample.node], acted_s);
                     }
                     let time_s = |sample: &ArcSample| point.node_times_s[sample.node];
                     flights_s += time_s(&arc.samples[count - 1]) - time_s(&arc.samples[0]);
@@ -88,7 +100,12 @@ impl Bins {
         Self {
             bins,
             of_samples,
-            flight_s: flights_s / problem.seen_arcs().max(1) as f64,
+            flight_s: flights_s
+                / arcs
+                    .iter()
+                    .filter(|arc| !arc.samples.is_empty())
+                    .count()
+                    .max(1) as f64,
         }
     }
 

@@ -252,7 +252,7 @@ fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
 
 /// Variance of white noise: a sixth of the mean square of second differences along the arcs, or the
 /// mean square residual where no arc has three samples.
-fn white(residuals: &[Vec<Six>]) -> [f64; 2] {
+pub(in crate::estimate) fn white(residuals: &[Vec<Six>]) -> [f64; 2] {
     let second = |three: &[Six]| -> Six {
         std::array::from_fn(|axis| three[0][axis] - 2.0 * three[1][axis] + three[2][axis])
     };

@@ -69,6 +69,7 @@ fn row_of_bins(count: usize, samples: usize) -> Bins {
             .map(|bin| Bin {
                 track: TrackIndex(0),
                 time_s: bin as f64,
+                acted_s: bin as f64,
                 samples,
             })
             .collect(),

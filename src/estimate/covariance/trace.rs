@@ -4,7 +4,9 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::bins::{Bins, Six};
 use crate::estimate::context::SolveContext;
+use crate::estimate::observed::Observer;
 use crate::estimate::point::Point;
+use crate::estimate::problem::ArcSample;
 use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 use crate::physics::state::part;
@@ -27,6 +29,8 @@ pub struct Design<'a> {
 
 /// The derivative of one arc's residuals.
 struct ArcDesign {
+    /// Index into the problem's arcs.
+    arc: usize,
     samples: Vec<SampleDesign>,
     /// Its bins, with the sums over their samples.
     pieces: Vec<(usize, Piece)>,
@@ -43,6 +47,9 @@ struct SampleDesign {
     rate: Six,
     /// The node before it, and its share of the interval to the next.
     time: (usize, f64),
+    /// Derivatives by the arc's state and by the parameters that act on it, where it is not plain;
+    /// they replace those of `turn` and of the time since the epoch.
+    general: Vec<Six>,
 }
 
 /// Sums over the samples of one bin in one arc.
@@ -52,6 +59,7 @@ struct Piece {
     powers: [f64; 3],
     turn: [Matrix3<f64>; 2],
     rate: Six,
+    general: Vec<Six>,
 }
 
 /// A step in terms of one arc: position, velocity and half the acceleration in units of positions,
@@ -61,17 +69,32 @@ type ArcStep = [Vector3<f64>; 5];
 impl<'a> Design<'a> {
     /// The derivative at `point`.
     pub fn new(context: &'a SolveContext, point: &Point, bins: &Bins) -> Self {
+        let all: Vec<usize> = (0..context.problem.arcs.len()).collect();
+        Self::of(context, point, bins, &all)
+    }
+
+    /// The derivative of the residuals of those arcs to which the bins belong.
+    pub fn of(context: &'a SolveContext, point: &Point, bins: &Bins, arcs: &[usize]) -> Self {
         let problem = context.problem;
         let gravity_m_s2 = problem.gravity(&point.parameters);
+        let dynamics = problem.dynamics_at(&point.parameters);
+        let dynamics = dynamics.expect("moments that the solution has");
         let per_m = problem.position_unit_m.recip();
         let per_rad = problem.orientation_unit_rad.recip();
         let mut bin_of_sample = bins.of_samples.iter();
-        let arcs = problem.arcs.iter().enumerate().map(|(index, arc)| {
+        let arcs = arcs.iter().map(|index| {
+            let (index, arc) = (*index, &problem.arcs[*index]);
             let state = &point.arcs[index];
             let omega = &state.angular_velocity_rad_s;
-            let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
-            let mut spin = Spin::new(body, omega);
+            let Dynamics::Free(body) = &dynamics[arc.mechanism];
             let own = arc.samples.iter().zip(&mut bin_of_sample);
+            if !arc.is_plain {
+                let flight = (state, context.epochs_s[index]);
+                let of = (body, &gravity_m_s2);
+                let observer = Observer::new(problem, index, of, flight, &point.parameters);
+                return ArcDesign::general(index, observer, own, &point.node_times_s);
+            }
+            let mut spin = Spin::new(body, omega);
             let samples: Vec<SampleDesign> = own
                 .map(|(sample, bin)| {
                     let since_s = sample.time_s(&point.node_times_s) - context.epochs_s[index];
@@ -86,10 +109,11 @@ impl<'a> Design<'a> {
                         turn: [to_body, by_spin * since_s],
                         rate: six(&velocity, &spinning),
                         time: (sample.node, sample.share),
+                        general: Vec::new(),
                     }
                 })
                 .collect();
-            ArcDesign::new(samples)
+            ArcDesign::new(index, samples)
         });
         Self {
             context,
@@ -102,13 +126,18 @@ impl<'a> Design<'a> {
     pub fn sums(&self, step: &DVector<f64>) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
         let times_are_unknown = self.context.problem.times_are_unknown();
-        for (index, arc) in self.arcs.iter().enumerate() {
-            let [x, v, half_pull, r, w] = self.arc_step(index, step);
+        for arc in &self.arcs {
+            let [x, v, half_pull, r, w] = self.arc_step(arc.arc, step);
             for (bin, piece) in &arc.pieces {
                 let [count, first, second] = piece.powers;
                 let shift = x * count + v * first + half_pull * second;
                 let turn = piece.turn[0] * r + piece.turn[1] * w;
-                add(&mut sums[*bin], &six(&shift, &turn), 1.0);
+                if piece.general.is_empty() {
+                    add(&mut sums[*bin], &six(&shift, &turn), 1.0);
+                }
+                for (by, at) in piece.general.iter().zip(self.unknowns(arc.arc)) {
+                    add(&mut sums[*bin], by, step[at]);
+                }
             }
             if times_are_unknown {
                 for sample in &arc.samples {
@@ -135,22 +164,43 @@ impl<'a> Design<'a> {
     /// The change of the residuals by a step, with sums of squares.
     pub fn trace(&self, step: &DVector<f64>) -> Trace {
         let mut squares = [0.0; 2];
-        for (index, arc) in self.arcs.iter().enumerate() {
-            let [x, v, half_pull, r, w] = self.arc_step(index, step);
-            for sample in &arc.samples {
-                let shift = x + (v + half_pull * sample.since_s) * sample.since_s;
-                let turn = sample.turn[0] * r + sample.turn[1] * w;
-                let mut change = six(&shift, &turn);
-                add(&mut change, &sample.rate, self.later_s(sample, step));
-                for (axis, change) in change.iter().enumerate() {
-                    squares[axis / 3] += change * change;
-                }
+        self.each_change(step, |change| {
+            for (axis, change) in change.iter().enumerate() {
+                squares[axis / 3] += change * change;
             }
-        }
+        });
         Trace {
             sums: self.sums(step),
             squares,
         }
+    }
+
+    /// Changes of every sample's residual by a step, in order.
+    pub fn each_change(&self, step: &DVector<f64>, mut each: impl FnMut(&Six)) {
+        for arc in &self.arcs {
+            let [x, v, half_pull, r, w] = self.arc_step(arc.arc, step);
+            for sample in &arc.samples {
+                let shift = x + (v + half_pull * sample.since_s) * sample.since_s;
+                let turn = sample.turn[0] * r + sample.turn[1] * w;
+                let mut change = six(&shift, &turn);
+                if !sample.general.is_empty() {
+                    change = [0.0; 6];
+                    for (by, at) in sample.general.iter().zip(self.unknowns(arc.arc)) {
+                        add(&mut change, by, step[at]);
+                    }
+                }
+                add(&mut change, &sample.rate, self.later_s(sample, step));
+                each(&change);
+            }
+        }
+    }
+
+    /// Unknowns of an arc's state and of the parameters that act on it.
+    fn unknowns(&self, arc: usize) -> impl Iterator<Item = usize> + '_ {
+        let (problem, layout) = (self.context.problem, self.context.layout);
+        let acting = problem.arcs[arc].acting.iter();
+        let acting = acting.map(|acting| layout.parameters[acting.parameter]);
+        layout.state(problem, arc).chain(acting)
     }
 
     fn arc_step(&self, arc: usize, step: &DVector<f64>) -> ArcStep {
@@ -184,7 +234,35 @@ impl<'a> Design<'a> {
 }
 
 impl ArcDesign {
-    fn new(samples: Vec<SampleDesign>) -> Self {
+    /// The derivative of an arc that is not plain. Orientations are turned from the frame of its
+    /// epoch to the body's.
+    fn general<'s>(
+        arc: usize,
+        mut observer: Observer,
+        samples: impl Iterator<Item = (&'s ArcSample, &'s usize)>,
+        node_times_s: &[f64],
+    ) -> Self {
+        let samples = samples.map(|(sample, bin)| {
+            let observed = observer.observed(sample, node_times_s);
+            let back = observed.turn.inverse();
+            let turned = |by: &Six| -> Six {
+                let turn = back * Vector3::new(by[3], by[4], by[5]);
+                [by[0], by[1], by[2], turn.x, turn.y, turn.z]
+            };
+            let all = observed.by_state.iter().chain(&observed.by_acting);
+            SampleDesign {
+                bin: *bin,
+                since_s: 0.0,
+                turn: [Matrix3::zeros(); 2],
+                rate: turned(&observed.by_time),
+                time: (sample.node, sample.share),
+                general: all.map(turned).collect(),
+            }
+        });
+        Self::new(arc, samples.collect())
+    }
+
+    fn new(arc: usize, samples: Vec<SampleDesign>) -> Self {
         let mut pieces: Vec<(usize, Piece)> = Vec::new();
         for sample in &samples {
             if pieces.last().is_none_or(|(bin, _)| *bin != sample.bin) {
@@ -197,8 +275,16 @@ impl ArcDesign {
             piece.turn[0] += sample.turn[0];
             piece.turn[1] += sample.turn[1];
             add(&mut piece.rate, &sample.rate, 1.0);
+            piece.general.resize(sample.general.len(), [0.0; 6]);
+            for (sum, by) in piece.general.iter_mut().zip(&sample.general) {
+                add(sum, by, 1.0);
+            }
         }
-        Self { samples, pieces }
+        Self {
+            arc,
+            samples,
+            pieces,
+        }
     }
 }
 

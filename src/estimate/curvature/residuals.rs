@@ -48,6 +48,10 @@ pub fn add(
         matrix,
     };
     for (index, arc) in problem.arcs.iter().enumerate() {
+        // The short form of the residuals is meant; others make do with Gauss and Newton's.
+        if !arc.is_plain {
+            continue;
+        }
         let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
         let flight = Flight {
             context,

@@ -188,12 +188,12 @@ pub struct Status {
 }
 
 impl CaptureEvent {
-    /// False if it reports lost data or a motion that is not physical.
+    /// False if it reports lost data or a motion that something speaks against.
     pub fn is_whole(&self) -> bool {
         match self {
             CaptureEvent::Broken { .. } | CaptureEvent::NotEstimated { .. } => false,
             CaptureEvent::Closed { counts, .. } => !counts.is_lossy(),
-            CaptureEvent::Estimated { report, .. } => report.estimate.is_physical(),
+            CaptureEvent::Estimated { report, .. } => report.estimate.is_good(),
             _ => true,
         }
     }

@@ -1,0 +1,303 @@
+//! The test at one event: do the flights about it, each by itself, agree with what must hold there?
+//!
+//! The flights alone violate the event's constraints by `y`. With the constraints' derivative `C`, the
+//! Hessian `H` of the objective and the residuals' derivative `J`, errors of the samples with covariance
+//! `Σ` give `y` the covariance
+//!
+//! ```text
+//! S = C V Cᵀ,   V = H⁻¹ (Jᵀ Σ J + H_p) H⁻¹,   H_p = H − JᵀJ from priors
+//! ```
+//!
+//! What only the constraints depend on (the event's time, a free restitution: columns `F` of their
+//! derivative) is chosen in favour of the model. Under a right model
+//!
+//! ```text
+//! min over t   (y + F t)ᵀ S⁻¹ (y + F t)/d   ~   F(d, ν)
+//! ```
+//!
+//! with as many degrees of freedom `d` as rows less columns of `F`, and `ν` those from which `Σ` is
+//! estimated: Wald's test with a robust covariance (White 1982), and Hotelling's correction of its
+//! distribution.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::alone::Alone;
+use super::hand::{Hand, Kind};
+use crate::estimate::context::SolveContext;
+use crate::estimate::covariance::bins::{Bins, Six};
+use crate::estimate::covariance::noise;
+use crate::estimate::covariance::trace::Design;
+use crate::motion::{EventFit, Tested};
+
+/// A pivot below this share of the largest diagonal entry belongs to a row that depends on others.
+const DEPENDENT: f64 = 1e-12;
+
+/// The test with the noise that it was made under, in squared units of positions and orientations.
+pub(super) struct EventTest {
+    pub(super) fit: EventFit,
+    pub(super) white: [f64; 2],
+    /// Variances of the hand's wander.
+    pub(super) wander: [f64; 2],
+}
+
+/// Derivative and value of one row at the flights alone.
+struct Row {
+    value: f64,
+    derivative: DVector<f64>,
+}
+
+/// The test; `None` where nothing can be tested: no flight there, or no more rows than what they
+/// leave free.
+pub(super) fn test(
+    context: &SolveContext,
+    alone: &Alone,
+    (event, multipliers): (usize, &[f64]),
+) -> Option<EventTest> {
+    let problem = context.problem;
+    let beside = problem.arcs.iter().enumerate();
+    let beside = beside.filter(|(_, arc)| arc.start == Some(event) || arc.end == Some(event));
+    let arcs: Vec<usize> = beside.map(|(arc, _)| arc).collect();
+    let rows = rows(context, alone, (event, multipliers));
+    if arcs.is_empty() || rows.is_empty() {
+        return None;
+    }
+    let bins = Bins::of(problem, &alone.point, &arcs);
+    let design = Design::of(context, &alone.point, &bins, &arcs);
+    let errors: Vec<Vec<Six>> = arcs.iter().map(|arc| alone.errors[*arc].clone()).collect();
+    let white = noise::white(&errors);
+    let absorbed = absorbed(context, alone, &bins, &design, &arcs);
+    let means = bins.mean_residuals(&errors);
+    let hands = Kind::ALL.map(|kind| {
+        let shown = (means.as_slice(), absorbed.as_slice());
+        Hand::of(&bins, kind, shown, white[kind as usize])
+    });
+    let products = Products::new(context, alone, &design, &rows);
+    let free = free(alone, &rows);
+    let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.value));
+    let samples: usize = errors.iter().map(Vec::len).sum();
+    let test = |covariance: &DMatrix<f64>, noise_freedom: usize| {
+        let (square, freedom) = standardised(covariance, &values, &free)?;
+        let statistic = square / freedom as f64;
+        let law = FisherSnedecor::new(freedom as f64, noise_freedom.max(1) as f64).ok()?;
+        Some(Tested {
+            statistic,
+            freedom,
+            noise_freedom,
+            probability: law.sf(statistic),
+        })
+    };
+    let absorbed_by_samples = absorbed.len();
+    let by_noise = test(
+        &products.covariance(white, None),
+        (6 * samples).saturating_sub(absorbed_by_samples),
+    )?;
+    let by_hand = test(
+        &products.covariance(white, Some(&hands)),
+        (6 * bins.count()).saturating_sub(absorbed.len()),
+    )?;
+    Some(EventTest {
+        wander: [0, 1].map(|kind| hands[kind].variance),
+        white,
+        fit: EventFit {
+            event,
+            by_noise,
+            by_hand,
+            log_odds_of_wander: hands[0].log_odds.max(hands[1].log_odds),
+        },
+    })
+}
+
+/// The event's equalities and active bounds.
+fn rows(context: &SolveContext, alone: &Alone, (event, multipliers): (usize, &[f64])) -> Vec<Row> {
+    let structure = &context.layout.structure;
+    let mut rows = Vec::new();
+    let mut first = 0;
+    let blocks = alone.system.blocks.iter().zip(&structure.blocks);
+    for (constraint, (block, pattern)) in context.problem.constraints().zip(blocks) {
+        let count = block.values.len();
+        if constraint.event() == Some(event) {
+            for row in 0..count {
+                let (lower, upper) = block.bounds[row];
+                let multiplier = multipliers[first + row];
+                let bound = match () {
+                    () if lower == upper => lower,
+                    () if multiplier > 0.0 => upper,
+                    () if multiplier < 0.0 => lower,
+                    () => continue,
+                };
+                let mut derivative = DVector::zeros(structure.size());
+                let by = block.derivatives(pattern, row);
+                for (unknown, by) in pattern.unknowns(row).iter().zip(by) {
+                    derivative[*unknown] = *by;
+                }
+                rows.push(Row {
+                    value: block.values[row] - bound,
+                    derivative,
+                });
+            }
+        }
+        first += count;
+    }
+    rows
+}
+
+/// Directions of the bins' means that the flights' own fits absorb.
+fn absorbed(
+    context: &SolveContext,
+    alone: &Alone,
+    bins: &Bins,
+    design: &Design,
+    arcs: &[usize],
+) -> Vec<Vec<Six>> {
+    let (problem, layout) = (context.problem, context.layout);
+    let mut directions: Vec<Vec<Six>> = Vec::new();
+    if problem.times_are_unknown() {
+        for (bin, rate) in design.rates().into_iter().enumerate() {
+            let mut column = vec![[0.0; 6]; bins.count()];
+            column[bin] = rate;
+            directions.push(column);
+        }
+    }
+    let states = arcs.iter().flat_map(|arc| layout.state(problem, *arc));
+    let parameters = layout.parameters.iter().copied();
+    for unknown in states.chain(parameters) {
+        if !alone.is_unseen(unknown) {
+            let mut step = DVector::zeros(layout.size());
+            step[unknown] = 1.0;
+            directions.push(bins.means(&design.sums(&step)));
+        }
+    }
+    directions
+}
+
+/// Products of the rows' answers `X = H⁻¹ Cᵀ`, of which `S` consists.
+struct Products {
+    /// `Xᵀ J_kᵀ J_k X` of positions and of orientations.
+    squares: [DMatrix<f64>; 2],
+    /// `Xᵀ H_p X`.
+    priors: DMatrix<f64>,
+    /// `J X` summed over the bins, row by row.
+    sums: Vec<Vec<Six>>,
+}
+
+impl Products {
+    fn new(context: &SolveContext, alone: &Alone, design: &Design, rows: &[Row]) -> Self {
+        let answers = rows.iter().map(|row| {
+            let mut answer = row.derivative.clone();
+            alone.solve(context, &mut answer);
+            answer
+        });
+        let answers: Vec<DVector<f64>> = answers.collect();
+        let changes = answers.iter().map(|answer| {
+            let mut changes = Vec::new();
+            design.each_change(answer, |change| changes.push(*change));
+            changes
+        });
+        let changes: Vec<Vec<Six>> = changes.collect();
+        let mut squares = [0, 1].map(|_| DMatrix::zeros(rows.len(), rows.len()));
+        let mut priors = DMatrix::zeros(rows.len(), rows.len());
+        for i in 0..rows.len() {
+            for j in 0..=i {
+                let mut products = [0.0; 2];
+                for (a, b) in changes[i].iter().zip(&changes[j]) {
+                    for axis in 0..6 {
+                        products[axis / 3] += a[axis] * b[axis];
+                    }
+                }
+                let left = rows[i].derivative.dot(&answers[j]) - products[0] - products[1];
+                let left = if i == j { left.max(0.0) } else { left };
+                for at in [(i, j), (j, i)] {
+                    squares[0][at] = products[0];
+                    squares[1][at] = products[1];
+                    priors[at] = left;
+                }
+            }
+        }
+        Self {
+            squares,
+            priors,
+            sums: answers.iter().map(|answer| design.sums(answer)).collect(),
+        }
+    }
+
+    /// `S` under white noise, and a hand's wander if there is one.
+    fn covariance(&self, white: [f64; 2], hands: Option<&[Hand; 2]>) -> DMatrix<f64> {
+        let [positions, orientations] = &self.squares;
+        let mut covariance = positions * white[0] + orientations * white[1] + &self.priors;
+        for (kind, hand) in Kind::ALL.into_iter().zip(hands.into_iter().flatten()) {
+            for (i, y) in self.sums.iter().enumerate() {
+                for (j, z) in self.sums[..=i].iter().enumerate() {
+                    let value = hand.covariance(kind, y, z);
+                    covariance[(i, j)] += value;
+                    if i != j {
+                        covariance[(j, i)] += value;
+                    }
+                }
+            }
+        }
+        covariance
+    }
+}
+
+/// Columns of the rows' derivative by what the objective does not depend on.
+fn free(alone: &Alone, rows: &[Row]) -> DMatrix<f64> {
+    let size = rows[0].derivative.len();
+    let is_free = |unknown: &usize| {
+        alone.is_unseen(*unknown) && rows.iter().any(|row| row.derivative[*unknown] != 0.0)
+    };
+    let unknowns: Vec<usize> = (0..size).filter(is_free).collect();
+    DMatrix::from_fn(rows.len(), unknowns.len(), |row, column| {
+        rows[row].derivative[unknowns[column]]
+    })
+}
+
+/// The least `(y + F t)ᵀ S⁻¹ (y + F t)` and its degrees of freedom.
+fn standardised(
+    covariance: &DMatrix<f64>,
+    values: &DVector<f64>,
+    free: &DMatrix<f64>,
+) -> Option<(f64, usize)> {
+    // Rows in units of their deviations; those that depend on others are left out by the eigenvalues.
+    let scale = covariance.diagonal().map(|variance| variance.sqrt());
+    if !scale.iter().all(|sd| sd.is_finite() && *sd > 0.0) {
+        return None;
+    }
+    let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
+        covariance[(i, j)] / (scale[i] * scale[j])
+    });
+    let eigen = scaled.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let kept: Vec<usize> = (0..scale.len())
+        .filter(|at| eigen.eigenvalues[*at] > DEPENDENT * largest)
+        .collect();
+    let whiten = DMatrix::from_fn(kept.len(), scale.len(), |row, column| {
+        let at = kept[row];
+        eigen.eigenvectors[(column, at)] / (eigen.eigenvalues[at].sqrt() * scale[column])
+    });
+    let mut left = &whiten * values;
+    let mut rank = 0;
+    if free.ncols() > 0 {
+        let mut columns = &whiten * free;
+        for column in 0..columns.ncols() {
+            let norm = columns.column(column).norm();
+            columns
+                .column_mut(column)
+                .unscale_mut(norm.max(f64::MIN_POSITIVE));
+        }
+        let decomposed = columns.col_piv_qr();
+        let pivots = decomposed.r();
+        let most = pivots.nrows().min(pivots.ncols());
+        rank = (0..most)
+            .take_while(|at| pivots[(*at, *at)].abs() > 1e-9)
+            .count();
+        let basis = decomposed.q().columns(0, rank).into_owned();
+        left -= &basis * (basis.transpose() * &left);
+    }
+    let freedom = kept
+        .len()
+        .checked_sub(rank)
+        .filter(|freedom| *freedom > 0)?;
+    let square = left.norm_squared();
+    square.is_finite().then_some((square, freedom))
+}

@@ -1,0 +1,202 @@
+//! A hand's wander as the flights by themselves show it.
+//!
+//! Means of the residuals over bins of some samples each have the covariance
+//!
+//! ```text
+//! a² K + σ² N⁻¹,   K_ij = Σ_f P(f) cos 2πf(t_i − t_j)/Σ_f P(f),   P(f) ~ f⁻ᵖ from 0.2 to 4 Hz
+//! ```
+//!
+//! with the hand's spectrum `P` over acted time, as measured on a camera held in the hand (positions
+//! `p = 4`, orientations `p = 3`, without a corner above 0.2 Hz), the white noise's variance `σ²` and the numbers of
+//! samples `N`. The wander's size `a` is not determined well by a take, so that sizes are weighted by
+//! their restricted likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance
+//! is used. Directions that the flights' own fits absorb are left out of the likelihood.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::covariance::bins::{Bins, Six};
+
+/// Band of a hand's wander \[Hz\], and the exponents of its power for positions and orientations.
+const BAND_HZ: [f64; 2] = [0.2, 4.0];
+const EXPONENTS: [f64; 2] = [4.0, 3.0];
+/// Number of frequencies for the band.
+const LINES: usize = 12;
+/// Sizes of the wander, in standard deviations of a sample's white noise.
+const SIZES: [f64; 9] = [1.0, 2.5, 6.0, 16.0, 40.0, 100.0, 250.0, 600.0, 1600.0];
+
+/// Covariance of one kind's residuals: white noise and wander.
+pub(super) struct Hand {
+    /// Correlations of the bins, row by row.
+    correlation: DMatrix<f64>,
+    /// Variance of the wander, in squared units.
+    pub(super) variance: f64,
+    /// Logarithm of the odds that there is a wander, given the flights by themselves.
+    pub(super) log_odds: f64,
+}
+
+/// Position or orientation.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    Position = 0,
+    Orientation = 1,
+}
+
+impl Kind {
+    pub(super) const ALL: [Self; 2] = [Self::Position, Self::Orientation];
+
+    /// Its entries of a residual.
+    pub(super) fn of(self, six: &Six) -> &[f64] {
+        &six[3 * self as usize..][..3]
+    }
+}
+
+impl Hand {
+    /// The wander of one kind that the bins' mean residuals show, of which the directions `absorbed`
+    /// are left out; `white` is the variance of a sample's white noise.
+    pub(super) fn of(
+        bins: &Bins,
+        kind: Kind,
+        (means, absorbed): (&[Six], &[Vec<Six>]),
+        white: f64,
+    ) -> Self {
+        let correlation = correlation(bins, EXPONENTS[kind as usize]);
+        let flat = |column: &[Six]| -> DVector<f64> {
+            let entries = (0..3).flat_map(|axis| column.iter().map(move |six| kind.of(six)[axis]));
+            DVector::from_iterator(3 * column.len(), entries)
+        };
+        let columns: Vec<DVector<f64>> = absorbed.iter().map(|column| flat(column)).collect();
+        let basis = independent(&columns, 3 * bins.count());
+        let residual = flat(means);
+        let floor = white.max(1e-18);
+        let likelihood = |size: f64| {
+            let mut covariance = &correlation * (size * size * floor);
+            for (bin, of) in bins.bins.iter().enumerate() {
+                covariance[(bin, bin)] += floor / of.samples as f64;
+            }
+            restricted(&covariance, &basis, &residual)
+        };
+        let none = likelihood(0.0);
+        let logs: Vec<f64> = SIZES.iter().map(|size| likelihood(*size)).collect();
+        let most = logs.iter().fold(none, |most, log| most.max(*log));
+        let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
+        let prior = (SIZES.len() as f64).recip();
+        let some: f64 = weights.iter().sum::<f64>() * prior;
+        let squares = weights.iter().zip(SIZES);
+        let variance = squares.map(|(w, size)| w * size * size).sum::<f64>() * prior
+            / some.max(f64::MIN_POSITIVE);
+        Self {
+            correlation,
+            variance: variance * floor,
+            log_odds: some.ln() - (none - most),
+        }
+    }
+
+    /// A wander of a given variance.
+    pub(super) fn of_variance(bins: &Bins, kind: Kind, variance: f64) -> Self {
+        Self {
+            correlation: correlation(bins, EXPONENTS[kind as usize]),
+            variance,
+            log_odds: 0.0,
+        }
+    }
+
+    /// `yᵀ Σ z` of the wander, of two weightings with the given sums over the bins.
+    pub(super) fn covariance(&self, kind: Kind, y: &[Six], z: &[Six]) -> f64 {
+        let mut sum = 0.0;
+        for (row, left) in y.iter().enumerate() {
+            for (column, right) in z.iter().enumerate() {
+                let pairs = kind.of(left).iter().zip(kind.of(right));
+                sum += self.correlation[(row, column)] * pairs.map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        self.variance * sum
+    }
+}
+
+/// Correlations of the bins of each track under a power law.
+fn correlation(bins: &Bins, exponent: f64) -> DMatrix<f64> {
+    let ratio = (BAND_HZ[1] / BAND_HZ[0]).powf(1.0 / LINES as f64);
+    let lines: Vec<[f64; 2]> = (0..LINES)
+        .map(|line| {
+            let hz = BAND_HZ[0] * ratio.powf(line as f64 + 0.5);
+            // Bandwidths are in proportion to the frequencies.
+            [TAU * hz, hz.powf(1.0 - exponent)]
+        })
+        .collect();
+    let total: f64 = lines.iter().map(|[_, power]| power).sum();
+    let between = |lag_s: f64| -> f64 {
+        let each = lines
+            .iter()
+            .map(|[rate, power]| power * (rate * lag_s).cos());
+        each.sum::<f64>() / total
+    };
+    let count = bins.count();
+    let mut correlation = DMatrix::identity(count, count);
+    for (row, a) in bins.bins.iter().enumerate() {
+        for (column, b) in bins.bins[..row].iter().enumerate() {
+            if a.track == b.track {
+                correlation[(row, column)] = between(a.acted_s - b.acted_s);
+                correlation[(column, row)] = correlation[(row, column)];
+            }
+        }
+    }
+    correlation
+}
+
+/// An orthonormal basis of the columns' span.
+fn independent(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
+    let columns: Vec<DVector<f64>> = columns
+        .iter()
+        .filter_map(|column| column.clone().try_normalize(0.0))
+        .collect();
+    if columns.is_empty() {
+        return DMatrix::zeros(rows, 0);
+    }
+    let decomposed = DMatrix::from_columns(&columns).col_piv_qr();
+    let pivots = decomposed.r();
+    let most = pivots.nrows().min(pivots.ncols());
+    let rank = (0..most).take_while(|at| pivots[(*at, *at)].abs() > 1e-6);
+    decomposed.q().columns(0, rank.count()).into_owned()
+}
+
+/// The logarithm of the restricted likelihood of residuals of three axes, each with the same
+/// covariance over the bins, up to a constant.
+fn restricted(covariance: &DMatrix<f64>, basis: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
+    let bins = covariance.nrows();
+    let Some(factor) = covariance.clone().cholesky() else {
+        return f64::NEG_INFINITY;
+    };
+    let lower = factor.l();
+    let log_determinant: f64 = lower.diagonal().iter().map(|pivot| 2.0 * pivot.ln()).sum();
+    let whitened = |mut column: DVector<f64>| {
+        for axis in 0..3 {
+            let mut part = column.rows_mut(axis * bins, bins);
+            lower.solve_lower_triangular_mut(&mut part);
+        }
+        column
+    };
+    let left = whitened(residual.clone());
+    let mut square = left.norm_squared();
+    let mut absorbed = 0.0;
+    if basis.ncols() > 0 {
+        let columns: Vec<DVector<f64>> = basis
+            .column_iter()
+            .map(|column| whitened(column.into_owned()))
+            .collect();
+        let columns = DMatrix::from_columns(&columns);
+        let Some(gram) = (columns.transpose() * &columns).cholesky() else {
+            return f64::NEG_INFINITY;
+        };
+        let pulled = columns.transpose() * &left;
+        square -= pulled.dot(&gram.solve(&pulled));
+        absorbed = gram
+            .l()
+            .diagonal()
+            .iter()
+            .map(|pivot| 2.0 * pivot.ln())
+            .sum();
+    }
+    -0.5 * (3.0 * log_determinant + absorbed + square)
+}

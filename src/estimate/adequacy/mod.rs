@@ -1,0 +1,99 @@
+//! Adequacy: whether the motion explains the performance.
+//!
+//! Contacts, impacts and goals tie flights that could each fit their samples better alone
+//! (`alone`). How much worse they fit together is compared with what errors of the samples explain:
+//! white noise and a wander of the hand, as the flights by themselves show it
+//! ([`noise`](super::covariance::noise)). Each event is tested (`event`), so that the answer names
+//! where flights and model disagree.
+
+mod alone;
+mod event;
+mod hand;
+mod score;
+mod suspects;
+
+use self::alone::Alone;
+use self::event::EventTest;
+use self::hand::{Hand, Kind};
+use self::suspects::{Noise, suspects};
+use super::context::SolveContext;
+use super::covariance::bins::Bins;
+use super::problem::Problem;
+use super::recipe::Solution;
+use crate::motion::{Fit, Fits, Scene, Segment, Sketch, Suspect};
+
+/// Below this probability of the data under the model they do not fit; above, they may.
+const NOT: f64 = 1e-9;
+/// Above this one they fit.
+const WELL: f64 = 1e-3;
+/// Logarithm of the odds above which the flights show a wander.
+const SHOWN: f64 = 3.0;
+
+/// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and
+/// where it does not, what in the scene may be wrong. `None` where the objective alone determines
+/// too little to tell.
+pub fn judge(
+    context: &SolveContext,
+    solution: &Solution,
+    errors: &[Vec<[f64; 6]>],
+    posed: (&Scene, &Sketch, &[Segment]),
+) -> Option<(Fit, Vec<Suspect>)> {
+    let problem = context.problem;
+    let alone = Alone::new(context, &solution.point, &solution.system)?;
+    let events = 0..problem.event_is_free.len();
+    let tests: Vec<EventTest> = events
+        .filter_map(|event| event::test(context, &alone, (event, &solution.multipliers)))
+        .collect();
+    let mut fit = Fit {
+        fits: Fits::Yes,
+        joint: rms(problem, errors),
+        alone: rms(problem, &alone.errors),
+        events: tests.iter().map(|test| test.fit).collect(),
+    };
+    let [by_noise, by_hand] = fit.probabilities();
+    if by_noise >= WELL || tests.is_empty() {
+        return Some((fit, Vec::new()));
+    }
+    let is_hand = fit
+        .events
+        .iter()
+        .any(|event| event.log_odds_of_wander > SHOWN);
+    let mean = |of: fn(&EventTest) -> [f64; 2]| {
+        [0, 1].map(|kind| tests.iter().map(|test| of(test)[kind]).sum::<f64>() / tests.len() as f64)
+    };
+    let bins = Bins::new(problem, &solution.point);
+    let wander = mean(|test| test.wander);
+    let hands = Kind::ALL.map(|kind| Hand::of_variance(&bins, kind, wander[kind as usize]));
+    let noise = Noise {
+        white: mean(|test| test.white),
+        hands: is_hand.then_some(&hands),
+        bins: &bins,
+    };
+    let suspects = suspects(context, solution, posed, &noise);
+    let [not, well] = if problem.times_are_unknown() {
+        [NOT * NOT, WELL * WELL]
+    } else {
+        [NOT, WELL]
+    };
+    fit.fits = match () {
+        () if by_hand < not => Fits::No,
+        () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,
+        () => Fits::Unknown,
+    };
+    Some((fit, suspects))
+}
+
+fn rms(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> [f64; 2] {
+    let count = errors.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let mut squares = [0.0; 2];
+    for error in errors.iter().flatten() {
+        for (axis, value) in error.iter().enumerate() {
+            squares[axis / 3] += value * value;
+        }
+    }
+    let [position, orientation] = squares.map(|square| (square / count).sqrt());
+    [
+        position * problem.position_unit_m,
+        orientation * problem.orientation_unit_rad,
+    ]
+}

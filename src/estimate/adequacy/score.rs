@@ -1,0 +1,205 @@
+//! Rao's score test of quantities that a scene keeps fixed (C. R. Rao, Proceedings of the Cambridge
+//! Philosophical Society 44, 1948; with constraints: Aitchison and Silvey, Annals of Mathematical Statistics 29,
+//! 1958).
+//!
+//! At a solution with Hessian `H`, constraints' derivative `C` and multipliers `λ`, let `g_θ`, `h`, `H_θ`
+//! and `c_θ` be the objective's derivative by a quantity `θ`, its mixed and second derivatives, and the
+//! constraints' derivative. What the motion can follow of a change of `θ` is `z`:
+//!
+//! ```text
+//! [H Cᵀ; C 0] [z; ·] = [h; c_θ],   d = (θ: 1, motion: −z)
+//! s = g_θ + c_θᵀ λ,   V = |J d|²,   Δθ = −s/V,   decrease s²/2V
+//! s² / (dᵀ Jᵀ Σ J d) ~ χ²₁ under the model
+//! ```
+//!
+//! with the residuals' derivative `J` and the errors' covariance `Σ`; matrices in place of numbers for
+//! several quantities at once. No further solve is made.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::hand::{Hand, Kind};
+use crate::estimate::context::{Guidance, SolveContext};
+use crate::estimate::covariance::bins::{Bins, Six};
+use crate::estimate::covariance::trace::Design;
+use crate::estimate::point::Point;
+use crate::optimise::kkt::Kkt;
+use crate::optimise::{Program, System};
+
+/// Greatest number of refinements of a direction.
+const REFINEMENTS: usize = 3;
+
+/// The solution of the problem in which the suspected quantities are parameters too, at the values
+/// that the scene gives them.
+pub(super) struct Extended<'a> {
+    pub(super) context: &'a SolveContext<'a>,
+    pub(super) point: &'a Point,
+    /// Multipliers of the constraints, which are those of the problem without them.
+    pub(super) multipliers: &'a [f64],
+}
+
+/// Scores of some parameters, each with its direction.
+pub(super) struct Scores {
+    /// Values `s`.
+    slopes: Vec<f64>,
+    /// `J d`, sample by sample.
+    changes: Vec<Vec<Six>>,
+    /// Sums of `J d` over the bins.
+    sums: Vec<Vec<Six>>,
+    /// `dᵀ H d` of pairs is `|J d|²` and this, from priors.
+    priors: DMatrix<f64>,
+}
+
+/// What a group of parameters would explain.
+pub(super) struct Scored {
+    /// Their changes `Δθ`.
+    pub(super) changes: Vec<f64>,
+    /// Predicted decrease of the objective.
+    pub(super) decrease: f64,
+    /// Probability of a larger score under the model.
+    pub(super) probability: f64,
+}
+
+impl Scores {
+    /// The scores of the parameters from the `first` on; `base` is the factorised system without them.
+    pub(super) fn new(
+        extended: &Extended,
+        (base, kkt): (&SolveContext, &Kkt),
+        bins: &Bins,
+        first: usize,
+    ) -> Self {
+        let context = extended.context;
+        let system = context.evaluated(&Guidance::none(), extended.point);
+        let size = base.layout.size();
+        let design = Design::new(context, extended.point, bins);
+        let parameters = first..context.problem.parameters.len();
+        let directions: Vec<DVector<f64>> = parameters
+            .clone()
+            .map(|parameter| {
+                let at = context.layout.parameters[parameter];
+                direction((context, &system), (base, kkt), size, at)
+            })
+            .collect();
+        let slopes = parameters.map(|parameter| {
+            let at = context.layout.parameters[parameter];
+            let mut gradient = system.gradient.clone();
+            let pull = |row: usize| extended.multipliers[row];
+            system.add_pull(context.structure(), pull, &mut gradient);
+            gradient[at]
+        });
+        let slopes: Vec<f64> = slopes.collect();
+        let changes = directions.iter().map(|direction| {
+            let mut changes = Vec::new();
+            design.each_change(direction, |change| changes.push(*change));
+            changes
+        });
+        let changes: Vec<Vec<Six>> = changes.collect();
+        let curved = directions.iter().map(|direction| {
+            let mut product = DVector::zeros(direction.len());
+            let pattern = &context.structure().pattern;
+            system
+                .hessian
+                .multiply_add(pattern, direction, &mut product);
+            product
+        });
+        let curved: Vec<DVector<f64>> = curved.collect();
+        let count = slopes.len();
+        let priors = DMatrix::from_fn(count, count, |i, j| {
+            let whole = curved[i].dot(&directions[j]);
+            let [a, b] = products(&changes[i], &changes[j]);
+            if i == j {
+                (whole - a - b).max(0.0)
+            } else {
+                whole - a - b
+            }
+        });
+        Self {
+            slopes,
+            sums: directions.iter().map(|d| design.sums(d)).collect(),
+            changes,
+            priors,
+        }
+    }
+
+    /// What some parameters (indices among those scored) would explain, with the noise's covariance;
+    /// `None` where the performance does not tell them apart from what else may move.
+    pub(super) fn of(
+        &self,
+        group: &[usize],
+        lengths: &[f64],
+        (white, hands): ([f64; 2], Option<&[Hand; 2]>),
+    ) -> Option<Scored> {
+        let count = group.len();
+        let mut information = DMatrix::zeros(count, count);
+        let mut variance = DMatrix::zeros(count, count);
+        for (i, a) in group.iter().enumerate() {
+            for (j, b) in group.iter().enumerate() {
+                let [x, y] = products(&self.changes[*a], &self.changes[*b]);
+                let prior = self.priors[(*a, *b)];
+                let scale = lengths[i] * lengths[j];
+                information[(i, j)] = (x + y + prior) * scale;
+                let mut noise = x * white[0] + y * white[1] + prior;
+                for (kind, hand) in Kind::ALL.into_iter().zip(hands.into_iter().flatten()) {
+                    noise += hand.covariance(kind, &self.sums[*a], &self.sums[*b]);
+                }
+                variance[(i, j)] = noise * scale;
+            }
+        }
+        let slopes = DVector::from_fn(count, |i, _| self.slopes[group[i]] * lengths[i]);
+        // What changes no sample by its own typical change is not told.
+        let told = information.diagonal().min() > white[0].min(white[1]);
+        let information = information.cholesky().filter(|_| told)?;
+        let answer = information.solve(&slopes);
+        let statistic = slopes.dot(&variance.cholesky()?.solve(&slopes));
+        let law = ChiSquared::new(count as f64).ok()?;
+        Some(Scored {
+            changes: (0..count).map(|i| -answer[i] * lengths[i]).collect(),
+            decrease: 0.5 * slopes.dot(&answer),
+            probability: law.sf(statistic),
+        })
+    }
+}
+
+/// `d` of one parameter, over all unknowns of the extended problem.
+fn direction(
+    (context, system): (&SolveContext, &System),
+    (base, kkt): (&SolveContext, &Kkt),
+    size: usize,
+    at: usize,
+) -> DVector<f64> {
+    let pattern = &context.structure().pattern;
+    let mut unit = DVector::zeros(context.layout.size());
+    unit[at] = 1.0;
+    let mut mixed = DVector::zeros(unit.len());
+    system.hessian.multiply_add(pattern, &unit, &mut mixed);
+    // Minus the derivative of the quadratic penalty's gradient along the direction so far.
+    let mut direction = unit;
+    let mut rows = Vec::new();
+    for refinement in 0..REFINEMENTS {
+        system.along(context.structure(), &direction, &mut rows);
+        let mut pulled = DVector::zeros(direction.len());
+        if refinement == 0 {
+            pulled += &mixed;
+        }
+        system.add_pull(
+            context.structure(),
+            |row| kkt.weight(row) * rows[row],
+            &mut pulled,
+        );
+        let mut step = pulled.rows(0, size).into_owned();
+        kkt.solve(base.structure(), &mut step);
+        let mut own = direction.rows_mut(0, size);
+        own -= step;
+    }
+    direction
+}
+
+fn products(a: &[Six], b: &[Six]) -> [f64; 2] {
+    let mut products = [0.0; 2];
+    for (a, b) in a.iter().zip(b) {
+        for axis in 0..6 {
+            products[axis / 3] += a[axis] * b[axis];
+        }
+    }
+    products
+}

@@ -1,0 +1,201 @@
+//! Who is to blame for a misfit: the quantities that the scene keeps fixed and whose change would
+//! explain most of it, by Rao's test ([`score`](super::score)).
+
+use super::hand::Hand;
+use super::score::{Extended, Scores};
+use crate::estimate::context::SolveContext;
+use crate::estimate::covariance::bins::Bins;
+use crate::estimate::layout::Layout;
+use crate::estimate::problem::Problem;
+use crate::estimate::recipe::Solution;
+use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect, Timing};
+use crate::optimise::kkt::Kkt;
+
+/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
+const LEVEL: f64 = 1e-3;
+/// Least share of the misfit that a suspect explains.
+const LEAST_SHARE: f64 = 0.1;
+/// Share of the misfit that no wander of a hand has in common with one wrong quantity.
+const ALL: f64 = 0.9;
+/// Greatest number of suspects.
+const MOST: usize = 3;
+
+/// The noise that scores are compared with.
+pub(super) struct Noise<'a> {
+    /// Variances of white noise, of positions and orientations, in squared units.
+    pub(super) white: [f64; 2],
+    /// The hand's wander over the bins, where the flights show one.
+    pub(super) hands: Option<&'a [Hand; 2]>,
+    /// The bins.
+    pub(super) bins: &'a Bins,
+}
+
+/// The suspects, the one with the greatest gain first.
+pub(super) fn suspects(
+    context: &SolveContext,
+    solution: &Solution,
+    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+    noise: &Noise,
+) -> Vec<Suspect> {
+    let groups = groups(scene);
+    let mut wider = scene.clone();
+    for quantity in groups.iter().flatten() {
+        if !is_free(&wider, *quantity) {
+            wider.parameters.push(freed(scene, *quantity));
+        }
+    }
+    let mut problem = Problem::new(&wider, sketch, segments);
+    problem.velocity_gap_weight = context.problem.velocity_gap_weight;
+    let layout = Layout::new(&problem);
+    let mut point = solution.point.clone();
+    let first = scene.parameters.len();
+    let added = &wider.parameters[first..];
+    point
+        .parameters
+        .extend(added.iter().map(|free| free.initial));
+    let extended = SolveContext::new(&problem, &layout, context.epochs_s.clone(), &point);
+    let Some(kkt) = Kkt::new(context, &solution.system, &solution.multipliers) else {
+        return Vec::new();
+    };
+    let multipliers = &solution.multipliers;
+    let of = Extended {
+        context: &extended,
+        point: &point,
+        multipliers,
+    };
+    let scores = Scores::new(&of, (context, &kkt), noise.bins, first);
+    let samples = context.problem.sample_count() as f64;
+    let cost = solution.system.cost;
+    let floor = 1.5 * samples * (noise.white[0] + noise.white[1]);
+    let misfit = (cost - floor).max(f64::MIN_POSITIVE);
+    let level = LEVEL / groups.len().max(1) as f64;
+    let mut suspects: Vec<Suspect> = groups
+        .iter()
+        .filter_map(|group| {
+            let at = |quantity: &Quantity| added.iter().position(|free| free.quantity == *quantity);
+            let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
+            let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
+            let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
+            let values = group.iter().zip(&scored.changes).map(|(quantity, change)| {
+                let [lower, upper] = quantity.limits();
+                let given = scene.value_of(*quantity);
+                (*quantity, (given + change).clamp(lower, upper))
+            });
+            let values: Vec<(Quantity, f64)> = values.collect();
+            // A quantity that would have to leave what is physical explains nothing.
+            let moves = values.iter().any(|(q, value)| *value != scene.value_of(*q));
+            let left = (cost - scored.decrease)
+                .max(floor.min(cost))
+                .max(1e-3 * cost);
+            let data = 6.0 * samples;
+            let gain = data * (cost / left).ln() - group.len() as f64 * data.ln();
+            let suspect = Suspect {
+                values,
+                explains: (scored.decrease / misfit).clamp(0.0, 1.0),
+                gain,
+                probability: scored.probability,
+            };
+            // A wander that looks just like one wrong quantity would be a coincidence.
+            let is_told = suspect.probability < level || suspect.explains >= ALL;
+            let is_suspect =
+                moves && suspect.gain > 0.0 && is_told && suspect.explains >= LEAST_SHARE;
+            is_suspect.then_some(suspect)
+        })
+        .collect();
+    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    suspects.truncate(MOST);
+    suspects
+}
+
+/// Quantities that are suspected together: the components of one thing.
+fn groups(scene: &Scene) -> Vec<Vec<Quantity>> {
+    let is_alone = scene.mechanisms.len() == 1;
+    let down = scene.gravity_m_s2.iamax();
+    let mut groups: Vec<Vec<Quantity>> = Vec::new();
+    for quantity in scene.quantities() {
+        if is_free(scene, quantity)
+            || scene.untold(quantity).is_some()
+            || !is_supported(scene, quantity)
+        {
+            continue;
+        }
+        let group = match quantity {
+            // Of one body, a force is gravity.
+            Quantity::Force { .. } if is_alone => continue,
+            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. }
+                if scene.timing != Timing::Known =>
+            {
+                continue;
+            }
+            Quantity::Gravity { axis } => {
+                if axis == down {
+                    groups.push(vec![quantity]);
+                }
+                axis > 0
+            }
+            Quantity::Force { axis, .. }
+            | Quantity::Centre { axis, .. }
+            | Quantity::TrackerPosition { axis, .. }
+            | Quantity::TrackerOrientation { axis, .. } => axis > 0,
+            Quantity::Tilt { tangent, .. } | Quantity::SurfaceTilt { tangent, .. } => tangent > 0,
+            _ => false,
+        };
+        match groups
+            .iter_mut()
+            .rev()
+            .find(|group| is_of_one(group[0], quantity))
+        {
+            Some(last) if group && is_of_one(last[0], quantity) => last.push(quantity),
+            _ => groups.push(vec![quantity]),
+        }
+    }
+    groups
+}
+
+/// Whether two quantities are components of one thing.
+fn is_of_one(a: Quantity, b: Quantity) -> bool {
+    let thing = |quantity: Quantity| match quantity {
+        Quantity::Gravity { .. } => Quantity::Gravity { axis: 0 },
+        Quantity::Force { link, .. } => Quantity::Force { link, axis: 0 },
+        Quantity::Centre { link, .. } => Quantity::Centre { link, axis: 0 },
+        Quantity::TrackerPosition { track, .. } => Quantity::TrackerPosition { track, axis: 0 },
+        Quantity::TrackerOrientation { track, .. } => {
+            Quantity::TrackerOrientation { track, axis: 0 }
+        }
+        Quantity::Tilt { event, .. } => Quantity::Tilt { event, tangent: 0 },
+        Quantity::SurfaceTilt { surface, .. } => Quantity::SurfaceTilt {
+            surface,
+            tangent: 0,
+        },
+        other => other,
+    };
+    thing(a) == thing(b)
+}
+
+fn is_free(scene: &Scene, quantity: Quantity) -> bool {
+    scene
+        .parameters
+        .iter()
+        .any(|free| free.quantity == quantity)
+}
+
+/// Whether the contacts of all collisions are supported with that quantity free.
+fn is_supported(scene: &Scene, quantity: Quantity) -> bool {
+    if !matches!(quantity, Quantity::Friction { .. } | Quantity::Tilt { .. }) {
+        return true;
+    }
+    let mut wider = scene.clone();
+    wider.parameters.push(freed(scene, quantity));
+    (0..wider.events.len()).all(|event| wider.contact_set(event).is_ok())
+}
+
+fn freed(scene: &Scene, quantity: Quantity) -> FreeParameter {
+    FreeParameter {
+        name: scene.name_of_quantity(quantity),
+        quantity,
+        initial: scene.value_of(quantity),
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        prior_sd: None,
+    }
+}

@@ -1,0 +1,79 @@
+//! Whether a motion explains its performance.
+
+/// Whether the samples agree with the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fits {
+    /// To within the noise, or a wander of the hand that the flights themselves show.
+    Yes,
+    /// Beyond the noise: a wander of the hand may explain it, or a wrong model; the performance does
+    /// not tell.
+    Unknown,
+    /// Not: neither noise nor a wander explains it.
+    No,
+}
+
+impl Fits {
+    /// Its name in files and reports.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Fits::Yes => "yes",
+            Fits::Unknown => "unknown",
+            Fits::No => "no",
+        }
+    }
+}
+
+/// How well a motion explains its performance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The conclusion.
+    pub fits: Fits,
+    /// Root mean square residual of the motion: position \[m\], orientation \[rad\].
+    pub joint: [f64; 2],
+    /// The same of every flight by itself, without contacts, impacts and goals.
+    pub alone: [f64; 2],
+    /// The test at each event where flights meet or goals hold, in order of time.
+    pub events: Vec<EventFit>,
+}
+
+/// The test of whether the flights about an event, each by itself, agree with what must hold there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventFit {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Under white noise alone.
+    pub by_noise: Tested,
+    /// Under white noise and a wander of the hand.
+    pub by_hand: Tested,
+    /// Logarithm of the odds that flights by themselves show a wander.
+    pub log_odds_of_wander: f64,
+}
+
+/// A statistic and how it is distributed under a right model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tested {
+    /// Mean square of the standardised disagreements; one is expected.
+    pub statistic: f64,
+    /// Their number.
+    pub freedom: usize,
+    /// Degrees of freedom of the noise's estimate.
+    pub noise_freedom: usize,
+    /// Probability of a larger statistic under a right model (Fisher's distribution).
+    pub probability: f64,
+}
+
+impl Fit {
+    /// Probability that some event's statistic is as improbable under a right model (Bonferroni),
+    /// by noise and by a hand's wander; one without events.
+    pub fn probabilities(&self) -> [f64; 2] {
+        let count = self.events.len() as f64;
+        let least = |of: fn(&EventFit) -> f64| {
+            let least = self.events.iter().map(of).fold(1.0, f64::min);
+            (least * count).min(1.0)
+        };
+        [
+            least(|event| event.by_noise.probability),
+            least(|event| event.by_hand.probability),
+        ]
+    }
+}

@@ -1,0 +1,44 @@
+//! What may be wrong in a scene.
+
+use serde::Serialize;
+
+use crate::motion::{Estimate, Scene};
+
+/// A quantity that the scene keeps fixed and that would explain some of a misfit. Several of one
+/// thing (the components of an offset) are listed together.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SuspectLine {
+    /// Name of the first quantity, as `[[free]]` takes it.
+    pub quantity: String,
+    /// Its likely value.
+    pub value: f64,
+    /// Unit of the value; empty for ratios and factors.
+    pub unit: &'static str,
+    /// Names and likely values of all quantities.
+    pub quantities: Vec<(String, f64)>,
+    /// Share of the misfit that goes with them, 0 to 1.
+    pub explains: f64,
+    /// Decrease of Schwarz's criterion (BIC).
+    pub gain: f64,
+    /// Probability that right values score as high.
+    pub probability: f64,
+}
+
+/// The suspects of an estimate.
+pub(super) fn suspect_lines(scene: &Scene, estimate: &Estimate) -> Vec<SuspectLine> {
+    let suspects = estimate.suspects.iter().filter_map(|suspect| {
+        let (first, value) = *suspect.values.first()?;
+        let all = suspect.values.iter();
+        let quantities = all.map(|(quantity, value)| (scene.name_of_quantity(*quantity), *value));
+        Some(SuspectLine {
+            quantity: scene.name_of_quantity(first),
+            value,
+            unit: first.unit(),
+            quantities: quantities.collect(),
+            explains: suspect.explains,
+            gain: suspect.gain,
+            probability: suspect.probability,
+        })
+    });
+    suspects.collect()
+}
