@@ -83,6 +83,7 @@ impl Prepared {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         Ok(Performed {
+            segments: cut.segments,
             inferred,
             sketch,
             counts,
