@@ -451,7 +451,10 @@ fn the_program_says_it_first_with_numbers_and_with_its_exit_code() {
     };
     let account = ran(&[]);
     let first = account.lines().next().expect("a line");
-    assert!(first.contains(": plausible, ") && first.contains(": `pencil` is "), "{first}");
+    assert!(
+        first.contains(": plausible, ") && first.contains(": `pencil` is "),
+        "{first}"
+    );
     let json: serde_json::Value =
         serde_json::from_str(&ran(&["--format", "ndjson"])).expect("json");
     let doubts = json["doubts"].as_array().expect("doubts");

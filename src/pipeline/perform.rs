@@ -31,7 +31,7 @@ pub(super) struct Performed {
 impl Performed {
     /// The motion with its deviations.
     pub(super) fn outcome(self, observer: &mut dyn Observer) -> Outcome {
-        let performed = (self.sketch, &self.segments, self.counts);
+        let performed = (self.sketch, self.segments.as_slice(), self.counts);
         Outcome::unchecked(self.inferred, self.marks_made_s, performed, observer)
     }
 }
@@ -83,7 +83,6 @@ impl Prepared {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         Ok(Performed {
-            segments: cut.segments,
             inferred,
             sketch,
             counts,
