@@ -166,7 +166,7 @@ mod tests {
             "name = \"roll\"\n[timing]\nstamps = \"physical\"\n[[body]]\nname = \"die\"\n\
              shape = {shape}\nmass_g = 5\n{extra}\n[[surface]]\nname = \"table\"\n\
              point_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n[[event]]\nname = \"bounce\"\n\
-             kind = \"collision\"\nbody = \"die\"\nfeature = \"corner +x +y +z\"\n\
+             kind = \"collision\"\nbody = \"die\"\nfeature = \"corner -x -y -z\"\n\
              surface = \"table\"\nrestitution = 0.5\n"
         );
         scene_from_toml(&text).unwrap()
