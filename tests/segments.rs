@@ -1,6 +1,6 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
-use enact::motion::TrackIndex;
+use enact::motion::{MarkTime, TrackIndex};
 use enact::segment::{SegmentError, cut, refine, relocate_marks};
 use enact_tools::perform::{Acting, Performance, Style, bounces, clatter, perform};
 
@@ -102,7 +102,15 @@ fn marks_about_a_flight_with_few_samples_stay_or_move_together() {
             ..Acting::timing_known()
         };
         let performance = perform(&truth, &acting, seed);
-        let exact = performance.sketch();
+        let mut exact = performance.sketch();
+        let marks = exact.marks_s.iter().map(|mark_s| {
+            Some(MarkTime {
+                acted_s: *mark_s,
+                sd_s: 0.5 * INTERVAL_S,
+                counted: 1.0,
+            })
+        });
+        exact.marks = marks.collect();
         let mut refined = exact.clone();
         refine(&performance.truth.scene, &mut refined);
         relocate_marks(&performance.truth.scene, &mut refined);
@@ -112,7 +120,7 @@ fn marks_about_a_flight_with_few_samples_stay_or_move_together() {
                 "{seed}: {refined_s} {exact_s}"
             );
         }
-        let mut late = exact.clone();
+        let mut late = performance.sketch();
         late.marks_s[..2]
             .iter_mut()
             .for_each(|mark_s| *mark_s += 5.0 * INTERVAL_S);

@@ -162,26 +162,16 @@ impl Stretch {
         }
     }
 
-    /// Cuts that leave enough samples on either side, or as many as the present one.
-    fn cuts(&self, now: usize) -> RangeInclusive<usize> {
-        let kept = [
-            now.saturating_sub(self.begin),
-            self.end.saturating_sub(now + self.span),
-        ];
-        let [before, after] = kept.map(|kept| kept.min(KEEP_SAMPLES));
-        self.begin + before..=self.end.saturating_sub(after + self.span)
+    /// Cuts that leave enough samples on either side.
+    fn cuts(&self) -> RangeInclusive<usize> {
+        let most = self.end.saturating_sub(KEEP_SAMPLES + self.span);
+        self.begin + KEEP_SAMPLES..=most
     }
 
     /// Residual sum of squares with a cut \[m²\]; the samples beside it are left out.
     fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
         let [before, after] = self.flights(cut);
         sums.cost(before.start, before.end) + sums.cost(after.start, after.end)
-    }
-
-    /// Numbers of samples per axis that the two flights' fits absorb.
-    fn absorbed(&self, cut: usize) -> usize {
-        let fitted = self.flights(cut).map(|samples| samples.len().min(2));
-        fitted.into_iter().sum()
     }
 
     fn flights(&self, cut: usize) -> [Range<usize>; 2] {
@@ -274,7 +264,11 @@ fn refine_one(
     };
     let now = cut_at(sketch, first, event).clamp(1, last_cut);
     let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
-    let cuts = stretches[0].cuts(now);
+    let cuts = stretches[0].cuts();
+    // Beside a flight of a few samples fits say nothing of the mark.
+    if !cuts.contains(&now) {
+        return false;
+    }
     let least = now.saturating_sub(reach).max(*cuts.start()).max(1);
     let most = (now + reach).min(*cuts.end()).min(last_cut);
     // The middle between the last sample before the cut and the first after it.
@@ -287,16 +281,13 @@ fn refine_one(
         others.partition_point(|s| s.acted_s <= time_s(cut))
     };
     let cost_m2 = |stretch: &Stretch, cut: usize| {
-        let [marked, cut] = [now, cut].map(|cut| others_cut(stretch, cut));
-        let cuts = stretch.cuts(marked);
-        cuts.contains(&cut).then(|| {
-            let absorbed = stretch.absorbed(marked) as f64 - stretch.absorbed(cut) as f64;
-            (stretch.cost(&sums[stretch.track], cut), absorbed)
-        })
+        let cut = others_cut(stretch, cut);
+        let fits = stretch.cuts().contains(&cut);
+        fits.then(|| stretch.cost(&sums[stretch.track], cut))
     };
     let now_m2: Vec<f64> = stretches
         .iter()
-        .map(|stretch| cost_m2(stretch, now).map_or(0.0, |(now_m2, _)| now_m2))
+        .map(|stretch| cost_m2(stretch, now).unwrap_or(0.0))
         .collect();
     let marks_off = |cut: usize| -> f64 {
         let marks = close.iter().filter_map(|close| {
@@ -313,15 +304,12 @@ fn refine_one(
     let unlikely = |cut: usize| -> f64 {
         let mut sum = 0.0;
         for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
-            let Some((cost_m2, less_absorbed)) = cost_m2(stretch, cut) else {
+            let Some(cost_m2) = cost_m2(stretch, cut) else {
                 return f64::INFINITY;
             };
             let others_m2 = (left_m2[stretch.track] - now_m2).max(0.0);
             let all_m2 = others_m2 + cost_m2 + ROUNDING_M2;
-            // The variance is the sum over the degrees of freedom.
-            let count = sketch.tracks[stretch.track].samples.len() as f64;
-            let per_freedom = all_m2 * count / (count + less_absorbed);
-            sum += unlikely_residuals(&sketch.tracks[stretch.track], per_freedom);
+            sum += unlikely_residuals(&sketch.tracks[stretch.track], all_m2);
         }
         sum + marks_off(cut)
     };
@@ -333,7 +321,7 @@ fn refine_one(
         return false;
     }
     for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
-        let best_m2 = cost_m2(stretch, best).map_or(*now_m2, |(best_m2, _)| best_m2);
+        let best_m2 = cost_m2(stretch, best).unwrap_or(*now_m2);
         left_m2[stretch.track] += best_m2 - now_m2;
     }
     let best_s = time_s(best);

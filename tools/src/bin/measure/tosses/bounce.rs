@@ -136,7 +136,7 @@ impl Setting {
     }
 
     /// Heights of the corners over the table \[m\].
-    pub fn heights_m(&self, (position_m, orientation): &Pose) -> Vec<f64> {
+    fn heights_m(&self, (position_m, orientation): &Pose) -> Vec<f64> {
         let corners = self.corners_m.iter();
         corners
             .map(|corner| (position_m + orientation * corner).z - self.radius_m)
@@ -145,7 +145,9 @@ impl Setting {
 
     /// Restitution and friction of the first impact, estimated through those that follow it closely.
     pub fn bounce(&self, toss: &Toss) -> Result<Bounce, String> {
-        let all = contacts(self, toss);
+        let poses = toss.poses.iter();
+        let heights_m: Vec<Vec<f64>> = poses.map(|pose| self.heights_m(pose)).collect();
+        let all = contacts(&heights_m);
         let (impacts, end) = first_impacts(&all, toss.poses.len())
             .ok_or_else(|| format!("{} contacts without a long flight", all.len()))?;
         let mut first = None;

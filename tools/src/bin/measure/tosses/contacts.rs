@@ -1,9 +1,5 @@
 //! When the corners of a real toss touch the table, read off its samples.
 
-use enact_tools::tosses::Toss;
-
-use super::bounce::Setting;
-
 /// A corner nearer to the table than this touches it: less than a sample before \[m\].
 const NEAR_M: f64 = 0.0015;
 /// Samples of a flight that is long enough to show how the impacts before it ended.
@@ -18,15 +14,14 @@ const TOGETHER: f64 = 1.0;
 pub struct Touched {
     /// Time in samples.
     pub place: f64,
-    /// Index into the setting's corners.
+    /// Index of the corner.
     pub corner: usize,
 }
 
-/// The contacts of a toss in order of time: where a corner comes within reach of the table, when it
-/// would be at the table at the speed of the samples before.
-pub fn contacts(setting: &Setting, toss: &Toss) -> Vec<Touched> {
-    let poses = toss.poses.iter();
-    let heights_m: Vec<Vec<f64>> = poses.map(|pose| setting.heights_m(pose)).collect();
+/// The contacts of a toss in order of time, from the corners' heights at every sample: where a
+/// corner comes within reach of the table, when it would be at the table at the speed of the
+/// samples before.
+pub fn contacts(heights_m: &[Vec<f64>]) -> Vec<Touched> {
     let mut touched = Vec::new();
     for (index, three) in heights_m.windows(3).enumerate() {
         for (corner, now_m) in three[2].iter().enumerate() {
