@@ -31,6 +31,7 @@ mod hand_on;
 pub mod influence;
 pub mod layout;
 pub mod mark;
+mod modelled;
 mod nodes;
 mod objective;
 mod observed;

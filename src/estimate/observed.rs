@@ -9,7 +9,8 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::influence::{Acting, Influence, Mount};
+use super::influence::{Acting, Influence};
+use super::modelled::Mount;
 use super::problem::{Arc, ArcSample, Problem};
 use crate::math::so3;
 use crate::physics::flow::{Fall, Spin, SpinByMoments};
