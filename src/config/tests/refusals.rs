@@ -468,7 +468,7 @@ fn goals_at_rest_are_of_what_can_rest_so() {
         (
             "event = \"rest\"\nbody = \"pencil\"\nface_up = \"+z\"\n[[goal]]\nevent = \"rest\"\nbody = \"pencil\"\nface_up = \"-z\"",
             49,
-            "[[goal]]",
+            "",
             "a second goal",
         ),
     ] {
