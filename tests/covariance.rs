@@ -204,5 +204,6 @@ fn a_parameter_at_its_bound_is_not_certain() {
     let estimate = &outcome.estimate;
     assert!((estimate.parameters[0].value - 0.6).abs() < 1e-6);
     let sd = sd(estimate, "restitution").unwrap();
-    assert!(sd > 0.005 && sd < 0.06, "{sd}");
+    // The truth is 0.15 beyond the bound.
+    assert!(sd > 0.05 && sd < 0.2, "{sd}");
 }

@@ -7,8 +7,8 @@ use super::timing;
 use crate::motion::{AtBound, Estimate, Scene, Undetermined};
 
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
-/// or undetermined ones, and lists what is undetermined. Where there is no covariance, none is
-/// computed and none called undetermined. `errors` are the residuals of the solution's samples.
+/// or undetermined ones, and lists what is undetermined. Where the matrix cannot be factorised,
+/// nothing is determined. `errors` are the residuals of the solution's samples.
 pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
@@ -38,14 +38,14 @@ pub fn fill(
             continue;
         }
         event.sd_s = covering(sd_s, moment, event.at_bound);
-        if covariance.is_some() && !moment.is_empty() && sd_s.is_none() {
+        if !moment.is_empty() && sd_s.is_none() {
             undetermined_times.push(Undetermined::EventTime(event.event));
         }
     }
     let parameters = estimate.parameters.iter_mut().enumerate();
     for ((index, parameter), (moment, sd)) in parameters.zip(&mut each) {
         parameter.sd = covering(sd, moment, parameter.at_bound);
-        if covariance.is_some() && sd.is_none() {
+        if sd.is_none() {
             estimate.undetermined.push(Undetermined::Parameter(index));
         }
     }
