@@ -76,9 +76,12 @@ impl Row {
     }
 }
 
-/// A scene file with its lengths divided by 1000.
+/// A scene file with its lengths divided by 1000. Moments come from the shape: those of a body in
+/// millimetres are refused for a smaller one.
 fn in_metres(toml: &str) -> String {
-    let (mut text, mut rest) = (String::new(), toml);
+    let lines = toml.lines().filter(|line| !line.starts_with("moments_"));
+    let of_shape: String = lines.flat_map(|line| [line, "\n"]).collect();
+    let (mut text, mut rest) = (String::new(), of_shape.as_str());
     while let Some(at) = rest.find(" = [") {
         let (head, tail) = rest.split_at(at + 4);
         let key = head[..at].rsplit([' ', '\n']).next().unwrap_or_default();

@@ -190,7 +190,7 @@ fn mass_and_moments(
         return fault(
             given.span(),
             format!(
-                "moments_kg_m2 has {} kg m², expected at most {greatest_kg_m2:e}: no {mass_kg} kg within this shape have more",
+                "moments_kg_m2 has {} kg m², expected at most {greatest_kg_m2:e}: no {mass_kg} kg within this shape have more (lengths are in millimetres)",
                 moments_kg_m2.max()
             ),
         );

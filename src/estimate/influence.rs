@@ -37,8 +37,6 @@ pub enum Influence {
 /// What a parameter belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
-    /// Everything, or laws and events that collisions look up by themselves.
-    World,
     /// A link that moves alone.
     Link(LinkIndex, MechanismIndex),
     /// A track.
@@ -50,7 +48,7 @@ pub enum Owner {
 /// A parameter with what it acts on and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Role {
-    /// Index into [`Problem::parameters`].
+    /// Index into [`Scene::parameters`](crate::motion::Scene::parameters).
     pub parameter: usize,
     /// What it belongs to.
     pub owner: Owner,
@@ -61,7 +59,7 @@ pub struct Role {
 /// A parameter that acts on an arc or at a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Acting {
-    /// Index into [`Problem::parameters`].
+    /// Index into [`Scene::parameters`](crate::motion::Scene::parameters).
     pub parameter: usize,
     /// How it acts.
     pub influence: Influence,

@@ -13,7 +13,7 @@ use crate::math::{Pose, so3};
 use crate::motion::MechanismIndex;
 use crate::physics::contact::Contact;
 use crate::physics::impact::ContactSet;
-use crate::physics::{Body, Drag, Dynamics};
+use crate::physics::{Drag, Dynamics};
 
 /// How a tracker is mounted, corrected by parameters.
 #[derive(Clone, Copy, Debug)]
@@ -40,35 +40,36 @@ impl Problem {
         &self,
         parameters: &[f64],
     ) -> Option<Cow<'_, TiVec<MechanismIndex, Dynamics>>> {
-        let changed = self.roles.iter().filter_map(|role| match role.owner {
-            Owner::Link(_, mechanism) => Some((mechanism, role)),
-            _ => None,
-        });
         let mut dynamics = Cow::Borrowed(&self.dynamics);
-        for (mechanism, role) in changed {
-            let Dynamics::Free(body) = dynamics[mechanism];
-            let value = parameters[role.parameter];
+        for (mechanism, Dynamics::Free(body)) in self.dynamics.iter_enumerated() {
             let mut force_m_s2 = body.force_m_s2();
             let mut drag: Drag = body.drag();
-            let (mut mass, mut moments) = (body.mass_kg(), body.moments_kg_m2());
-            match role.influence {
-                Influence::Pull(axis) => force_m_s2[axis] = value,
-                Influence::LinearDrag => drag.linear_per_s = value,
-                Influence::QuadraticDrag => drag.quadratic_per_m = value,
-                Influence::Moment(axes) => {
-                    for axis in (0..3).filter(|axis| axes[*axis]) {
-                        moments[axis] *= value;
+            let (mut mass, mut moments) = (1.0, Vector3::repeat(1.0));
+            let mut is_changed = false;
+            for role in &self.roles {
+                if !matches!(role.owner, Owner::Link(_, of) if of == mechanism) {
+                    continue;
+                }
+                let value = parameters[role.parameter];
+                match role.influence {
+                    Influence::Pull(axis) => force_m_s2[axis] = value,
+                    Influence::LinearDrag => drag.linear_per_s = value,
+                    Influence::QuadraticDrag => drag.quadratic_per_m = value,
+                    Influence::Moment(axes) => {
+                        for axis in (0..3).filter(|axis| axes[*axis]) {
+                            moments[axis] = value;
+                        }
                     }
+                    Influence::Mass => mass = value,
+                    _ => continue,
                 }
-                Influence::Mass => {
-                    mass *= value;
-                    moments *= value;
-                }
-                _ => continue,
+                is_changed = true;
             }
-            let body = Body::new(mass, moments).ok()?;
-            let body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
-            dynamics.to_mut()[mechanism] = Dynamics::Free(body);
+            if is_changed {
+                let body = body.with_factors(mass, &moments).ok()?;
+                let body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
+                dynamics.to_mut()[mechanism] = Dynamics::Free(body);
+            }
         }
         Some(dynamics)
     }

@@ -43,7 +43,7 @@ impl Problem {
             let acting = |role: &Role| match role.owner {
                 Owner::Link(_, mechanism) => mechanism == arc.mechanism,
                 Owner::Track(track) => track == arc.track,
-                Owner::World | Owner::Surface(_) => false,
+                Owner::Surface(_) => false,
             };
             let acting = roles.iter().filter(|role| acting(role));
             arc.acting = acting.map(|role| role.acting(None)).collect();
@@ -254,7 +254,7 @@ fn collisions(
                 Some(role.acting(Some(side)))
             }
             Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
-            Owner::World | Owner::Track(_) => None,
+            Owner::Track(_) => None,
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {

@@ -269,19 +269,6 @@ fn modelled(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The value at which a quantity changes nothing.
-fn as_given(scene: &Scene, quantity: Quantity) -> f64 {
-    match quantity {
-        Quantity::Gravity { axis } => scene.gravity_m_s2[axis],
-        Quantity::Restitution { law } => scene.contact_laws[law].restitution,
-        Quantity::Friction { law } => scene.contact_laws[law].friction,
-        Quantity::LinearDrag { link } => scene.links[link].body.drag().linear_per_s,
-        Quantity::QuadraticDrag { link } => scene.links[link].body.drag().quadratic_per_m,
-        Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
-        _ => 0.0,
-    }
-}
-
 const SAMPLES: usize = 9;
 
 /// Samples of two arcs of every link, off the flights by `offset`, and a guess at the flights.
@@ -420,7 +407,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             scene.parameters[0].initial = GRAVITY.z;
             for index in 4..scene.parameters.len() {
                 let quantity = scene.parameters[index].quantity;
-                scene.parameters[index].initial = as_given(&scene, quantity);
+                scene.parameters[index].initial = scene.value_of(quantity);
             }
         }
         let (mut sketch, segments, guess) = sketch(&scene, offset);

@@ -158,6 +158,16 @@ impl Body {
         Ok(Self { drag, ..self })
     }
 
+    /// The body with its mass and, beside it, its moments multiplied: a mass factor alone keeps the
+    /// shape of the distribution. Force per mass and drag stay.
+    ///
+    /// Fails where no distribution of mass has these moments.
+    pub fn with_factors(self, mass: f64, moments: &Vector3<f64>) -> Result<Self, BodyError> {
+        let moments_kg_m2 = self.moments_kg_m2.component_mul(moments) * mass;
+        let body = Self::new(self.mass_kg * mass, moments_kg_m2)?;
+        body.with_force(self.force_m_s2)?.with_drag(self.drag)
+    }
+
     /// Mass \[kg\].
     pub fn mass_kg(&self) -> f64 {
         self.mass_kg

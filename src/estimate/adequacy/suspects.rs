@@ -107,47 +107,42 @@ pub(super) fn suspects(
     suspects
 }
 
-/// Quantities that are suspected together: the components of one thing.
+/// Quantities that are suspected together: the components of one thing. Gravity's size is one more
+/// thing than its vector.
 fn groups(scene: &Scene) -> Vec<Vec<Quantity>> {
     let is_alone = scene.mechanisms.len() == 1;
-    let down = scene.gravity_m_s2.iamax();
-    let mut groups: Vec<Vec<Quantity>> = Vec::new();
-    for quantity in scene.quantities() {
-        if is_free(scene, quantity)
-            || scene.untold(quantity).is_some()
-            || !is_supported(scene, quantity)
-        {
-            continue;
-        }
-        let group = match quantity {
+    let is_candidate = |quantity: &Quantity| {
+        let means_something = match quantity {
             // Of one body, a force is gravity.
-            Quantity::Force { .. } if is_alone => continue,
-            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. }
-                if scene.timing != Timing::Known =>
-            {
-                continue;
+            Quantity::Force { .. } => !is_alone,
+            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. } => {
+                scene.timing == Timing::Known
             }
-            Quantity::Gravity { axis } => {
-                if axis == down {
-                    groups.push(vec![quantity]);
-                }
-                axis > 0
-            }
-            Quantity::Force { axis, .. }
-            | Quantity::Centre { axis, .. }
-            | Quantity::TrackerPosition { axis, .. }
-            | Quantity::TrackerOrientation { axis, .. } => axis > 0,
-            Quantity::Tilt { tangent, .. } | Quantity::SurfaceTilt { tangent, .. } => tangent > 0,
-            _ => false,
+            _ => true,
         };
+        means_something
+            && !is_free(scene, *quantity)
+            && scene.untold(*quantity).is_none()
+            && is_supported(scene, *quantity)
+    };
+    let mut groups: Vec<Vec<Quantity>> = Vec::new();
+    for quantity in scene.quantities().into_iter().filter(is_candidate) {
         match groups
             .iter_mut()
-            .rev()
             .find(|group| is_of_one(group[0], quantity))
         {
-            Some(last) if group && is_of_one(last[0], quantity) => last.push(quantity),
-            _ => groups.push(vec![quantity]),
+            Some(group) => group.push(quantity),
+            None => groups.push(vec![quantity]),
         }
+    }
+    let size = Quantity::Gravity {
+        axis: scene.gravity_m_s2.iamax(),
+    };
+    if groups
+        .iter()
+        .any(|group| group.len() > 1 && group.contains(&size))
+    {
+        groups.push(vec![size]);
     }
     groups
 }

@@ -92,20 +92,20 @@ impl Scene {
     fn body_with(&self, link: LinkIndex, values: &Values) -> Result<Body, BodyError> {
         let of = &self.links[link];
         let factor = |quantity| values.of(quantity).unwrap_or(1.0);
-        let mass = factor(Quantity::Mass { link });
-        let moments = of.body.moments_kg_m2();
         let moments = Vector3::from_fn(|axis, _| {
-            let named = of.moment_axis(axis);
-            moments[axis] * factor(Quantity::Moment { link, axis: named }) * mass
+            let axis = of.moment_axis(axis);
+            factor(Quantity::Moment { link, axis })
         });
-        let (force, drag) = (of.body.force_m_s2(), of.body.drag());
+        let body = of
+            .body
+            .with_factors(factor(Quantity::Mass { link }), &moments)?;
+        let (force, drag) = (body.force_m_s2(), body.drag());
         let force = Vector3::from_fn(|axis, _| {
             let value = values.of(Quantity::Force { link, axis });
             value.unwrap_or(force[axis])
         });
         let linear = values.of(Quantity::LinearDrag { link });
         let quadratic = values.of(Quantity::QuadraticDrag { link });
-        let body = Body::new(of.body.mass_kg() * mass, moments)?;
         body.with_force(force)?.with_drag(Drag {
             linear_per_s: linear.unwrap_or(drag.linear_per_s),
             quadratic_per_m: quadratic.unwrap_or(drag.quadratic_per_m),
