@@ -152,8 +152,8 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The step with the curvature of constraints and residuals in the Hessian; `None` where it is
-    /// not finite.
+    /// The step with the curvature of constraints and residuals in the Hessian; `None` where the
+    /// model is then not convex on the active rows.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut curved = self.system.hessian.clone();
         let at = (&self.point, &self.system);

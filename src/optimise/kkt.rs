@@ -111,11 +111,11 @@ impl Kkt {
             matrix.add(pattern, row, row, *damping);
         }
         system.add_square(structure, &weights, &mut matrix);
-        let shifts = if curved.is_some() || !curvature.iter().all(Curvature::is_convex) {
-            factorise_curved(&mut matrix, pattern)?
-        } else {
+        let shifts = if curvature.iter().all(Curvature::is_convex) {
             matrix.factorise(pattern).ok()?;
             Vec::new()
+        } else {
+            factorise_curved(&mut matrix, pattern)?
         };
         Some(Self {
             matrix,
@@ -232,7 +232,9 @@ fn square(curvature: &[Curvature], x: &DVector<f64>) -> f64 {
     each.sum()
 }
 
-/// Factorises a matrix that contains curvature. With large weights it is positive definite where the
+/// Factorises a matrix that contains curvature of rows that is not convex; without it, Gauss and
+/// Newton's model is there to turn to, and the better one (twenty bounces of a small die end in a
+/// tenth of the factorisations). With large weights it is positive definite where the
 /// Hessian is on the null space of the weighted rows (Nocedal and Wright, theorem 17.5); where
 /// curvature prevents that, pivots that are negative change their sign. Returns those shifts of the
 /// diagonal; `None` where an entry is not a number.

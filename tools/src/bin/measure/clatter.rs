@@ -62,7 +62,7 @@ struct Row {
     /// Seeds without an estimate, and why.
     refused: Vec<(u64, String)>,
     /// Of the collisions' times and of restitutions, in physical motions: error and reported
-    /// deviation [ms], [–].
+    /// deviation \[ms\], \[–\].
     times_ms: Vec<(f64, Option<f64>)>,
     restitutions: Vec<(f64, Option<f64>)>,
 }
