@@ -26,6 +26,8 @@ use crate::motion::{Fit, Fits, Scene, Segment, Sketch, Suspect};
 const NOT: f64 = 1e-9;
 /// Above this one they fit.
 const WELL: f64 = 1e-3;
+/// Above this one nothing is suspected where the flights show a wander.
+const LIKELY: f64 = 0.1;
 /// Logarithm of the odds above which the flights show a wander.
 const SHOWN: f64 = 3.0;
 
@@ -51,13 +53,18 @@ pub fn judge(
         events: tests.iter().map(|test| test.fit).collect(),
     };
     let [by_noise, by_hand] = fit.probabilities();
-    if by_noise >= WELL || tests.is_empty() {
+    let mut events = fit.events.iter();
+    let is_hand = events.any(|event| event.log_odds_of_wander > SHOWN);
+    let [not, well, likely] = [NOT, WELL, LIKELY].map(|bound| {
+        if problem.times_are_unknown() {
+            bound * bound
+        } else {
+            bound
+        }
+    });
+    if by_noise >= WELL || is_hand && by_hand >= likely || tests.is_empty() {
         return Some((fit, Vec::new()));
     }
-    let is_hand = fit
-        .events
-        .iter()
-        .any(|event| event.log_odds_of_wander > SHOWN);
     let mean = |of: fn(&EventTest) -> [f64; 2]| {
         [0, 1].map(|kind| tests.iter().map(|test| of(test)[kind]).sum::<f64>() / tests.len() as f64)
     };
@@ -70,11 +77,6 @@ pub fn judge(
         bins: &bins,
     };
     let suspects = suspects(context, solution, posed, &noise);
-    let [not, well] = if problem.times_are_unknown() {
-        [NOT * NOT, WELL * WELL]
-    } else {
-        [NOT, WELL]
-    };
     fit.fits = match () {
         () if by_hand < not => Fits::No,
         () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,

@@ -13,7 +13,7 @@ use crate::optimise::{Program, System};
 /// Greatest number of Gauss–Newton steps.
 const STEPS: usize = 8;
 /// Steps end where the next one promises less than this share of the objective.
-const PROMISE: f64 = 1e-4;
+const PROMISE: f64 = 1e-3;
 /// Greatest number of halvings of a step.
 const HALVINGS: usize = 4;
 

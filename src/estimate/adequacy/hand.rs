@@ -67,16 +67,13 @@ impl Hand {
             DVector::from_iterator(3 * column.len(), entries)
         };
         let columns: Vec<DVector<f64>> = absorbed.iter().map(|column| flat(column)).collect();
+        let whitened = Whitened::new(bins, &correlation);
         let basis = independent(&columns, 3 * bins.count());
-        let residual = flat(means);
+        let basis = whitened.columns(&basis);
         let floor = white.max(1e-18);
-        let likelihood = |size: f64| {
-            let mut covariance = &correlation * (size * size * floor);
-            for (bin, of) in bins.bins.iter().enumerate() {
-                covariance[(bin, bin)] += floor / of.samples as f64;
-            }
-            restricted(&covariance, &basis, &residual)
-        };
+        let residual = DMatrix::from_columns(&[flat(means)]);
+        let residual = whitened.columns(&residual).column(0) / floor.sqrt();
+        let likelihood = |size: f64| restricted((&whitened, size * size), &basis, &residual);
         let none = likelihood(0.0);
         let logs: Vec<f64> = SIZES.iter().map(|size| likelihood(*size)).collect();
         let most = logs.iter().fold(none, |most, log| most.max(*log));
@@ -161,42 +158,73 @@ fn independent(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
     decomposed.q().columns(0, rank.count()).into_owned()
 }
 
-/// The logarithm of the restricted likelihood of residuals of three axes, each with the same
-/// covariance over the bins, up to a constant.
-fn restricted(covariance: &DMatrix<f64>, basis: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
-    let bins = covariance.nrows();
-    let Some(factor) = covariance.clone().cholesky() else {
-        return f64::NEG_INFINITY;
-    };
-    let lower = factor.l();
-    let log_determinant: f64 = lower.diagonal().iter().map(|pivot| 2.0 * pivot.ln()).sum();
-    let whitened = |mut column: DVector<f64>| {
-        for axis in 0..3 {
-            let mut part = column.rows_mut(axis * bins, bins);
-            lower.solve_lower_triangular_mut(&mut part);
+/// Coordinates in which the covariance is diagonal whatever the size of the wander:
+/// `N^½ K N^½ = U Λ Uᵀ`, so that `Uᵀ N^½` times the means of the bins has `a² Λ + σ²`.
+struct Whitened {
+    /// `Uᵀ N^½`.
+    turn: DMatrix<f64>,
+    /// `Λ`.
+    shares: DVector<f64>,
+}
+
+impl Whitened {
+    fn new(bins: &Bins, correlation: &DMatrix<f64>) -> Self {
+        let roots = bins.bins.iter().map(|bin| (bin.samples as f64).sqrt());
+        let roots = DVector::from_iterator(bins.count(), roots);
+        let scaled = correlation.component_mul(&(&roots * roots.transpose()));
+        let eigen = scaled.symmetric_eigen();
+        let mut turn = eigen.eigenvectors.transpose();
+        for (mut column, root) in turn.column_iter_mut().zip(&roots) {
+            column *= *root;
         }
-        column
-    };
-    let left = whitened(residual.clone());
-    let mut square = left.norm_squared();
+        Self {
+            turn,
+            shares: eigen.eigenvalues.map(|share| share.max(0.0)),
+        }
+    }
+
+    /// Columns over the bins of three axes, one below the other, in these coordinates.
+    fn columns(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let bins = self.shares.len();
+        let mut turned = DMatrix::zeros(columns.nrows(), columns.ncols());
+        for axis in 0..3 {
+            let part = columns.rows(axis * bins, bins);
+            turned
+                .rows_mut(axis * bins, bins)
+                .copy_from(&(&self.turn * part));
+        }
+        turned
+    }
+}
+
+/// The logarithm of the restricted likelihood of whitened residuals of three axes, in deviations of the white noise,
+/// each with the same covariance, up to a constant; the wander has `square` times its variance.
+fn restricted(
+    (whitened, square): (&Whitened, f64),
+    basis: &DMatrix<f64>,
+    residual: &DVector<f64>,
+) -> f64 {
+    let bins = whitened.shares.len();
+    let variances = whitened.shares.map(|share| 1.0 + square * share);
+    let log_determinant: f64 = variances.iter().map(|variance| variance.ln()).sum();
+    let weight = |row: usize| variances[row % bins].recip();
+    let weighted = DMatrix::from_fn(basis.nrows(), basis.ncols(), |row, column| {
+        basis[(row, column)] * weight(row)
+    });
+    let mut left: f64 = residual
+        .iter()
+        .enumerate()
+        .map(|(row, r)| r * r * weight(row))
+        .sum();
     let mut absorbed = 0.0;
     if basis.ncols() > 0 {
-        let columns: Vec<DVector<f64>> = basis
-            .column_iter()
-            .map(|column| whitened(column.into_owned()))
-            .collect();
-        let columns = DMatrix::from_columns(&columns);
-        let Some(gram) = (columns.transpose() * &columns).cholesky() else {
+        let Some(gram) = weighted.tr_mul(basis).cholesky() else {
             return f64::NEG_INFINITY;
         };
-        let pulled = columns.transpose() * &left;
-        square -= pulled.dot(&gram.solve(&pulled));
-        absorbed = gram
-            .l()
-            .diagonal()
-            .iter()
-            .map(|pivot| 2.0 * pivot.ln())
-            .sum();
+        let pulled = weighted.tr_mul(residual);
+        left -= pulled.dot(&gram.solve(&pulled));
+        let pivots = gram.l_dirty().diagonal();
+        absorbed = pivots.iter().map(|pivot| 2.0 * pivot.ln()).sum();
     }
-    -0.5 * (3.0 * log_determinant + absorbed + square)
+    -0.5 * (3.0 * log_determinant + absorbed + left)
 }

@@ -46,8 +46,10 @@ pub(super) struct Scores {
     changes: Vec<Vec<Six>>,
     /// Sums of `J d` over the bins.
     sums: Vec<Vec<Six>>,
-    /// `dᵀ H d` of pairs is `|J d|²` and this, from priors.
-    priors: DMatrix<f64>,
+    /// `d`.
+    directions: Vec<DVector<f64>>,
+    /// `H d` of the objective's Hessian.
+    curved: Vec<DVector<f64>>,
 }
 
 /// What a group of parameters would explain.
@@ -102,23 +104,21 @@ impl Scores {
                 .multiply_add(pattern, direction, &mut product);
             product
         });
-        let curved: Vec<DVector<f64>> = curved.collect();
-        let count = slopes.len();
-        let priors = DMatrix::from_fn(count, count, |i, j| {
-            let whole = curved[i].dot(&directions[j]);
-            let [a, b] = products(&changes[i], &changes[j]);
-            if i == j {
-                (whole - a - b).max(0.0)
-            } else {
-                whole - a - b
-            }
-        });
         Self {
             slopes,
             sums: directions.iter().map(|d| design.sums(d)).collect(),
             changes,
-            priors,
+            curved: curved.collect(),
+            directions,
         }
+    }
+
+    /// `aᵀ Jᵀ J b` of the directions of two parameters, of positions and of orientations, and what
+    /// priors add to it in `aᵀ H b`.
+    fn products(&self, a: usize, b: usize) -> [f64; 3] {
+        let [x, y] = products(&self.changes[a], &self.changes[b]);
+        let priors = self.curved[a].dot(&self.directions[b]) - x - y;
+        [x, y, if a == b { priors.max(0.0) } else { priors }]
     }
 
     /// What some parameters (indices among those scored) would explain, with the noise's covariance;
@@ -134,8 +134,7 @@ impl Scores {
         let mut variance = DMatrix::zeros(count, count);
         for (i, a) in group.iter().enumerate() {
             for (j, b) in group.iter().enumerate() {
-                let [x, y] = products(&self.changes[*a], &self.changes[*b]);
-                let prior = self.priors[(*a, *b)];
+                let [x, y, prior] = self.products(*a, *b);
                 let scale = lengths[i] * lengths[j];
                 information[(i, j)] = (x + y + prior) * scale;
                 let mut noise = x * white[0] + y * white[1] + prior;
