@@ -115,6 +115,7 @@ impl Pipeline {
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let mut solved = self.solved(observer)?;
         let sought = rest::seek(&mut solved, &self.events, observer);
+        solved.judge(observer);
         let mut outcome = solved.outcome(observer);
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);

@@ -15,18 +15,18 @@ mod suspects;
 use self::alone::Alone;
 use self::event::EventTest;
 use self::hand::{Hand, Kind};
-use self::suspects::{Noise, suspects};
+use self::suspects::{Noise, Which};
 use super::context::SolveContext;
 use super::covariance::bins::Bins;
 use super::problem::Problem;
 use super::recipe::Solution;
-use crate::motion::{Fit, Fits, Scene, Segment, Sketch, Suspect};
+use crate::motion::{Fit, Fits, Observer, Scene, Segment, Sketch, Suspect, Tested};
 
 /// Below this probability of the data under the model they do not fit; above, they may.
 const NOT: f64 = 1e-9;
 /// Above this one they fit.
 const WELL: f64 = 1e-3;
-/// Above this one nothing is suspected where the flights show a wander.
+/// Above this one a wander explains so well that few are suspected.
 const LIKELY: f64 = 0.1;
 /// Logarithm of the odds above which the flights show a wander.
 const SHOWN: f64 = 3.0;
@@ -36,16 +36,31 @@ const SHOWN: f64 = 3.0;
 /// too little to tell.
 pub fn judge(
     context: &SolveContext,
-    solution: &Solution,
-    errors: &[Vec<[f64; 6]>],
+    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
     posed: (&Scene, &Sketch, &[Segment]),
+    observer: &mut dyn Observer,
 ) -> Option<(Fit, Vec<Suspect>)> {
     let problem = context.problem;
     let alone = Alone::new(context, &solution.point, &solution.system)?;
-    let events = 0..problem.event_is_free.len();
-    let tests: Vec<EventTest> = events
-        .filter_map(|event| event::test(context, &alone, (event, &solution.multipliers)))
-        .collect();
+    let tests_of = |alone: &Alone| -> Vec<EventTest> {
+        let events = 0..problem.event_is_free.len();
+        let test = |event| event::test(context, alone, (event, &solution.multipliers));
+        events.filter_map(test).collect()
+    };
+    let mut tests = tests_of(&alone);
+    if problem.times_are_unknown() {
+        let predicted =
+            Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
+        for (test, predicted) in tests.iter_mut().zip(tests_of(&predicted)) {
+            let better = |test: &mut Tested, other: Tested| {
+                if other.probability > test.probability {
+                    *test = other
+                }
+            };
+            better(&mut test.fit.by_noise, predicted.fit.by_noise);
+            better(&mut test.fit.by_hand, predicted.fit.by_hand);
+        }
+    }
     let mut fit = Fit {
         fits: Fits::Yes,
         joint: rms(problem, errors),
@@ -62,7 +77,7 @@ pub fn judge(
             bound
         }
     });
-    if by_noise >= WELL || is_hand && by_hand >= likely || tests.is_empty() {
+    if by_noise >= WELL || tests.is_empty() {
         return Some((fit, Vec::new()));
     }
     let mean = |of: fn(&EventTest) -> [f64; 2]| {
@@ -76,7 +91,20 @@ pub fn judge(
         hands: is_hand.then_some(&hands),
         bins: &bins,
     };
-    let suspects = suspects(context, solution, posed, &noise);
+    let scored = |which| suspects::scored((context, solution), posed, (&noise, which));
+    // What is dear to look into would show in something else too, gravity or an impact's law.
+    let is_open = !is_hand || by_hand < likely || !scored(Which::Cheap).is_empty();
+    let suspects = if is_open {
+        let scored = scored(Which::All);
+        suspects::tried(
+            (context, solution),
+            posed,
+            (scored, &noise, &alone),
+            observer,
+        )
+    } else {
+        Vec::new()
+    };
     fit.fits = match () {
         () if by_hand < not => Fits::No,
         () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,

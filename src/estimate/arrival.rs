@@ -4,10 +4,10 @@
 use nalgebra::{Matrix3, SMatrix};
 
 use super::arc_end::ArcEnd;
-use super::influence::{Acting, Influence};
+use super::influence::{Acting, Influence, drag_is_free};
 use super::point::Point;
 use super::problem::Problem;
-use crate::physics::flow::{self, Fallen};
+use crate::physics::flow::{self, Fall, Fallen};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Dynamics, State};
 
@@ -46,7 +46,9 @@ impl Arrival {
             None => [Matrix3::zeros(); 2],
         };
         Some(Self {
-            fallen: flow::fallen(body, &gravity_m_s2, state, s),
+            fallen: Fall::new(body, &gravity_m_s2, state)
+                .with_drag_free(drag_is_free(&problem.arcs[arc].acting))
+                .fallen(s),
             by_moments,
             end,
         })

@@ -67,6 +67,12 @@ pub struct Acting {
     pub side: Option<usize>,
 }
 
+/// Whether a parameter of the drag is among those that act on an arc.
+pub fn drag_is_free(acting: &[Acting]) -> bool {
+    let mut influences = acting.iter().map(|acting| acting.influence);
+    influences.any(|of| matches!(of, Influence::LinearDrag | Influence::QuadraticDrag))
+}
+
 impl Quantity {
     /// The role of a parameter that holds it; `None` for gravity and laws, which have places of
     /// their own.

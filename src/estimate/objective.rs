@@ -101,29 +101,47 @@ impl<'a> Objective<'a> {
         let state = layout.state(problem, index);
         let acting = arc.acting.iter().map(|a| layout.parameters[a.parameter]);
         let own: Vec<usize> = state.chain(acting).collect();
+        // What all samples have in common is summed before it goes to its places.
+        let mut gradient = vec![0.0; own.len()];
+        let mut squares = vec![0.0; own.len() * own.len()];
+        let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
+            a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * weight
+        };
         for sample in samples {
             let observed = observer.observed(sample, &self.point.node_times_s);
-            let of_own = observed.by_state.iter().chain(&observed.by_acting).copied();
-            let mut columns: Vec<(usize, [f64; 6])> = own.iter().copied().zip(of_own).collect();
-            for (node, share) in [
-                (sample.node, 1.0 - sample.share),
-                (sample.node + 1, sample.share),
-            ] {
-                let at = layout.nodes.get(node).copied().flatten();
-                if let Some(at) = at.filter(|_| share > 0.0) {
-                    columns.push((at, observed.by_time.map(|by| by * share)));
+            let columns = || observed.by_state.iter().chain(&observed.by_acting);
+            *self.cost += 0.5 * dot(&observed.residual, &observed.residual);
+            for (i, a) in columns().enumerate() {
+                gradient[i] += dot(a, &observed.residual);
+                let row = &mut squares[i * own.len()..][..=i];
+                for (square, b) in row.iter_mut().zip(columns()) {
+                    *square += dot(a, b);
                 }
             }
-            let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
-                a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * weight
-            };
-            *self.cost += 0.5 * dot(&observed.residual, &observed.residual);
-            for (i, (row, a)) in columns.iter().enumerate() {
-                self.gradient[*row] += dot(a, &observed.residual);
-                for (column, b) in &columns[..=i] {
-                    self.hessian
-                        .add(self.pattern, *row.max(column), *row.min(column), dot(a, b));
+            let of_nodes = [
+                (sample.node, 1.0 - sample.share),
+                (sample.node + 1, sample.share),
+            ];
+            let nodes = of_nodes.map(|(node, share)| {
+                let at = layout.nodes.get(node).copied().flatten()?;
+                (share > 0.0).then(|| (at, observed.by_time.map(|by| by * share)))
+            });
+            for (i, (at, a)) in nodes.iter().flatten().enumerate() {
+                self.gradient[*at] += dot(a, &observed.residual);
+                let pairs = own.iter().zip(columns());
+                let earlier = nodes.iter().flatten().take(i + 1);
+                for (other, b) in pairs.chain(earlier.map(|(other, b)| (other, b))) {
+                    let (row, column) = (*at.max(other), *at.min(other));
+                    self.hessian.add(self.pattern, row, column, dot(a, b));
                 }
+            }
+        }
+        for (i, at) in own.iter().enumerate() {
+            self.gradient[*at] += gradient[i];
+            for (j, other) in own[..=i].iter().enumerate() {
+                let (row, column) = (*at.max(other), *at.min(other));
+                let square = squares[i * own.len() + j];
+                self.hessian.add(self.pattern, row, column, square);
             }
         }
     }

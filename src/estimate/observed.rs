@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::influence::{Acting, Influence};
+use super::influence::{Acting, Influence, drag_is_free};
 use super::modelled::Mount;
 use super::problem::{Arc, ArcSample, Problem};
 use crate::math::so3;
@@ -68,7 +68,7 @@ impl<'a> Observer<'a> {
             parameters,
             state,
             epoch_s,
-            fall: Fall::new(body, gravity_m_s2, state),
+            fall: Fall::new(body, gravity_m_s2, state).with_drag_free(drag_is_free(&of.acting)),
             spin: Spin::new(body, &state.angular_velocity_rad_s),
             moments: of
                 .acting

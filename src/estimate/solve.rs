@@ -29,12 +29,23 @@ pub struct Solved {
 }
 
 impl Solved {
+    /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
+    /// does not.
+    pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
+        observer.phase(Phase::Adequacy);
+        let context = self
+            .posed
+            .context(self.epochs_s.clone(), &self.solution.point);
+        let found = (&self.solution, self.errors.as_slice());
+        let judged = adequacy::judge(&context, found, performed, observer);
+        if let Some((fit, suspects)) = judged {
+            self.estimate.fit = Some(fit);
+            self.estimate.suspects = suspects;
+        }
+    }
+
     /// The estimate with its standard deviations and the list of undetermined quantities.
-    pub fn with_deviations(
-        self,
-        (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-        observer: &mut dyn Observer,
-    ) -> Estimate {
+    pub fn with_deviations(self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
         observer.phase(Phase::Covariance);
         let Self {
             mut estimate,
@@ -44,11 +55,6 @@ impl Solved {
             errors,
         } = self;
         let context = posed.context(epochs_s, &solution.point);
-        let posed = (scene, sketch, segments);
-        if let Some((fit, suspects)) = adequacy::judge(&context, &solution, &errors, posed) {
-            estimate.fit = Some(fit);
-            estimate.suspects = suspects;
-        }
         deviation::fill(&mut estimate, scene, &context, (&solution, &errors));
         estimate
     }

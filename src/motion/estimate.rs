@@ -237,7 +237,7 @@ pub struct Estimate {
     /// Physical time of every used sample, track by track.
     pub sample_times: Vec<SampleTime>,
     /// How well the motion explains the performance; `None` where the performance does not tell, or
-    /// deviations were not asked for.
+    /// checks were not asked for.
     pub fit: Option<Fit>,
     /// What may be wrong in the scene where it does not, the likeliest first.
     pub suspects: Vec<Suspect>,

@@ -18,6 +18,8 @@ pub enum Phase {
     Multipliers,
     /// Newton steps on the KKT conditions.
     Finish,
+    /// Whether the motion explains the performance, and what may be wrong where it does not.
+    Adequacy,
     /// Standard deviations, and what is undetermined.
     Covariance,
     /// Check the motion independently.
@@ -43,6 +45,7 @@ impl Phase {
             Phase::Sweep => "sweep",
             Phase::Multipliers => "multipliers",
             Phase::Finish => "finish",
+            Phase::Adequacy => "adequacy",
             Phase::Covariance => "covariance",
             Phase::Verify => "verify",
             Phase::Diagnose => "diagnose",

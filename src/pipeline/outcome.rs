@@ -7,7 +7,7 @@ use super::infer::Inferred;
 use super::search::SearchWork;
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Place, Rest, RestWork, SampleCounts, Scene,
-    Segment, Settled, Sketch, Verification,
+    Settled, Sketch, Verification,
 };
 use crate::segment::SegmentError;
 use crate::verify::lies;
@@ -66,14 +66,11 @@ impl Outcome {
     pub(super) fn unchecked(
         inferred: Inferred,
         marks_made_s: Vec<Option<f64>>,
-        (sketch, segments, counts): (Sketch, &[Segment], SampleCounts),
+        (sketch, counts): (Sketch, SampleCounts),
         observer: &mut dyn Observer,
     ) -> Self {
         let given = inferred.scene;
-        let estimate = {
-            let performed = (&given, &sketch, segments);
-            inferred.solved.with_deviations(performed, observer)
-        };
+        let estimate = inferred.solved.with_deviations(&given, observer);
         let scene = given.as_estimated(&estimate);
         Self {
             estimate,

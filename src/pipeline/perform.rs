@@ -29,9 +29,15 @@ pub(super) struct Performed {
 }
 
 impl Performed {
+    /// Looks whether the motion explains the performance.
+    pub(super) fn judge(&mut self, observer: &mut dyn Observer) {
+        let Inferred { scene, solved, .. } = &mut self.inferred;
+        solved.judge((scene, &self.sketch, &self.segments), observer);
+    }
+
     /// The motion with its deviations.
     pub(super) fn outcome(self, observer: &mut dyn Observer) -> Outcome {
-        let performed = (self.sketch, self.segments.as_slice(), self.counts);
+        let performed = (self.sketch, self.counts);
         Outcome::unchecked(self.inferred, self.marks_made_s, performed, observer)
     }
 }

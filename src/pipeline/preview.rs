@@ -149,12 +149,8 @@ impl Preview {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
-        let mut outcome = Outcome::unchecked(
-            inferred,
-            cut.marks_made_s,
-            (sketch, &segments, counts),
-            observer,
-        );
+        let mut outcome =
+            Outcome::unchecked(inferred, cut.marks_made_s, (sketch, counts), observer);
         let doubts = doubts(&outcome);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {

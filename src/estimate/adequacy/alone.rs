@@ -25,6 +25,8 @@ pub(super) struct Alone {
     pub(super) system: System,
     /// Residuals of all samples, arc by arc, in units.
     pub(super) errors: Vec<Vec<[f64; 6]>>,
+    /// What is left of the way to the minimum, of which constraints are predicted; zero there.
+    step: DVector<f64>,
     /// The factorised Hessian.
     factor: Envelope,
     /// Unknowns on which the samples do not depend.
@@ -36,12 +38,7 @@ impl Alone {
     pub(super) fn new(context: &SolveContext, point: &Point, system: &System) -> Option<Self> {
         let (mut point, mut system) = (point.clone(), system.clone());
         let pattern = &context.structure().pattern;
-        let mut is_unseen: Vec<bool> = (0..pattern.size())
-            .map(|at| system.hessian.get(pattern, at, at) == 0.0)
-            .collect();
-        for event in context.layout.events.iter().flatten() {
-            is_unseen[*event] = true;
-        }
+        let is_unseen = unseen(context, &system);
         let mut factor = damped(context, &system)?;
         for _ in 0..STEPS {
             let mut step = -&system.gradient;
@@ -67,12 +64,41 @@ impl Alone {
             factor = damped(context, &system)?;
         }
         Some(Self {
+            step: DVector::zeros(pattern.size()),
             is_unseen,
             errors: outcome::errors(context.problem, context, &point),
             point,
             system,
             factor,
         })
+    }
+
+    /// The same as predicted at the solution itself, for the errors of the flights by themselves.
+    /// Where flights are so free that their minimum is far, derivatives are right only at one of
+    /// the two, under a right model here.
+    pub(super) fn predicted(
+        context: &SolveContext,
+        point: &Point,
+        system: &System,
+        errors: &[Vec<[f64; 6]>],
+    ) -> Option<Self> {
+        let is_unseen = unseen(context, system);
+        let factor = damped(context, system)?;
+        let mut step = -&system.gradient;
+        solve((context, &factor, &is_unseen), &mut step);
+        Some(Self {
+            step,
+            is_unseen,
+            errors: errors.to_vec(),
+            point: point.clone(),
+            system: system.clone(),
+            factor,
+        })
+    }
+
+    /// What a row of the constraints adds to its value on the way that is left.
+    pub(super) fn ahead(&self, derivative: &DVector<f64>) -> f64 {
+        derivative.dot(&self.step)
     }
 
     /// Whether the samples do not depend on an unknown.
@@ -84,6 +110,17 @@ impl Alone {
     pub(super) fn solve(&self, context: &SolveContext, b: &mut DVector<f64>) {
         solve((context, &self.factor, &self.is_unseen), b);
     }
+}
+
+/// The unknowns on which the samples do not depend.
+fn unseen(context: &SolveContext, system: &System) -> Vec<bool> {
+    let pattern = &context.structure().pattern;
+    let diagonal = (0..pattern.size()).map(|at| system.hessian.get(pattern, at, at));
+    let mut is_unseen: Vec<bool> = diagonal.map(|entry| entry == 0.0).collect();
+    for event in context.layout.events.iter().flatten() {
+        is_unseen[*event] = true;
+    }
+    is_unseen
 }
 
 fn solve((context, factor, is_unseen): (&SolveContext, &Envelope, &[bool]), b: &mut DVector<f64>) {

@@ -132,7 +132,7 @@ fn rows(context: &SolveContext, alone: &Alone, (event, multipliers): (usize, &[f
                     derivative[*unknown] = *by;
                 }
                 rows.push(Row {
-                    value: block.values[row] - bound,
+                    value: block.values[row] - bound + alone.ahead(&derivative),
                     derivative,
                 });
             }

@@ -1,14 +1,15 @@
 //! Who is to blame for a misfit: the quantities that the scene keeps fixed and whose change would
 //! explain most of it, by Rao's test ([`score`](super::score)).
 
+use super::alone::Alone;
 use super::hand::Hand;
 use super::score::{Extended, Scores};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::Bins;
 use crate::estimate::layout::Layout;
 use crate::estimate::problem::Problem;
-use crate::estimate::recipe::Solution;
-use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect, Timing};
+use crate::estimate::recipe::{self, Recipe, Solution};
+use crate::motion::{FreeParameter, Observer, Quantity, Scene, Segment, Sketch, Suspect, Timing};
 use crate::optimise::kkt::Kkt;
 
 /// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
@@ -17,7 +18,9 @@ const LEVEL: f64 = 1e-3;
 const LEAST_SHARE: f64 = 0.1;
 /// Share of the misfit that no wander of a hand has in common with one wrong quantity.
 const ALL: f64 = 0.9;
-/// Greatest number of suspects.
+/// Greatest number of quantities that are set free to see what they explain,
+const TRIED: usize = 8;
+/// and of suspects.
 const MOST: usize = 3;
 
 /// The noise that scores are compared with.
@@ -30,14 +33,22 @@ pub(super) struct Noise<'a> {
     pub(super) bins: &'a Bins,
 }
 
-/// The suspects, the one with the greatest gain first.
-pub(super) fn suspects(
-    context: &SolveContext,
-    solution: &Solution,
+/// Which quantities are looked into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Which {
+    /// Those by which flights are differentiated in closed form.
+    Cheap,
+    /// All.
+    All,
+}
+
+/// Those that score high, the one with the greatest gain first.
+pub(super) fn scored(
+    (context, solution): (&SolveContext, &Solution),
     (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    noise: &Noise,
+    (noise, which): (&Noise, Which),
 ) -> Vec<Suspect> {
-    let groups = groups(scene);
+    let groups = groups(scene, which);
     let mut wider = scene.clone();
     for quantity in groups.iter().flatten() {
         if !is_free(&wider, *quantity) {
@@ -66,7 +77,7 @@ pub(super) fn suspects(
     let scores = Scores::new(&of, (context, &kkt), noise.bins, first);
     let samples = context.problem.sample_count() as f64;
     let cost = solution.system.cost;
-    let floor = 1.5 * samples * (noise.white[0] + noise.white[1]);
+    let floor = floor(context, noise);
     let misfit = (cost - floor).max(f64::MIN_POSITIVE);
     let level = LEVEL / groups.len().max(1) as f64;
     let mut suspects: Vec<Suspect> = groups
@@ -103,16 +114,114 @@ pub(super) fn suspects(
         })
         .collect();
     suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    suspects.truncate(MOST);
     suspects
+}
+
+/// The best of those that score high, by what they explain when they are set free: where a value is
+/// far off, the score's linear prediction no longer ranks them.
+pub(super) fn tried(
+    (context, solution): (&SolveContext, &Solution),
+    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+    (mut scored, noise, alone): (Vec<Suspect>, &Noise, &Alone),
+    observer: &mut dyn Observer,
+) -> Vec<Suspect> {
+    scored.truncate(TRIED);
+    scored.extend(sticking(scene, &scored));
+    let cost = solution.system.cost;
+    let data = 6.0 * context.problem.sample_count() as f64;
+    let tried = scored.into_iter().filter_map(|suspect| {
+        let mut wider = scene.clone();
+        let free = suspect.values.iter().map(|(quantity, value)| {
+            let [lower, upper] = quantity.limits();
+            FreeParameter {
+                initial: *value,
+                lower,
+                upper,
+                ..freed(scene, *quantity)
+            }
+        });
+        wider.parameters.extend(free);
+        let mut problem = Problem::new(&wider, sketch, segments);
+        problem.velocity_gap_weight = context.problem.velocity_gap_weight;
+        let layout = Layout::new(&problem);
+        let first = scene.parameters.len();
+        let added = &wider.parameters[first..];
+        // The flights by themselves are near the motion where the value is far off.
+        let starts = [
+            (&alone.point, Recipe::default()),
+            (&solution.point, Recipe::default().from_the_last()),
+        ];
+        let found = starts.into_iter().find_map(|(start, recipe)| {
+            let mut point = start.clone();
+            point
+                .parameters
+                .extend(added.iter().map(|free| free.initial));
+            let from = (point, context.epochs_s.clone());
+            let found = recipe::solve_from(&problem, &layout, from, &recipe, observer);
+            found.finished.converged.then_some(found)
+        })?;
+        let quantities = suspect.values.iter().map(|(quantity, _)| *quantity);
+        let values = quantities.zip(found.point.parameters[first..].iter().copied());
+        let values: Vec<(Quantity, f64)> = values.collect();
+        let left = found.system.cost.max(f64::MIN_POSITIVE);
+        let gain = data * (cost / left).ln() - values.len() as f64 * data.ln();
+        let misfit = (cost - floor(context, noise)).max(f64::MIN_POSITIVE);
+        let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
+        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE;
+        is_suspect.then_some(Suspect {
+            values,
+            explains,
+            gain,
+            ..suspect
+        })
+    });
+    let mut tried: Vec<Suspect> = tried.collect();
+    tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    tried.truncate(MOST);
+    tried
+}
+
+/// Coefficients of friction that scored nothing, which may be for a contact that sticks: all above
+/// some value are alike then. They are tried from zero, where it slides.
+fn sticking(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
+    let groups = groups(scene, Which::All).into_iter();
+    let silent = groups.filter_map(|group| match group[..] {
+        [quantity @ Quantity::Friction { .. }] => Some((quantity, 0.0)),
+        _ => None,
+    });
+    let has_scored = |value: &(Quantity, f64)| {
+        let mut values = scored.iter().flat_map(|suspect| &suspect.values);
+        values.any(|(quantity, _)| *quantity == value.0)
+    };
+    let silent = silent.filter(|value| !has_scored(value));
+    let suspect = |value| Suspect {
+        values: vec![value],
+        explains: 0.0,
+        gain: 0.0,
+        probability: 1.0,
+    };
+    silent.map(suspect).collect()
+}
+
+/// What white noise leaves of the objective.
+fn floor(context: &SolveContext, noise: &Noise) -> f64 {
+    1.5 * context.problem.sample_count() as f64 * (noise.white[0] + noise.white[1])
 }
 
 /// Quantities that are suspected together: the components of one thing. Gravity's size is one more
 /// thing than its vector.
-fn groups(scene: &Scene) -> Vec<Vec<Quantity>> {
+fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
     let is_alone = scene.mechanisms.len() == 1;
     let is_candidate = |quantity: &Quantity| {
         let means_something = match quantity {
+            Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::Moment { .. }
+            | Quantity::Mass { .. }
+                if which == Which::Cheap =>
+            {
+                false
+            }
             // Of one body, a force is gravity.
             Quantity::Force { .. } => !is_alone,
             Quantity::ClockRate { .. } | Quantity::ClockOffset { .. } => {

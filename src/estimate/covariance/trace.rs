@@ -179,14 +179,16 @@ impl<'a> Design<'a> {
     pub fn each_change(&self, step: &DVector<f64>, mut each: impl FnMut(&Six)) {
         for arc in &self.arcs {
             let [x, v, half_pull, r, w] = self.arc_step(arc.arc, step);
+            let moved = self.unknowns(arc.arc).map(|at| step[at]).enumerate();
+            let moved: Vec<(usize, f64)> = moved.filter(|(_, by)| *by != 0.0).collect();
             for sample in &arc.samples {
                 let shift = x + (v + half_pull * sample.since_s) * sample.since_s;
                 let turn = sample.turn[0] * r + sample.turn[1] * w;
                 let mut change = six(&shift, &turn);
                 if !sample.general.is_empty() {
                     change = [0.0; 6];
-                    for (by, at) in sample.general.iter().zip(self.unknowns(arc.arc)) {
-                        add(&mut change, by, step[at]);
+                    for (at, by) in &moved {
+                        add(&mut change, &sample.general[*at], *by);
                     }
                 }
                 add(&mut change, &sample.rate, self.later_s(sample, step));

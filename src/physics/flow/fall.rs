@@ -48,6 +48,8 @@ pub struct Fall {
     velocity_m_s: Vector3<f64>,
     pull_m_s2: Vector3<f64>,
     is_ballistic: bool,
+    /// Whether derivatives by drag are wanted.
+    drag_is_free: bool,
     /// Of a body without drag, needed for derivatives by it only.
     glide: Glide,
 }
@@ -61,7 +63,17 @@ impl Fall {
             velocity_m_s: state.velocity_m_s,
             pull_m_s2,
             is_ballistic: body.is_ballistic(),
+            drag_is_free: true,
             glide: Glide::new(pull_m_s2, body.drag(), &state.velocity_m_s),
+        }
+    }
+
+    /// The flight without derivatives by drag unless it is free: they become zero, and what a body
+    /// without drag has is in closed form.
+    pub fn with_drag_free(self, drag_is_free: bool) -> Self {
+        Self {
+            drag_is_free,
+            ..self
         }
     }
 
@@ -83,6 +95,19 @@ impl Fall {
     ///
     /// Those by drag of a body that has none are of the limit from above.
     pub fn fallen(&mut self, duration_s: f64) -> Fallen {
+        if self.is_ballistic && !self.drag_is_free {
+            let (position_m, velocity_m_s) = self.ballistic(duration_s);
+            return Fallen {
+                position_m,
+                velocity_m_s,
+                position_by_velocity: Matrix3::from_diagonal_element(duration_s),
+                position_by_pull: Matrix3::from_diagonal_element(0.5 * duration_s * duration_s),
+                position_by_drag: Matrix3x2::zeros(),
+                velocity_by_velocity: Matrix3::identity(),
+                velocity_by_pull: Matrix3::from_diagonal_element(duration_s),
+                velocity_by_drag: Matrix3x2::zeros(),
+            };
+        }
         let (node, change) = self.glide.at_with_change(duration_s);
         let (position_m, velocity_m_s) = if self.is_ballistic {
             self.ballistic(duration_s)

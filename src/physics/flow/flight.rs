@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::asymmetric;
 use super::axial::Turning;
-use super::fall::{self, Fall, Fallen};
+use super::fall::{self, Fall};
 use crate::physics::body::{Body, Symmetry};
 use crate::physics::state::{State, StateTangent, part};
 
@@ -60,11 +60,6 @@ pub fn velocity(
     Fall::new(body, gravity_m_s2, state)
         .position_and_velocity(duration_s)
         .1
-}
-
-/// Centre of mass after `duration_s` with its derivatives; for many durations, see [`Fall`].
-pub fn fallen(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> Fallen {
-    Fall::new(body, gravity_m_s2, state).fallen(duration_s)
 }
 
 /// Time derivative of the state in free flight, in its own tangent space:

@@ -35,6 +35,6 @@ pub use asymmetric::ANGLE_MAX_RAD;
 pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
-pub use flight::{advance, fallen, position, rate, velocity};
+pub use flight::{advance, position, rate, velocity};
 pub use turn::{Spin, turn};
 pub use turned::Turn;

@@ -221,8 +221,31 @@ fn a_fall_answers_alike_in_any_order() {
     reversed.reverse();
     for (s, reversed) in times_s.iter().zip(reversed) {
         assert_eq!(forward.fallen(*s), reversed);
-        let alone = flow::fallen(&body, &GRAVITY, &state, *s);
+        let alone = Fall::new(&body, &GRAVITY, &state).fallen(*s);
         assert_eq!(alone, reversed);
+    }
+}
+
+#[test]
+fn derivatives_of_a_parabola_are_those_of_the_limit() {
+    let state = thrown([4.0, 1.5, -2.0]);
+    for s in [-0.3, 0.0, 0.4, 1.9] {
+        let limit = Fall::new(&body(0.0, 0.0), &GRAVITY, &state).fallen(s);
+        let closed = Fall::new(&body(0.0, 0.0), &GRAVITY, &state)
+            .with_drag_free(false)
+            .fallen(s);
+        assert_eq!(closed.position_m, limit.position_m);
+        assert_eq!(closed.velocity_m_s, limit.velocity_m_s);
+        let pairs = [
+            (closed.position_by_velocity, limit.position_by_velocity),
+            (closed.position_by_pull, limit.position_by_pull),
+            (closed.velocity_by_velocity, limit.velocity_by_velocity),
+            (closed.velocity_by_pull, limit.velocity_by_pull),
+        ];
+        for (closed, limit) in pairs {
+            assert!((closed - limit).amax() < 1e-14, "{s}");
+        }
+        assert_eq!(closed.position_by_drag.amax(), 0.0);
     }
 }
 
