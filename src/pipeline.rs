@@ -8,6 +8,7 @@
 
 mod diagnose;
 mod follow;
+mod free;
 mod infer;
 mod outcome;
 mod perform;
@@ -36,15 +37,14 @@ use crate::verify::verify;
 pub struct Pipeline {
     scene: Scene,
     events: Vec<TakeEvent>,
+    /// See [`Pipeline::with_free_auto`].
+    is_free_auto: bool,
 }
 
 impl Pipeline {
     /// An empty take of a scene.
     pub fn new(scene: Scene) -> Self {
-        Self {
-            scene,
-            events: Vec::new(),
-        }
+        Self::of(scene, [])
     }
 
     /// A complete take of a scene.
@@ -52,6 +52,16 @@ impl Pipeline {
         Self {
             scene,
             events: events.into_iter().collect(),
+            is_free_auto: false,
+        }
+    }
+
+    /// The same with what explains a misfit set free: the fewest of the quantities that the scene
+    /// keeps fixed, for [`finish`](Self::finish).
+    pub fn with_free_auto(self, is_free_auto: bool) -> Self {
+        Self {
+            is_free_auto,
+            ..self
         }
     }
 
@@ -116,7 +126,12 @@ impl Pipeline {
         let mut solved = self.solved(observer)?;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
+        let mut freed = Vec::new();
+        if self.is_free_auto && sought.is_none() {
+            (solved, freed) = free::free(solved, &self.events, observer)?;
+        }
         let mut outcome = solved.outcome(observer);
+        outcome.freed = freed;
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
             outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));

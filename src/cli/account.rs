@@ -44,8 +44,16 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     for diagnosis in &estimate.diagnoses {
         line(format!("likely: {}", diagnosis.sentence));
     }
+    for freed in &estimate.freed {
+        line(suspect_words("freed", freed, "explains"));
+    }
     for suspect in &estimate.suspects {
-        line(suspect_words(suspect));
+        let what = if suspect.rivals_first {
+            "or"
+        } else {
+            "suspect"
+        };
+        line(suspect_words(what, suspect, "would explain"));
     }
     for doubt in grave {
         line(format!("doubt: {}", doubt.text));
@@ -108,7 +116,7 @@ fn fit_words(fits: &str) -> &'static str {
 }
 
 /// What may be wrong, its likely value and how much of the misfit goes with it.
-fn suspect_words(suspect: &SuspectLine) -> String {
+fn suspect_words(what: &str, suspect: &SuspectLine, explains: &str) -> String {
     let values = suspect.quantities.iter().map(|(name, value)| {
         let (factor, unit) = for_people(suspect.unit);
         format!("{name} {:.3} {unit}", value * factor)
@@ -117,7 +125,7 @@ fn suspect_words(suspect: &SuspectLine) -> String {
     });
     let values: Vec<String> = values.collect();
     format!(
-        "suspect: {} would explain {:.0} % of the misfit",
+        "{what}: {} {explains} {:.0} % of the misfit",
         values.join(", "),
         100.0 * suspect.explains
     )

@@ -151,6 +151,9 @@ pub(super) struct ReplayArguments {
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
     #[arg(long, value_name = "FILE", requires = "publish")]
     pub(super) iceoryx2: Option<PathBuf>,
+    /// Set free what explains a misfit: the fewest of what the scene keeps fixed
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) free: Option<Free>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -168,6 +171,9 @@ pub(super) struct ProcessArguments {
     /// Scene file for all [default: scene.toml attached to each recording]
     #[arg(long, value_name = "FILE")]
     pub(super) scene: Option<PathBuf>,
+    /// Set free what explains a misfit: the fewest of what the scenes keep fixed
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) free: Option<Free>,
     /// How the accounts on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -214,6 +220,13 @@ pub(super) enum Format {
     Text,
     /// One JSON object per recording and line
     Ndjson,
+}
+
+/// What is set free beside the scene's own parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Free {
+    /// Whatever explains a misfit and is told from everything else that might
+    Auto,
 }
 
 fn rate(text: &str) -> Result<f64, String> {

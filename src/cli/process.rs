@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::account::{Style, account};
-use super::arguments::{Format, ProcessArguments};
+use super::arguments::{Format, Free, ProcessArguments};
 use super::exit::Exit;
 use super::output;
 use crate::report::DiagnosisLine;
@@ -14,6 +14,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         inputs: arguments.inputs,
         output: arguments.output,
         scene: arguments.scene,
+        is_free_auto: arguments.free == Some(Free::Auto),
     };
     let style = Style {
         colours: output::colours_on_stdout(),

@@ -1,7 +1,7 @@
 //! `replay`: estimates one recording and prints its account.
 
 use super::account::{Style, account};
-use super::arguments::{Format, ReplayArguments};
+use super::arguments::{Format, Free, ReplayArguments};
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
@@ -13,6 +13,7 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
         input: arguments.input,
         output: arguments.output,
         scene: arguments.scene,
+        is_free_auto: arguments.free == Some(Free::Auto),
         rate: arguments.rate,
         publish: arguments.publish.then_some(PublishJob {
             iceoryx2: arguments.iceoryx2,

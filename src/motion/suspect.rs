@@ -16,3 +16,19 @@ pub struct Suspect {
     /// wander where the flights show one.
     pub probability: f64,
 }
+
+/// Difference of Schwarz's criterion below which two things are not told apart: odds of twenty (Kass
+/// and Raftery, Journal of the American Statistical Association 90, 1995).
+const TOLD: f64 = 6.0;
+
+impl Suspect {
+    /// Whether another thing explains the performance as well, so that it does not tell which of the
+    /// two is wrong.
+    pub fn is_rivalled_by(&self, other: &Self) -> bool {
+        let shares = |(quantity, _): &(Quantity, f64)| {
+            let mut values = self.values.iter();
+            values.any(|(own, _)| own == quantity)
+        };
+        self.gain - other.gain < TOLD && !other.values.iter().any(shares)
+    }
+}

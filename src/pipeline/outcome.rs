@@ -7,7 +7,7 @@ use super::infer::Inferred;
 use super::search::SearchWork;
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Place, Rest, RestWork, SampleCounts, Scene,
-    Settled, Sketch, Verification,
+    Settled, Sketch, Suspect, Verification,
 };
 use crate::segment::SegmentError;
 use crate::verify::lies;
@@ -20,6 +20,8 @@ pub struct Outcome {
     pub scene: Scene,
     /// The same with what was free as the scene has it: what was estimated.
     pub given: Scene,
+    /// What was set free because it explains a misfit, in order; names and values are of `given`.
+    pub freed: Vec<Suspect>,
     /// Collisions whose contacts were inferred (indices into `scene.events`).
     pub inferred: Vec<usize>,
     /// Work of the search for them, if there was one.
@@ -78,6 +80,7 @@ impl Outcome {
             sketch: sketch.seen_in(&given, &scene),
             scene,
             given,
+            freed: Vec::new(),
             inferred: inferred.events,
             search: inferred.search,
             counts,

@@ -30,6 +30,8 @@ pub struct EstimateReport {
     pub determined: bool,
     /// What may be wrong in the scene, the likeliest first; none where the motion fits.
     pub suspects: Vec<SuspectLine>,
+    /// What was set free because it explains a misfit, in order, as it was suspected.
+    pub freed: Vec<SuspectLine>,
     /// Why the estimation ended, as a sentence.
     pub reason: String,
     /// The same in numbers.
@@ -83,7 +85,8 @@ impl EstimateReport {
             verdict: estimate.verdict.as_str(),
             fits: fits(estimate).as_str(),
             determined: estimate.undetermined.is_empty(),
-            suspects: suspect_lines(scene, estimate),
+            suspects: suspect_lines(scene, &estimate.suspects),
+            freed: suspect_lines(scene, of.freed),
             reason: reason_text(scene, &estimate.reason),
             termination: TerminationLine::new(scene, &estimate.reason),
             doubts: doubts.map(|doubt| DoubtLine::new(scene, doubt)).collect(),

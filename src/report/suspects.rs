@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::motion::{Estimate, Scene};
+use crate::motion::{Scene, Suspect};
 
 /// A quantity that the scene keeps fixed and that would explain some of a misfit. Several of one
 /// thing (the components of an offset) are listed together.
@@ -22,22 +22,26 @@ pub struct SuspectLine {
     pub gain: f64,
     /// Probability that right values score as high.
     pub probability: f64,
+    /// Whether it explains the performance as well as the first, which does not tell which it is.
+    pub rivals_first: bool,
 }
 
-/// The suspects of an estimate.
-pub(super) fn suspect_lines(scene: &Scene, estimate: &Estimate) -> Vec<SuspectLine> {
-    let suspects = estimate.suspects.iter().filter_map(|suspect| {
-        let (first, value) = *suspect.values.first()?;
+/// Suspects, the first being the likeliest.
+pub(super) fn suspect_lines(scene: &Scene, suspects: &[Suspect]) -> Vec<SuspectLine> {
+    let first = suspects.first();
+    let suspects = suspects.iter().filter_map(|suspect| {
+        let (quantity, value) = *suspect.values.first()?;
         let all = suspect.values.iter();
         let quantities = all.map(|(quantity, value)| (scene.name_of_quantity(*quantity), *value));
         Some(SuspectLine {
-            quantity: scene.name_of_quantity(first),
+            quantity: scene.name_of_quantity(quantity),
             value,
-            unit: first.unit(),
+            unit: quantity.unit(),
             quantities: quantities.collect(),
             explains: suspect.explains,
             gain: suspect.gain,
             probability: suspect.probability,
+            rivals_first: first.is_some_and(|first| first.is_rivalled_by(suspect)),
         })
     });
     suspects.collect()

@@ -18,6 +18,7 @@ fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
         verification: None,
         settled: None,
         diagnoses: &[],
+        freed: &[],
         rest: None,
     };
     let circumstances = Circumstances {

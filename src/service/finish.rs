@@ -111,8 +111,8 @@ pub(super) fn finished(
         .with_context(|| recording.path().display().to_string())?;
     let (whole_seconds, phase_seconds) = stopwatch.stop();
     let is_after = |phase: &Phase| {
-        use Phase::{Diagnose, Rest, Settle, Verify};
-        matches!(phase, Verify | Diagnose | Settle | Rest)
+        use Phase::{Adequacy, Diagnose, Rest, Settle, Verify};
+        matches!(phase, Adequacy | Verify | Diagnose | Settle | Rest)
     };
     let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
     let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
@@ -163,6 +163,7 @@ pub(super) fn reported(outcome: &Outcome) -> Reported<'_> {
         verification: outcome.verification.as_ref(),
         settled: outcome.settled.as_ref(),
         diagnoses: &outcome.diagnoses,
+        freed: &outcome.freed,
         rest: outcome.rest.as_ref(),
     }
 }

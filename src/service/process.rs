@@ -22,6 +22,8 @@ pub struct ProcessJob {
     pub output: PathBuf,
     /// Scene file for all; each recording's own scene by default.
     pub scene: Option<PathBuf>,
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    pub is_free_auto: bool,
 }
 
 /// A recording that gave no estimate.
@@ -59,7 +61,7 @@ pub fn process(
                 .enumerate()
                 .for_each_with(sender, |sender, (index, (input, output))| {
                     progress.set_message(input.display().to_string());
-                    let result = one(input, output, job.scene.as_deref());
+                    let result = one(job, input, output);
                     progress.inc(1);
                     // A receiver that has gone away has failed and reports the reason itself.
                     let _ = sender.send((index, result));
@@ -103,11 +105,12 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     Ok(outputs)
 }
 
-fn one(input: &Path, output: &Path, scene: Option<&Path>) -> Result<RecordingReport, Failure> {
+fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<RecordingReport, Failure> {
     let estimate = || {
-        let opened = open(input, scene)?;
+        let opened = open(input, job.scene.as_deref())?;
         let take = opened.recording.take(&opened.scene)?;
         let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+        let pipeline = pipeline.with_free_auto(job.is_free_auto);
         finish(&opened, &pipeline, &take.report, output)
     };
     estimate().map_err(|error| Failure {

@@ -20,6 +20,8 @@ pub struct ReplayJob {
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    pub is_free_auto: bool,
     /// Pace relative to that of the performance; as fast as possible by default.
     pub rate: Option<f64>,
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
@@ -58,6 +60,7 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         }
         pipeline.push(event);
     }
+    let pipeline = pipeline.with_free_auto(job.is_free_auto);
     let (report, outcome) = finished(&opened, &pipeline, source.report(), &output)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;

@@ -203,6 +203,7 @@ mod tests {
             verification: None,
             settled: None,
             diagnoses: &[],
+            freed: &[],
             rest: None,
         })
         .expect("a motion");

@@ -47,8 +47,8 @@ struct Row {
     derivative: DVector<f64>,
 }
 
-/// The test; `None` where nothing can be tested: no flight there, or no more rows than what they
-/// leave free.
+/// The test; `None` where nothing can be tested: no flight with samples there, or no more rows than
+/// what they leave free.
 pub(super) fn test(
     context: &SolveContext,
     alone: &Alone,
@@ -63,6 +63,9 @@ pub(super) fn test(
         return None;
     }
     let bins = Bins::of(problem, &alone.point, &arcs);
+    if bins.count() == 0 {
+        return None;
+    }
     let design = Design::of(context, &alone.point, &bins, &arcs);
     let errors: Vec<Vec<Six>> = arcs.iter().map(|arc| alone.errors[*arc].clone()).collect();
     let white = noise::white(&errors);

@@ -10,6 +10,8 @@ use crate::estimate::layout::Layout;
 use crate::estimate::problem::Problem;
 use crate::estimate::recipe::{self, Recipe, Solution};
 use crate::motion::{FreeParameter, Observer, Quantity, Scene, Segment, Sketch, Suspect, Timing};
+use crate::optimise::Schedule;
+use crate::optimise::finish::Tolerances;
 use crate::optimise::kkt::Kkt;
 
 /// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
@@ -147,9 +149,10 @@ pub(super) fn tried(
         let first = scene.parameters.len();
         let added = &wider.parameters[first..];
         // The flights by themselves are near the motion where the value is far off.
+        let trial = Recipe::of(trial());
         let starts = [
-            (&alone.point, Recipe::default()),
-            (&solution.point, Recipe::default().from_the_last()),
+            (&alone.point, trial.clone()),
+            (&solution.point, trial.from_the_last()),
         ];
         let found = starts.into_iter().find_map(|(start, recipe)| {
             let mut point = start.clone();
@@ -179,6 +182,21 @@ pub(super) fn tried(
     tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     tried.truncate(MOST);
     tried
+}
+
+/// The schedule of a trial: to compare objectives a few digits are enough, and what needs more steps
+/// than this is no explanation.
+fn trial() -> Schedule {
+    Schedule {
+        multiplier_rounds: (4, 10),
+        retries: 0,
+        tolerances: Tolerances {
+            violation: 1e-6,
+            decrease: 1e-6,
+            steps: 15,
+        },
+        ..Schedule::default()
+    }
 }
 
 /// Coefficients of friction that scored nothing, which may be for a contact that sticks: all above

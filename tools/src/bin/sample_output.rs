@@ -64,6 +64,7 @@ fn main() -> Result<()> {
                 verification: outcome.verification.as_ref(),
                 settled: outcome.settled.as_ref(),
                 diagnoses: &outcome.diagnoses,
+                freed: &outcome.freed,
                 rest: outcome.rest.as_ref(),
             },
             scene_toml: scene_toml.as_bytes(),

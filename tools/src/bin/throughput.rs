@@ -140,6 +140,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
                 verification: None,
                 settled: None,
                 diagnoses: &[],
+                freed: &[],
                 rest: None,
             },
             scene_toml: recording.scene_toml().context("a scene")?,

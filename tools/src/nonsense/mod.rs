@@ -8,6 +8,7 @@ pub mod faults;
 pub mod real;
 pub mod slips;
 pub mod thrown;
+pub mod wrong;
 
 use enact::motion::{Diagnosis, Scene, TakeEvent};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
@@ -30,6 +31,11 @@ impl Asked {
     /// What it says of the take where it has no answer.
     pub fn diagnosed(&self) -> Vec<Diagnosis> {
         self.pipeline().diagnose(&mut ())
+    }
+
+    /// The same with what explains a misfit set free.
+    pub fn freed(&self) -> Result<Outcome, PipelineError> {
+        self.pipeline().with_free_auto(true).finish(&mut ())
     }
 
     fn pipeline(&self) -> Pipeline {

@@ -13,7 +13,7 @@ use enact::motion::{
 };
 use enact::physics::contact::Contact;
 use enact::physics::impact::{ContactSet, Law, Side};
-use enact::physics::{Body, Shape, State, contact};
+use enact::physics::{Body, Drag, Shape, State, contact};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -61,6 +61,8 @@ pub struct Throw {
     pub last_share: f64,
     /// Coefficient of friction at every bounce.
     pub friction: f64,
+    /// Quadratic drag of the air \[1/m\].
+    pub quadratic_drag_per_m: f64,
 }
 
 impl Throw {
@@ -77,6 +79,7 @@ impl Throw {
         clearest_m: 0.002,
         last_share: 0.5,
         friction: 0.0,
+        quadratic_drag_per_m: 0.0,
     };
 
     /// A die of 16 mm, as people roll them.
@@ -99,6 +102,7 @@ impl Throw {
             clearest_m: 0.006 * side_m,
             last_share: 0.95,
             friction: 0.0,
+            quadratic_drag_per_m: 0.0,
         }
     }
 }
@@ -268,10 +272,16 @@ impl Bouncer {
                 half_m
             }
         };
+        let drag = Drag {
+            quadratic_per_m: throw.quadratic_drag_per_m,
+            ..Drag::default()
+        };
         Self {
             solid,
             throw,
-            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2)).expect("it is a body"),
+            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2))
+                .and_then(|body| body.with_drag(drag))
+                .expect("it is a body"),
             gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
             corners_m: (0..8)
                 .filter(is_corner)

@@ -12,6 +12,7 @@
 //! machine that does nothing else: times are measured.
 
 mod accuracy;
+mod adequacy;
 mod answer;
 mod clatter;
 mod cost;
@@ -106,6 +107,11 @@ const SUBJECTS: &[Subject] = &[
         "nonsense",
         "wrong models, right ones, and real recordings of no flight",
         nonsense::run
+    ),
+    subject!(
+        "adequacy",
+        "wrong scenes, whether they are seen and what is blamed",
+        adequacy::run
     ),
     subject!(
         "diagnosis",

@@ -1,0 +1,65 @@
+//! Sets free the fewest quantities that explain a misfit.
+//!
+//! One thing after the other: that which explains most of what is left when it is set free, by
+//! Schwarz's criterion ([`Suspect::gain`]), until the motion fits. Nothing is set free where another
+//! thing explains the performance as well: the data do not tell which it is.
+
+use super::outcome::PipelineError;
+use super::perform::{Performed, Prepared};
+use crate::motion::{
+    Estimate, Fits, FreeParameter, Observer, Quantity, Scene, Suspect, TakeEvent, Verdict,
+};
+
+/// Greatest number of things that are set free.
+const MOST: usize = 4;
+
+/// The motion with what explains the misfit of `performed` set free, and what that is, in order.
+pub(super) fn free(
+    mut performed: Performed,
+    events: &[TakeEvent],
+    observer: &mut dyn Observer,
+) -> Result<(Performed, Vec<Suspect>), PipelineError> {
+    let mut freed = Vec::new();
+    while freed.len() < MOST {
+        let estimate = &performed.inferred.solved.estimate;
+        let Some(culprit) = culprit(estimate).cloned() else {
+            break;
+        };
+        let wider = with_free(&performed.inferred.scene, &culprit);
+        let mut next = Prepared::new(&wider, events, observer)?.performed(observer)?;
+        if next.inferred.solved.estimate.verdict == Verdict::Failed {
+            break;
+        }
+        next.judge(observer);
+        performed = next;
+        freed.push(culprit);
+    }
+    Ok((performed, freed))
+}
+
+/// What explains the misfit better than anything else.
+fn culprit(estimate: &Estimate) -> Option<&Suspect> {
+    let does_fit = estimate.fit.as_ref()?.fits == Fits::Yes;
+    let (first, others) = estimate.suspects.split_first()?;
+    let mut others = others.iter();
+    let is_alone = !others.any(|other| first.is_rivalled_by(other));
+    (!does_fit && is_alone).then_some(first)
+}
+
+/// The scene with a suspect's quantities free, from their likely values.
+fn with_free(scene: &Scene, suspect: &Suspect) -> Scene {
+    let mut wider = scene.clone();
+    let free = |(quantity, value): &(Quantity, f64)| {
+        let [lower, upper] = quantity.limits();
+        FreeParameter {
+            name: scene.name_of_quantity(*quantity),
+            quantity: *quantity,
+            initial: *value,
+            lower,
+            upper,
+            prior_sd: None,
+        }
+    };
+    wider.parameters.extend(suspect.values.iter().map(free));
+    wider
+}
