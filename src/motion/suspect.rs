@@ -17,6 +17,9 @@ pub struct Suspect {
     pub probability: f64,
 }
 
+/// Difference of the shares that gravity and a clock's rate explain below which they are not told
+/// apart. To a motion they are the same, whatever the criterion says of how marks were made.
+const ALIKE: f64 = 0.2;
 /// Difference of Schwarz's criterion below which two things are not told apart: odds of twenty (Kass
 /// and Raftery, Journal of the American Statistical Association 90, 1995).
 const TOLD: f64 = 6.0;
@@ -25,10 +28,30 @@ impl Suspect {
     /// Whether another thing explains the performance as well, so that it does not tell which of the
     /// two is wrong.
     pub fn is_rivalled_by(&self, other: &Self) -> bool {
-        let shares = |(quantity, _): &(Quantity, f64)| {
-            let mut values = self.values.iter();
-            values.any(|(own, _)| own == quantity)
+        // All quantities of a suspect are of one kind.
+        let first = |suspect: &Self| suspect.values.first().map(|(quantity, _)| *quantity);
+        let is_rate = |of: &Self| matches!(first(of), Some(Quantity::ClockRate { .. }));
+        let is_gravity = |of: &Self| matches!(first(of), Some(Quantity::Gravity { .. }));
+        let is_tempo = is_rate(self) && is_gravity(other) || is_gravity(self) && is_rate(other);
+        let is_alike = is_tempo && (self.explains - other.explains).abs() < ALIKE;
+        (self.gain - other.gain < TOLD || is_alike) && !self.is_same_as(other)
+    }
+
+    /// Whether both are of one thing: components of a vector with it, or both laws of a drag.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        let is_same = |(a, b): (Quantity, Quantity)| match (a, b) {
+            (Quantity::LinearDrag { link: a }, Quantity::QuadraticDrag { link: b })
+            | (Quantity::QuadraticDrag { link: a }, Quantity::LinearDrag { link: b }) => a == b,
+            _ => a == b,
         };
-        self.gain - other.gain < TOLD && !other.values.iter().any(shares)
+        let quantities = |suspect: &Self| -> Vec<Quantity> {
+            suspect
+                .values
+                .iter()
+                .map(|(quantity, _)| *quantity)
+                .collect()
+        };
+        let (own, others) = (quantities(self), quantities(other));
+        own.iter().any(|a| others.iter().any(|b| is_same((*a, *b))))
     }
 }

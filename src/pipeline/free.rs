@@ -1,8 +1,9 @@
 //! Sets free the fewest quantities that explain a misfit.
 //!
 //! One thing after the other: that which explains most of what is left when it is set free, by
-//! Schwarz's criterion ([`Suspect::gain`]), until the motion fits. Nothing is set free where another
-//! thing explains the performance as well: the data do not tell which it is.
+//! Schwarz's criterion ([`Suspect::gain`]), until the motion fits, or until a wander of the hand may
+//! explain the rest. Nothing is set free where another thing explains the performance as well: the
+//! data do not tell which it is.
 
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
@@ -22,7 +23,9 @@ pub(super) fn free(
     let mut freed = Vec::new();
     while freed.len() < MOST {
         let estimate = &performed.inferred.solved.estimate;
-        let Some(culprit) = culprit(estimate).cloned() else {
+        let fits = estimate.fit.as_ref().map_or(Fits::Yes, |fit| fit.fits);
+        let is_needed = fits == Fits::No || fits == Fits::Unknown && freed.is_empty();
+        let Some(culprit) = culprit(estimate).filter(|_| is_needed).cloned() else {
             break;
         };
         let wider = with_free(&performed.inferred.scene, &culprit);
@@ -39,11 +42,10 @@ pub(super) fn free(
 
 /// What explains the misfit better than anything else.
 fn culprit(estimate: &Estimate) -> Option<&Suspect> {
-    let does_fit = estimate.fit.as_ref()?.fits == Fits::Yes;
     let (first, others) = estimate.suspects.split_first()?;
     let mut others = others.iter();
     let is_alone = !others.any(|other| first.is_rivalled_by(other));
-    (!does_fit && is_alone).then_some(first)
+    is_alone.then_some(first)
 }
 
 /// The scene with a suspect's quantities free, from their likely values.

@@ -35,6 +35,17 @@ pub(super) struct Noise<'a> {
     pub(super) bins: &'a Bins,
 }
 
+impl Noise<'_> {
+    /// Number of independent data: under a wander the samples of a bin are one.
+    fn data(&self, context: &SolveContext) -> f64 {
+        let count = match self.hands {
+            Some(_) => self.bins.count(),
+            None => context.problem.sample_count(),
+        };
+        6.0 * count as f64
+    }
+}
+
 /// Which quantities are looked into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Which {
@@ -77,7 +88,7 @@ pub(super) fn scored(
         multipliers,
     };
     let scores = Scores::new(&of, (context, &kkt), noise.bins, first);
-    let samples = context.problem.sample_count() as f64;
+    let data = noise.data(context);
     let cost = solution.system.cost;
     let floor = floor(context, noise);
     let misfit = (cost - floor).max(f64::MIN_POSITIVE);
@@ -100,7 +111,6 @@ pub(super) fn scored(
             let left = (cost - scored.decrease)
                 .max(floor.min(cost))
                 .max(1e-3 * cost);
-            let data = 6.0 * samples;
             let gain = data * (cost / left).ln() - group.len() as f64 * data.ln();
             let suspect = Suspect {
                 values,
@@ -128,9 +138,9 @@ pub(super) fn tried(
     observer: &mut dyn Observer,
 ) -> Vec<Suspect> {
     scored.truncate(TRIED);
-    scored.extend(sticking(scene, &scored));
+    scored.extend(unscored(scene, &scored));
     let cost = solution.system.cost;
-    let data = 6.0 * context.problem.sample_count() as f64;
+    let data = noise.data(context);
     let tried = scored.into_iter().filter_map(|suspect| {
         let mut wider = scene.clone();
         let free = suspect.values.iter().map(|(quantity, value)| {
@@ -180,8 +190,15 @@ pub(super) fn tried(
     });
     let mut tried: Vec<Suspect> = tried.collect();
     tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    tried.truncate(MOST);
-    tried
+    let mut suspects: Vec<Suspect> = Vec::new();
+    for suspect in tried {
+        // Of the components of one thing, those that explain best stand for all.
+        if !suspects.iter().any(|better| better.is_same_as(&suspect)) {
+            suspects.push(suspect);
+        }
+    }
+    suspects.truncate(MOST);
+    suspects
 }
 
 /// The schedule of a trial: to compare objectives a few digits are enough, and what needs more steps
@@ -199,26 +216,35 @@ fn trial() -> Schedule {
     }
 }
 
-/// Coefficients of friction that scored nothing, which may be for a contact that sticks: all above
-/// some value are alike then. They are tried from zero, where it slides.
-fn sticking(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
+/// What is tried though it did not score high: coefficients of friction, of which all above some value
+/// are alike where a contact sticks, from zero, where it slides; and the clock's rate where gravity
+/// scored or gravity where the rate did, which are the same to a motion.
+fn unscored(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
+    let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
+        let mut values = scored.iter().flat_map(|suspect| &suspect.values);
+        values.any(|(quantity, _)| is_it(*quantity))
+    };
+    let is_rate = |quantity| matches!(quantity, Quantity::ClockRate { .. });
+    let is_gravity = |quantity| matches!(quantity, Quantity::Gravity { .. });
     let groups = groups(scene, Which::All).into_iter();
-    let silent = groups.filter_map(|group| match group[..] {
+    let others = groups.filter_map(|group| match group[..] {
+        [quantity] if has_scored(&|scored| scored == quantity) => None,
         [quantity @ Quantity::Friction { .. }] => Some((quantity, 0.0)),
+        [quantity @ Quantity::ClockRate { .. }] => {
+            has_scored(&is_gravity).then(|| (quantity, scene.value_of(quantity)))
+        }
+        [quantity @ Quantity::Gravity { .. }] => {
+            has_scored(&is_rate).then(|| (quantity, scene.value_of(quantity)))
+        }
         _ => None,
     });
-    let has_scored = |value: &(Quantity, f64)| {
-        let mut values = scored.iter().flat_map(|suspect| &suspect.values);
-        values.any(|(quantity, _)| *quantity == value.0)
-    };
-    let silent = silent.filter(|value| !has_scored(value));
     let suspect = |value| Suspect {
         values: vec![value],
         explains: 0.0,
         gain: 0.0,
         probability: 1.0,
     };
-    silent.map(suspect).collect()
+    others.map(suspect).collect()
 }
 
 /// What white noise leaves of the objective.
