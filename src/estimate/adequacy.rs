@@ -15,7 +15,7 @@ mod suspects;
 use self::alone::Alone;
 use self::event::EventTest;
 use self::hand::{Hand, Kind};
-use self::suspects::{Noise, Which};
+use self::suspects::{Errors, Which};
 use super::context::SolveContext;
 use super::covariance::bins::Bins;
 use super::problem::Problem;
@@ -86,9 +86,10 @@ pub fn judge(
     let bins = Bins::new(problem, &solution.point);
     let wander = mean(|test| test.wander);
     let hands = Kind::ALL.map(|kind| Hand::of_variance(&bins, kind, wander[kind as usize]));
-    let noise = Noise {
+    let noise = Errors {
         white: mean(|test| test.white),
         hands: is_hand.then_some(&hands),
+        is_exceeded: !is_hand || by_hand < well,
         bins: &bins,
     };
     let scored = |which| suspects::scored((context, solution), posed, (&noise, which));

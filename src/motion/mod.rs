@@ -38,7 +38,7 @@ pub use estimate::{
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
-pub use observe::{Observer, Phase};
+pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};

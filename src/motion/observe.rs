@@ -71,3 +71,12 @@ pub trait Observer {
 
 /// No observer.
 impl Observer for () {}
+
+/// An observer of trials within a phase: their own phases are none of the run's.
+pub struct Quiet<'a>(pub &'a mut dyn Observer);
+
+impl Observer for Quiet<'_> {
+    fn should_stop(&mut self) -> bool {
+        self.0.should_stop()
+    }
+}

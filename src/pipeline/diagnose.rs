@@ -24,7 +24,7 @@ use self::fall::falls;
 use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{Diagnosis, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict};
+use crate::motion::{Diagnosis, Observer, Phase, Quiet, Remedy, Scene, TakeEvent, Timing, Verdict};
 use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
@@ -114,15 +114,6 @@ pub(super) fn diagnose(
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(1);
     found.into_iter().map(|(_, diagnosis)| diagnosis).collect()
-}
-
-/// An observer of the tries: the phases within them are not phases of the take's estimation.
-struct Quiet<'a>(&'a mut dyn Observer);
-
-impl Observer for Quiet<'_> {
-    fn should_stop(&mut self) -> bool {
-        self.0.should_stop()
-    }
 }
 
 /// Whether nothing speaks against an outcome, and its motion is not too far from the samples, in the scene's

@@ -11,7 +11,9 @@ use nalgebra::UnitQuaternion;
 use self::labels::{relabelled, turns};
 use self::search::search;
 use super::perform::{Performed, Prepared};
-use crate::motion::{Lie, Observer, Phase, RestGoal, RestWork, Scene, Settled, TakeEvent, Verdict};
+use crate::motion::{
+    Lie, Observer, Phase, Quiet, RestGoal, RestWork, Scene, Settled, TakeEvent, Verdict,
+};
 use crate::settle::settle;
 use crate::verify::{is_met, lies};
 
@@ -117,13 +119,4 @@ fn turned(scene: &Scene, turns: &[Option<UnitQuaternion<f64>>]) -> Option<Scene>
         }
     }
     Some(turned)
-}
-
-/// An observer to whom phases within the search are none.
-struct Quiet<'a>(&'a mut dyn Observer);
-
-impl Observer for Quiet<'_> {
-    fn should_stop(&mut self) -> bool {
-        self.0.should_stop()
-    }
 }

@@ -25,7 +25,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::alone::Alone;
 use super::hand::{Hand, Kind};
 use crate::estimate::context::SolveContext;
-use crate::estimate::covariance::bins::{Bins, Six};
+use crate::estimate::covariance::bins::{self, Bins, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
 use crate::motion::{EventFit, Tested};
@@ -202,12 +202,7 @@ impl Products {
         let mut priors = DMatrix::zeros(rows.len(), rows.len());
         for i in 0..rows.len() {
             for j in 0..=i {
-                let mut products = [0.0; 2];
-                for (a, b) in changes[i].iter().zip(&changes[j]) {
-                    for axis in 0..6 {
-                        products[axis / 3] += a[axis] * b[axis];
-                    }
-                }
+                let products = bins::products(&changes[i], &changes[j]);
                 let left = rows[i].derivative.dot(&answers[j]) - products[0] - products[1];
                 let left = if i == j { left.max(0.0) } else { left };
                 for at in [(i, j), (j, i)] {

@@ -20,7 +20,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::hand::{Hand, Kind};
 use crate::estimate::context::{Guidance, SolveContext};
-use crate::estimate::covariance::bins::{Bins, Six};
+use crate::estimate::covariance::bins::{Bins, Six, products};
 use crate::estimate::covariance::trace::Design;
 use crate::estimate::point::Point;
 use crate::optimise::kkt::Kkt;
@@ -191,14 +191,4 @@ fn direction(
         own -= step;
     }
     direction
-}
-
-fn products(a: &[Six], b: &[Six]) -> [f64; 2] {
-    let mut products = [0.0; 2];
-    for (a, b) in a.iter().zip(b) {
-        for axis in 0..6 {
-            products[axis / 3] += a[axis] * b[axis];
-        }
-    }
-    products
 }

@@ -9,7 +9,9 @@ use crate::estimate::covariance::bins::Bins;
 use crate::estimate::layout::Layout;
 use crate::estimate::problem::Problem;
 use crate::estimate::recipe::{self, Recipe, Solution};
-use crate::motion::{FreeParameter, Observer, Quantity, Scene, Segment, Sketch, Suspect, Timing};
+use crate::motion::{
+    FreeParameter, Observer, Quantity, Quiet, Scene, Segment, Sketch, Suspect, Timing,
+};
 use crate::optimise::Schedule;
 use crate::optimise::finish::Tolerances;
 use crate::optimise::kkt::Kkt;
@@ -25,17 +27,19 @@ const TRIED: usize = 8;
 /// and of suspects.
 const MOST: usize = 3;
 
-/// The noise that scores are compared with.
-pub(super) struct Noise<'a> {
+/// The samples' errors that scores are compared with.
+pub(super) struct Errors<'a> {
     /// Variances of white noise, of positions and orientations, in squared units.
     pub(super) white: [f64; 2],
     /// The hand's wander over the bins, where the flights show one.
     pub(super) hands: Option<&'a [Hand; 2]>,
+    /// Whether the misfit is beyond the white noise and the wander, if there is one.
+    pub(super) is_exceeded: bool,
     /// The bins.
     pub(super) bins: &'a Bins,
 }
 
-impl Noise<'_> {
+impl Errors<'_> {
     /// Number of independent data: under a wander the samples of a bin are one.
     fn data(&self, context: &SolveContext) -> f64 {
         let count = match self.hands {
@@ -59,7 +63,7 @@ pub(super) enum Which {
 pub(super) fn scored(
     (context, solution): (&SolveContext, &Solution),
     (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    (noise, which): (&Noise, Which),
+    (noise, which): (&Errors, Which),
 ) -> Vec<Suspect> {
     let groups = groups(scene, which);
     let mut wider = scene.clone();
@@ -134,11 +138,11 @@ pub(super) fn scored(
 pub(super) fn tried(
     (context, solution): (&SolveContext, &Solution),
     (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    (mut scored, noise, alone): (Vec<Suspect>, &Noise, &Alone),
+    (mut scored, noise, alone): (Vec<Suspect>, &Errors, &Alone),
     observer: &mut dyn Observer,
 ) -> Vec<Suspect> {
     scored.truncate(TRIED);
-    scored.extend(unscored(scene, &scored));
+    scored.extend(unscored(scene, &scored, noise.is_exceeded));
     let cost = solution.system.cost;
     let data = noise.data(context);
     let tried = scored.into_iter().filter_map(|suspect| {
@@ -170,7 +174,7 @@ pub(super) fn tried(
                 .parameters
                 .extend(added.iter().map(|free| free.initial));
             let from = (point, context.epochs_s.clone());
-            let found = recipe::solve_from(&problem, &layout, from, &recipe, observer);
+            let found = recipe::solve_from(&problem, &layout, from, &recipe, &mut Quiet(observer));
             found.finished.converged.then_some(found)
         })?;
         let quantities = suspect.values.iter().map(|(quantity, _)| *quantity);
@@ -217,9 +221,9 @@ fn trial() -> Schedule {
 }
 
 /// What is tried though it did not score high: coefficients of friction, of which all above some value
-/// are alike where a contact sticks, from zero, where it slides; and the clock's rate where gravity
+/// are alike where a contact sticks, from zero, where it slides, if the misfit is beyond any wander; and the clock's rate where gravity
 /// scored or gravity where the rate did, which are the same to a motion.
-fn unscored(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
+fn unscored(scene: &Scene, scored: &[Suspect], is_exceeded: bool) -> Vec<Suspect> {
     let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
         let mut values = scored.iter().flat_map(|suspect| &suspect.values);
         values.any(|(quantity, _)| is_it(*quantity))
@@ -229,7 +233,7 @@ fn unscored(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
     let groups = groups(scene, Which::All).into_iter();
     let others = groups.filter_map(|group| match group[..] {
         [quantity] if has_scored(&|scored| scored == quantity) => None,
-        [quantity @ Quantity::Friction { .. }] => Some((quantity, 0.0)),
+        [quantity @ Quantity::Friction { .. }] => is_exceeded.then_some((quantity, 0.0)),
         [quantity @ Quantity::ClockRate { .. }] => {
             has_scored(&is_gravity).then(|| (quantity, scene.value_of(quantity)))
         }
@@ -248,7 +252,7 @@ fn unscored(scene: &Scene, scored: &[Suspect]) -> Vec<Suspect> {
 }
 
 /// What white noise leaves of the objective.
-fn floor(context: &SolveContext, noise: &Noise) -> f64 {
+fn floor(context: &SolveContext, noise: &Errors) -> f64 {
     1.5 * context.problem.sample_count() as f64 * (noise.white[0] + noise.white[1])
 }
 

@@ -9,6 +9,17 @@ use crate::motion::TrackIndex;
 /// A residual, position then orientation in body axes, in the problem's units; or its change.
 pub type Six = [f64; 6];
 
+/// Products of two changes of all residuals, summed: of positions and of orientations.
+pub fn products(a: &[Six], b: &[Six]) -> [f64; 2] {
+    let mut products = [0.0; 2];
+    for (a, b) in a.iter().zip(b) {
+        for axis in 0..6 {
+            products[axis / 3] += a[axis] * b[axis];
+        }
+    }
+    products
+}
+
 /// Number of bins of a track per flight, and its maximum.
 const PER_FLIGHT: usize = 4;
 const MOST: usize = 16;

@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::error::ImpactError;
 use super::law::Law;
 use super::rows::Change;
 
@@ -55,11 +56,9 @@ impl Coulomb {
         normal: &Vector3<f64>,
         velocity: &Vector3<f64>,
         delassus: &Matrix3<f64>,
-    ) -> Self {
-        let inverse_delassus = delassus
-            .cholesky()
-            .expect("the delassus of a body is positive definite")
-            .inverse();
+    ) -> Result<Self, ImpactError> {
+        let factor = delassus.cholesky().ok_or(ImpactError::NoResponse)?;
+        let inverse_delassus = factor.inverse();
         let normal_delassus = normal.dot(&(delassus * normal));
         let plastic = -normal.dot(velocity) / normal_delassus;
         let to_stick = -(inverse_delassus * velocity) - normal * plastic;
@@ -78,7 +77,7 @@ impl Coulomb {
         } else {
             (0.0, Slide::Free)
         };
-        Self {
+        Ok(Self {
             law: *law,
             normal: *normal,
             velocity: *velocity,
@@ -89,7 +88,7 @@ impl Coulomb {
             to_stick,
             share,
             slide,
-        }
+        })
     }
 
     pub(super) fn impulse(&self) -> Vector3<f64> {

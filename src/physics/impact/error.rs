@@ -53,4 +53,10 @@ pub enum ImpactError {
         /// How many contacts.
         count: usize,
     },
+    /// Poses are so far off that a contact's response to impulses cannot be computed: not numbers, or
+    /// arms beyond all measure.
+    #[error(
+        "the contact's response to an impulse is no positive definite matrix: expected finite poses"
+    )]
+    NoResponse,
 }

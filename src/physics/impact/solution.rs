@@ -76,7 +76,7 @@ impl<'a> Solution<'a> {
         let (speeds, delassus) = (rows.speeds(&before), rows.delassus());
         let solved = match &states[0] {
             Some(only) if contacts.has_friction() => {
-                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus))
+                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus)?)
             }
             _ => {
                 let count = contacts.as_slice().len();

@@ -1,4 +1,4 @@
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -605,5 +605,10 @@ fn what_is_not_known_is_refused_by_name() {
         assert_eq!(contacts.impact(&side(&a), None, &law), expected);
         let derivative = contacts.derivative(&side(&a), None, &law, &mut ImpactDerivative::zeros());
         assert_eq!(derivative, expected);
-    }
+    } // A state that a solver's step threw out of all measure.
+    let one = ContactSet::with_friction(&contacts[..1]).expect("one");
+    let (body, mut state) = a;
+    state.orientation = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
+    let impact = one.impact(&side(&(body, state)), None, &Law::frictionless(0.5));
+    assert_eq!(impact, Err(ImpactError::NoResponse));
 }
