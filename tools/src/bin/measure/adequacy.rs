@@ -1,6 +1,8 @@
 //! Wrong scenes: whether it is seen that they do not fit, what is blamed, and what is set free; and
 //! how often right ones are blamed.
 
+mod intervals;
+
 use std::collections::BTreeMap;
 
 use anyhow::Result;
@@ -150,6 +152,11 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         .into_iter()
         .collect();
     record.table(table(("right", "Right scenes"), &right));
+    for wrong in [Wrong::Nothing, Wrong::Inertia] {
+        if options.wants("intervals") {
+            record.table(intervals::table(wrong, options));
+        }
+    }
     for cell in &right {
         let blamed = cell.takes - cell.silent;
         record.say(format!(
