@@ -1,6 +1,6 @@
 //! The performance maker: recordings of acted motions whose truth is known.
 //!
-//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@clatter`], [`mod@flips`]; [`die`] is
+//! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@clatter`], [`mod@flips`], [`rolls`]; [`die`] is
 //! none) is performed as a person would ([`act`]): slowly, in a wavering [`tempo`], with a hand
 //! that wanders ([`wander`]), before a tracker that is noisy, jitters and loses sight. A seed and
 //! the knobs in [`acting`] determine every byte.
@@ -15,6 +15,7 @@ pub mod flips;
 pub mod hat_box;
 pub mod performance;
 pub mod recording;
+pub mod rolls;
 pub mod styles;
 pub mod tempo;
 pub mod truth;
@@ -27,5 +28,6 @@ pub use bounces::{Polyhedron, Throw, bounces, thrown};
 pub use clatter::clatter;
 pub use flips::flips;
 pub use performance::Performance;
+pub use rolls::Roll;
 pub use styles::Style;
 pub use truth::{Truth, TruthError, simulate};

@@ -30,6 +30,7 @@ mod page;
 mod peers;
 mod posing;
 mod record;
+mod rest;
 mod run;
 mod sequences;
 mod statistics;
@@ -132,6 +133,11 @@ const SUBJECTS: &[Subject] = &[
         "clatter",
         "corners that hit within milliseconds, with few samples between",
         clatter::run
+    ),
+    subject!(
+        "rest",
+        "dice that are asked to show a face at rest",
+        rest::run
     ),
     subject!(
         "cost",
