@@ -18,6 +18,7 @@ use self::hand::{Hand, Kind};
 use self::suspects::{Errors, Which};
 use super::context::SolveContext;
 use super::covariance::bins::Bins;
+use super::covariance::noise::mean_squares;
 use super::problem::Problem;
 use super::recipe::Solution;
 use crate::motion::{Fit, Fits, Observer, Scene, Segment, Sketch, Suspect, Tested};
@@ -114,15 +115,9 @@ pub fn judge(
     Some((fit, suspects))
 }
 
+/// Root mean square of distances \[m\] and angles \[rad\].
 fn rms(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> [f64; 2] {
-    let count = errors.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-    let mut squares = [0.0; 2];
-    for error in errors.iter().flatten() {
-        for (axis, value) in error.iter().enumerate() {
-            squares[axis / 3] += value * value;
-        }
-    }
-    let [position, orientation] = squares.map(|square| (square / count).sqrt());
+    let [position, orientation] = mean_squares(errors).map(|square| (3.0 * square).sqrt());
     [
         position * problem.position_unit_m,
         orientation * problem.orientation_unit_rad,

@@ -1,4 +1,4 @@
-//! Rotations and poses, pseudo-random numbers, and numeric differentiation for tests.
+//! Rotations and poses, spans of columns, pseudo-random numbers, and numeric differentiation for tests.
 //!
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
@@ -6,6 +6,7 @@
 mod pose;
 pub mod random;
 pub mod so3;
+pub mod span;
 
 #[cfg(test)]
 pub mod differentiate;

@@ -28,30 +28,27 @@ impl Suspect {
     /// Whether another thing explains the performance as well, so that it does not tell which of the
     /// two is wrong.
     pub fn is_rivalled_by(&self, other: &Self) -> bool {
-        // All quantities of a suspect are of one kind.
-        let first = |suspect: &Self| suspect.values.first().map(|(quantity, _)| *quantity);
-        let is_rate = |of: &Self| matches!(first(of), Some(Quantity::ClockRate { .. }));
-        let is_gravity = |of: &Self| matches!(first(of), Some(Quantity::Gravity { .. }));
+        let is_rate = |of: &Self| matches!(of.quantity(), Some(Quantity::ClockRate { .. }));
+        let is_gravity = |of: &Self| matches!(of.quantity(), Some(Quantity::Gravity { .. }));
         let is_tempo = is_rate(self) && is_gravity(other) || is_gravity(self) && is_rate(other);
         let is_alike = is_tempo && (self.explains - other.explains).abs() < ALIKE;
         (self.gain - other.gain < TOLD || is_alike) && !self.is_same_as(other)
     }
 
-    /// Whether both are of one thing: components of a vector with it, or both laws of a drag.
+    /// Whether both are of one thing: a vector and a component of it, or both laws of a drag.
     pub fn is_same_as(&self, other: &Self) -> bool {
-        let is_same = |(a, b): (Quantity, Quantity)| match (a, b) {
+        let (Some(a), Some(b)) = (self.quantity(), other.quantity()) else {
+            return false;
+        };
+        match (a, b) {
             (Quantity::LinearDrag { link: a }, Quantity::QuadraticDrag { link: b })
             | (Quantity::QuadraticDrag { link: a }, Quantity::LinearDrag { link: b }) => a == b,
-            _ => a == b,
-        };
-        let quantities = |suspect: &Self| -> Vec<Quantity> {
-            suspect
-                .values
-                .iter()
-                .map(|(quantity, _)| *quantity)
-                .collect()
-        };
-        let (own, others) = (quantities(self), quantities(other));
-        own.iter().any(|a| others.iter().any(|b| is_same((*a, *b))))
+            _ => a.is_of_one_thing_with(b),
+        }
+    }
+
+    /// Its first quantity; all are of one thing.
+    fn quantity(&self) -> Option<Quantity> {
+        self.values.first().map(|(quantity, _)| *quantity)
     }
 }

@@ -7,9 +7,7 @@
 
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
-use crate::motion::{
-    Estimate, Fits, FreeParameter, Observer, Quantity, Scene, Suspect, TakeEvent, Verdict,
-};
+use crate::motion::{Estimate, Fits, Observer, Scene, Suspect, TakeEvent, Verdict};
 
 /// Greatest number of things that are set free.
 const MOST: usize = 4;
@@ -51,17 +49,8 @@ fn culprit(estimate: &Estimate) -> Option<&Suspect> {
 /// The scene with a suspect's quantities free, from their likely values.
 fn with_free(scene: &Scene, suspect: &Suspect) -> Scene {
     let mut wider = scene.clone();
-    let free = |(quantity, value): &(Quantity, f64)| {
-        let [lower, upper] = quantity.limits();
-        FreeParameter {
-            name: scene.name_of_quantity(*quantity),
-            quantity: *quantity,
-            initial: *value,
-            lower,
-            upper,
-            prior_sd: None,
-        }
-    };
-    wider.parameters.extend(suspect.values.iter().map(free));
+    let values = suspect.values.iter();
+    let free = values.map(|(quantity, value)| scene.freed(*quantity, *value));
+    wider.parameters.extend(free);
     wider
 }

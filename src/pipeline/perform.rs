@@ -29,6 +29,11 @@ pub(super) struct Performed {
 }
 
 impl Performed {
+    /// What the motion is an estimate of.
+    pub(super) fn posed(&self) -> (&Scene, &Sketch, &[Segment]) {
+        (&self.inferred.scene, &self.sketch, &self.segments)
+    }
+
     /// Looks whether the motion explains the performance.
     pub(super) fn judge(&mut self, observer: &mut dyn Observer) {
         let Inferred { scene, solved, .. } = &mut self.inferred;

@@ -28,10 +28,13 @@ use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
+use crate::math::span;
 use crate::motion::{EventFit, Tested};
 
 /// A pivot below this share of the largest diagonal entry belongs to a row that depends on others.
 const DEPENDENT: f64 = 1e-12;
+/// A pivot below which what is free at an event depends on what else is.
+const FREE: f64 = 1e-9;
 
 /// The test with the noise that it was made under, in squared units of positions and orientations.
 pub(super) struct EventTest {
@@ -274,27 +277,13 @@ fn standardised(
         eigen.eigenvectors[(column, at)] / (eigen.eigenvalues[at].sqrt() * scale[column])
     });
     let mut left = &whiten * values;
-    let mut rank = 0;
-    if free.ncols() > 0 {
-        let mut columns = &whiten * free;
-        for column in 0..columns.ncols() {
-            let norm = columns.column(column).norm();
-            columns
-                .column_mut(column)
-                .unscale_mut(norm.max(f64::MIN_POSITIVE));
-        }
-        let decomposed = columns.col_piv_qr();
-        let pivots = decomposed.r();
-        let most = pivots.nrows().min(pivots.ncols());
-        rank = (0..most)
-            .take_while(|at| pivots[(*at, *at)].abs() > 1e-9)
-            .count();
-        let basis = decomposed.q().columns(0, rank).into_owned();
-        left -= &basis * (basis.transpose() * &left);
-    }
+    let columns = free.column_iter().map(|column| &whiten * column);
+    let columns: Vec<DVector<f64>> = columns.collect();
+    let basis = span::orthonormal(&columns, kept.len(), FREE);
+    left -= &basis * basis.tr_mul(&left);
     let freedom = kept
         .len()
-        .checked_sub(rank)
+        .checked_sub(basis.ncols())
         .filter(|freedom| *freedom > 0)?;
     let square = left.norm_squared();
     square.is_finite().then_some((square, freedom))

@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::covariance::bins::{Bins, Six};
+use crate::math::span;
 
 /// Band of a hand's wander \[Hz\], and the exponents of its power for positions and orientations.
 const BAND_HZ: [f64; 2] = [0.2, 4.0];
@@ -25,6 +26,9 @@ const EXPONENTS: [f64; 2] = [4.0, 3.0];
 const LINES: usize = 12;
 /// Sizes of the wander, in standard deviations of a sample's white noise.
 const SIZES: [f64; 9] = [1.0, 2.5, 6.0, 16.0, 40.0, 100.0, 250.0, 600.0, 1600.0];
+
+/// A pivot below which a direction depends on others.
+const DEPENDENT: f64 = 1e-6;
 
 /// Covariance of one kind's residuals: white noise and wander.
 pub(super) struct Hand {
@@ -68,7 +72,7 @@ impl Hand {
         };
         let columns: Vec<DVector<f64>> = absorbed.iter().map(|column| flat(column)).collect();
         let whitened = Whitened::new(bins, &correlation);
-        let basis = independent(&columns, 3 * bins.count());
+        let basis = span::orthonormal(&columns, 3 * bins.count(), DEPENDENT);
         let basis = whitened.columns(&basis);
         let floor = white.max(1e-18);
         let residual = DMatrix::from_columns(&[flat(means)]);
@@ -140,22 +144,6 @@ fn correlation(bins: &Bins, exponent: f64) -> DMatrix<f64> {
         }
     }
     correlation
-}
-
-/// An orthonormal basis of the columns' span.
-fn independent(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
-    let columns: Vec<DVector<f64>> = columns
-        .iter()
-        .filter_map(|column| column.clone().try_normalize(0.0))
-        .collect();
-    if columns.is_empty() {
-        return DMatrix::zeros(rows, 0);
-    }
-    let decomposed = DMatrix::from_columns(&columns).col_piv_qr();
-    let pivots = decomposed.r();
-    let most = pivots.nrows().min(pivots.ncols());
-    let rank = (0..most).take_while(|at| pivots[(*at, *at)].abs() > 1e-6);
-    decomposed.q().columns(0, rank.count()).into_owned()
 }
 
 /// Coordinates in which the covariance is diagonal whatever the size of the wander:

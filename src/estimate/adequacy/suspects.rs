@@ -1,19 +1,20 @@
 //! Who is to blame for a misfit: the quantities that the scene keeps fixed and whose change would
 //! explain most of it, by Rao's test ([`score`](super::score)).
 
-use super::alone::Alone;
+mod candidates;
+mod trial;
+
+use self::candidates::groups;
+pub(super) use self::trial::tried;
 use super::hand::Hand;
 use super::score::{Extended, Scores};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::Bins;
 use crate::estimate::layout::Layout;
+use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
-use crate::estimate::recipe::{self, Recipe, Solution};
-use crate::motion::{
-    FreeParameter, Observer, Quantity, Quiet, Scene, Segment, Sketch, Suspect, Timing,
-};
-use crate::optimise::Schedule;
-use crate::optimise::finish::Tolerances;
+use crate::estimate::recipe::Solution;
+use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect};
 use crate::optimise::kkt::Kkt;
 
 /// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
@@ -22,10 +23,6 @@ const LEVEL: f64 = 1e-3;
 const LEAST_SHARE: f64 = 0.1;
 /// Share of the misfit that no wander of a hand has in common with one wrong quantity.
 const ALL: f64 = 0.9;
-/// Greatest number of quantities that are set free to see what they explain,
-const TRIED: usize = 8;
-/// and of suspects.
-const MOST: usize = 3;
 
 /// The samples' errors that scores are compared with.
 pub(super) struct Errors<'a> {
@@ -48,6 +45,55 @@ impl Errors<'_> {
         };
         6.0 * count as f64
     }
+
+    /// Decrease of Schwarz's criterion where an objective becomes so many times less by as many
+    /// quantities.
+    fn gain(&self, context: &SolveContext, ratio: f64, quantities: usize) -> f64 {
+        let data = self.data(context);
+        data * ratio.ln() - quantities as f64 * data.ln()
+    }
+
+    /// What white noise leaves of the objective.
+    fn floor(&self, context: &SolveContext) -> f64 {
+        1.5 * context.problem.sample_count() as f64 * (self.white[0] + self.white[1])
+    }
+}
+
+/// A problem with more parameters than that of a solution.
+struct Wider {
+    problem: Problem,
+    layout: Layout,
+    /// The first of them among the parameters,
+    first: usize,
+    /// and all.
+    added: Vec<FreeParameter>,
+}
+
+impl Wider {
+    fn new(
+        context: &SolveContext,
+        (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+        added: Vec<FreeParameter>,
+    ) -> Self {
+        let mut wider = scene.clone();
+        wider.parameters.extend(added.iter().cloned());
+        let mut problem = Problem::new(&wider, sketch, segments);
+        problem.velocity_gap_weight = context.problem.velocity_gap_weight;
+        Self {
+            layout: Layout::new(&problem),
+            problem,
+            first: scene.parameters.len(),
+            added,
+        }
+    }
+
+    /// A point of the narrower problem, with the added parameters as they begin.
+    fn point(&self, narrow: &Point) -> Point {
+        let mut point = narrow.clone();
+        let initial = self.added.iter().map(|free| free.initial);
+        point.parameters.extend(initial);
+        point
+    }
 }
 
 /// Which quantities are looked into.
@@ -66,22 +112,21 @@ pub(super) fn scored(
     (noise, which): (&Errors, Which),
 ) -> Vec<Suspect> {
     let groups = groups(scene, which);
-    let mut wider = scene.clone();
+    let mut free: Vec<FreeParameter> = Vec::new();
     for quantity in groups.iter().flatten() {
-        if !is_free(&wider, *quantity) {
-            wider.parameters.push(freed(scene, *quantity));
+        if !free.iter().any(|free| free.quantity == *quantity) {
+            // Without bounds, whose rows the solution's multipliers do not have.
+            free.push(FreeParameter {
+                lower: f64::NEG_INFINITY,
+                upper: f64::INFINITY,
+                ..scene.freed(*quantity, scene.value_of(*quantity))
+            });
         }
     }
-    let mut problem = Problem::new(&wider, sketch, segments);
-    problem.velocity_gap_weight = context.problem.velocity_gap_weight;
-    let layout = Layout::new(&problem);
-    let mut point = solution.point.clone();
-    let first = scene.parameters.len();
-    let added = &wider.parameters[first..];
-    point
-        .parameters
-        .extend(added.iter().map(|free| free.initial));
-    let extended = SolveContext::new(&problem, &layout, context.epochs_s.clone(), &point);
+    let wider = Wider::new(context, (scene, sketch, segments), free);
+    let point = wider.point(&solution.point);
+    let epochs_s = context.epochs_s.clone();
+    let extended = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &point);
     let Some(kkt) = Kkt::new(context, &solution.system, &solution.multipliers) else {
         return Vec::new();
     };
@@ -91,16 +136,20 @@ pub(super) fn scored(
         point: &point,
         multipliers,
     };
-    let scores = Scores::new(&of, (context, &kkt), noise.bins, first);
-    let data = noise.data(context);
+    let scores = Scores::new(&of, (context, &kkt), noise.bins, wider.first);
     let cost = solution.system.cost;
-    let floor = floor(context, noise);
+    let floor = noise.floor(context);
     let misfit = (cost - floor).max(f64::MIN_POSITIVE);
     let level = LEVEL / groups.len().max(1) as f64;
     let mut suspects: Vec<Suspect> = groups
         .iter()
         .filter_map(|group| {
-            let at = |quantity: &Quantity| added.iter().position(|free| free.quantity == *quantity);
+            let at = |quantity: &Quantity| {
+                wider
+                    .added
+                    .iter()
+                    .position(|free| free.quantity == *quantity)
+            };
             let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
             let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
             let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
@@ -115,7 +164,7 @@ pub(super) fn scored(
             let left = (cost - scored.decrease)
                 .max(floor.min(cost))
                 .max(1e-3 * cost);
-            let gain = data * (cost / left).ln() - group.len() as f64 * data.ln();
+            let gain = noise.gain(context, cost / left, group.len());
             let suspect = Suspect {
                 values,
                 explains: (scored.decrease / misfit).clamp(0.0, 1.0),
@@ -131,223 +180,4 @@ pub(super) fn scored(
         .collect();
     suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     suspects
-}
-
-/// The best of those that score high, by what they explain when they are set free: where a value is
-/// far off, the score's linear prediction no longer ranks them.
-pub(super) fn tried(
-    (context, solution): (&SolveContext, &Solution),
-    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    (mut scored, noise, alone): (Vec<Suspect>, &Errors, &Alone),
-    observer: &mut dyn Observer,
-) -> Vec<Suspect> {
-    scored.truncate(TRIED);
-    scored.extend(unscored(scene, &scored, noise.is_exceeded));
-    let cost = solution.system.cost;
-    let data = noise.data(context);
-    let tried = scored.into_iter().filter_map(|suspect| {
-        let mut wider = scene.clone();
-        let free = suspect.values.iter().map(|(quantity, value)| {
-            let [lower, upper] = quantity.limits();
-            FreeParameter {
-                initial: *value,
-                lower,
-                upper,
-                ..freed(scene, *quantity)
-            }
-        });
-        wider.parameters.extend(free);
-        let mut problem = Problem::new(&wider, sketch, segments);
-        problem.velocity_gap_weight = context.problem.velocity_gap_weight;
-        let layout = Layout::new(&problem);
-        let first = scene.parameters.len();
-        let added = &wider.parameters[first..];
-        // The flights by themselves are near the motion where the value is far off.
-        let trial = Recipe::of(trial());
-        let starts = [
-            (&alone.point, trial.clone()),
-            (&solution.point, trial.from_the_last()),
-        ];
-        let found = starts.into_iter().find_map(|(start, recipe)| {
-            let mut point = start.clone();
-            point
-                .parameters
-                .extend(added.iter().map(|free| free.initial));
-            let from = (point, context.epochs_s.clone());
-            let found = recipe::solve_from(&problem, &layout, from, &recipe, &mut Quiet(observer));
-            found.finished.converged.then_some(found)
-        })?;
-        let quantities = suspect.values.iter().map(|(quantity, _)| *quantity);
-        let values = quantities.zip(found.point.parameters[first..].iter().copied());
-        let values: Vec<(Quantity, f64)> = values.collect();
-        let left = found.system.cost.max(f64::MIN_POSITIVE);
-        let gain = data * (cost / left).ln() - values.len() as f64 * data.ln();
-        let misfit = (cost - floor(context, noise)).max(f64::MIN_POSITIVE);
-        let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
-        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE;
-        is_suspect.then_some(Suspect {
-            values,
-            explains,
-            gain,
-            ..suspect
-        })
-    });
-    let mut tried: Vec<Suspect> = tried.collect();
-    tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut suspects: Vec<Suspect> = Vec::new();
-    for suspect in tried {
-        // Of the components of one thing, those that explain best stand for all.
-        if !suspects.iter().any(|better| better.is_same_as(&suspect)) {
-            suspects.push(suspect);
-        }
-    }
-    suspects.truncate(MOST);
-    suspects
-}
-
-/// The schedule of a trial: to compare objectives a few digits are enough, and what needs more steps
-/// than this is no explanation.
-fn trial() -> Schedule {
-    Schedule {
-        multiplier_rounds: (4, 10),
-        retries: 0,
-        tolerances: Tolerances {
-            violation: 1e-6,
-            decrease: 1e-6,
-            steps: 15,
-        },
-        ..Schedule::default()
-    }
-}
-
-/// What is tried though it did not score high: coefficients of friction, of which all above some value
-/// are alike where a contact sticks, from zero, where it slides, if the misfit is beyond any wander; and the clock's rate where gravity
-/// scored or gravity where the rate did, which are the same to a motion.
-fn unscored(scene: &Scene, scored: &[Suspect], is_exceeded: bool) -> Vec<Suspect> {
-    let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
-        let mut values = scored.iter().flat_map(|suspect| &suspect.values);
-        values.any(|(quantity, _)| is_it(*quantity))
-    };
-    let is_rate = |quantity| matches!(quantity, Quantity::ClockRate { .. });
-    let is_gravity = |quantity| matches!(quantity, Quantity::Gravity { .. });
-    let groups = groups(scene, Which::All).into_iter();
-    let others = groups.filter_map(|group| match group[..] {
-        [quantity] if has_scored(&|scored| scored == quantity) => None,
-        [quantity @ Quantity::Friction { .. }] => is_exceeded.then_some((quantity, 0.0)),
-        [quantity @ Quantity::ClockRate { .. }] => {
-            has_scored(&is_gravity).then(|| (quantity, scene.value_of(quantity)))
-        }
-        [quantity @ Quantity::Gravity { .. }] => {
-            has_scored(&is_rate).then(|| (quantity, scene.value_of(quantity)))
-        }
-        _ => None,
-    });
-    let suspect = |value| Suspect {
-        values: vec![value],
-        explains: 0.0,
-        gain: 0.0,
-        probability: 1.0,
-    };
-    others.map(suspect).collect()
-}
-
-/// What white noise leaves of the objective.
-fn floor(context: &SolveContext, noise: &Errors) -> f64 {
-    1.5 * context.problem.sample_count() as f64 * (noise.white[0] + noise.white[1])
-}
-
-/// Quantities that are suspected together: the components of one thing. Gravity's size is one more
-/// thing than its vector.
-fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
-    let is_alone = scene.mechanisms.len() == 1;
-    let is_candidate = |quantity: &Quantity| {
-        let means_something = match quantity {
-            Quantity::LinearDrag { .. }
-            | Quantity::QuadraticDrag { .. }
-            | Quantity::Moment { .. }
-            | Quantity::Mass { .. }
-                if which == Which::Cheap =>
-            {
-                false
-            }
-            // Of one body, a force is gravity.
-            Quantity::Force { .. } => !is_alone,
-            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. } => {
-                scene.timing == Timing::Known
-            }
-            _ => true,
-        };
-        means_something
-            && !is_free(scene, *quantity)
-            && scene.untold(*quantity).is_none()
-            && is_supported(scene, *quantity)
-    };
-    let mut groups: Vec<Vec<Quantity>> = Vec::new();
-    for quantity in scene.quantities().into_iter().filter(is_candidate) {
-        match groups
-            .iter_mut()
-            .find(|group| is_of_one(group[0], quantity))
-        {
-            Some(group) => group.push(quantity),
-            None => groups.push(vec![quantity]),
-        }
-    }
-    let size = Quantity::Gravity {
-        axis: scene.gravity_m_s2.iamax(),
-    };
-    if groups
-        .iter()
-        .any(|group| group.len() > 1 && group.contains(&size))
-    {
-        groups.push(vec![size]);
-    }
-    groups
-}
-
-/// Whether two quantities are components of one thing.
-fn is_of_one(a: Quantity, b: Quantity) -> bool {
-    let thing = |quantity: Quantity| match quantity {
-        Quantity::Gravity { .. } => Quantity::Gravity { axis: 0 },
-        Quantity::Force { link, .. } => Quantity::Force { link, axis: 0 },
-        Quantity::Centre { link, .. } => Quantity::Centre { link, axis: 0 },
-        Quantity::TrackerPosition { track, .. } => Quantity::TrackerPosition { track, axis: 0 },
-        Quantity::TrackerOrientation { track, .. } => {
-            Quantity::TrackerOrientation { track, axis: 0 }
-        }
-        Quantity::Tilt { event, .. } => Quantity::Tilt { event, tangent: 0 },
-        Quantity::SurfaceTilt { surface, .. } => Quantity::SurfaceTilt {
-            surface,
-            tangent: 0,
-        },
-        other => other,
-    };
-    thing(a) == thing(b)
-}
-
-fn is_free(scene: &Scene, quantity: Quantity) -> bool {
-    scene
-        .parameters
-        .iter()
-        .any(|free| free.quantity == quantity)
-}
-
-/// Whether the contacts of all collisions are supported with that quantity free.
-fn is_supported(scene: &Scene, quantity: Quantity) -> bool {
-    if !matches!(quantity, Quantity::Friction { .. } | Quantity::Tilt { .. }) {
-        return true;
-    }
-    let mut wider = scene.clone();
-    wider.parameters.push(freed(scene, quantity));
-    (0..wider.events.len()).all(|event| wider.contact_set(event).is_ok())
-}
-
-fn freed(scene: &Scene, quantity: Quantity) -> FreeParameter {
-    FreeParameter {
-        name: scene.name_of_quantity(quantity),
-        quantity,
-        initial: scene.value_of(quantity),
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        prior_sd: None,
-    }
 }

@@ -8,6 +8,7 @@ use super::trace::Design;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::math::random::Random;
+use crate::math::span;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
@@ -265,20 +266,15 @@ fn equalities(system: &System) -> usize {
 
 /// An orthonormal basis of the span.
 fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
-    let columns = directions.iter().filter_map(|direction| {
+    let Some(bins) = directions.first().map(Vec::len).filter(|bins| *bins > 0) else {
+        return Vec::new();
+    };
+    let columns = directions.iter().map(|direction| {
         let entries = direction.iter().flatten().copied();
-        DVector::from_iterator(6 * direction.len(), entries).try_normalize(0.0)
+        DVector::from_iterator(6 * bins, entries)
     });
     let columns: Vec<DVector<f64>> = columns.collect();
-    if columns.is_empty() {
-        return Vec::new();
-    }
-    let decomposed = DMatrix::from_columns(&columns).col_piv_qr();
-    let pivots = decomposed.r();
-    let most = pivots.nrows().min(pivots.ncols());
-    let rank = (0..most).take_while(|at| pivots[(*at, *at)].abs() > DEPENDENT);
-    let columns = decomposed.q().columns(0, rank.count()).into_owned();
-    let (axes, _) = columns.as_slice().as_chunks::<6>();
-    let bins = columns.nrows() / 6;
+    let basis = span::orthonormal(&columns, 6 * bins, DEPENDENT);
+    let (axes, _) = basis.as_slice().as_chunks::<6>();
     axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
 }

@@ -239,7 +239,7 @@ fn largest(values: &[f64]) -> usize {
 }
 
 /// Mean square residuals of positions and of orientations, per axis.
-fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
+pub(in crate::estimate) fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
     let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
     let mut sums = [0.0; 2];
     for residual in residuals.iter().flatten() {

@@ -67,9 +67,4 @@ impl Scene {
         }
         Ok(Some(set))
     }
-
-    /// Whether a parameter frees the quantity.
-    fn frees(&self, quantity: Quantity) -> bool {
-        self.parameters.iter().any(|free| free.quantity == quantity)
-    }
 }

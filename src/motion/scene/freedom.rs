@@ -2,6 +2,7 @@
 
 use super::event::Event;
 use super::link::Link;
+use super::parameter::FreeParameter;
 use super::quantity::Quantity;
 use super::whole::Scene;
 use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
@@ -103,6 +104,25 @@ impl Scene {
                 surface: of,
                 tangent,
             } => format!("{}.tilt.{tangent}", surface(of)),
+        }
+    }
+
+    /// Whether a parameter frees the quantity.
+    pub fn frees(&self, quantity: Quantity) -> bool {
+        self.parameters.iter().any(|free| free.quantity == quantity)
+    }
+
+    /// A parameter that frees a quantity from a value on: with the quantity's name, within what is
+    /// physical, without a prior.
+    pub fn freed(&self, quantity: Quantity, initial: f64) -> FreeParameter {
+        let [lower, upper] = quantity.limits();
+        FreeParameter {
+            name: self.name_of_quantity(quantity),
+            quantity,
+            initial,
+            lower,
+            upper,
+            prior_sd: None,
         }
     }
 

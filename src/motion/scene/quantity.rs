@@ -116,6 +116,26 @@ pub enum Quantity {
 const LEAST_FACTOR: f64 = 0.01;
 
 impl Quantity {
+    /// Whether it and another are components of one vector, or the same.
+    pub fn is_of_one_thing_with(self, other: Self) -> bool {
+        let thing = |quantity: Quantity| match quantity {
+            Quantity::Gravity { .. } => Quantity::Gravity { axis: 0 },
+            Quantity::Force { link, .. } => Quantity::Force { link, axis: 0 },
+            Quantity::Centre { link, .. } => Quantity::Centre { link, axis: 0 },
+            Quantity::TrackerPosition { track, .. } => Quantity::TrackerPosition { track, axis: 0 },
+            Quantity::TrackerOrientation { track, .. } => {
+                Quantity::TrackerOrientation { track, axis: 0 }
+            }
+            Quantity::Tilt { event, .. } => Quantity::Tilt { event, tangent: 0 },
+            Quantity::SurfaceTilt { surface, .. } => Quantity::SurfaceTilt {
+                surface,
+                tangent: 0,
+            },
+            other => other,
+        };
+        thing(self) == thing(other)
+    }
+
     /// Its SI unit; empty for ratios and factors.
     pub fn unit(self) -> &'static str {
         match self {

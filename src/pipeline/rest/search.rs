@@ -120,14 +120,11 @@ impl<'a> Seeker<'a> {
             (flight, part)
         });
         let parts: Vec<(&Whitened, DVector<f64>)> = parts.collect();
-        let Performed {
-            inferred,
-            segments,
-            sketch,
-            ..
-        } = self.take;
-        let of = (&inferred.scene, sketch, segments.as_slice());
-        let moved = inferred.solved.simulated(of, &parts)?;
+        let moved = self
+            .take
+            .inferred
+            .solved
+            .simulated(self.take.posed(), &parts)?;
         let is_motion = moved.estimate.verdict == Verdict::Physical;
         is_motion.then_some(moved)
     }
@@ -229,14 +226,9 @@ impl<'a> Seeker<'a> {
         if !found.solved.times_are_unknown() {
             return Some(found.solved);
         }
-        let Performed {
-            inferred,
-            segments,
-            sketch,
-            ..
-        } = self.take;
-        let of = (&inferred.scene, sketch, segments.as_slice());
-        let timed = found.solved.with_sample_times(of, observer)?;
+        let timed = found
+            .solved
+            .with_sample_times(self.take.posed(), observer)?;
         let is_motion = timed.estimate.verdict == Verdict::Physical;
         (is_motion && self.is_sound(&timed)).then_some(timed)
     }

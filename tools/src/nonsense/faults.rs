@@ -58,10 +58,20 @@ impl Fault {
     }
 }
 
-fn lift_tables(scene: &mut Scene, height_m: f64) {
+pub(super) fn lift_tables(scene: &mut Scene, height_m: f64) {
+    each_face(scene, |point_m, normal| {
+        contact::Feature::face(point_m + normal * height_m, normal)
+    });
+}
+
+/// Replaces the faces of all surfaces by what is made of their points and normals.
+pub(super) fn each_face(
+    scene: &mut Scene,
+    change: impl Fn(Vector3<f64>, Vector3<f64>) -> contact::Feature,
+) {
     for surface in &mut scene.surfaces {
         if let contact::Feature::Face { point_m, normal } = surface.geometry {
-            surface.geometry = contact::Feature::face(point_m + normal * height_m, normal);
+            surface.geometry = change(point_m, normal);
         }
     }
 }

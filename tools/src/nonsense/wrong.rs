@@ -5,7 +5,7 @@ use enact::physics::{Body, contact};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Asked;
-use super::faults::{asked, stretch};
+use super::faults::{asked, each_face, lift_tables, stretch};
 use crate::perform::{Acting, Polyhedron, Throw, bounces};
 
 /// What is wrong, and by how much.
@@ -129,9 +129,7 @@ impl Wrong {
             }
             Self::Gravity => scene.gravity_m_s2 *= 0.95,
             Self::GravityDirection => scene.gravity_m_s2.x += 0.5,
-            Self::TableHeight => each_face(scene, |point_m, normal| {
-                contact::Feature::face(point_m + normal * 0.008, normal)
-            }),
+            Self::TableHeight => lift_tables(scene, 0.008),
             Self::TableTilt => each_face(scene, |point_m, normal| {
                 let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.05, 0.0, 0.0));
                 contact::Feature::face(point_m, turn * normal)
@@ -160,12 +158,4 @@ impl Wrong {
 
 fn first_law(scene: &mut Scene) -> &mut ContactLaw {
     scene.contact_laws.first_mut().expect("a bounce has a law")
-}
-
-fn each_face(scene: &mut Scene, change: impl Fn(Vector3<f64>, Vector3<f64>) -> contact::Feature) {
-    for surface in &mut scene.surfaces {
-        if let contact::Feature::Face { point_m, normal } = surface.geometry {
-            surface.geometry = change(point_m, normal);
-        }
-    }
 }

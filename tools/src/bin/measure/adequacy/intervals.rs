@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use enact::motion::{FreeParameter, Quantity, Scene};
+use enact::motion::{Quantity, Scene};
 use enact_tools::nonsense::Asked;
 use enact_tools::nonsense::wrong::Wrong;
 
@@ -83,19 +83,11 @@ pub fn table(wrong: Wrong, options: &Options) -> Table {
 
 fn add(freed: &mut Freed, asked: &Asked, right: &Scene, quantities: &[Quantity]) {
     let mut asked = asked.clone();
-    let parameters = quantities.iter().map(|quantity| {
-        let [lower, upper] = quantity.limits();
-        FreeParameter {
-            name: asked.scene.name_of_quantity(*quantity),
-            quantity: *quantity,
-            initial: asked.scene.value_of(*quantity),
-            lower,
-            upper,
-            prior_sd: None,
-        }
-    });
-    let parameters: Vec<FreeParameter> = parameters.collect();
-    asked.scene.parameters.extend(parameters);
+    for quantity in quantities {
+        let given = asked.scene.value_of(*quantity);
+        let free = asked.scene.freed(*quantity, given);
+        asked.scene.parameters.push(free);
+    }
     let Ok(outcome) = asked.answered() else {
         freed.without += quantities.len();
         return;

@@ -1,0 +1,60 @@
+//! What may be suspected.
+
+use super::Which;
+use crate::motion::{Quantity, Scene};
+
+/// Quantities that are suspected together: the components of one thing. Gravity's size is one more
+/// thing than its vector.
+pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
+    let is_alone = scene.mechanisms.len() == 1;
+    let is_candidate = |quantity: &Quantity| {
+        let means_something = match quantity {
+            Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::Moment { .. }
+            | Quantity::Mass { .. }
+                if which == Which::Cheap =>
+            {
+                false
+            }
+            // Of one body, a force is gravity.
+            Quantity::Force { .. } => !is_alone,
+            _ => true,
+        };
+        means_something
+            && !scene.frees(*quantity)
+            && scene.untold(*quantity).is_none()
+            && is_supported(scene, *quantity)
+    };
+    let mut groups: Vec<Vec<Quantity>> = Vec::new();
+    for quantity in scene.quantities().into_iter().filter(is_candidate) {
+        match groups
+            .iter_mut()
+            .find(|group| group[0].is_of_one_thing_with(quantity))
+        {
+            Some(group) => group.push(quantity),
+            None => groups.push(vec![quantity]),
+        }
+    }
+    let size = Quantity::Gravity {
+        axis: scene.gravity_m_s2.iamax(),
+    };
+    if groups
+        .iter()
+        .any(|group| group.len() > 1 && group.contains(&size))
+    {
+        groups.push(vec![size]);
+    }
+    groups
+}
+
+/// Whether the contacts of all collisions are supported with that quantity free.
+fn is_supported(scene: &Scene, quantity: Quantity) -> bool {
+    if !matches!(quantity, Quantity::Friction { .. } | Quantity::Tilt { .. }) {
+        return true;
+    }
+    let mut wider = scene.clone();
+    let free = scene.freed(quantity, scene.value_of(quantity));
+    wider.parameters.push(free);
+    (0..wider.events.len()).all(|event| wider.contact_set(event).is_ok())
+}
