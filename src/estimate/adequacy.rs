@@ -43,34 +43,13 @@ pub fn judge(
 ) -> Option<(Fit, Vec<Suspect>)> {
     let problem = context.problem;
     let alone = Alone::new(context, &solution.point, &solution.system)?;
-    let tests_of = |alone: &Alone| -> Vec<EventTest> {
-        let events = 0..problem.event_is_free.len();
-        let test = |event| event::test(context, alone, (event, &solution.multipliers));
-        events.filter_map(test).collect()
-    };
-    let mut tests = tests_of(&alone);
-    if problem.times_are_unknown() {
-        let predicted =
-            Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
-        for (test, predicted) in tests.iter_mut().zip(tests_of(&predicted)) {
-            let better = |test: &mut Tested, other: Tested| {
-                if other.probability > test.probability {
-                    *test = other
-                }
-            };
-            better(&mut test.fit.by_noise, predicted.fit.by_noise);
-            better(&mut test.fit.by_hand, predicted.fit.by_hand);
-        }
-    }
+    let mut tests = tests(context, &alone, solution);
     let mut fit = Fit {
         fits: Fits::Yes,
         joint: rms(problem, errors),
         alone: rms(problem, &alone.errors),
         events: tests.iter().map(|test| test.fit).collect(),
     };
-    let [by_noise, by_hand] = fit.probabilities();
-    let mut events = fit.events.iter();
-    let is_hand = events.any(|event| event.log_odds_of_wander > SHOWN);
     let [not, well, likely] = [NOT, WELL, LIKELY].map(|bound| {
         if problem.times_are_unknown() {
             bound * bound
@@ -78,6 +57,16 @@ pub fn judge(
             bound
         }
     });
+    let is_hand = fit.shows_wander(SHOWN);
+    let is_explained = |fit: &Fit| {
+        let [by_noise, by_hand] = fit.probabilities();
+        by_noise >= WELL || is_hand && by_hand >= likely
+    };
+    if problem.times_are_unknown() && !is_explained(&fit) {
+        tests = kinder(context, (&alone, tests), solution)?;
+        fit.events = tests.iter().map(|test| test.fit).collect();
+    }
+    let [by_noise, by_hand] = fit.probabilities();
     if by_noise >= WELL || tests.is_empty() {
         return Some((fit, Vec::new()));
     }
@@ -113,6 +102,35 @@ pub fn judge(
         () => Fits::Unknown,
     };
     Some((fit, suspects))
+}
+
+/// The events' tests, at the flights by themselves or as predicted at the motion.
+fn tests(context: &SolveContext, alone: &Alone, solution: &Solution) -> Vec<EventTest> {
+    let events = 0..context.problem.event_is_free.len();
+    let test = |event| event::test(context, alone, (event, &solution.multipliers));
+    events.filter_map(test).collect()
+}
+
+/// The tests with the kinder answers of those at the flights by themselves and of those at the motion.
+fn kinder(
+    context: &SolveContext,
+    (alone, mut tests_alone): (&Alone, Vec<EventTest>),
+    solution: &Solution,
+) -> Option<Vec<EventTest>> {
+    let predicted = Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
+    let better = |test: &mut Tested, other: Tested| {
+        if other.probability > test.probability {
+            *test = other
+        }
+    };
+    for (test, predicted) in tests_alone
+        .iter_mut()
+        .zip(tests(context, &predicted, solution))
+    {
+        better(&mut test.fit.by_noise, predicted.fit.by_noise);
+        better(&mut test.fit.by_hand, predicted.fit.by_hand);
+    }
+    Some(tests_alone)
 }
 
 /// Root mean square of distances \[m\] and angles \[rad\].

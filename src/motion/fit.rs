@@ -63,6 +63,12 @@ pub struct Tested {
 }
 
 impl Fit {
+    /// Whether the flights show a wander of the hand at an event, with so great a logarithm of the odds.
+    pub fn shows_wander(&self, log_odds: f64) -> bool {
+        let mut events = self.events.iter();
+        events.any(|event| event.log_odds_of_wander > log_odds)
+    }
+
     /// Probability that some event's statistic is as improbable under a right model (Bonferroni),
     /// by noise and by a hand's wander; one without events.
     pub fn probabilities(&self) -> [f64; 2] {

@@ -11,11 +11,11 @@ use crate::optimise::kkt::DAMPING;
 use crate::optimise::{Program, System};
 
 /// Greatest number of Gauss–Newton steps.
-const STEPS: usize = 8;
+const STEPS: usize = 4;
 /// Steps end where the next one promises less than this share of the objective.
 const PROMISE: f64 = 1e-3;
 /// Greatest number of halvings of a step.
-const HALVINGS: usize = 4;
+const HALVINGS: usize = 2;
 
 /// The flights by themselves.
 pub(super) struct Alone {

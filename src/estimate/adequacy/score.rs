@@ -26,8 +26,9 @@ use crate::estimate::point::Point;
 use crate::optimise::kkt::Kkt;
 use crate::optimise::{Program, System};
 
-/// Greatest number of refinements of a direction.
+/// Greatest number of refinements of a direction; they end where one changes less than this share.
 const REFINEMENTS: usize = 3;
+const REFINED: f64 = 1e-6;
 
 /// The solution of the problem in which the suspected quantities are parameters too, at the values
 /// that the scene gives them.
@@ -187,8 +188,12 @@ fn direction(
         );
         let mut step = pulled.rows(0, size).into_owned();
         kkt.solve(base.structure(), &mut step);
+        let is_refined = step.amax() <= REFINED * direction.amax();
         let mut own = direction.rows_mut(0, size);
         own -= step;
+        if is_refined {
+            break;
+        }
     }
     direction
 }

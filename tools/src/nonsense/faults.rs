@@ -92,6 +92,14 @@ pub(super) fn asked(truth: &Truth, acting: &Acting, seed: u64) -> Asked {
     }
 }
 
+/// A hat that catches a box, weighed by the noise that the tracker has.
+pub fn hat_and_box(acting: &Acting, seed: u64) -> Asked {
+    let mut asked = asked(&hat_box::truth(), acting, seed);
+    asked.scene.weights.position_m = acting.noise_position_m;
+    asked.scene.weights.orientation_rad = acting.noise_orientation_rad;
+    asked
+}
+
 /// A pencil, tip first with even seeds, eraser first with odd ones.
 pub(super) fn pencil(acting: &Acting, seed: u64) -> Asked {
     asked(&Style::ALL[(seed % 2) as usize].truth(), acting, seed)

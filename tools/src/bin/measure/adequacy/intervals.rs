@@ -3,9 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use enact::motion::{Quantity, Scene};
-use enact_tools::nonsense::Asked;
+use enact::motion::{Quantity, Scene, TrackIndex};
 use enact_tools::nonsense::wrong::Wrong;
+use enact_tools::nonsense::{Asked, faults};
+use enact_tools::perform::hat_box::HAT;
 
 use super::Seen;
 use crate::options::Options;
@@ -17,6 +18,17 @@ const SEEDS: u64 = 300;
 /// Deviations within which an error is expected in 19 of 20.
 const WITHIN: f64 = 1.96;
 
+/// What only a motion of two bodies tells: of the hat's mass and its clock, beside those of the box.
+const OF_TWO: [(&str, Quantity); 2] = [
+    ("mass of one of two, factor", Quantity::Mass { link: HAT }),
+    (
+        "one of two clocks' offset, s",
+        Quantity::ClockOffset {
+            track: TrackIndex(0),
+        },
+    ),
+];
+
 /// Errors of a quantity over their deviations, and what became of the other throws.
 #[derive(Default)]
 struct Freed {
@@ -27,10 +39,22 @@ struct Freed {
 }
 
 /// The table of the throws in which `wrong` is wrong: every quantity that such a scene may free, freed
-/// with the others of its thing and nothing else.
+/// with the others of its thing and nothing else. Where nothing is wrong, a hat and a box that meet
+/// say how well what only two bodies tell is known.
 pub fn table(wrong: Wrong, options: &Options) -> Table {
     let mut all: BTreeMap<&'static str, Freed> = BTreeMap::new();
     for seed in options.seeds(SEEDS) {
+        if wrong == Wrong::Nothing {
+            let right = faults::hat_and_box(&Seen::Noise(1.0).acting(), seed);
+            for (kind, quantity) in OF_TWO {
+                add(
+                    all.entry(kind).or_default(),
+                    &right,
+                    &right.scene,
+                    &[quantity],
+                );
+            }
+        }
         let Ok(asked) = wrong.asked(&Seen::Noise(1.0).acting(), seed) else {
             continue;
         };
@@ -83,6 +107,7 @@ pub fn table(wrong: Wrong, options: &Options) -> Table {
 
 fn add(freed: &mut Freed, asked: &Asked, right: &Scene, quantities: &[Quantity]) {
     let mut asked = asked.clone();
+    let before = asked.scene.parameters.len();
     for quantity in quantities {
         let given = asked.scene.value_of(*quantity);
         let free = asked.scene.freed(*quantity, given);
@@ -92,7 +117,8 @@ fn add(freed: &mut Freed, asked: &Asked, right: &Scene, quantities: &[Quantity])
         freed.without += quantities.len();
         return;
     };
-    for (found, quantity) in outcome.estimate.parameters.iter().zip(quantities) {
+    let found = outcome.estimate.parameters.iter().skip(before);
+    for (found, quantity) in found.zip(quantities) {
         match found.sd {
             _ if found.at_bound.is_some() => freed.at_bound += 1,
             Some(sd) if sd > 0.0 => {
@@ -112,6 +138,9 @@ fn things(scene: &Scene, wrong: Wrong) -> Vec<(&'static str, Vec<Quantity>)> {
         let kind = match quantity {
             Quantity::Gravity { .. } => "gravity, m/s²",
             Quantity::Restitution { .. } => "restitution",
+            Quantity::Friction { .. } => "friction",
+            Quantity::Tilt { .. } => "tilt of an impact's normal, rad",
+            Quantity::Force { .. } => "constant force, m/s²",
             Quantity::Moment { .. } => "moments, factor",
             Quantity::Centre { .. } => "centre of mass, m",
             Quantity::TrackerPosition { .. } => "tracker's position, m",
