@@ -28,7 +28,7 @@ use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
-use crate::math::span;
+use crate::math::span::Span;
 use crate::motion::{EventFit, Tested};
 
 /// A pivot below this share of the largest diagonal entry belongs to a row that depends on others.
@@ -276,15 +276,10 @@ fn standardised(
         let at = kept[row];
         eigen.eigenvectors[(column, at)] / (eigen.eigenvalues[at].sqrt() * scale[column])
     });
-    let mut left = &whiten * values;
+    let left = &whiten * values;
     let columns = free.column_iter().map(|column| &whiten * column);
     let columns: Vec<DVector<f64>> = columns.collect();
-    let basis = span::orthonormal(&columns, kept.len(), FREE);
-    left -= &basis * basis.tr_mul(&left);
-    let freedom = kept
-        .len()
-        .checked_sub(basis.ncols())
-        .filter(|freedom| *freedom > 0)?;
-    let square = left.norm_squared();
-    square.is_finite().then_some((square, freedom))
+    let left = Span::of(&columns, kept.len(), FREE).beyond(DMatrix::from_columns(&[left]));
+    let (square, freedom) = (left.norm_squared(), left.nrows());
+    (square.is_finite() && freedom > 0).then_some((square, freedom))
 }

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::covariance::bins::{Bins, Six};
-use crate::math::span;
+use crate::math::span::Span;
 
 /// Band of a hand's wander \[Hz\], and the exponents of its power for positions and orientations.
 const BAND_HZ: [f64; 2] = [0.2, 4.0];
@@ -66,18 +66,9 @@ impl Hand {
         white: f64,
     ) -> Self {
         let correlation = correlation(bins, EXPONENTS[kind as usize]);
-        let flat = |column: &[Six]| -> DVector<f64> {
-            let entries = (0..3).flat_map(|axis| column.iter().map(move |six| kind.of(six)[axis]));
-            DVector::from_iterator(3 * column.len(), entries)
-        };
-        let columns: Vec<DVector<f64>> = absorbed.iter().map(|column| flat(column)).collect();
-        let whitened = Whitened::new(bins, &correlation);
-        let basis = span::orthonormal(&columns, 3 * bins.count(), DEPENDENT);
-        let basis = whitened.columns(&basis);
         let floor = white.max(1e-18);
-        let residual = DMatrix::from_columns(&[flat(means)]);
-        let residual = whitened.columns(&residual).column(0) / floor.sqrt();
-        let likelihood = |size: f64| restricted((&whitened, size * size), &basis, &residual);
+        let contrasts = Contrasts::new((bins, kind), &correlation, (means, absorbed));
+        let likelihood = |size: f64| contrasts.log_likelihood(floor, size * size);
         let none = likelihood(0.0);
         let logs: Vec<f64> = SIZES.iter().map(|size| likelihood(*size)).collect();
         let most = logs.iter().fold(none, |most, log| most.max(*log));
@@ -146,73 +137,57 @@ fn correlation(bins: &Bins, exponent: f64) -> DMatrix<f64> {
     correlation
 }
 
-/// Coordinates in which the covariance is diagonal whatever the size of the wander:
-/// `N^½ K N^½ = U Λ Uᵀ`, so that `Uᵀ N^½` times the means of the bins has `a² Λ + σ²`.
-struct Whitened {
-    /// `Uᵀ N^½`.
-    turn: DMatrix<f64>,
+/// What of the means is left by the directions that are absorbed, in coordinates in which its
+/// covariance is diagonal whatever the size of the wander: with `Q` orthonormal and orthogonal to `N^½`
+/// times those directions, and `Qᵀ N^½ K N^½ Q = U Λ Uᵀ`, the coordinates `Uᵀ Qᵀ N^½` of the means have
+/// `a² Λ + σ²`.
+struct Contrasts {
+    values: DVector<f64>,
     /// `Λ`.
     shares: DVector<f64>,
 }
 
-impl Whitened {
-    fn new(bins: &Bins, correlation: &DMatrix<f64>) -> Self {
-        let roots = bins.bins.iter().map(|bin| (bin.samples as f64).sqrt());
-        let roots = DVector::from_iterator(bins.count(), roots);
-        let scaled = correlation.component_mul(&(&roots * roots.transpose()));
-        let eigen = scaled.symmetric_eigen();
-        let mut turn = eigen.eigenvectors.transpose();
-        for (mut column, root) in turn.column_iter_mut().zip(&roots) {
-            column *= *root;
-        }
+impl Contrasts {
+    fn new(
+        (bins, kind): (&Bins, Kind),
+        correlation: &DMatrix<f64>,
+        (means, absorbed): (&[Six], &[Vec<Six>]),
+    ) -> Self {
+        let count = bins.count();
+        let root = |row: usize| (bins.bins[row % count].samples as f64).sqrt();
+        // Three axes, one below the other.
+        let flat = |column: &[Six]| {
+            DVector::from_fn(3 * count, |row, _| {
+                kind.of(&column[row % count])[row / count] * root(row)
+            })
+        };
+        let absorbed: Vec<DVector<f64>> = absorbed.iter().map(|column| flat(column)).collect();
+        let span = Span::of(&absorbed, 3 * count, DEPENDENT);
+        let wander = DMatrix::from_fn(3 * count, 3 * count, |row, column| {
+            let is_same = row / count == column / count;
+            let share = if is_same {
+                correlation[(row % count, column % count)]
+            } else {
+                0.0
+            };
+            share * root(row) * root(column)
+        });
+        let wander = span.beyond(span.beyond(wander).transpose());
+        let eigen = wander.symmetric_eigen();
+        let left = span.beyond(DMatrix::from_columns(&[flat(means)]));
         Self {
-            turn,
+            values: eigen.eigenvectors.tr_mul(&left).column(0).into_owned(),
             shares: eigen.eigenvalues.map(|share| share.max(0.0)),
         }
     }
 
-    /// Columns over the bins of three axes, one below the other, in these coordinates.
-    fn columns(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let bins = self.shares.len();
-        let mut turned = DMatrix::zeros(columns.nrows(), columns.ncols());
-        for axis in 0..3 {
-            let part = columns.rows(axis * bins, bins);
-            turned
-                .rows_mut(axis * bins, bins)
-                .copy_from(&(&self.turn * part));
-        }
-        turned
+    /// The logarithm of their likelihood up to a constant, for a variance of the white noise and the
+    /// wander's in units of it.
+    fn log_likelihood(&self, white: f64, wander: f64) -> f64 {
+        let each = self.values.iter().zip(&self.shares).map(|(value, share)| {
+            let variance = 1.0 + wander * share;
+            variance.ln() + value * value / (white * variance)
+        });
+        -0.5 * each.sum::<f64>()
     }
-}
-
-/// The logarithm of the restricted likelihood of whitened residuals of three axes, in deviations of the white noise,
-/// each with the same covariance, up to a constant; the wander has `square` times its variance.
-fn restricted(
-    (whitened, square): (&Whitened, f64),
-    basis: &DMatrix<f64>,
-    residual: &DVector<f64>,
-) -> f64 {
-    let bins = whitened.shares.len();
-    let variances = whitened.shares.map(|share| 1.0 + square * share);
-    let log_determinant: f64 = variances.iter().map(|variance| variance.ln()).sum();
-    let weight = |row: usize| variances[row % bins].recip();
-    let weighted = DMatrix::from_fn(basis.nrows(), basis.ncols(), |row, column| {
-        basis[(row, column)] * weight(row)
-    });
-    let mut left: f64 = residual
-        .iter()
-        .enumerate()
-        .map(|(row, r)| r * r * weight(row))
-        .sum();
-    let mut absorbed = 0.0;
-    if basis.ncols() > 0 {
-        let Some(gram) = weighted.tr_mul(basis).cholesky() else {
-            return f64::NEG_INFINITY;
-        };
-        let pulled = weighted.tr_mul(residual);
-        left -= pulled.dot(&gram.solve(&pulled));
-        let pivots = gram.l_dirty().diagonal();
-        absorbed = pivots.iter().map(|pivot| 2.0 * pivot.ln()).sum();
-    }
-    -0.5 * (3.0 * log_determinant + absorbed + left)
 }

@@ -8,7 +8,7 @@ use super::trace::Design;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::math::random::Random;
-use crate::math::span;
+use crate::math::span::Span;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
@@ -274,7 +274,7 @@ fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
         DVector::from_iterator(6 * bins, entries)
     });
     let columns: Vec<DVector<f64>> = columns.collect();
-    let basis = span::orthonormal(&columns, 6 * bins, DEPENDENT);
+    let basis = Span::of(&columns, 6 * bins, DEPENDENT).basis();
     let (axes, _) = basis.as_slice().as_chunks::<6>();
     axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
 }

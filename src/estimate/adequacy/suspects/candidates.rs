@@ -1,7 +1,15 @@
 //! What may be suspected.
 
-use super::Which;
 use crate::motion::{Quantity, Scene};
+
+/// Which quantities are looked into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::estimate::adequacy) enum Which {
+    /// Those by which flights are differentiated in closed form.
+    Cheap,
+    /// All.
+    All,
+}
 
 /// Quantities that are suspected together: the components of one thing. Gravity's size is one more
 /// thing than its vector.

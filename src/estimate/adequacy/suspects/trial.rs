@@ -1,7 +1,9 @@
 //! Suspects set free for a trial.
 
-use super::candidates::groups;
-use super::{Errors, LEAST_SHARE, Which, Wider};
+use super::candidates::{Which, groups};
+use super::errors::Errors;
+use super::scored::LEAST_SHARE;
+use super::wider::Wider;
 use crate::estimate::adequacy::alone::Alone;
 use crate::estimate::context::SolveContext;
 use crate::estimate::recipe::{self, Recipe, Solution};

@@ -1,0 +1,94 @@
+//! Suspects by their scores alone.
+
+use super::candidates::{Which, groups};
+use super::errors::Errors;
+use super::wider::Wider;
+use crate::estimate::adequacy::score::{Extended, Scores};
+use crate::estimate::context::SolveContext;
+use crate::estimate::recipe::Solution;
+use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect};
+use crate::optimise::kkt::Kkt;
+
+/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
+const LEVEL: f64 = 1e-3;
+/// Least share of the misfit that a suspect explains.
+pub(super) const LEAST_SHARE: f64 = 0.1;
+/// Share of the misfit that no wander of a hand has in common with one wrong quantity.
+const ALL: f64 = 0.9;
+
+/// Those that score high, the one with the greatest gain first.
+pub(in crate::estimate::adequacy) fn scored(
+    (context, solution): (&SolveContext, &Solution),
+    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+    (noise, which): (&Errors, Which),
+) -> Vec<Suspect> {
+    let groups = groups(scene, which);
+    let mut free: Vec<FreeParameter> = Vec::new();
+    for quantity in groups.iter().flatten() {
+        if !free.iter().any(|free| free.quantity == *quantity) {
+            // Without bounds, whose rows the solution's multipliers do not have.
+            free.push(FreeParameter {
+                lower: f64::NEG_INFINITY,
+                upper: f64::INFINITY,
+                ..scene.freed(*quantity, scene.value_of(*quantity))
+            });
+        }
+    }
+    let wider = Wider::new(context, (scene, sketch, segments), free);
+    let point = wider.point(&solution.point);
+    let epochs_s = context.epochs_s.clone();
+    let extended = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &point);
+    let Some(kkt) = Kkt::new(context, &solution.system, &solution.multipliers) else {
+        return Vec::new();
+    };
+    let multipliers = &solution.multipliers;
+    let of = Extended {
+        context: &extended,
+        point: &point,
+        multipliers,
+    };
+    let scores = Scores::new(&of, (context, &kkt), noise.bins, wider.first);
+    let cost = solution.system.cost;
+    let floor = noise.floor(context);
+    let misfit = (cost - floor).max(f64::MIN_POSITIVE);
+    let level = LEVEL / groups.len().max(1) as f64;
+    let mut suspects: Vec<Suspect> = groups
+        .iter()
+        .filter_map(|group| {
+            let at = |quantity: &Quantity| {
+                wider
+                    .added
+                    .iter()
+                    .position(|free| free.quantity == *quantity)
+            };
+            let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
+            let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
+            let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
+            let values = group.iter().zip(&scored.changes).map(|(quantity, change)| {
+                let [lower, upper] = quantity.limits();
+                let given = scene.value_of(*quantity);
+                (*quantity, (given + change).clamp(lower, upper))
+            });
+            let values: Vec<(Quantity, f64)> = values.collect();
+            // A quantity that would have to leave what is physical explains nothing.
+            let moves = values.iter().any(|(q, value)| *value != scene.value_of(*q));
+            let left = (cost - scored.decrease)
+                .max(floor.min(cost))
+                .max(1e-3 * cost);
+            let gain = noise.gain(context, cost / left, group.len());
+            let suspect = Suspect {
+                values,
+                explains: (scored.decrease / misfit).clamp(0.0, 1.0),
+                gain,
+                probability: scored.probability,
+            };
+            // A wander that looks just like one wrong quantity would be a coincidence.
+            let is_told = suspect.probability < level || suspect.explains >= ALL;
+            let is_suspect =
+                moves && suspect.gain > 0.0 && is_told && suspect.explains >= LEAST_SHARE;
+            is_suspect.then_some(suspect)
+        })
+        .collect();
+    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    suspects
+}
