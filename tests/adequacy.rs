@@ -1,14 +1,17 @@
 //! Does a motion explain its performance, what is to blame where it does not, and what is then set
 //! free: cubes that are really thrown, with a tracker's noise and one thing wrong in the scene.
 
-use assert_cmd::Command;
-use enact::motion::{Fits, Suspect};
+use enact::motion::{Fits, Suspect, TakeEvent};
 use enact::pipeline::Outcome;
+use enact_tools::case::Case;
 use enact_tools::nonsense::wrong::Wrong;
-use enact_tools::perform::{Acting, bounces, perform, recording};
+use enact_tools::nonsense::{Asked, racket};
+use enact_tools::perform::{Acting, bounces, clatter, perform, recording};
+use enact_tools::replay::Program;
 use serde_json::Value;
 use tempfile::TempDir;
 
+const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 const SEEDS: std::ops::Range<u64> = 6000..6006;
 
 fn thrown() -> Acting {
@@ -101,29 +104,13 @@ fn what_is_told_is_set_free_and_what_is_not_stays() {
     }
 }
 
-/// The account and the object of a replay.
-fn replayed(path: &std::path::Path, options: &[&str]) -> (Option<i32>, String, Value) {
-    let run = |format: &str| {
-        let mut command = Command::cargo_bin("enact").expect("the program");
-        command.env_remove("RUST_LOG").env("NO_COLOR", "1");
-        let output = path.with_extension("out.mcap");
-        let command = command.arg("replay").arg(path).arg("-o").arg(output);
-        let command = command.args(["--format", format]).args(options);
-        command.output().expect("it ran")
-    };
-    let text = run("text");
-    let object = serde_json::from_slice(&run("ndjson").stdout).expect("an object");
-    let account = String::from_utf8(text.stdout).expect("text");
-    (text.status.code(), account, object)
-}
-
 #[test]
 fn a_replay_says_what_it_set_free() {
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("take.mcap");
     let truth = bounces(1, 6001).expect("a motion");
     let performance = perform(&truth, &thrown(), 6001);
-    let toml = bounces::scene_toml(&truth).replace("\"tempo\"", "\"physical\"");
+    let toml = bounces::scene_toml(&truth.scene).replace("\"tempo\"", "\"physical\"");
     let moments = toml.lines().find(|line| line.starts_with("moments_kg_m2"));
     let moments = moments.expect("moments are given").to_owned();
     let factor: f64 = 0.5;
@@ -132,7 +119,12 @@ fn a_replay_says_what_it_set_free() {
     let wrong = format!("moments_kg_m2 = [{half:?}, {half:?}, {half:?}]");
     recording::write(&performance, &toml.replace(&moments, &wrong), &path).expect("written");
 
-    let (code, account, object) = replayed(&path, &[]);
+    let replayed = |options: &[&str]| {
+        let account = ENACT.account(&path, options);
+        let report = ENACT.report(&path, options);
+        (account.code, account.said, report.said)
+    };
+    let (code, account, object) = replayed(&[]);
     assert_eq!(code, Some(3), "{account}");
     assert_eq!(object["fits"], "no");
     assert_eq!(object["freed"], serde_json::json!([]));
@@ -140,11 +132,150 @@ fn a_replay_says_what_it_set_free() {
     assert!(account.contains("does not fit"), "{account}");
     assert!(account.contains("suspect: cube.moment.x"), "{account}");
 
-    let (code, account, object) = replayed(&path, &["--free", "auto"]);
+    let (code, account, object) = replayed(&["--free", "auto"]);
     assert_eq!(code, Some(0), "{account}");
     assert_eq!(object["freed"][0]["quantity"], "cube.moment.x");
     let found = object["parameters"]["cube.moment.x"]["value"].as_f64();
     let found = found.expect("a value");
     assert!((found - factor.recip()).abs() < 0.05, "{found}");
     assert!(account.contains("freed: cube.moment.x"), "{account}");
+}
+
+/// What a report says of a wrong scene.
+#[derive(Clone, Copy, Debug)]
+enum Says {
+    /// Nothing: the scene is right.
+    Nothing,
+    /// It does not fit, and the first suspect, or one that explains as much, is of these.
+    Blames(&'static [&'static str]),
+    /// It does not fit.
+    DoesNotFit,
+    /// It is no motion that physics allows.
+    IsNotPhysical,
+}
+
+impl Says {
+    fn is_said(self, report: &Value) -> bool {
+        let is_physical = report["verdict"] == "physical";
+        match self {
+            Says::Nothing => is_physical && report["fits"] == "yes" && likely(report).is_empty(),
+            Says::Blames(names) => {
+                let is_blamed = |of: &&String| names.iter().any(|name| of.starts_with(name));
+                report["fits"] == "no" && likely(report).iter().any(|of| is_blamed(&of))
+            }
+            Says::DoesNotFit => report["fits"] == "no",
+            Says::IsNotPhysical => !is_physical,
+        }
+    }
+}
+
+/// The first suspect and its rivals.
+fn likely(report: &Value) -> Vec<String> {
+    let suspects = report["suspects"].as_array().into_iter().flatten();
+    let likely = suspects
+        .enumerate()
+        .filter(|(index, suspect)| *index == 0 || suspect["rivals_first"] == true);
+    likely
+        .filter_map(|(_, suspect)| suspect["quantity"].as_str().map(str::to_owned))
+        .collect()
+}
+
+/// A throw with something wrong in its scene.
+fn wrong(wrong: Wrong, seed: u64) -> (Asked, String) {
+    let asked = wrong.asked(&thrown(), seed).expect("a throw");
+    let scene_toml = bounces::scene_toml(&asked.scene);
+    (asked, scene_toml)
+}
+
+/// Two corners that hit within 4 ms, marked exactly, in a scene that has both or the first alone.
+fn corners(count: usize, seed: u64) -> (Asked, String) {
+    let acting = Acting {
+        mark_error_s: 0.0,
+        ..thrown()
+    };
+    let case = Case::new(&clatter(2, 0.004, seed).expect("a fall"), &acting, seed);
+    let mut asked = Asked {
+        scene: case.scene().clone(),
+        events: case.performance.events.clone(),
+    };
+    if count == 1 {
+        asked.scene.events.remove(1);
+        let events = asked.events.iter().enumerate();
+        let mut marks = events.filter(|(_, event)| matches!(event, TakeEvent::Mark(_)));
+        let (second, _) = marks.nth(1).expect("three marks");
+        asked.events.remove(second);
+    }
+    let scene_toml = bounces::scene_toml(&asked.scene);
+    (asked, scene_toml)
+}
+
+fn swung(seed: u64) -> (Asked, String) {
+    (racket::swung(seed), racket::SCENE_TOML.to_owned())
+}
+
+type Make = fn(u64) -> (Asked, String);
+
+/// Scenes that are wrong, two that are right, and what must be said of them. A clock and gravity are
+/// the same to a motion, and so are a tracker and a centre of mass to one that touches with corners.
+const SCENES: [(&str, Make, Says); 10] = [
+    ("nothing", |seed| wrong(Wrong::Nothing, seed), Says::Nothing),
+    ("two corners", |seed| corners(2, seed), Says::Nothing),
+    (
+        "restitution",
+        |seed| wrong(Wrong::Restitution, seed),
+        Says::Blames(&["bounce 1.restitution"]),
+    ),
+    (
+        "inertia",
+        |seed| wrong(Wrong::Inertia, seed),
+        Says::Blames(&["cube.moment"]),
+    ),
+    (
+        "clock",
+        |seed| wrong(Wrong::Clock, seed),
+        Says::Blames(&["cube.clock.rate", "gravity"]),
+    ),
+    (
+        "tracker",
+        |seed| wrong(Wrong::Tracker, seed),
+        Says::Blames(&["cube.tracker"]),
+    ),
+    (
+        "table",
+        |seed| wrong(Wrong::TableHeight, seed),
+        Says::Blames(&["table.height"]),
+    ),
+    (
+        "air",
+        |seed| wrong(Wrong::Drag, seed),
+        Says::Blames(&["cube.drag"]),
+    ),
+    ("second corner", |seed| corners(1, seed), Says::DoesNotFit),
+    ("racket", swung, Says::IsNotPhysical),
+];
+
+#[test]
+fn no_wrong_scene_is_passed_over() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("take.mcap");
+    let mut unsaid = Vec::new();
+    for (name, make, says) in SCENES {
+        for seed in 8000..8003 {
+            let (asked, scene_toml) = make(seed);
+            asked.write(&scene_toml, &path).expect("written");
+            let replayed = ENACT.report(&path, &[]);
+            let report = &replayed.said;
+            let code = if matches!(says, Says::Nothing) { 0 } else { 3 };
+            if !says.is_said(report) || replayed.code != Some(code) {
+                unsaid.push(format!(
+                    "{name} {seed}: {}, fits {}, {:?}, {:?}",
+                    report["verdict"],
+                    report["fits"],
+                    likely(report),
+                    replayed.code
+                ));
+            }
+        }
+    }
+    assert!(unsaid.is_empty(), "{}", unsaid.join("\n"));
 }

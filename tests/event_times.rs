@@ -1,16 +1,15 @@
 //! Times of events and parameters at their bounds, through the program: what a scene may say of
 //! them, and what is said of them then.
 
-use std::fs;
-use std::process::Output;
-
-use assert_cmd::Command;
 use enact::math::Pose;
 use enact::motion::{Mark, PoseSample, Stamp};
 use enact::write::RecordingWriter;
+use enact_tools::replay::Program;
 use nalgebra::{Translation3, UnitQuaternion};
 use serde_json::Value;
 use tempfile::TempDir;
+
+const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 
 /// A ball that is dropped, drifts along x and bounces. Its stamps are physical times.
 const SCENE: &str = r#"
@@ -114,7 +113,8 @@ impl Said {
 
 fn said(scene: &str) -> Said {
     let folder = TempDir::new().unwrap();
-    let mut writer = RecordingWriter::create(&folder.path().join("take.mcap")).unwrap();
+    let path = folder.path().join("take.mcap");
+    let mut writer = RecordingWriter::create(&path).unwrap();
     writer
         .attach("scene.toml", "application/toml", scene.as_bytes())
         .unwrap();
@@ -133,23 +133,15 @@ fn said(scene: &str) -> Said {
         writer.mark("/marks", at(0.6), &mark).unwrap();
     }
     writer.finish().unwrap();
-    let replayed = |format: &str| -> String {
-        let output: Output = Command::new(env!("CARGO_BIN_EXE_enact"))
-            .current_dir(folder.path())
-            .args(["replay", "take.mcap", "-o", format, "--format", format])
-            .output()
-            .unwrap();
-        assert!(
-            matches!(output.status.code(), Some(0 | 3)),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let text = replayed("text");
-    let json = serde_json::from_str(&replayed("ndjson")).unwrap();
-    assert!(fs::metadata(folder.path().join("ndjson")).is_ok());
-    Said { text, json }
+    let (account, report) = (ENACT.account(&path, &[]), ENACT.report(&path, &[]));
+    let is_estimate = matches!(report.code, Some(0 | 3));
+    assert!(is_estimate, "{}", report.errors);
+    assert_eq!(account.code, report.code);
+    assert!(report.output.exists());
+    Said {
+        text: account.said,
+        json: report.said,
+    }
 }
 
 /// The scene with keys for one of its events.

@@ -228,7 +228,8 @@ fn the_cube_bounces_on_its_lowest_corner_as_often_as_asked() {
         for arc in &truth.arcs[..count] {
             assert!(arc.end_s - arc.start_s > 0.1);
         }
-        let scene = enact::config::scene_from_toml(&perform::bounces::scene_toml(&truth)).unwrap();
+        let scene =
+            enact::config::scene_from_toml(&perform::bounces::scene_toml(&truth.scene)).unwrap();
         assert_eq!(scene.events, truth.scene.events);
         assert_eq!(
             scene.links[LinkIndex(0)].body,

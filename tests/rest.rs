@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use assert_cmd::Command;
 use enact::estimate::{Recipe, estimate};
 use enact::ingest::Recording;
 use enact::motion::{LinkIndex, MechanismIndex, TakeEvent, Verdict};
@@ -11,9 +10,12 @@ use enact::pipeline::Outcome;
 use enact_tools::case::{Case, Posed};
 use enact_tools::perform::recording::write;
 use enact_tools::perform::{Acting, Roll};
+use enact_tools::replay::Program;
 use nalgebra::{DVector, Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
 use tempfile::TempDir;
+
+const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 
 /// What the program made of a roll.
 struct Replayed {
@@ -28,26 +30,15 @@ fn replayed(roll: &Roll, seed: u64, goal: &str) -> Replayed {
     let (truth, scene_toml) = roll.truth(goal, "physical").expect("a throw");
     let case = Case::new(&truth, &Acting::timing_known(), seed);
     let folder = TempDir::new().expect("a folder");
-    let [input, output] = ["in.mcap", "out.mcap"].map(|name| folder.path().join(name));
-    write(&case.performance, &scene_toml, &input).expect("a recording");
-    let run = |format: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
-        command.arg("replay").arg(&input).arg("-o").arg(&output);
-        let done = command
-            .args(["--format", format])
-            .output()
-            .expect("it runs");
-        let text = String::from_utf8(done.stdout).expect("UTF-8");
-        (done.status.code(), text)
-    };
-    let (code, account) = run("text");
-    let (again, json) = run("ndjson");
-    assert_eq!(code, again);
+    let path = folder.path().join("take.mcap");
+    write(&case.performance, &scene_toml, &path).expect("a recording");
+    let (account, report) = (ENACT.account(&path, &[]), ENACT.report(&path, &[]));
+    assert_eq!(account.code, report.code);
     Replayed {
-        code,
-        account,
-        report: serde_json::from_str(&json).expect("one object"),
-        last: last_written(&case, &output),
+        code: account.code,
+        account: account.said,
+        last: last_written(&case, &report.output),
+        report: report.said,
     }
 }
 

@@ -7,7 +7,7 @@
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
 //!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
 //! - how far an answer is off ([`errors`]), and the committed measurements of flows ([`front`]);
-//! - a [`tracker`] that publishes what it is told.
+//! - a [`tracker`] that publishes what it is told, and the program's answer to a recording ([`replay`]).
 //!
 //! The measurements themselves are the program `measure`.
 
@@ -24,6 +24,7 @@ pub mod nonsense;
 pub mod open;
 pub mod perform;
 pub mod reference;
+pub mod replay;
 pub mod starts;
 pub mod stress;
 pub mod tosses;

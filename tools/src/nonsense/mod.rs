@@ -2,16 +2,22 @@
 //! and real recordings of what is no free flight.
 //!
 //! [`faults`] makes the first two from `tools/perform`, [`real`] reads the last; [`slips`] are mistakes in what is
-//! said of a performance that the program should name.
+//! said of a performance that the program should name; a [`racket`] is held all the time.
 
 pub mod faults;
+pub mod racket;
 pub mod real;
 pub mod slips;
 pub mod thrown;
 pub mod wrong;
 
+use std::path::Path;
+
 use enact::motion::{Diagnosis, Scene, TakeEvent};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
+use enact::write::{RecordingWriter, WriteError};
+
+use crate::perform::recording::write_events;
 
 /// A scene and what is taken for a performance of it.
 #[derive(Clone)]
@@ -36,6 +42,18 @@ impl Asked {
     /// The same with what explains a misfit set free.
     pub fn freed(&self) -> Result<Outcome, PipelineError> {
         self.pipeline().with_free_auto(true).finish(&mut ())
+    }
+
+    /// Writes it as a recording with that scene file; what comes arrives at once.
+    pub fn write(&self, scene_toml: &str, path: &Path) -> Result<(), WriteError> {
+        let mut writer = RecordingWriter::create(path)?;
+        writer.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
+        let events = self.events.iter().map(|event| match event {
+            TakeEvent::Pose { sample, .. } => (event, sample.stamp),
+            TakeEvent::Mark(mark) => (event, mark.stamp),
+        });
+        write_events(&mut writer, &self.scene, events)?;
+        writer.finish()
     }
 
     fn pipeline(&self) -> Pipeline {

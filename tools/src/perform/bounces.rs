@@ -6,10 +6,14 @@
 //! good one: depth-first search. Most choices are near 1, so that the energy lasts. With friction the
 //! law is the estimator's own.
 
+mod scene_file;
+
+pub use scene_file::scene_toml;
+
 use enact::math::Pose;
 use enact::motion::{
     ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
-    LinkIndex, MechanismIndex, Scene, Surface, Timing, TrackIndex, VelocityGaps, Weights,
+    LinkIndex, MechanismIndex, Scene, Surface, Timing, VelocityGaps, Weights,
 };
 use enact::physics::contact::Contact;
 use enact::physics::impact::{ContactSet, Law, Side};
@@ -188,60 +192,6 @@ impl Throw {
             angular_velocity_rad_s: Vector3::new(normal(), normal(), normal()) * self.spin_rad_s,
         }
     }
-}
-
-/// The scene file of such a motion.
-pub fn scene_toml(truth: &Truth) -> String {
-    let scene = &truth.scene;
-    let cube = &scene.links[LinkIndex(0)];
-    let half_m = match cube.shape {
-        Shape::Cuboid { half_extents_m } => half_extents_m.x,
-        _ => panic!("a scene file is written of cubes alone"),
-    };
-    let size_mm = 2e3 * half_m;
-    let tracker_mm = scene.tracks[TrackIndex(0)]
-        .link_from_tracker
-        .translation
-        .vector
-        * 1e3;
-    let moment_kg_m2 = cube.body.moments_kg_m2().x;
-    let mut text = format!(
-        "name = {:?}\n[timing]\nstamps = \"tempo\"\n[[body]]\nname = \"cube\"\n\
-         shape = {{ kind = \"cuboid\", size_mm = [{size_mm:?}, {size_mm:?}, {size_mm:?}] }}\n\
-         mass_kg = {MASS_KG:?}\nmoments_kg_m2 = [{moment_kg_m2:?}, {moment_kg_m2:?}, {moment_kg_m2:?}]\n\
-         tracker = {{ position_mm = [{:?}, {:?}, {:?}] }}\n[body.features_mm]\n",
-        scene.name, tracker_mm.x, tracker_mm.y, tracker_mm.z,
-    );
-    for feature in &cube.features {
-        let contact::Feature::Point { point_m, .. } = feature.geometry else {
-            continue;
-        };
-        let at_mm = point_m * 1e3;
-        text += &format!(
-            "{} = [{:?}, {:?}, {:?}]\n",
-            feature.name, at_mm.x, at_mm.y, at_mm.z
-        );
-    }
-    text += "[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
-    for event in &scene.events {
-        text += &format!(
-            "[[event]]\nname = {:?}\nkind = {:?}\n",
-            event.name,
-            event.kind.as_str()
-        );
-        if let Some(collision) = event.kind.collision()
-            && let Some(feature) = collision.contacts[0].feature
-        {
-            let law = scene.law_of(collision);
-            let (restitution, friction) = (law.restitution, law.friction);
-            text += &format!(
-                "body = \"cube\"\nfeature = {:?}\nsurface = \"table\"\nrestitution = {restitution:?}\n\
-                 friction = {friction:?}\n",
-                cube.features[feature].name,
-            );
-        }
-    }
-    text
 }
 
 pub(super) struct Bouncer {

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use enact::motion::{TakeEvent, TrackIndex};
+use enact::motion::{Scene, Stamp, TakeEvent, TrackIndex};
 use enact::write::{RecordingWriter, WriteError};
 use serde::Serialize;
 use typed_index_collections::TiVec;
@@ -88,7 +88,23 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
     let scene = &performance.truth.scene;
     let mut writer = RecordingWriter::create(path)?;
     writer.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
-    for (event, arrival) in performance.events.iter().zip(&performance.arrivals) {
+    let arrivals = performance.arrivals.iter().copied();
+    write_events(&mut writer, scene, performance.events.iter().zip(arrivals))?;
+    writer.attach(
+        "truth.json",
+        "application/json",
+        truth_json(performance).as_bytes(),
+    )?;
+    writer.finish()
+}
+
+/// Writes samples and marks of a scene, each with its arrival.
+pub fn write_events<'a>(
+    writer: &mut RecordingWriter,
+    scene: &Scene,
+    events: impl Iterator<Item = (&'a TakeEvent, Stamp)>,
+) -> Result<(), WriteError> {
+    for (event, arrival) in events {
         match event {
             TakeEvent::Pose {
                 track,
@@ -96,17 +112,12 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
                 sample,
             } => {
                 let topic = scene.stream_topic(*track, *stream);
-                writer.pose(&topic, WORLD, *arrival, sample)?;
+                writer.pose(&topic, WORLD, arrival, sample)?;
             }
-            TakeEvent::Mark(mark) => writer.mark(&scene.marks_topic, *arrival, mark)?,
+            TakeEvent::Mark(mark) => writer.mark(&scene.marks_topic, arrival, mark)?,
         }
     }
-    writer.attach(
-        "truth.json",
-        "application/json",
-        truth_json(performance).as_bytes(),
-    )?;
-    writer.finish()
+    Ok(())
 }
 
 const TRUTH: &str = "The hidden truth of this made-up performance, for comparison only. Times are physical \

@@ -53,7 +53,7 @@ impl Roll {
     /// of that goal. Stamps are physical times where that is said.
     pub fn truth(&self, goal: &str, stamps: &str) -> Result<(Truth, String), TruthError> {
         let mut truth = thrown(Polyhedron::Cube, &self.throw, self.bounces, self.seed)?;
-        let text = bounces::scene_toml(&truth)
+        let text = bounces::scene_toml(&truth.scene)
             .replace("stamps = \"tempo\"", &format!("stamps = {stamps:?}"))
             .replace("[timing]", "settle_s = 5\n[timing]");
         let face = self.face;

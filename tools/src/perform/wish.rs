@@ -42,7 +42,7 @@ impl Manner {
         let (truth, mut scene_toml) = match wanted {
             Wanted::Bounces(count) => {
                 let truth = bounces(count, self.seed)?;
-                let scene_toml = bounces::scene_toml(&truth);
+                let scene_toml = bounces::scene_toml(&truth.scene);
                 (truth, scene_toml)
             }
             Wanted::Motion(motion) => {
