@@ -6,13 +6,14 @@
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
 //!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
-//! - how far an answer is off ([`errors`]), and the committed measurements of flows ([`front`]);
+//! - how far an answer is off ([`errors`]) and two motions are [`apart`](mod@apart), and the committed measurements of flows ([`front`]);
 //! - a [`tracker`] that publishes what it is told, and the program's answer to a recording ([`replay`]).
 //!
 //! The measurements themselves are the program `measure`.
 
 #![forbid(unsafe_code)]
 
+pub mod apart;
 pub mod case;
 pub mod dense;
 pub mod errors;

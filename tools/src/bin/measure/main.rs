@@ -33,6 +33,7 @@ mod record;
 mod rest;
 mod run;
 mod sequences;
+mod spent;
 mod statistics;
 mod stress;
 mod table;
@@ -138,6 +139,11 @@ const SUBJECTS: &[Subject] = &[
         "rest",
         "dice that are asked to show a face at rest",
         rest::run
+    ),
+    subject!(
+        "spent",
+        "how near the truth for the time: samples, previews, deadlines",
+        spent::run
     ),
     subject!(
         "cost",

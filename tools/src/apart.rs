@@ -1,0 +1,89 @@
+//! How far two motions are apart: an estimate from the truth, over all or a part of its time.
+
+use enact::math::so3;
+use enact::motion::{Estimate, Scene};
+use serde::Serialize;
+
+use crate::case::Case;
+use crate::perform::Truth;
+
+/// Instants at which motions are compared.
+const INSTANTS: usize = 100;
+/// Farthest that a zero of time is looked for, in shares of the time compared, and steps of the
+/// search: each narrows it to two thirds.
+const SHIFT: f64 = 0.25;
+const STEPS: usize = 30;
+
+/// Root of the mean square over time and links.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Apart {
+    /// Of the distance between centres of mass \[m\].
+    pub position_m: f64,
+    /// Of the angle between orientations \[rad\].
+    pub orientation_rad: f64,
+}
+
+/// An estimate in its scene, and the true motion from its start to `until_s`, as far as both go. Where timing is
+/// unknown the zero of physical time is a convention: the one that brings centres of mass nearest is taken. `None` where an
+/// estimate is not finite.
+pub fn apart(case: &Case, scene: &Scene, estimate: &Estimate, until_s: f64) -> Option<Apart> {
+    let truth = &case.performance.truth;
+    let own = Truth {
+        scene: scene.clone(),
+        is_physical: true,
+        parameters: Vec::new(),
+        arcs: estimate.arcs.clone(),
+        event_times_s: Vec::new(),
+        duration_s: 0.0,
+    };
+    let first = estimate.sample_times.first()?;
+    let given_s = first.time_s - case.hidden_s(first.track, first.stamp);
+    let at = |shift_s: f64| between(&own, truth, shift_s, until_s);
+    let shift_s = if case.performance.acting.is_timing_known() {
+        given_s
+    } else {
+        let reach_s = SHIFT * until_s;
+        least(given_s - reach_s, given_s + reach_s, |shift_s| {
+            at(shift_s).position_m
+        })
+    };
+    let apart = at(shift_s);
+    (apart.position_m + apart.orientation_rad)
+        .is_finite()
+        .then_some(apart)
+}
+
+fn between(own: &Truth, truth: &Truth, shift_s: f64, until_s: f64) -> Apart {
+    let (mut square_m2, mut square_rad2, mut count) = (0.0, 0.0, 0.0);
+    for link in truth.scene.links.keys() {
+        for instant in 0..=INSTANTS {
+            let time_s = until_s * instant as f64 / INSTANTS as f64;
+            let [here, there] = [
+                own.world_from_body(link, time_s + shift_s),
+                truth.world_from_body(link, time_s),
+            ];
+            let way_m = here.translation.vector - there.translation.vector;
+            let turn = here.rotation.inverse() * there.rotation;
+            square_m2 += way_m.norm_squared();
+            square_rad2 += so3::log(&turn).norm_squared();
+            count += 1.0;
+        }
+    }
+    Apart {
+        position_m: (square_m2 / count).sqrt(),
+        orientation_rad: (square_rad2 / count).sqrt(),
+    }
+}
+
+/// Where a function that falls and then rises is least, by thirds.
+fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..STEPS {
+        let third = (high - low) / 3.0;
+        if of(low + third) < of(high - third) {
+            high -= third;
+        } else {
+            low += third;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,209 @@
+//! Previews during a performance, against the estimate after it.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use enact::motion::{Stamp, TakeEvent};
+use enact::pipeline::Preview;
+use serde::Serialize;
+
+use super::scenes::{SCENES, Scene};
+use super::{SEEDS, mark};
+use crate::figure::{Axis, Curve, Figure};
+use crate::options::Options;
+use crate::record::Record;
+use crate::statistics::{median, quantile};
+use crate::table::{Table, number, percent};
+use enact_tools::apart::apart;
+use enact_tools::case::Case;
+
+/// Of the tracker.
+const RATE_HZ: f64 = 120.0;
+/// A preview is made after every such share of a performance, and after every mark.
+const STEPS: u32 = 20;
+/// Steps that are shown.
+const SHOWN: [u32; 4] = [5, 10, 15, 20];
+
+/// What is known after a share of the performances of a scene.
+#[derive(Serialize)]
+struct Row {
+    scene: &'static str,
+    percent: u32,
+    performances: usize,
+    /// That went on from the one before.
+    warm: usize,
+    /// Time of a preview \[ms\].
+    times_ms: Vec<f64>,
+    /// From the true motion so far, rms \[mm\].
+    errors_mm: Vec<f64>,
+    /// Of the estimate after the performance, over the same part \[mm\].
+    final_mm: Vec<f64>,
+    /// Time of that estimate \[ms\].
+    final_ms: Vec<f64>,
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let mut rows = Vec::new();
+    for scene in SCENES {
+        let mut of_scene = SHOWN.map(|step| Row {
+            scene: scene.name,
+            percent: 100 * step / STEPS,
+            performances: 0,
+            warm: 0,
+            times_ms: Vec::new(),
+            errors_mm: Vec::new(),
+            final_mm: Vec::new(),
+            final_ms: Vec::new(),
+        });
+        for seed in options.seeds(SEEDS) {
+            if let Some(case) = scene.case(RATE_HZ, 1.0, seed) {
+                follow(&case, &mut of_scene);
+            }
+        }
+        rows.extend(of_scene);
+    }
+    record.figure(errors(&rows));
+    record.figure(times(&rows));
+    record.table(table(&rows));
+    record.numbers("previews", &rows)
+}
+
+/// Acts a performance before the previews, as it came.
+fn follow(case: &Case, rows: &mut [Row]) {
+    let events = &case.performance.events;
+    let begun = Instant::now();
+    let last = case.estimated(&mut ());
+    let final_ms = 1e3 * begun.elapsed().as_secs_f64();
+    let Ok(last) = last else { return };
+    let stamps = || events.iter().map(stamp);
+    let (Some(from), Some(to)) = (stamps().min(), stamps().max()) else {
+        return;
+    };
+    let mut preview = Preview::new(case.scene().clone());
+    let mut events = events.iter().peekable();
+    for step in 1..=STEPS {
+        let share = f64::from(step) / f64::from(STEPS);
+        let until = Stamp(from.0 + (share * (to.0 - from.0) as f64).ceil() as i64);
+        while let Some(event) = events.next_if(|event| stamp(event) <= until) {
+            preview.push(event.clone());
+            if matches!(event, TakeEvent::Mark(_)) {
+                // Too early for one, mostly.
+                let _ = preview.estimate(&mut ());
+            }
+        }
+        let begun = Instant::now();
+        let previewed = preview.estimate(&mut ());
+        let took_ms = 1e3 * begun.elapsed().as_secs_f64();
+        let Some(row) = rows
+            .iter_mut()
+            .find(|row| row.percent * STEPS == 100 * step)
+        else {
+            continue;
+        };
+        row.performances += 1;
+        row.final_ms.push(final_ms);
+        let acting = &case.performance.acting;
+        let acted_s = until.seconds_since(acting.start) - acting.hold_before_s;
+        let until_s = case.performance.tempo.physical_s(acted_s);
+        let off_mm =
+            |scene, estimate| Some(1e3 * apart(case, scene, estimate, until_s)?.position_m);
+        row.final_mm.extend(off_mm(&last.scene, &last.estimate));
+        if let Ok(Some(previewed)) = previewed {
+            row.warm += usize::from(previewed.is_warm);
+            row.times_ms.push(took_ms);
+            let outcome = previewed.outcome;
+            row.errors_mm
+                .extend(off_mm(&outcome.scene, &outcome.estimate));
+        }
+    }
+}
+
+fn stamp(event: &TakeEvent) -> Stamp {
+    match event {
+        TakeEvent::Pose { sample, .. } => sample.stamp,
+        TakeEvent::Mark(mark) => mark.stamp,
+    }
+}
+
+fn of<'a>(scene: &'a Scene, rows: &'a [Row]) -> impl Iterator<Item = &'a Row> {
+    rows.iter()
+        .filter(|row| row.scene == scene.name && !row.errors_mm.is_empty())
+}
+
+fn errors(rows: &[Row]) -> Figure {
+    let mut curves = Vec::new();
+    for scene in &SCENES {
+        let points = of(scene, rows)
+            .map(|row| mark(f64::from(row.percent), &row.errors_mm, row.performances));
+        curves.push(Curve::new(scene.name, points.collect()));
+        let points = of(scene, rows).map(|row| mark(f64::from(row.percent), &row.final_mm, 0));
+        let name = format!("{}: the final estimate of that part", scene.name);
+        curves.push(Curve::bound(name, points.collect()));
+    }
+    Figure {
+        name: "spent_previews".into(),
+        title: "How near the truth previews are".into(),
+        note: format!(
+            "Previews after 25, 50, 75 and 100 % of a performance at {RATE_HZ} Hz, one made every {} % and after every mark. Up: \
+             distance of centres of mass from the true motion from its beginning to what was acted last, rms over time and bodies; \
+             medians, with bars up to what 95 % are below. Dashed: what the estimate after the performance makes of the same part.",
+            100 / STEPS
+        ),
+        x: Axis::linear("share of the performance [%]"),
+        y: Axis::logarithmic("distance from the true motion so far, rms [mm]"),
+        curves,
+    }
+}
+
+fn times(rows: &[Row]) -> Figure {
+    let curves = SCENES.iter().map(|scene| {
+        let points = of(scene, rows).map(|row| {
+            let mut point = mark(median(&row.times_ms), &row.errors_mm, row.performances);
+            point.setting = Some(format!("{} %", row.percent));
+            point
+        });
+        Curve::new(scene.name, points.collect())
+    });
+    Figure {
+        name: "spent_previews_time".into(),
+        title: "How near the truth previews are, by what they cost".into(),
+        note: "The same previews. Across: median time of a preview on one thread.".into(),
+        x: Axis::logarithmic("time of a preview [ms]"),
+        y: Axis::logarithmic("distance from the true motion so far, rms [mm]"),
+        curves: curves.collect(),
+    }
+}
+
+fn table(rows: &[Row]) -> Table {
+    let header = [
+        "scene",
+        "acted",
+        "previews",
+        "warm",
+        "time ms, median",
+        "95 %",
+        "rms mm, median",
+        "95 %",
+        "final of that part, median",
+        "95 %",
+        "final's time ms",
+    ];
+    let mut table = Table::new("previews", "", &header);
+    for row in rows {
+        table.row([
+            row.scene.to_owned(),
+            format!("{} %", row.percent),
+            format!("{} of {}", row.errors_mm.len(), row.performances),
+            percent(row.warm, row.errors_mm.len()),
+            number(median(&row.times_ms)),
+            number(quantile(&row.times_ms, 0.95)),
+            number(median(&row.errors_mm)),
+            number(quantile(&row.errors_mm, 0.95)),
+            number(median(&row.final_mm)),
+            number(quantile(&row.final_mm, 0.95)),
+            number(median(&row.final_ms)),
+        ]);
+    }
+    table
+}

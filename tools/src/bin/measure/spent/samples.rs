@@ -1,0 +1,183 @@
+//! Fewer samples: the same recordings thinned.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use enact::motion::TakeEvent;
+use serde::Serialize;
+
+use super::scenes::{SCENES, Scene};
+use super::{SEEDS, mark};
+use crate::figure::{Axis, Curve, Figure};
+use crate::options::Options;
+use crate::record::Record;
+use crate::statistics::{median, quantile};
+use crate::table::{Table, number};
+use enact_tools::apart::{Apart, apart};
+use enact_tools::case::{Case, estimated};
+
+/// Of the recordings as they are.
+const RATE_HZ: f64 = 960.0;
+/// Every so manyth sample is used.
+const STRIDES: [usize; 6] = [1, 2, 4, 8, 16, 32];
+/// Factors on the hand's wander.
+const HANDS: [(f64, &str, &str); 2] = [
+    (1.0, "hand", "a hand's wander and a tracker's noise"),
+    (0.0, "noise", "a tracker's noise alone"),
+];
+
+/// One thinning of a scene's performances.
+#[derive(Serialize)]
+struct Row {
+    scene: &'static str,
+    hand: &'static str,
+    stride: usize,
+    performances: usize,
+    /// Without an estimate.
+    refused: usize,
+    samples: f64,
+    times_s: Vec<f64>,
+    errors: Vec<Apart>,
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let mut rows: Vec<Row> = Vec::new();
+    for (distortion, hand, words) in HANDS {
+        for scene in SCENES {
+            let cases = options
+                .seeds(SEEDS)
+                .filter_map(|seed| scene.case(RATE_HZ, distortion, seed));
+            let cases: Vec<Case> = cases.collect();
+            rows.extend(STRIDES.map(|stride| row(&scene, hand, stride, &cases)));
+        }
+        record.figure(figure(hand, words, &rows));
+    }
+    record.table(table(&rows));
+    record.numbers("samples", &rows)
+}
+
+fn row(scene: &Scene, hand: &'static str, stride: usize, cases: &[Case]) -> Row {
+    let mut row = Row {
+        scene: scene.name,
+        hand,
+        stride,
+        performances: cases.len(),
+        refused: 0,
+        samples: 0.0,
+        times_s: Vec::new(),
+        errors: Vec::new(),
+    };
+    let mut samples = Vec::new();
+    for case in cases {
+        let events = thinned(case, stride);
+        let begin = Instant::now();
+        let outcome = estimated(case.scene(), &events, &mut ());
+        let took_s = begin.elapsed().as_secs_f64();
+        let until_s = case.performance.truth.duration_s;
+        let error = outcome.ok().and_then(|outcome| {
+            samples.push(outcome.counts.used as f64);
+            apart(case, &outcome.scene, &outcome.estimate, until_s)
+        });
+        match error {
+            Some(error) => {
+                row.times_s.push(took_s);
+                row.errors.push(error);
+            }
+            None => row.refused += 1,
+        }
+    }
+    row.samples = median(&samples);
+    row
+}
+
+/// Every so manyth sample of each track from its first on, and all marks.
+fn thinned(case: &Case, stride: usize) -> Vec<TakeEvent> {
+    let mut seen = vec![0; case.scene().tracks.len()];
+    let mut is_kept = |event: &&TakeEvent| match event {
+        TakeEvent::Mark(_) => true,
+        TakeEvent::Pose { track, .. } => {
+            let count = &mut seen[usize::from(*track)];
+            *count += 1;
+            (*count - 1) % stride == 0
+        }
+    };
+    let events = case.performance.events.iter();
+    events.filter(|event| is_kept(event)).cloned().collect()
+}
+
+impl Row {
+    fn positions_mm(&self) -> Vec<f64> {
+        self.errors
+            .iter()
+            .map(|error| 1e3 * error.position_m)
+            .collect()
+    }
+}
+
+fn figure(hand: &str, words: &str, rows: &[Row]) -> Figure {
+    let curve = |scene: &Scene| {
+        let of_scene = rows
+            .iter()
+            .filter(|row| row.scene == scene.name && row.hand == hand);
+        let points = of_scene.filter(|row| !row.errors.is_empty()).map(|row| {
+            let mut point = mark(
+                1e3 * median(&row.times_s),
+                &row.positions_mm(),
+                row.performances,
+            );
+            point.setting = Some(format!("1/{}", row.stride));
+            point
+        });
+        Curve::new(scene.name, points.collect())
+    };
+    Figure {
+        name: format!("spent_samples_{hand}"),
+        title: format!("How near the truth in what time with fewer samples: {words}"),
+        note: format!(
+            "Recordings at {RATE_HZ} Hz of which every 1st, 2nd, … 32nd sample is used (right to left). Across: median time of \
+             an estimate on one thread. Up: distance of centres of mass from the true motion, rms over time and bodies; medians, \
+             with bars up to what 95 % are below. Crosses: no estimate of half of the performances."
+        ),
+        x: Axis::logarithmic("time of an estimate [ms]"),
+        y: Axis::logarithmic("distance from the true motion, rms [mm]"),
+        curves: SCENES.iter().map(curve).collect(),
+    }
+}
+
+fn table(rows: &[Row]) -> Table {
+    let header = [
+        "scene",
+        "errors of the performance",
+        "used of 960 Hz",
+        "samples",
+        "no estimate",
+        "time ms",
+        "rms mm, median",
+        "95 %",
+        "rms °, median",
+        "95 %",
+    ];
+    let mut table = Table::new("samples", "", &header);
+    for row in rows {
+        let positions_mm = row.positions_mm();
+        let angles_deg: Vec<f64> = row
+            .errors
+            .iter()
+            .map(|error| error.orientation_rad.to_degrees())
+            .collect();
+        table.row([
+            row.scene.to_owned(),
+            row.hand.to_owned(),
+            format!("1/{}", row.stride),
+            format!("{:.0}", row.samples),
+            format!("{} of {}", row.refused, row.performances),
+            number(1e3 * median(&row.times_s)),
+            number(median(&positions_mm)),
+            number(quantile(&positions_mm, 0.95)),
+            number(median(&angles_deg)),
+            number(quantile(&angles_deg, 0.95)),
+        ]);
+    }
+    table
+}
