@@ -87,3 +87,52 @@ fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::perform::{Acting, Style};
+
+    #[test]
+    fn what_is_moved_is_as_far_apart_and_what_is_late_is_not() {
+        let slow = Acting {
+            distortion: 0.0,
+            noise_position_m: 0.0,
+            noise_orientation_rad: 0.0,
+            ..Acting::default()
+        };
+        for acting in [Acting::exact(), slow] {
+            let case = Case::pencil(Style::Tip, &acting, 6000);
+            let outcome = case.estimated(&mut ()).expect("an estimate");
+            let until_s = case.performance.truth.duration_s;
+            let off = |estimate: &Estimate| {
+                apart(&case, &outcome.scene, estimate, until_s).expect("finite")
+            };
+            let mut estimate = outcome.estimate.clone();
+            let least = off(&estimate);
+            assert!(
+                least.position_m < 1e-4 && least.orientation_rad < 1e-3,
+                "{least:?}"
+            );
+            if !acting.is_timing_known() {
+                for arc in &mut estimate.arcs {
+                    for time_s in [&mut arc.epoch_s, &mut arc.start_s, &mut arc.end_s] {
+                        *time_s += 0.03;
+                    }
+                }
+                let late = off(&estimate);
+                assert!(
+                    (late.position_m - least.position_m).abs() < 1e-5,
+                    "{late:?}"
+                );
+            }
+            for arc in &mut estimate.arcs {
+                arc.state.position_m += Vector3::y() * 0.003;
+            }
+            let moved = off(&estimate);
+            assert!((moved.position_m - 0.003).abs() < 1e-4, "{moved:?}");
+        }
+    }
+}
