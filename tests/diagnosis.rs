@@ -33,6 +33,8 @@ struct Row {
     key: &'static str,
     motion: Motion,
     is_timed: bool,
+    /// Of the tracker \[Hz\].
+    rate_hz: f64,
     /// Done to the stream.
     slip: Slip,
     /// Texts of the scene file that are replaced.
@@ -50,6 +52,7 @@ impl Row {
             key,
             motion,
             is_timed,
+            rate_hz: 120.0,
             slip: Slip::None,
             edits: &[],
             is_in_metres: false,
@@ -127,7 +130,11 @@ fn rows() -> Vec<Row> {
             value: "× 1000",
             ..Row::new("scene_unit", "*_mm", Cube, true)
         },
-        Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000"),
+        // A motion that lasts minutes takes long with many samples.
+        Row {
+            rate_hz: 40.0,
+            ..Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000")
+        },
         Row::new("stamp_unit", "stream.stamp", Pencil, false).slip(Slip::Stamps(1e3), "1000"),
         Row::new("frame_numbers", "stream.stamp", Cube, true).slip(Slip::Frames(120.0), "120"),
         Row::new("acted_tempo", "timing.stamps", Cube, true).slip(Slip::Slow(2.5), "\"tempo\""),
@@ -174,13 +181,17 @@ fn rows() -> Vec<Row> {
     ]
 }
 
-fn performance(motion: Motion, is_timed: bool) -> (Performance, String) {
-    let acting = if is_timed {
+fn performance(row: &Row) -> (Performance, String) {
+    let acting = if row.is_timed {
         Acting::timing_known()
     } else {
         Acting::default()
     };
-    let (truth, toml) = match motion {
+    let acting = Acting {
+        rate_hz: row.rate_hz,
+        ..acting
+    };
+    let (truth, toml) = match row.motion {
         Cube => {
             let mut truth = bounces(1, 7).expect("a motion");
             let mount = &mut truth.scene.tracks[TrackIndex(0)].link_from_tracker;
@@ -190,7 +201,7 @@ fn performance(motion: Motion, is_timed: bool) -> (Performance, String) {
         }
         Pencil => (Style::Tip.truth(), Style::Tip.scene_toml().to_owned()),
     };
-    let stamps = if is_timed {
+    let stamps = if row.is_timed {
         "\"physical\""
     } else {
         "\"tempo\""
@@ -203,7 +214,7 @@ fn performance(motion: Motion, is_timed: bool) -> (Performance, String) {
 
 /// The recording of a row.
 fn record(row: &Row, path: &Path) {
-    let (mut performance, mut toml) = performance(row.motion, row.is_timed);
+    let (mut performance, mut toml) = performance(row);
     for (from, to) in row.edits {
         assert!(toml.contains(from), "{from} is not in the scene");
         toml = toml.replacen(from, to, 1);

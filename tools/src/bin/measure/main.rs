@@ -142,7 +142,7 @@ const SUBJECTS: &[Subject] = &[
     ),
     subject!(
         "spent",
-        "how near the truth for the time: samples, previews, deadlines",
+        "how near the truth in what time: fewer samples, previews, stopped early",
         spent::run
     ),
     subject!(

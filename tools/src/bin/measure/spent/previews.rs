@@ -1,14 +1,12 @@
 //! Previews during a performance, against the estimate after it.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use enact::motion::{Stamp, TakeEvent};
 use enact::pipeline::Preview;
 use serde::Serialize;
 
 use super::scenes::{SCENES, Scene};
-use super::{SEEDS, mark};
+use super::{REPEATS, SEEDS, mark, timed};
 use crate::figure::{Axis, Curve, Figure};
 use crate::options::Options;
 use crate::record::Record;
@@ -72,9 +70,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
 /// Acts a performance before the previews, as it came.
 fn follow(case: &Case, rows: &mut [Row]) {
     let events = &case.performance.events;
-    let begun = Instant::now();
-    let last = case.estimated(&mut ());
-    let final_ms = 1e3 * begun.elapsed().as_secs_f64();
+    let (last, final_ms) = timed(|| case.estimated(&mut ()));
     let Ok(last) = last else { return };
     let stamps = || events.iter().map(stamp);
     let (Some(from), Some(to)) = (stamps().min(), stamps().max()) else {
@@ -92,9 +88,9 @@ fn follow(case: &Case, rows: &mut [Row]) {
                 let _ = preview.estimate(&mut ());
             }
         }
-        let begun = Instant::now();
+        let before = preview.clone();
+        let (_, took_ms) = timed(|| before.clone().estimate(&mut ()).is_ok());
         let previewed = preview.estimate(&mut ());
-        let took_ms = 1e3 * begun.elapsed().as_secs_f64();
         let Some(row) = rows
             .iter_mut()
             .find(|row| row.percent * STEPS == 100 * step)
@@ -168,7 +164,9 @@ fn times(rows: &[Row]) -> Figure {
     Figure {
         name: "spent_previews_time".into(),
         title: "How near the truth previews are, by what they cost".into(),
-        note: "The same previews. Across: median time of a preview on one thread.".into(),
+        note: format!(
+            "The same previews. Across: median time of a preview on one thread, the fastest of {REPEATS} runs each."
+        ),
         x: Axis::logarithmic("time of a preview [ms]"),
         y: Axis::logarithmic("distance from the true motion so far, rms [mm]"),
         curves: curves.collect(),

@@ -1,13 +1,11 @@
 //! Fewer samples: the same recordings thinned.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use enact::motion::TakeEvent;
 use serde::Serialize;
 
 use super::scenes::{SCENES, Scene};
-use super::{SEEDS, mark};
+use super::{HANDS, REPEATS, SEEDS, mark, timed};
 use crate::figure::{Axis, Curve, Figure};
 use crate::options::Options;
 use crate::record::Record;
@@ -20,12 +18,6 @@ use enact_tools::case::{Case, estimated};
 const RATE_HZ: f64 = 960.0;
 /// Every so manyth sample is used.
 const STRIDES: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// Factors on the hand's wander.
-const HANDS: [(f64, &str, &str); 2] = [
-    (1.0, "hand", "a hand's wander and a tracker's noise"),
-    (0.0, "noise", "a tracker's noise alone"),
-];
-
 /// One thinning of a scene's performances.
 #[derive(Serialize)]
 struct Row {
@@ -36,7 +28,7 @@ struct Row {
     /// Without an estimate.
     refused: usize,
     samples: f64,
-    times_s: Vec<f64>,
+    times_ms: Vec<f64>,
     errors: Vec<Apart>,
 }
 
@@ -65,15 +57,13 @@ fn row(scene: &Scene, hand: &'static str, stride: usize, cases: &[Case]) -> Row 
         performances: cases.len(),
         refused: 0,
         samples: 0.0,
-        times_s: Vec::new(),
+        times_ms: Vec::new(),
         errors: Vec::new(),
     };
     let mut samples = Vec::new();
     for case in cases {
         let events = thinned(case, stride);
-        let begin = Instant::now();
-        let outcome = estimated(case.scene(), &events, &mut ());
-        let took_s = begin.elapsed().as_secs_f64();
+        let (outcome, took_ms) = timed(|| estimated(case.scene(), &events, &mut ()));
         let until_s = case.performance.truth.duration_s;
         let error = outcome.ok().and_then(|outcome| {
             samples.push(outcome.counts.used as f64);
@@ -81,7 +71,7 @@ fn row(scene: &Scene, hand: &'static str, stride: usize, cases: &[Case]) -> Row 
         });
         match error {
             Some(error) => {
-                row.times_s.push(took_s);
+                row.times_ms.push(took_ms);
                 row.errors.push(error);
             }
             None => row.refused += 1,
@@ -121,11 +111,7 @@ fn figure(hand: &str, words: &str, rows: &[Row]) -> Figure {
             .iter()
             .filter(|row| row.scene == scene.name && row.hand == hand);
         let points = of_scene.filter(|row| !row.errors.is_empty()).map(|row| {
-            let mut point = mark(
-                1e3 * median(&row.times_s),
-                &row.positions_mm(),
-                row.performances,
-            );
+            let mut point = mark(median(&row.times_ms), &row.positions_mm(), row.performances);
             point.setting = Some(format!("1/{}", row.stride));
             point
         });
@@ -135,8 +121,8 @@ fn figure(hand: &str, words: &str, rows: &[Row]) -> Figure {
         name: format!("spent_samples_{hand}"),
         title: format!("How near the truth in what time with fewer samples: {words}"),
         note: format!(
-            "Recordings at {RATE_HZ} Hz of which every 1st, 2nd, … 32nd sample is used (right to left). Across: median time of \
-             an estimate on one thread. Up: distance of centres of mass from the true motion, rms over time and bodies; medians, \
+            "Recordings at {RATE_HZ} Hz of which every 1st, 2nd, … 32nd sample is used (right to left). Across: median \
+             time of an estimate on one thread, the fastest of {REPEATS} runs each. Up: distance of centres of mass from the true motion, rms over time and bodies; medians, \
              with bars up to what 95 % are below. Crosses: no estimate of half of the performances."
         ),
         x: Axis::logarithmic("time of an estimate [ms]"),
@@ -172,7 +158,7 @@ fn table(rows: &[Row]) -> Table {
             format!("1/{}", row.stride),
             format!("{:.0}", row.samples),
             format!("{} of {}", row.refused, row.performances),
-            number(1e3 * median(&row.times_s)),
+            number(median(&row.times_ms)),
             number(median(&positions_mm)),
             number(quantile(&positions_mm, 0.95)),
             number(median(&angles_deg)),
