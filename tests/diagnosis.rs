@@ -33,8 +33,6 @@ struct Row {
     key: &'static str,
     motion: Motion,
     is_timed: bool,
-    /// Of the tracker \[Hz\].
-    rate_hz: f64,
     /// Done to the stream.
     slip: Slip,
     /// Texts of the scene file that are replaced.
@@ -52,7 +50,6 @@ impl Row {
             key,
             motion,
             is_timed,
-            rate_hz: 120.0,
             slip: Slip::None,
             edits: &[],
             is_in_metres: false,
@@ -130,11 +127,7 @@ fn rows() -> Vec<Row> {
             value: "× 1000",
             ..Row::new("scene_unit", "*_mm", Cube, true)
         },
-        // A motion that lasts minutes takes long with many samples.
-        Row {
-            rate_hz: 40.0,
-            ..Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000")
-        },
+        Row::new("stamp_unit", "stream.stamp", Cube, true).slip(Slip::Stamps(1e3), "1000"),
         Row::new("stamp_unit", "stream.stamp", Pencil, false).slip(Slip::Stamps(1e3), "1000"),
         Row::new("frame_numbers", "stream.stamp", Cube, true).slip(Slip::Frames(120.0), "120"),
         Row::new("acted_tempo", "timing.stamps", Cube, true).slip(Slip::Slow(2.5), "\"tempo\""),
@@ -186,10 +179,6 @@ fn performance(row: &Row) -> (Performance, String) {
         Acting::timing_known()
     } else {
         Acting::default()
-    };
-    let acting = Acting {
-        rate_hz: row.rate_hz,
-        ..acting
     };
     let (truth, toml) = match row.motion {
         Cube => {

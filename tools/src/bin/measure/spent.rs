@@ -18,7 +18,7 @@ use crate::statistics::{median, quantile};
 /// Performances of each row.
 const SEEDS: u64 = 40;
 /// Runs of which the fastest counts.
-const REPEATS: usize = 5;
+const REPEATS: usize = 9;
 /// Factors on the hand's wander, by name.
 const HANDS: [(f64, &str, &str); 2] = [
     (1.0, "hand", "a hand's wander and a tracker's noise"),

@@ -18,8 +18,9 @@ use enact_tools::errors::has_converged;
 
 /// Of the tracker.
 const RATE_HZ: f64 = 120.0;
-/// The run ends when the observer is asked after so many iterations; the last is never.
-const ITERATIONS: [usize; 7] = [0, 2, 4, 8, 16, 32, usize::MAX];
+/// Questions of the run that the observer answers with no; it is asked after every round of the sweep and of the
+/// multipliers, and before every step of the finish. The last is as many as there are.
+const QUESTIONS: [usize; 7] = [0, 1, 2, 4, 8, 16, usize::MAX];
 /// Gaps below this are rounding \[mm\].
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -36,17 +37,18 @@ impl Observer for Stop {
     }
 }
 
-/// A scene's performances, ended after so many iterations.
+/// A scene's performances, ended after so many questions.
 #[derive(Serialize)]
 struct Row {
     scene: &'static str,
     hand: &'static str,
-    /// None is as many as it takes.
-    iterations: Option<usize>,
+    /// None is as many as there are.
+    questions: Option<usize>,
     performances: usize,
     converged: usize,
     /// Without an estimate.
     refused: usize,
+    iterations: Vec<f64>,
     times_ms: Vec<f64>,
     errors_mm: Vec<f64>,
     /// The largest at an event.
@@ -62,28 +64,40 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                 .seeds(SEEDS)
                 .filter_map(|seed| scene.case(RATE_HZ, distortion, seed));
             let cases: Vec<Case> = cases.collect();
-            rows.extend(ITERATIONS.map(|iterations| row(&scene, hand, iterations, &cases)));
+            rows.extend(QUESTIONS.map(|questions| row(&scene, hand, questions, &cases)));
         }
-        record.figure(figure(hand, words, &rows));
+        let shown: Shown = |row| &row.errors_mm;
+        record.figure(figure(
+            hand,
+            "How near the truth",
+            (hand, words),
+            &rows,
+            shown,
+        ));
     }
+    let hand = (HANDS[0].1, HANDS[0].2);
+    record.figure(figure("gap", "How near to physics", hand, &rows, |row| {
+        &row.gaps_mm
+    }));
     record.table(table(&rows));
     record.numbers("stopped", &rows)
 }
 
-fn row(scene: &Scene, hand: &'static str, iterations: usize, cases: &[Case]) -> Row {
+fn row(scene: &Scene, hand: &'static str, questions: usize, cases: &[Case]) -> Row {
     let mut row = Row {
         scene: scene.name,
         hand,
-        iterations: (iterations < usize::MAX).then_some(iterations),
+        questions: (questions < usize::MAX).then_some(questions),
         performances: cases.len(),
         converged: 0,
         refused: 0,
+        iterations: Vec::new(),
         times_ms: Vec::new(),
         errors_mm: Vec::new(),
         gaps_mm: Vec::new(),
     };
     for case in cases {
-        let (outcome, took_ms) = timed(|| case.estimated(&mut Stop { left: iterations }));
+        let (outcome, took_ms) = timed(|| case.estimated(&mut Stop { left: questions }));
         let until_s = case.performance.truth.duration_s;
         let estimated = outcome.ok().and_then(|outcome| {
             let apart = apart(case, &outcome.scene, &outcome.estimate, until_s)?;
@@ -94,6 +108,7 @@ fn row(scene: &Scene, hand: &'static str, iterations: usize, cases: &[Case]) -> 
             continue;
         };
         row.converged += usize::from(has_converged(&estimate));
+        row.iterations.push(estimate.counters.iterations as f64);
         row.times_ms.push(took_ms);
         row.errors_mm.push(1e3 * apart.position_m);
         let gaps_mm = estimate
@@ -105,30 +120,36 @@ fn row(scene: &Scene, hand: &'static str, iterations: usize, cases: &[Case]) -> 
     row
 }
 
-fn figure(hand: &str, words: &str, rows: &[Row]) -> Figure {
+/// What is shown of a row.
+type Shown = fn(&Row) -> &[f64];
+
+fn figure(name: &str, what: &str, hand: (&str, &str), rows: &[Row], shown: Shown) -> Figure {
+    let (hand, words) = hand;
     let curve = |scene: &Scene| {
         let of_scene = rows
             .iter()
             .filter(|row| row.scene == scene.name && row.hand == hand);
         let points = of_scene.filter(|row| !row.errors_mm.is_empty()).map(|row| {
-            let mut point = mark(median(&row.times_ms), &row.errors_mm, row.performances);
-            let iterations = row.iterations.map(|count| count.to_string());
-            point.setting = Some(iterations.unwrap_or("converged".into()));
+            let mut point = mark(median(&row.times_ms), shown(row), row.performances);
+            point.setting = Some(format!("{:.0}", median(&row.iterations)));
             point
         });
         Curve::new(scene.name, points.collect())
     };
     Figure {
-        name: format!("spent_stopped_{hand}"),
-        title: format!("How near the truth when stopped early: {words}"),
+        name: format!("spent_stopped_{name}"),
+        title: format!("{what} when stopped early: {words}"),
         note: format!(
-            "Recordings at {RATE_HZ} Hz; the caller's observer ends the estimation after 0, 2, 4, … 32 iterations, or never (left to \
-             right). Segmentation, arc fits and deviations are made all the same. Across: median time until the estimate is \
-             there, on one thread, the fastest of {REPEATS} runs each. Up: distance of centres of mass from the true motion, rms over \
-             time and bodies; medians, with bars up to what 95 % are below."
+            "Recordings at {RATE_HZ} Hz; the caller's observer ends the estimation when it is asked for the 1st, 2nd, 3rd, 5th, 9th, \
+             17th time, or never; numbers are iterations until then. Segmentation, arc fits and deviations are made all the same. Across: \
+             median time until the estimate is there, on one thread, the fastest of {REPEATS} runs each. Up: medians, with bars up to \
+             what 95 % are below."
         ),
         x: Axis::logarithmic("time until the estimate is there [ms]"),
-        y: Axis::logarithmic("distance from the true motion, rms [mm]"),
+        y: Axis::logarithmic(match name {
+            "gap" => "largest gap at an event [mm]",
+            _ => "distance from the true motion, rms [mm]",
+        }),
         curves: SCENES.iter().map(curve).collect(),
     }
 }
@@ -137,6 +158,7 @@ fn table(rows: &[Row]) -> Table {
     let header = [
         "scene",
         "errors of the performance",
+        "ended at question",
         "iterations",
         "no estimate",
         "converged",
@@ -148,11 +170,12 @@ fn table(rows: &[Row]) -> Table {
     ];
     let mut table = Table::new("stopped", "", &header);
     for row in rows {
-        let iterations = row.iterations.map(|count| count.to_string());
+        let question = row.questions.map(|count| (count + 1).to_string());
         table.row([
             row.scene.to_owned(),
             row.hand.to_owned(),
-            iterations.unwrap_or("all".into()),
+            question.unwrap_or("never".into()),
+            format!("{:.0}", median(&row.iterations)),
             format!("{} of {}", row.refused, row.performances),
             percent(row.converged, row.performances),
             number(median(&row.times_ms)),
