@@ -36,6 +36,8 @@ struct Row {
     errors_mm: Vec<f64>,
     /// Of the estimate after the performance, over the same part \[mm\].
     final_mm: Vec<f64>,
+    /// Ratio of the two.
+    over_final: Vec<f64>,
     /// Time of that estimate \[ms\].
     final_ms: Vec<f64>,
 }
@@ -52,6 +54,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             times_ms: Vec::new(),
             errors_mm: Vec::new(),
             final_mm: Vec::new(),
+            over_final: Vec::new(),
             final_ms: Vec::new(),
         });
         for seed in options.seeds(SEEDS) {
@@ -61,8 +64,21 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         }
         rows.extend(of_scene);
     }
-    record.figure(errors(&rows));
-    record.figure(times(&rows));
+    record.figure(by_share(
+        "spent_previews",
+        "How near the truth previews are",
+        "distance from the true motion so far, rms [mm]",
+        &rows,
+        |row| &row.errors_mm,
+    ));
+    record.figure(by_share(
+        "spent_previews_final",
+        "How near the truth previews are, beside the final estimate",
+        "distance of a preview over that of the final estimate",
+        &rows,
+        |row| &row.over_final,
+    ));
+    record.figure(by_time(&rows));
     record.table(table(&rows));
     record.numbers("previews", &rows)
 }
@@ -104,14 +120,18 @@ fn follow(case: &Case, rows: &mut [Row]) {
         let until_s = case.performance.tempo.physical_s(acted_s);
         let off_mm =
             |scene, estimate| Some(1e3 * apart(case, scene, estimate, until_s)?.position_m);
-        row.final_mm.extend(off_mm(&last.scene, &last.estimate));
-        if let Ok(Some(previewed)) = previewed {
-            row.warm += usize::from(previewed.is_warm);
-            row.times_ms.push(took_ms);
-            let outcome = previewed.outcome;
-            row.errors_mm
-                .extend(off_mm(&outcome.scene, &outcome.estimate));
-        }
+        let final_mm = off_mm(&last.scene, &last.estimate);
+        row.final_mm.extend(final_mm);
+        let Ok(Some(previewed)) = previewed else {
+            continue;
+        };
+        row.warm += usize::from(previewed.is_warm);
+        row.times_ms.push(took_ms);
+        let error_mm = off_mm(&previewed.outcome.scene, &previewed.outcome.estimate);
+        row.errors_mm.extend(error_mm);
+        let both = error_mm.zip(final_mm);
+        row.over_final
+            .extend(both.map(|(error_mm, final_mm)| error_mm / final_mm));
     }
 }
 
@@ -127,32 +147,35 @@ fn of<'a>(scene: &'a Scene, rows: &'a [Row]) -> impl Iterator<Item = &'a Row> {
         .filter(|row| row.scene == scene.name && !row.errors_mm.is_empty())
 }
 
-fn errors(rows: &[Row]) -> Figure {
-    let mut curves = Vec::new();
-    for scene in &SCENES {
-        let points = of(scene, rows)
-            .map(|row| mark(f64::from(row.percent), &row.errors_mm, row.performances));
-        curves.push(Curve::new(scene.name, points.collect()));
-        let points = of(scene, rows).map(|row| mark(f64::from(row.percent), &row.final_mm, 0));
-        let name = format!("{}: the final estimate of that part", scene.name);
-        curves.push(Curve::bound(name, points.collect()));
-    }
+/// By the share of the performance.
+fn by_share(
+    name: &str,
+    title: &str,
+    label: &str,
+    rows: &[Row],
+    shown: fn(&Row) -> &[f64],
+) -> Figure {
+    let curves = SCENES.iter().map(|scene| {
+        let points =
+            of(scene, rows).map(|row| mark(f64::from(row.percent), shown(row), row.performances));
+        Curve::new(scene.name, points.collect())
+    });
     Figure {
-        name: "spent_previews".into(),
-        title: "How near the truth previews are".into(),
+        name: name.into(),
+        title: title.into(),
         note: format!(
-            "Previews after 25, 50, 75 and 100 % of a performance at {RATE_HZ} Hz, one made every {} % and after every mark. Up: \
-             distance of centres of mass from the true motion from its beginning to what was acted last, rms over time and bodies; \
-             medians, with bars up to what 95 % are below. Dashed: what the estimate after the performance makes of the same part.",
+            "Previews after 25, 50, 75 and 100 % of a performance at {RATE_HZ} Hz, one made every {} % and after every mark. \
+             Distances are of centres of mass from the true motion, from its beginning to what was acted last, rms over time and \
+             bodies; the final estimate is compared over the same part. Medians, with bars up to what 95 % are below.",
             100 / STEPS
         ),
         x: Axis::linear("share of the performance [%]"),
-        y: Axis::logarithmic("distance from the true motion so far, rms [mm]"),
-        curves,
+        y: Axis::logarithmic(label),
+        curves: curves.collect(),
     }
 }
 
-fn times(rows: &[Row]) -> Figure {
+fn by_time(rows: &[Row]) -> Figure {
     let curves = SCENES.iter().map(|scene| {
         let points = of(scene, rows).map(|row| {
             let mut point = mark(median(&row.times_ms), &row.errors_mm, row.performances);
@@ -185,6 +208,8 @@ fn table(rows: &[Row]) -> Table {
         "95 %",
         "final of that part, median",
         "95 %",
+        "preview over final, median",
+        "95 %",
         "final's time ms",
     ];
     let mut table = Table::new("previews", "", &header);
@@ -200,6 +225,8 @@ fn table(rows: &[Row]) -> Table {
             number(quantile(&row.errors_mm, 0.95)),
             number(median(&row.final_mm)),
             number(quantile(&row.final_mm, 0.95)),
+            number(median(&row.over_final)),
+            number(quantile(&row.over_final, 0.95)),
             number(median(&row.final_ms)),
         ]);
     }
