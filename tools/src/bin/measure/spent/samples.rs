@@ -46,7 +46,29 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         record.figure(figure(hand, words, &rows));
     }
     record.table(table(&rows));
+    let [hand, noise] = HANDS.map(|(_, hand, _)| gains(hand, &rows));
+    record.say(format!(
+        "With 32 times the samples an estimate is {noise} times nearer to the truth before a tracker's noise alone, and {hand} \
+         times in a hand that wanders by centimetres."
+    ));
     record.numbers("samples", &rows)
+}
+
+/// By what factor the most samples are nearer to the truth than the fewest: least and greatest of the scenes.
+fn gains(hand: &str, rows: &[Row]) -> String {
+    let [most, fewest] = [STRIDES[0], STRIDES[STRIDES.len() - 1]];
+    let of = |scene: &Scene, stride: usize| {
+        let row = rows
+            .iter()
+            .find(|row| row.scene == scene.name && row.hand == hand && row.stride == stride);
+        row.map_or(f64::NAN, |row| median(&row.positions_mm()))
+    };
+    let gains = SCENES.map(|scene| of(&scene, fewest) / of(&scene, most));
+    format!(
+        "{:.1} to {:.1}",
+        quantile(&gains, 0.0),
+        quantile(&gains, 1.0)
+    )
 }
 
 fn row(scene: &Scene, hand: &'static str, stride: usize, cases: &[Case]) -> Row {

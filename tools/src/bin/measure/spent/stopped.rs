@@ -20,7 +20,7 @@ use enact_tools::errors::has_converged;
 const RATE_HZ: f64 = 120.0;
 /// Questions of the run that the observer answers with no; it is asked after every round of the sweep and of the
 /// multipliers, and before every step of the finish. The last is as many as there are.
-const QUESTIONS: [usize; 7] = [0, 1, 2, 4, 8, 16, usize::MAX];
+const QUESTIONS: [usize; 6] = [0, 2, 4, 8, 16, usize::MAX];
 /// Gaps below this are rounding \[mm\].
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -140,8 +140,8 @@ fn figure(name: &str, what: &str, hand: (&str, &str), rows: &[Row], shown: Shown
         name: format!("spent_stopped_{name}"),
         title: format!("{what} when stopped early: {words}"),
         note: format!(
-            "Recordings at {RATE_HZ} Hz; the caller's observer ends the estimation when it is asked for the 1st, 2nd, 3rd, 5th, 9th, \
-             17th time, or never; numbers are iterations until then. Segmentation, arc fits and deviations are made all the same. Across: \
+            "Recordings at {RATE_HZ} Hz; the caller's observer ends the estimation when it is asked for the 1st, 3rd, 5th, 9th, 17th \
+             time, or never; numbers are iterations until then. Segmentation, arc fits and deviations are made all the same. Across: \
              median time until the estimate is there, on one thread, the fastest of {REPEATS} runs each. Up: medians, with bars up to \
              what 95 % are below."
         ),
