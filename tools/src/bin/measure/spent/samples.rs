@@ -48,8 +48,8 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     record.table(table(&rows));
     let [hand, noise] = HANDS.map(|(_, hand, _)| gains(hand, &rows));
     record.say(format!(
-        "With 32 times the samples an estimate is {noise} times nearer to the truth before a tracker's noise alone, and {hand} \
-         times in a hand that wanders by centimetres."
+        "32 times the samples bring an estimate {noise} times nearer to the truth with a tracker's noise alone, and {hand} times \
+         with a hand that wanders by centimetres."
     ));
     record.numbers("samples", &rows)
 }
@@ -105,13 +105,13 @@ fn row(scene: &Scene, hand: &'static str, stride: usize, cases: &[Case]) -> Row 
 
 /// Every so manyth sample of each track from its first on, and all marks.
 fn thinned(case: &Case, stride: usize) -> Vec<TakeEvent> {
-    let mut seen = vec![0; case.scene().tracks.len()];
+    let mut seen = vec![0_usize; case.scene().tracks.len()];
     let mut is_kept = |event: &&TakeEvent| match event {
         TakeEvent::Mark(_) => true,
         TakeEvent::Pose { track, .. } => {
             let count = &mut seen[usize::from(*track)];
             *count += 1;
-            (*count - 1) % stride == 0
+            (*count - 1).is_multiple_of(stride)
         }
     };
     let events = case.performance.events.iter();
