@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Asked;
 use super::faults::{asked, each_face, lift_tables, stretch};
-use crate::perform::{Acting, Polyhedron, Throw, bounces};
+use crate::perform::{Acting, Polyhedron, Throw, Truth, bounces};
 
 /// What is wrong, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,16 +99,20 @@ impl Wrong {
         }
     }
 
-    /// A throw with one or two bounces, acted so, with this wrong in its scene. Fails where no throw of
-    /// that seed is found.
-    pub fn asked(self, acting: &Acting, seed: u64) -> Result<Asked, String> {
+    /// The true throw of a seed, with one or two bounces. Fails where none is found.
+    pub fn truth(self, seed: u64) -> Result<Truth, String> {
         let count = 1 + (seed / 2 % 2) as usize;
         let throw = Throw {
             quadratic_drag_per_m: if self == Self::Drag { BALL_PER_M } else { 0.0 },
             ..Throw::BOX
         };
         let truth = bounces::thrown(Polyhedron::Cube, &throw, count, seed);
-        let mut asked = asked(&truth.map_err(|error| error.to_string())?, acting, seed);
+        truth.map_err(|error| error.to_string())
+    }
+
+    /// That throw acted so, with this wrong in its scene.
+    pub fn asked(self, acting: &Acting, seed: u64) -> Result<Asked, String> {
+        let mut asked = asked(&self.truth(seed)?, acting, seed);
         asked.scene.weights.position_m = acting.noise_position_m;
         asked.scene.weights.orientation_rad = acting.noise_orientation_rad;
         self.put_into(&mut asked);

@@ -30,6 +30,13 @@ pub struct Axis {
     /// What stands at 0, 1, 2, … where the axis is no quantity.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub names: Vec<String>,
+    /// How many of them, from the first on, are steps one after another: lines join their points.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub steps: usize,
+}
+
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 impl Axis {
@@ -54,6 +61,14 @@ impl Axis {
         Self {
             names,
             ..Self::linear(label)
+        }
+    }
+
+    /// Of things of which all but the last are steps one after another.
+    pub fn steps(label: &str, names: Vec<String>) -> Self {
+        Self {
+            steps: names.len() - 1,
+            ..Self::named(label, names)
         }
     }
 }

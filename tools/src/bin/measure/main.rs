@@ -23,6 +23,7 @@ mod durations;
 mod failure;
 mod figure;
 mod flow;
+mod ladder;
 mod methods;
 mod nonsense;
 mod options;
@@ -114,6 +115,11 @@ const SUBJECTS: &[Subject] = &[
         "adequacy",
         "wrong scenes, whether they are seen and what is blamed",
         adequacy::run
+    ),
+    subject!(
+        "ladder",
+        "what is foretold as parameters are freed one after another",
+        ladder::run
     ),
     subject!(
         "diagnosis",

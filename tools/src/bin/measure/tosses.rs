@@ -1,8 +1,8 @@
 //! Real tosses of a cube: residuals and gravity of the first flight, restitution and friction of the
 //! first impact, and what would have been predicted.
 
-mod bounce;
-mod contacts;
+pub mod bounce;
+pub mod contacts;
 mod flights;
 mod impacts;
 

@@ -150,7 +150,7 @@ impl Frame {
         let mut taken: Vec<Area> = Vec::new();
         for index in &order {
             let curve = &figure.curves[*index];
-            self.curve(sheet, *index, curve, looks[*index])?;
+            self.curve(sheet, *index, figure, looks[*index])?;
             let places = curve.points.iter().map(|mark| self.at(*index, mark));
             taken.extend(places.map(Area::about));
         }
@@ -171,9 +171,13 @@ impl Frame {
         Ok(())
     }
 
-    fn curve(&self, sheet: &Sheet, index: usize, curve: &Curve, look: Look) -> Drawn {
+    fn curve(&self, sheet: &Sheet, index: usize, figure: &Figure, look: Look) -> Drawn {
+        let curve = &figure.curves[index];
         let drawn = |mark: &&Mark| !mark.failed && mark.x.is_finite() && mark.y.is_finite();
-        let good = curve.points.iter().filter(drawn);
+        // What is no step stands beside the others.
+        let steps = figure.x.steps as f64;
+        let is_joined = |mark: &&Mark| steps == 0.0 || look.role == Role::Bound || mark.x < steps;
+        let good = curve.points.iter().filter(drawn).filter(is_joined);
         let path: Vec<(i32, i32)> = good.map(|mark| self.at(index, mark)).collect();
         if look.role == Role::Bound {
             return dashed(sheet, &path, look.colour);

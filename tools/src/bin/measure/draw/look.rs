@@ -70,7 +70,7 @@ pub fn looks(figure: &Figure) -> Vec<Look> {
             shape,
             width,
             role: curve.role,
-            joins: figure.x.names.is_empty(),
+            joins: figure.x.names.is_empty() || figure.x.steps > 0,
         }
     };
     figure.curves.iter().map(look).collect()

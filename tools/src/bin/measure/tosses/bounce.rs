@@ -64,7 +64,7 @@ pub struct Bounce {
 }
 
 /// Name of an impact.
-fn impact_name(index: usize) -> String {
+pub fn impact_name(index: usize) -> String {
     match index {
         0 => "impact".to_owned(),
         later => format!("impact {}", later + 1),
@@ -136,7 +136,7 @@ impl Setting {
     }
 
     /// Heights of the corners over the table \[m\].
-    fn heights_m(&self, (position_m, orientation): &Pose) -> Vec<f64> {
+    pub fn heights_m(&self, (position_m, orientation): &Pose) -> Vec<f64> {
         let corners = self.corners_m.iter();
         corners
             .map(|corner| (position_m + orientation * corner).z - self.radius_m)
@@ -197,7 +197,7 @@ impl Setting {
     }
 
     /// The scene with these impacts, their law free.
-    fn with_impacts(&self, impacts: &[Touched]) -> Result<Scene> {
+    pub fn with_impacts(&self, impacts: &[Touched]) -> Result<Scene> {
         let mut text = self.head.clone();
         for (index, impact) in impacts.iter().enumerate() {
             let name = impact_name(index);
