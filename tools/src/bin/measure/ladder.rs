@@ -13,7 +13,7 @@ mod throws;
 use anyhow::Result;
 
 use self::rungs::Rung;
-use self::step::{Against, Step};
+use self::step::{Against, Held, Step};
 use self::throws::Way;
 use crate::options::Options;
 use crate::record::Record;
@@ -55,39 +55,64 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
 /// The ladder on throws.
 fn throws(way: Way, options: &Options, record: &mut Record) -> Result<()> {
     let kinds = throws::steps(way, options);
-    let title = way.title();
-    let against_truth = |step: &Step| show::cell(step, Against::Truth);
-    record.table(show::by_kind((way.name(), title), &kinds, against_truth));
+    let (name, title) = (way.name(), way.title());
+    let against = |against: Against| move |step: &Step| show::errors_and_failures(step, against);
+    let errors = format!("{title}: error to the truth, median (ninth decile)");
+    record.table(show::by_kind(
+        (name, &errors),
+        &kinds,
+        against(Against::Truth),
+    ));
+    let holding =
+        format!("{title}: 95 % intervals that hold the truth, as reported; of white noise alone");
+    let name_of_intervals = format!("{name}_intervals");
+    record.table(show::by_kind(
+        (&name_of_intervals, &holding),
+        &kinds,
+        show::intervals,
+    ));
     if way == Way::Later {
-        let title = "The same against the samples that were held out";
-        let against_samples = |step: &Step| show::cell(step, Against::Samples);
-        record.table(show::by_kind(("samples", title), &kinds, against_samples));
-        let title = "Components of the poses that have an interval";
+        let errors = format!("{title}: error to the samples");
         record.table(show::by_kind(
-            ("determined", title),
+            ("samples", &errors),
             &kinds,
-            show::determined,
+            against(Against::Samples),
         ));
+        figures(&kinds, record);
     }
-    if way != Way::Middle {
-        let note = format!(
-            "{title}: {} throws of a cube with one or two bounces. Things are freed from left to right and stay free; `auto` stands \
-             for itself. Medians over the throws of the rms distance to the truth, bars from quartile to quartile.",
-            kinds[0][0].takes
-        );
-        let name = format!("ladder_{}", way.name());
-        let title = match way {
-            Way::Hand => "With a wandering hand, what is too much shows earlier",
-            _ => "Too little free is biased, too much free is uncertain",
-        };
-        let of = (&Rung::ALL[..], &kinds[..], Against::Truth);
-        record.figure(show::errors((&name, title, note.clone()), of));
-        let name = format!("{name}_coverage");
-        let title = "Intervals of what is foretold hold once the culprit is free";
-        let note = "The same throws: share of the 95 % intervals of the tracker's position and orientation that hold the truth.";
-        record.figure(show::coverage((&name, title, note.to_owned()), of));
-    }
-    record.numbers(way.name(), &kinds)
+    record.numbers(name, &kinds)
+}
+
+fn figures(kinds: &[Vec<Step>], record: &mut Record) {
+    let note = format!(
+        "{} throws of a cube with two bounces of each kind, the later half of the last flight held out. Things are freed from left \
+         to right and stay free; `auto` stands for itself. Medians over the throws of the rms distance to the truth, bars from \
+         quartile to quartile.",
+        kinds[0][0].takes
+    );
+    let title = "Too little free is biased, too much free is uncertain";
+    let of = (&Rung::ALL[..], kinds);
+    record.figure(show::errors(
+        ("ladder_error", title, note),
+        of,
+        Against::Truth,
+    ));
+    let note = "The same throws: share of the 95 % intervals of the tracker's position and orientation, where samples are held \
+                out, that hold the truth.";
+    let title = "Reported intervals of what is foretold: a misfit widens them";
+    let reported: fn(&Step) -> &Held = |step| &step.truth;
+    record.figure(show::coverage(
+        ("ladder_coverage", title, note),
+        of,
+        reported,
+    ));
+    let title = "Under white noise alone, intervals hold once the culprit is free";
+    let stated: fn(&Step) -> &Held = |step| &step.stated;
+    record.figure(show::coverage(
+        ("ladder_coverage_white", title, note),
+        of,
+        stated,
+    ));
 }
 
 /// The ladder on real tosses.
@@ -99,17 +124,24 @@ fn tosses(options: &Options, record: &mut Record) -> Result<()> {
     let kinds = [steps];
     record.table(show::tosses(&kinds[0]));
     let note = format!(
-        "{takes} of {all} real tosses. Things are freed from left to right and stay free; `auto` stands for itself. Medians of the rms \
-         distance to the samples, bars from quartile to quartile."
+        "{takes} of {all} real tosses. Things are freed from left to right and stay free; `auto` stands for itself. Medians of the \
+         rms distance to the samples over the tosses that have a motion, bars from quartile to quartile."
     );
-    let of = (&real::RUNGS[..], &kinds[..], Against::Samples);
+    let of = (&real::RUNGS[..], &kinds[..]);
     let title = "What real tosses foretell of the flight after the impact";
-    record.figure(show::errors(("ladder_tosses", title, note), of));
-    let title = "Intervals of what real tosses foretell";
-    let note = "The same tosses: share of the 95 % intervals of position and orientation, the white noise seen included, that hold the sample.";
-    record.figure(show::coverage(
-        ("ladder_tosses_coverage", title, note.to_owned()),
+    record.figure(show::errors(
+        ("ladder_tosses", title, note),
         of,
+        Against::Samples,
+    ));
+    let title = "Reported intervals of what real tosses foretell";
+    let note = "The same tosses: share of the 95 % intervals of position and orientation, the white noise seen included, that hold \
+                the sample.";
+    let held: fn(&Step) -> &Held = |step| &step.samples;
+    record.figure(show::coverage(
+        ("ladder_tosses_coverage", title, note),
+        of,
+        held,
     ));
     record.numbers("tosses", &kinds)
 }

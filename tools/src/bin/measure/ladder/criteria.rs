@@ -16,14 +16,14 @@ use enact_tools::nonsense::wrong::Wrong;
 use serde::Serialize;
 
 use self::hold_out::best;
-use super::step::physical;
+use super::step::closed;
 use super::throws::with_noise;
 use crate::options::Options;
 use crate::statistics::{mean, median};
 use crate::table::{Table, number, percent};
 
 /// Throws of a kind.
-const SEEDS: u64 = 40;
+const SEEDS: u64 = 30;
 /// Greatest number of things that are set free, as in `--free auto`.
 const MOST: usize = 4;
 
@@ -213,7 +213,7 @@ fn by_hold_out(asked: &Asked) -> Vec<Thing> {
 fn best_by_schwarz(asked: &Asked, scenes: &[Scene]) -> Option<usize> {
     let criterion = |scene: &Scene| {
         let found = estimated(scene, &asked.events, &mut ());
-        let outcome = physical(&found)?;
+        let outcome = closed(&found)?;
         let data = 6.0 * outcome.estimate.sample_times.len() as f64;
         let free = scene.parameters.len() as f64;
         Some(data * outcome.estimate.objective.ln() + free * data.ln())

@@ -6,6 +6,7 @@
 //! deviation is that of a linear combination of those. Derivatives are central differences.
 
 use enact::estimate::context::SolveContext;
+use enact::estimate::covariance::noise::Noise;
 use enact::estimate::covariance::{Covariance, Moment};
 use enact::estimate::layout::Layout;
 use enact::estimate::outcome::errors;
@@ -95,8 +96,11 @@ fn clock_rate(outcome: &Outcome, values: &[f64]) -> f64 {
 
 /// Standard deviations of predictions.
 pub struct Deviations {
-    /// Of every component at every stamp; `None` where the performance does not determine it.
+    /// Of every component at every stamp, as the program has it; `None` where the performance does not
+    /// determine it.
     pub sds: Vec<[Option<f64>; 6]>,
+    /// The same under white noise alone, of the size that the scene's weights say.
+    pub stated: Vec<[Option<f64>; 6]>,
     /// Of a sample about the motion: the white noise that the estimation saw [m, rad].
     pub noise: [f64; 2],
 }
@@ -122,21 +126,24 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
     let (point, system) = (&solution.point, &solution.system);
     let context = SolveContext::new(&problem, &layout, epochs_s, point);
     let residuals = errors(&problem, &context, point);
-    let covariance = Covariance::new(&context, (point, system), &solution.multipliers, &residuals)?;
+    let mut covariance =
+        Covariance::new(&context, (point, system), &solution.multipliers, &residuals)?;
     let is_bounded = estimate.parameters.iter().any(|p| p.at_bound.is_some());
-    let sd = |moment: &Moment| {
-        let beyond = if is_bounded {
-            covariance.beyond_bounds(moment)
-        } else {
-            0.0
-        };
-        let own = covariance.sds(std::slice::from_ref(moment))[0]?;
-        Some(own.hypot(beyond))
-    };
     let moments = moments(outcome, (&problem, &layout), stamps)?;
+    let sds = |covariance: &Covariance| -> Vec<[Option<f64>; 6]> {
+        let sd = |moment: &Moment| {
+            let own = covariance.sds(std::slice::from_ref(moment))[0]?;
+            let beyond = is_bounded.then(|| covariance.beyond_bounds(moment));
+            Some(own.hypot(beyond.unwrap_or(0.0)))
+        };
+        moments.iter().map(|six| six.each_ref().map(sd)).collect()
+    };
+    let reported = sds(&covariance);
     let [position, orientation] = covariance.noise.white.map(f64::sqrt);
+    covariance.noise = Noise::stated();
     Some(Deviations {
-        sds: moments.iter().map(|six| six.each_ref().map(sd)).collect(),
+        sds: reported,
+        stated: sds(&covariance),
         noise: [
             position * problem.position_unit_m,
             orientation * problem.orientation_unit_rad,

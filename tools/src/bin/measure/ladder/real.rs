@@ -9,21 +9,22 @@ use enact_tools::tosses::{self, RATES_HZ, Toss};
 
 use super::rungs::Rung;
 use super::split::Split;
-use super::step::{Step, physical};
+use super::step::{Step, closed};
 use super::throws::climb;
 use crate::options::Options;
 use crate::tosses::bounce::{Setting, impact_name};
 use crate::tosses::contacts::{Touched, contacts, first_impacts, orders};
 
-/// Rungs that such a scene has: the cameras report the cube's centre, in axes of the cube.
+/// Rungs that such a scene has: the cameras report the cube's centre, in axes of the cube. What one impact
+/// does not tell apart comes last.
 pub const RUNGS: [Rung; 7] = [
     Rung::Restitution,
     Rung::Friction,
     Rung::Moments,
-    Rung::Centre,
-    Rung::Table,
     Rung::Gravity,
     Rung::Drag,
+    Rung::Centre,
+    Rung::Table,
 ];
 /// Moment of inertia [kg m²], as others measured it; radius of the corners \[m\].
 const CUBE: (f64, f64) = (8.1e-4, 0.005);
@@ -75,7 +76,7 @@ fn split(setting: &Setting, toss: &Toss) -> Option<Split> {
     let mut splits: Vec<(Scene, Split)> = splits.collect();
     // Which corner came first where samples do not tell: as a motion is found with the law free.
     let is_found = |(scene, split): &(Scene, Split)| {
-        physical(&estimated(scene, &split.kept.events, &mut ())).is_some()
+        closed(&estimated(scene, &split.kept.events, &mut ())).is_some()
     };
     let found = splits.iter().position(is_found)?;
     Some(splits.swap_remove(found).1)

@@ -1,7 +1,7 @@
 //! Tables and figures of steps.
 
 use super::rungs::Rung;
-use super::step::{Against, Step};
+use super::step::{Against, Held, Step};
 use crate::figure::{Axis, Curve, Figure, Mark};
 use crate::statistics::{median, quantile};
 use crate::table::{Table, percent};
@@ -22,22 +22,19 @@ pub fn by_kind(
     table
 }
 
-/// Errors, and how often intervals hold; how many takes have no motion, if there are such.
-pub fn cell(step: &Step, against: Against) -> String {
-    let failed = match step.failed {
-        0 => String::new(),
-        failed => format!("; {failed} of {} failed", step.takes),
-    };
-    format!(
-        "{}; {}{failed}",
-        step.errors(against),
-        step.coverage(against)
-    )
+/// Errors; how many takes have no motion, if there are such.
+pub fn errors_and_failures(step: &Step, against: Against) -> String {
+    let errors = step.errors(against);
+    match step.failed {
+        0 => errors,
+        failed => format!("{errors}; {failed} of {} failed", step.takes),
+    }
 }
 
-/// Share of the components that have an interval.
-pub fn determined(step: &Step) -> String {
-    percent(step.intervals, step.intervals + step.undetermined)
+/// How often intervals hold the truth: as reported, and of white noise alone.
+pub fn intervals(step: &Step) -> String {
+    let [reported, stated] = [&step.truth, &step.stated].map(|held| step.widths(held));
+    format!("{reported}; {stated}")
 }
 
 /// The table of real tosses, a row per rung.
@@ -48,18 +45,30 @@ pub fn tosses(steps: &[Step]) -> Table {
         "failed",
         "error: median (ninth decile)",
         "95 % intervals that hold",
-        "determined",
+        "components with an interval",
+        "tosses in which more is set free",
+        "error of the tosses with a motion on every rung",
     ];
     let title = "Real tosses, the later half of the flight after the impact held out";
     let mut table = Table::new("tosses", title, &header);
+    let ladder = &steps[..steps.len() - 1];
+    let mut everywhere = vec![true; steps[0].takes];
+    for step in ladder {
+        for (is_in, has_motion) in everywhere.iter_mut().zip(step.has_motion()) {
+            *is_in &= has_motion;
+        }
+    }
     for step in steps {
+        let common = step.of_takes(&everywhere);
         table.row([
             step.freed.clone(),
             step.takes.to_string(),
             step.failed.to_string(),
             step.errors(Against::Samples),
-            step.coverage(Against::Samples),
-            determined(step),
+            step.coverage(&step.samples),
+            percent(step.intervals, step.intervals + step.undetermined),
+            step.changed.to_string(),
+            common.errors(Against::Samples),
         ]);
     }
     table
@@ -87,7 +96,8 @@ fn curves(kinds: &[Vec<Step>], mark: impl Fn(usize, &Step) -> Mark) -> Vec<Curve
 /// Errors of position, medians and quartiles.
 pub fn errors(
     (name, title, note): (&str, &str, String),
-    (rungs, kinds, against): (&[Rung], &[Vec<Step>], Against),
+    (rungs, kinds): (&[Rung], &[Vec<Step>]),
+    against: Against,
 ) -> Figure {
     let mark = |at: usize, step: &Step| {
         let values = step.positions_mm(against);
@@ -108,19 +118,19 @@ pub fn errors(
 
 /// How often intervals hold.
 pub fn coverage(
-    (name, title, note): (&str, &str, String),
-    (rungs, kinds, against): (&[Rung], &[Vec<Step>], Against),
+    (name, title, note): (&str, &str, &str),
+    (rungs, kinds): (&[Rung], &[Vec<Step>]),
+    held: fn(&Step) -> &Held,
 ) -> Figure {
-    let mut curves = curves(kinds, |at, step| Mark::at(at as f64, step.covered(against)));
+    let mark = |at: usize, step: &Step| Mark::at(at as f64, step.covered(held(step)));
+    let mut curves = curves(kinds, mark);
     let last = (rungs.len() + 1) as f64;
-    curves.push(Curve::bound(
-        "as they say",
-        vec![Mark::at(0.0, 95.0), Mark::at(last, 95.0)],
-    ));
+    let ends = vec![Mark::at(0.0, 95.0), Mark::at(last, 95.0)];
+    curves.push(Curve::bound("as they say", ends));
     Figure {
         name: name.to_owned(),
         title: title.to_owned(),
-        note,
+        note: note.to_owned(),
         x: axis(rungs),
         y: Axis::linear("intervals of 95 % that hold [%]"),
         curves,

@@ -1,9 +1,11 @@
 //! What one rung makes of many takes: errors where samples were held out, and how often intervals
 //! hold.
 
+use enact::estimate::outcome::PHYSICAL;
 use enact::math::Pose;
-use enact::motion::{PoseSample, Stamp, Verdict};
+use enact::motion::{PoseSample, Stamp};
 use enact::pipeline::{Outcome, PipelineError};
+use enact_tools::errors::has_converged;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Serialize;
 
@@ -18,18 +20,40 @@ pub struct Step {
     pub wrong: String,
     pub freed: String,
     pub takes: usize,
-    /// Takes without a physical motion.
+    /// Takes without a motion.
     pub failed: usize,
-    /// Rms over the held samples of a take [m, rad]: to the truth, where it is known,
-    pub to_truth: Vec<[f64; 2]>,
+    /// Rms over the held samples of each take, if it has a motion [m, rad]: to the truth, where it is
+    /// known,
+    pub to_truth: Vec<Option<[f64; 2]>>,
     /// and to the samples.
-    pub to_samples: Vec<[f64; 2]>,
-    /// Components of poses whose 95 % interval holds the truth, or the sample.
-    pub truth_within: usize,
-    pub sample_within: usize,
+    pub to_samples: Vec<Option<[f64; 2]>>,
+    /// Of the components of poses that have an interval: whether it holds the truth,
+    pub truth: Held,
+    /// whether that of white noise alone does, of the size that the weights say,
+    pub stated: Held,
+    /// and whether it holds the sample, white noise included.
+    pub samples: Held,
     /// Components with an interval, and without.
     pub intervals: usize,
     pub undetermined: usize,
+    /// Takes in which something is set free that the scene does not free.
+    pub changed: usize,
+}
+
+/// Errors in their intervals.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Held {
+    /// Within 95 %.
+    pub within: usize,
+    /// Sum of the squares of errors over deviations.
+    pub squares: f64,
+}
+
+impl Held {
+    fn add(&mut self, error: f64, sd: f64) {
+        self.within += usize::from(error.abs() <= INTERVALS[2].1 * sd);
+        self.squares += (error / sd).powi(2);
+    }
 }
 
 /// Which error.
@@ -56,10 +80,13 @@ impl Step {
         truth: Option<&dyn Fn(Stamp) -> Pose>,
     ) {
         self.takes += 1;
-        let Some(outcome) = physical(found) else {
+        let Some(outcome) = closed(found) else {
             self.failed += 1;
+            self.to_samples.push(None);
+            self.to_truth.extend(truth.map(|_| None));
             return;
         };
+        self.changed += usize::from(!outcome.freed.is_empty());
         let stamps: Vec<Stamp> = split.held.iter().map(|sample| sample.stamp).collect();
         let predicted = poses(outcome, &stamps);
         let errors = |against: &dyn Fn(&PoseSample) -> Pose| -> Vec<Six> {
@@ -69,49 +96,66 @@ impl Step {
                 .collect()
         };
         let from_samples = errors(&pose_of);
-        self.to_samples.push(rms_of(&from_samples));
+        self.to_samples.push(Some(rms_of(&from_samples)));
         let from_truth = truth.map(|truth| errors(&|sample| truth(sample.stamp)));
-        self.to_truth.extend(from_truth.as_deref().map(rms_of));
+        let to_truth = from_truth.as_deref().map(rms_of);
+        self.to_truth.extend(to_truth.map(Some));
         let Some(deviations) = deviations(outcome, &stamps) else {
             self.undetermined += 6 * stamps.len();
             return;
         };
-        let width = INTERVALS[2].1;
         for (index, sds) in deviations.sds.iter().enumerate() {
             for (component, sd) in sds.iter().enumerate() {
-                let Some(sd) = sd else {
+                let stated = deviations.stated[index][component];
+                let (Some(sd), Some(stated)) = (*sd, stated) else {
                     self.undetermined += 1;
                     continue;
                 };
                 self.intervals += 1;
                 let with_noise = sd.hypot(deviations.noise[component / 3]);
-                let is_within =
-                    |errors: &[Six], sd: f64| errors[index][component].abs() <= width * sd;
-                let truth = from_truth.as_deref();
-                self.truth_within += usize::from(truth.is_some_and(|of| is_within(of, *sd)));
-                self.sample_within += usize::from(is_within(&from_samples, with_noise));
+                self.samples.add(from_samples[index][component], with_noise);
+                if let Some(from_truth) = &from_truth {
+                    self.truth.add(from_truth[index][component], sd);
+                    self.stated.add(from_truth[index][component], stated);
+                }
             }
         }
     }
 
-    fn of(&self, against: Against) -> &[[f64; 2]] {
+    fn of(&self, against: Against) -> &[Option<[f64; 2]>] {
         match against {
             Against::Truth => &self.to_truth,
             Against::Samples => &self.to_samples,
         }
     }
 
+    /// Whether each take has a motion.
+    pub fn has_motion(&self) -> impl Iterator<Item = bool> {
+        self.to_samples.iter().map(Option::is_some)
+    }
+
+    /// The errors of some of the takes alone, and nothing else.
+    pub fn of_takes(&self, are_in: &[bool]) -> Self {
+        let some = |errors: &[Option<[f64; 2]>]| {
+            let pairs = errors.iter().zip(are_in).filter(|(_, is_in)| **is_in);
+            pairs.map(|(error, _)| *error).collect()
+        };
+        Self {
+            to_truth: some(&self.to_truth),
+            to_samples: some(&self.to_samples),
+            ..Self::new(&self.wrong, &self.freed)
+        }
+    }
+
     /// Errors of position, take by take \[mm\].
     pub fn positions_mm(&self, against: Against) -> Vec<f64> {
-        self.of(against)
-            .iter()
-            .map(|error| 1e3 * error[0])
-            .collect()
+        let errors = self.of(against).iter().flatten();
+        errors.map(|error| 1e3 * error[0]).collect()
     }
 
     /// Errors of orientation, take by take \[°\].
     pub fn orientations_deg(&self, against: Against) -> Vec<f64> {
-        let errors = self.of(against).iter();
+        let errors = self.of(against).iter().flatten();
         errors.map(|error| error[1].to_degrees()).collect()
     }
 
@@ -127,27 +171,29 @@ impl Step {
     }
 
     /// Share of the intervals that hold.
-    pub fn coverage(&self, against: Against) -> String {
-        percent(self.within(against), self.intervals)
-    }
-
-    fn within(&self, against: Against) -> usize {
-        match against {
-            Against::Truth => self.truth_within,
-            Against::Samples => self.sample_within,
-        }
+    pub fn coverage(&self, held: &Held) -> String {
+        percent(held.within, self.intervals)
     }
 
     /// The same as a number.
-    pub fn covered(&self, against: Against) -> f64 {
-        100.0 * self.within(against) as f64 / self.intervals as f64
+    pub fn covered(&self, held: &Held) -> f64 {
+        100.0 * held.within as f64 / self.intervals as f64
+    }
+
+    /// `97.8 % (0.81)`: the same, and the rms error over its deviation.
+    pub fn widths(&self, held: &Held) -> String {
+        let ratio = (held.squares / self.intervals as f64).sqrt();
+        format!("{} ({})", self.coverage(held), number(ratio))
     }
 }
 
-/// A physical motion.
-pub fn physical(found: &Result<Outcome, PipelineError>) -> Option<&Outcome> {
+/// A motion without gaps, whatever checks say of it.
+pub fn closed(found: &Result<Outcome, PipelineError>) -> Option<&Outcome> {
     let found = found.as_ref().ok();
-    found.filter(|outcome| outcome.estimate.verdict == Verdict::Physical)
+    found.filter(|outcome| {
+        let mut events = outcome.estimate.events.iter();
+        has_converged(&outcome.estimate) && events.all(|of| of.gap.max(&PHYSICAL) == PHYSICAL)
+    })
 }
 
 /// Where a sample has the tracker [world].

@@ -13,8 +13,6 @@ use super::split::Split;
 use super::step::Step;
 use crate::options::Options;
 
-/// Throws of a kind.
-const SEEDS: u64 = 60;
 /// Least number of samples of the last flight: half of them are held out.
 const LEAST: usize = 12;
 /// A hand's wander, in units of 20 mm and 8°.
@@ -36,12 +34,14 @@ pub enum Way {
     Later,
     /// the middle third of the first flight;
     Middle,
-    /// the later half again, with a hand that wanders.
+    /// the later half again, with a hand that wanders,
     Hand,
+    /// and of throws with one bounce.
+    Once,
 }
 
 impl Way {
-    pub const ALL: [Self; 3] = [Self::Later, Self::Middle, Self::Hand];
+    pub const ALL: [Self; 4] = [Self::Later, Self::Middle, Self::Hand, Self::Once];
 
     /// Of its table and figures.
     pub fn name(self) -> &'static str {
@@ -49,6 +49,7 @@ impl Way {
             Self::Later => "later",
             Self::Middle => "middle",
             Self::Hand => "hand",
+            Self::Once => "once",
         }
     }
 
@@ -58,6 +59,16 @@ impl Way {
             Self::Later => "The later half of the last flight held out",
             Self::Middle => "The middle third of the first flight held out",
             Self::Hand => "The later half held out, the hand wandering by 2.5 mm and 1°",
+            Self::Once => "Throws with one bounce, the later half of the last flight held out",
+        }
+    }
+
+    /// How many of a kind.
+    fn throws(self) -> u64 {
+        match self {
+            Self::Later => 40,
+            Self::Middle | Self::Hand => 24,
+            Self::Once => 12,
         }
     }
 
@@ -77,7 +88,9 @@ impl Way {
         }
         let within = |(from_s, to_s): (f64, f64), share: f64| from_s + share * (to_s - from_s);
         Some(match self {
-            Self::Later | Self::Hand => Split::between(asked, within(last, 0.5), f64::INFINITY),
+            Self::Later | Self::Hand | Self::Once => {
+                Split::between(asked, within(last, 0.5), f64::INFINITY)
+            }
             Self::Middle => {
                 Split::between(asked, within(first, 1.0 / 3.0), within(first, 2.0 / 3.0))
             }
@@ -98,7 +111,12 @@ pub fn with_noise() -> Acting {
 
 /// The steps of all kinds of scenes: for each the rungs in their order, then what `--free auto` frees.
 pub fn steps(way: Way, options: &Options) -> Vec<Vec<Step>> {
-    let wrongs = WRONGS.into_iter();
+    let wrongs = if way == Way::Once {
+        &WRONGS[..1]
+    } else {
+        &WRONGS[..]
+    };
+    let wrongs = wrongs.iter().copied();
     wrongs.map(|wrong| kind(wrong, way, options)).collect()
 }
 
@@ -106,13 +124,10 @@ fn kind(wrong: Wrong, way: Way, options: &Options) -> Vec<Step> {
     let names = ["nothing"].into_iter().chain(Rung::ALL.map(Rung::name));
     let names = names.chain(["as `auto` does"]);
     let mut steps: Vec<Step> = names.map(|name| Step::new(wrong.name(), name)).collect();
-    for seed in options.seeds(SEEDS) {
-        let (Ok(truth), Ok(asked)) = (wrong.truth(seed), wrong.asked(&way.acting(), seed)) else {
-            continue;
-        };
-        let Some(split) = way.split(&asked, &truth) else {
-            continue;
-        };
+    let wanted = options.seeds(way.throws());
+    let count = (wanted.end - wanted.start) as usize;
+    let fitting = (wanted.start..).filter_map(|seed| throw(wrong, way, seed));
+    for (truth, split) in fitting.take(count) {
         let zero = way.acting().start;
         let tracker = |stamp: Stamp| -> Pose {
             let body = truth.world_from_body(LinkIndex(0), stamp.seconds_since(zero));
@@ -121,6 +136,18 @@ fn kind(wrong: Wrong, way: Way, options: &Options) -> Vec<Step> {
         climb(&Rung::ALL, &mut steps, &split, Some(&tracker));
     }
     steps
+}
+
+/// The throw of a seed, if it has as many bounces as the way wants, and a long last flight.
+fn throw(wrong: Wrong, way: Way, seed: u64) -> Option<(Truth, Split)> {
+    let truth = wrong.truth(seed).ok()?;
+    let bounces = if way == Way::Once { 1 } else { 2 };
+    if truth.arcs.len() != bounces + 1 {
+        return None;
+    }
+    let asked = wrong.asked(&way.acting(), seed).ok()?;
+    let split = way.split(&asked, &truth)?;
+    Some((truth, split))
 }
 
 /// Adds a take to every step: nothing free, one rung more each, and as `auto` does.

@@ -13,7 +13,7 @@ use enact_tools::nonsense::Asked;
 
 use super::super::predict::{difference, poses};
 use super::super::split::Split;
-use super::super::step::{physical, pose_of};
+use super::super::step::{closed, pose_of};
 use crate::statistics::mean;
 
 /// Parts of the samples that are held out in turn.
@@ -64,7 +64,7 @@ fn scores(asked: &Asked, scene: &Scene, folds: &BTreeMap<Stamp, usize>) -> BTree
     for fold in 0..FOLDS {
         let split = Split::of(asked, |sample| folds.get(&sample.stamp) == Some(&fold));
         let found = estimated(scene, &split.kept.events, &mut ());
-        let Some(outcome) = physical(&found) else {
+        let Some(outcome) = closed(&found) else {
             continue;
         };
         let stamps: Vec<Stamp> = split.held.iter().map(|sample| sample.stamp).collect();
