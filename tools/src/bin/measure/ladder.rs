@@ -121,8 +121,13 @@ fn tosses(options: &Options, record: &mut Record) -> Result<()> {
         return Ok(());
     };
     let takes = steps[0].takes;
-    let kinds = [steps];
-    record.table(show::tosses(&kinds[0]));
+    record.table(show::tosses(&steps));
+    let are_everywhere = show::have_motions_everywhere(&steps);
+    let everywhere = steps.iter().map(|step| step.of_takes(&are_everywhere));
+    let everywhere: Vec<Step> = everywhere
+        .map(|step| step.named("those with a motion on every rung"))
+        .collect();
+    let kinds = [steps, everywhere];
     let note = format!(
         "{takes} of {all} real tosses. Things are freed from left to right and stay free; `auto` stands for itself. Medians of the \
          rms distance to the samples over the tosses that have a motion, bars from quartile to quartile."
@@ -138,10 +143,11 @@ fn tosses(options: &Options, record: &mut Record) -> Result<()> {
     let note = "The same tosses: share of the 95 % intervals of position and orientation, the white noise seen included, that hold \
                 the sample.";
     let held: fn(&Step) -> &Held = |step| &step.samples;
+    let of = (&real::RUNGS[..], &kinds[..1]);
     record.figure(show::coverage(
         ("ladder_tosses_coverage", title, note),
         of,
         held,
     ));
-    record.numbers("tosses", &kinds)
+    record.numbers("tosses", &kinds[0])
 }

@@ -24,6 +24,8 @@ use crate::table::{Table, number, percent};
 
 /// Throws of a kind.
 const SEEDS: u64 = 30;
+/// Kinds of a quick run.
+const QUICK: usize = 3;
 /// Greatest number of things that are set free, as in `--free auto`.
 const MOST: usize = 4;
 
@@ -112,6 +114,7 @@ pub struct Compared {
 /// All kinds of scenes.
 pub fn compare(options: &Options) -> Vec<Compared> {
     let all = [Wrong::Nothing].into_iter().chain(Wrong::ALL);
+    let all = all.take(options.either(QUICK, usize::MAX));
     all.map(|wrong| {
         let mut compared = Compared {
             wrong: wrong.name(),

@@ -33,7 +33,7 @@ const LAW: (f64, f64) = (0.125, 0.165);
 /// Least number of samples of the flight after the impacts, of which half are held out.
 const LEAST: f64 = 8.0;
 /// Tosses of a quick run.
-const QUICK: usize = 3;
+const QUICK: usize = 2;
 
 /// The steps, and how many tosses there are of which such a flight is a part; `None` without the data.
 pub fn steps(options: &Options) -> Result<Option<(Vec<Step>, usize)>> {

@@ -39,6 +39,7 @@ pub fn intervals(step: &Step) -> String {
 
 /// The table of real tosses, a row per rung.
 pub fn tosses(steps: &[Step]) -> Table {
+    let are_everywhere = have_motions_everywhere(steps);
     let header = [
         "freed in addition",
         "tosses",
@@ -46,20 +47,13 @@ pub fn tosses(steps: &[Step]) -> Table {
         "error: median (ninth decile)",
         "95 % intervals that hold",
         "components with an interval",
-        "tosses in which more is set free",
+        "set free beside",
         "error of the tosses with a motion on every rung",
     ];
     let title = "Real tosses, the later half of the flight after the impact held out";
     let mut table = Table::new("tosses", title, &header);
-    let ladder = &steps[..steps.len() - 1];
-    let mut everywhere = vec![true; steps[0].takes];
-    for step in ladder {
-        for (is_in, has_motion) in everywhere.iter_mut().zip(step.has_motion()) {
-            *is_in &= has_motion;
-        }
-    }
     for step in steps {
-        let common = step.of_takes(&everywhere);
+        let common = step.of_takes(&are_everywhere);
         table.row([
             step.freed.clone(),
             step.takes.to_string(),
@@ -67,16 +61,33 @@ pub fn tosses(steps: &[Step]) -> Table {
             step.errors(Against::Samples),
             step.coverage(&step.samples),
             percent(step.intervals, step.intervals + step.undetermined),
-            step.changed.to_string(),
+            set_free(step),
             common.errors(Against::Samples),
         ]);
     }
     table
 }
 
+fn set_free(step: &Step) -> String {
+    let all = step.set_free.iter();
+    let all = all.map(|(names, count)| format!("{names} {count}"));
+    all.collect::<Vec<_>>().join(", ")
+}
+
+/// Which takes have a motion on every rung.
+pub fn have_motions_everywhere(steps: &[Step]) -> Vec<bool> {
+    let mut all = vec![true; steps[0].takes];
+    for step in &steps[..steps.len() - 1] {
+        for (is_in, has_motion) in all.iter_mut().zip(step.has_motion()) {
+            *is_in &= has_motion;
+        }
+    }
+    all
+}
+
 /// Names below an axis for those rungs, and `auto`.
 fn axis(rungs: &[Rung]) -> Axis {
-    let names = rungs.iter().map(|rung| format!("+ {}", rung.short_name()));
+    let names = rungs.iter().map(|rung| rung.short_name().to_owned());
     let all = ["nothing".to_owned()].into_iter().chain(names);
     Axis::steps(
         "freed one after another",

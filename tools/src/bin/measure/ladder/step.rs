@@ -1,6 +1,8 @@
 //! What one rung makes of many takes: errors where samples were held out, and how often intervals
 //! hold.
 
+use std::collections::BTreeMap;
+
 use enact::estimate::outcome::PHYSICAL;
 use enact::math::Pose;
 use enact::motion::{PoseSample, Stamp};
@@ -36,8 +38,8 @@ pub struct Step {
     /// Components with an interval, and without.
     pub intervals: usize,
     pub undetermined: usize,
-    /// Takes in which something is set free that the scene does not free.
-    pub changed: usize,
+    /// What is set free though the scene does not free it, and in how many takes.
+    pub set_free: BTreeMap<String, usize>,
 }
 
 /// Errors in their intervals.
@@ -86,7 +88,12 @@ impl Step {
             self.to_truth.extend(truth.map(|_| None));
             return;
         };
-        self.changed += usize::from(!outcome.freed.is_empty());
+        if !outcome.freed.is_empty() {
+            let first = outcome.freed.iter().flat_map(|freed| freed.values.first());
+            let names = first.map(|(quantity, _)| outcome.given.name_of_quantity(*quantity));
+            let names = names.collect::<Vec<_>>().join(" and ");
+            *self.set_free.entry(names).or_default() += 1;
+        }
         let stamps: Vec<Stamp> = split.held.iter().map(|sample| sample.stamp).collect();
         let predicted = poses(outcome, &stamps);
         let errors = |against: &dyn Fn(&PoseSample) -> Pose| -> Vec<Six> {
@@ -144,6 +151,14 @@ impl Step {
             to_truth: some(&self.to_truth),
             to_samples: some(&self.to_samples),
             ..Self::new(&self.wrong, &self.freed)
+        }
+    }
+
+    /// The same under another name in a figure.
+    pub fn named(self, wrong: &str) -> Self {
+        Self {
+            wrong: wrong.to_owned(),
+            ..self
         }
     }
 
