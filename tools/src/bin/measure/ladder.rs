@@ -1,4 +1,4 @@
-//! The model ladder: what motions foretell, and how certain of it they are, as parameters are freed one
+//! The model ladder: what motions predict, and how certain of it they are, as parameters are freed one
 //! after another; and two criteria of what to free.
 
 mod criteria;
@@ -99,7 +99,7 @@ fn figures(kinds: &[Vec<Step>], record: &mut Record) {
     ));
     let note = "The same throws: share of the 95 % intervals of the tracker's position and orientation, where samples are held \
                 out, that hold the truth.";
-    let title = "Reported intervals of what is foretold: a misfit widens them";
+    let title = "Reported intervals of predictions: a misfit widens them";
     let reported: fn(&Step) -> &Held = |step| &step.truth;
     record.figure(show::coverage(
         ("ladder_coverage", title, note),
@@ -133,13 +133,13 @@ fn tosses(options: &Options, record: &mut Record) -> Result<()> {
          rms distance to the samples over the tosses that have a motion, bars from quartile to quartile."
     );
     let of = (&real::RUNGS[..], &kinds[..]);
-    let title = "What real tosses foretell of the flight after the impact";
+    let title = "What real tosses predict of the flight after the impact";
     record.figure(show::errors(
         ("ladder_tosses", title, note),
         of,
         Against::Samples,
     ));
-    let title = "Reported intervals of what real tosses foretell";
+    let title = "Reported intervals of what real tosses predict";
     let note = "The same tosses: share of the 95 % intervals of position and orientation, the white noise seen included, that hold \
                 the sample.";
     let held: fn(&Step) -> &Held = |step| &step.samples;

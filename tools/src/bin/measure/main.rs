@@ -118,7 +118,7 @@ const SUBJECTS: &[Subject] = &[
     ),
     subject!(
         "ladder",
-        "what is foretold as parameters are freed one after another",
+        "errors and intervals of predictions as parameters are freed",
         ladder::run
     ),
     subject!(
