@@ -218,3 +218,41 @@ fn moments(
     }
     Some(moments)
 }
+
+#[cfg(test)]
+mod tests {
+    use enact::motion::TakeEvent;
+    use enact_tools::case::estimated;
+    use enact_tools::nonsense::wrong::Wrong;
+
+    use super::super::rungs::{Rung, freed};
+    use super::super::step::pose_of;
+    use super::super::throws::with_noise;
+    use super::*;
+    use crate::statistics::rms;
+
+    #[test]
+    fn predictions_at_used_samples_leave_the_residuals_of_the_estimate() {
+        let asked = Wrong::Inertia.asked(&with_noise(), 2).expect("a throw");
+        let rungs = [Rung::Moments, Rung::Centre, Rung::TrackerOrientation];
+        let scene = freed(&asked.scene, &rungs);
+        let outcome = estimated(&scene, &asked.events, &mut ()).expect("an estimate");
+        let mut used = outcome.estimate.sample_times.iter();
+        for flight in &outcome.estimate.residuals {
+            let angles = used.by_ref().take(flight.samples).map(|time| {
+                let mut events = asked.events.iter();
+                let sample = events.find_map(|event| match event {
+                    TakeEvent::Pose { sample, .. } if sample.stamp == time.stamp => Some(sample),
+                    _ => None,
+                });
+                let seen = pose_of(sample.expect("it was used"));
+                let [.., x, y, z] = difference(&poses(&outcome, &[time.stamp])[0], &seen);
+                (x * x + y * y + z * z).sqrt()
+            });
+            let left_rad = rms(&angles.collect::<Vec<f64>>());
+            // Quaternions are rounded in the take.
+            let off_rad = left_rad - flight.orientation_rms_rad;
+            assert!(off_rad.abs() < 1e-8, "{left_rad} and {flight:?}");
+        }
+    }
+}
