@@ -34,13 +34,13 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             (
                 "criteria",
                 "What is set free of the suspects",
-                "Of the suspects",
+                "Among suspects",
                 [0, 1],
             ),
             (
                 "everything",
                 "The one thing that is set free of everything",
-                "Of everything",
+                "Among everything that could be free",
                 [2, 3],
             ),
         ] {

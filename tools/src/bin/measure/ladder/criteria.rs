@@ -177,7 +177,7 @@ pub fn verdict(what: &str, all: &[Compared], two: [usize; 2]) -> String {
         mean(&times.copied().collect::<Vec<f64>>())
     });
     format!(
-        "{what}: of {} throws with one thing wrong, Schwarz's criterion frees the culprit alone in {} and something else in {}, \
+        "{what}, of {} throws with one thing wrong, Schwarz's criterion frees the culprit alone in {} and something else in {}, \
          hold-out in {} and {}; of {} right ones, something is freed in {} and {}. Hold-out takes {} times as long.",
         throws(&wrong),
         freed(&wrong, schwarz, 0),
