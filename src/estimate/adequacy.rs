@@ -78,8 +78,9 @@ pub fn judge(
     let hands = Kind::ALL.map(|kind| Hand::of_variance(&bins, kind, wander[kind as usize]));
     let noise = Errors {
         white: mean(|test| test.white),
-        hands: is_hand.then_some(&hands),
-        is_exceeded: !is_hand || by_hand < well,
+        hands: &hands,
+        is_hand,
+        is_exceeded: by_hand < well,
         bins: &bins,
     };
     let scored = |which| suspects::scored((context, solution), posed, (&noise, which));

@@ -12,7 +12,7 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
 use crate::motion::{
-    Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
+    Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -30,8 +30,11 @@ pub struct Solved {
 
 impl Solved {
     /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
-    /// does not.
+    /// does not. One that failed explains nothing and is not asked.
     pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
+        if self.estimate.verdict == Verdict::Failed {
+            return;
+        }
         observer.phase(Phase::Adequacy);
         let context = self
             .posed

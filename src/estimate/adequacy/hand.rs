@@ -172,9 +172,16 @@ impl Contrasts {
             };
             share * root(row) * root(column)
         });
+        let left = span.beyond(DMatrix::from_columns(&[flat(means)]));
+        if left.is_empty() {
+            // Flights with so few samples fit whatever comes.
+            return Self {
+                values: DVector::zeros(0),
+                shares: DVector::zeros(0),
+            };
+        }
         let wander = span.beyond(span.beyond(wander).transpose());
         let eigen = wander.symmetric_eigen();
-        let left = span.beyond(DMatrix::from_columns(&[flat(means)]));
         Self {
             values: eigen.eigenvectors.tr_mul(&left).column(0).into_owned(),
             shares: eigen.eigenvalues.map(|share| share.max(0.0)),

@@ -13,8 +13,8 @@ use crate::optimise::kkt::Kkt;
 const LEVEL: f64 = 1e-3;
 /// Least share of the misfit that a suspect explains.
 pub(super) const LEAST_SHARE: f64 = 0.1;
-/// Share of the misfit that no wander of a hand has in common with one wrong quantity.
-const ALL: f64 = 0.9;
+/// Share of the misfit that a wander of a hand seldom has in common with one wrong quantity.
+const ALL: f64 = 0.95;
 
 /// Those that score high, the one with the greatest gain first.
 pub(in crate::estimate::adequacy) fn scored(
@@ -63,7 +63,7 @@ pub(in crate::estimate::adequacy) fn scored(
             };
             let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
             let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
-            let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
+            let scored = scores.of(&indices, &lengths, (noise.white, Some(noise.hands)))?;
             let values = group.iter().zip(&scored.changes).map(|(quantity, change)| {
                 let [lower, upper] = quantity.limits();
                 let given = scene.value_of(*quantity);
@@ -82,8 +82,11 @@ pub(in crate::estimate::adequacy) fn scored(
                 gain,
                 probability: scored.probability,
             };
-            // A wander that looks just like one wrong quantity would be a coincidence.
-            let is_told = suspect.probability < level || suspect.explains >= ALL;
+            // A wander that looks just like one wrong quantity would be a coincidence, where little is
+            // left beside it.
+            let odds = noise.gain_under_wander(cost / left, group.len());
+            let is_all = suspect.explains >= ALL && odds >= -2.0 * level.ln();
+            let is_told = suspect.probability < level || is_all;
             let is_suspect =
                 moves && suspect.gain > 0.0 && is_told && suspect.explains >= LEAST_SHARE;
             is_suspect.then_some(suspect)
