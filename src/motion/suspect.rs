@@ -12,8 +12,8 @@ pub struct Suspect {
     pub explains: f64,
     /// Decrease of Schwarz's criterion (BIC): positive where the gain outweighs the number of quantities.
     pub gain: f64,
-    /// Probability that a right value scores as high (Rao's test): under white noise, or a hand's
-    /// wander where the flights show one.
+    /// Probability that one of all right values scores as high (Rao's test, Bonferroni): under white
+    /// noise and such a wander of the hand as the flights may have.
     pub probability: f64,
 }
 

@@ -9,12 +9,12 @@ use crate::estimate::recipe::Solution;
 use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect};
 use crate::optimise::kkt::Kkt;
 
-/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
-const LEVEL: f64 = 1e-3;
+/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni),
+pub(super) const LEVEL: f64 = 1e-3;
+/// or least share of the misfit that it would explain by its score.
+const MOST_SHARE: f64 = 0.85;
 /// Least share of the misfit that a suspect explains.
 pub(super) const LEAST_SHARE: f64 = 0.1;
-/// Share of the misfit that a wander of a hand seldom has in common with one wrong quantity.
-const ALL: f64 = 0.95;
 
 /// Those that score high, the one with the greatest gain first.
 pub(in crate::estimate::adequacy) fn scored(
@@ -51,7 +51,6 @@ pub(in crate::estimate::adequacy) fn scored(
     let cost = solution.system.cost;
     let floor = noise.floor(context);
     let misfit = (cost - floor).max(f64::MIN_POSITIVE);
-    let level = LEVEL / groups.len().max(1) as f64;
     let mut suspects: Vec<Suspect> = groups
         .iter()
         .filter_map(|group| {
@@ -80,13 +79,10 @@ pub(in crate::estimate::adequacy) fn scored(
                 values,
                 explains: (scored.decrease / misfit).clamp(0.0, 1.0),
                 gain,
-                probability: scored.probability,
+                probability: (scored.probability * groups.len() as f64).min(1.0),
             };
-            // A wander that looks just like one wrong quantity would be a coincidence, where little is
-            // left beside it.
-            let odds = noise.gain_under_wander(cost / left, group.len());
-            let is_all = suspect.explains >= ALL && odds >= -2.0 * level.ln();
-            let is_told = suspect.probability < level || is_all;
+            let is_likely = suspect.probability < LEVEL || suspect.explains >= MOST_SHARE;
+            let is_told = noise.is_exceeded || is_likely;
             let is_suspect =
                 moves && suspect.gain > 0.0 && is_told && suspect.explains >= LEAST_SHARE;
             is_suspect.then_some(suspect)

@@ -2,7 +2,7 @@
 
 use super::candidates::{Which, groups};
 use super::errors::Errors;
-use super::scored::LEAST_SHARE;
+use super::scored::{LEAST_SHARE, LEVEL};
 use super::wider::Wider;
 use crate::estimate::adequacy::alone::Alone;
 use crate::estimate::context::SolveContext;
@@ -15,6 +15,8 @@ use crate::optimise::finish::Tolerances;
 const TRIED: usize = 8;
 /// and of suspects.
 const MOST: usize = 3;
+/// Share of the misfit that a wander of a hand seldom has in common with one wrong quantity.
+const ALL: f64 = 0.95;
 
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
@@ -55,7 +57,12 @@ pub(in crate::estimate::adequacy) fn tried(
         let gain = noise.gain(context, cost / left, values.len());
         let misfit = (cost - noise.floor(context)).max(f64::MIN_POSITIVE);
         let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
-        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE;
+        // A wander that looks just like one wrong quantity would be a coincidence, where little is
+        // left beside it.
+        let odds = noise.gain_under_wander(cost / left, values.len());
+        let is_all = explains >= ALL && odds >= -2.0 * LEVEL.ln();
+        let is_told = noise.is_exceeded || suspect.probability < LEVEL || is_all;
+        let is_suspect = gain > 0.0 && is_told && explains >= LEAST_SHARE;
         is_suspect.then_some(Suspect {
             values,
             explains,
@@ -97,28 +104,30 @@ fn trial() -> Schedule {
 /// same to a motion.
 fn unscored(scene: &Scene, scored: &[Suspect], is_exceeded: bool) -> Vec<Suspect> {
     let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
-        let mut values = scored.iter().flat_map(|suspect| &suspect.values);
-        values.any(|(quantity, _)| is_it(*quantity))
+        let is_it = |suspect: &&Suspect| suspect.values.iter().any(|(q, _)| is_it(*q));
+        scored.iter().find(is_it)
     };
     let is_rate = |quantity| matches!(quantity, Quantity::ClockRate { .. });
     let is_gravity = |quantity| matches!(quantity, Quantity::Gravity { .. });
     let groups = groups(scene, Which::All).into_iter();
     let others = groups.filter_map(|group| match group[..] {
-        [quantity] if has_scored(&|scored| scored == quantity) => None,
-        [quantity @ Quantity::Friction { .. }] => is_exceeded.then_some((quantity, 0.0)),
+        [quantity] if has_scored(&|scored| scored == quantity).is_some() => None,
+        [quantity @ Quantity::Friction { .. }] => is_exceeded.then_some((quantity, 0.0, 1.0)),
         [quantity @ Quantity::ClockRate { .. }] => {
-            has_scored(&is_gravity).then(|| (quantity, scene.value_of(quantity)))
+            let twin = has_scored(&is_gravity)?;
+            Some((quantity, scene.value_of(quantity), twin.probability))
         }
         [quantity @ Quantity::Gravity { .. }] => {
-            has_scored(&is_rate).then(|| (quantity, scene.value_of(quantity)))
+            let twin = has_scored(&is_rate)?;
+            Some((quantity, scene.value_of(quantity), twin.probability))
         }
         _ => None,
     });
-    let suspect = |value| Suspect {
-        values: vec![value],
+    let suspect = |(quantity, value, probability)| Suspect {
+        values: vec![(quantity, value)],
         explains: 0.0,
         gain: 0.0,
-        probability: 1.0,
+        probability,
     };
     others.map(suspect).collect()
 }
