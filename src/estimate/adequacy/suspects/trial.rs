@@ -15,8 +15,10 @@ use crate::optimise::finish::Tolerances;
 const TRIED: usize = 8;
 /// and of suspects.
 const MOST: usize = 3;
-/// Share of the misfit that a wander of a hand seldom has in common with one wrong quantity.
-const ALL: f64 = 0.95;
+/// Shares of the misfit that a wander of a hand seldom has in common with one wrong quantity, and how
+/// much less the criterion must then be under a wander that the flights may hide: the less of the
+/// misfit, the more. The first are odds of [`LEVEL`]; the second are measured.
+const ALL: [(f64, f64); 2] = [(0.95, 13.8), (0.9, 60.0)];
 
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
@@ -57,10 +59,9 @@ pub(in crate::estimate::adequacy) fn tried(
         let gain = noise.gain(context, cost / left, values.len());
         let misfit = (cost - noise.floor(context)).max(f64::MIN_POSITIVE);
         let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
-        // A wander that looks just like one wrong quantity would be a coincidence, where little is
-        // left beside it.
         let odds = noise.gain_under_wander(cost / left, values.len());
-        let is_all = explains >= ALL && odds >= -2.0 * LEVEL.ln();
+        let is_all = |(share, gain): &(f64, f64)| explains >= *share && odds >= *gain;
+        let is_all = ALL.iter().any(is_all);
         let is_told = noise.is_exceeded || suspect.probability < LEVEL || is_all;
         let is_suspect = gain > 0.0 && is_told && explains >= LEAST_SHARE;
         is_suspect.then_some(Suspect {

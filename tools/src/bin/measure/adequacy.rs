@@ -24,7 +24,7 @@ const RIGHT_SEEDS: u64 = 1000;
 /// The tracker's white noise, in units of 0.5 mm and 0.29°.
 const NOISES: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 /// A hand's wander, in units of 20 mm and 8°.
-const WANDERS: [f64; 5] = [0.0625, 0.125, 0.25, 0.5, 1.0];
+const WANDERS: [f64; 6] = [0.03125, 0.0625, 0.125, 0.25, 0.5, 1.0];
 
 /// How a throw is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -147,9 +147,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     ] {
         record.figure(figure((name, title, label), &cells, is_noise));
     }
-    let right: Vec<Cell> = [Seen::Noise(1.0), Seen::Wander(1.0)]
+    let seen = std::iter::once(Seen::Noise(1.0)).chain(WANDERS.map(Seen::Wander));
+    let right: Vec<Cell> = seen
         .map(|seen| cell(Wrong::Nothing, seen, options, RIGHT_SEEDS))
-        .into_iter()
         .collect();
     record.table(table(("right", "Right scenes"), &right));
     for wrong in [Wrong::Nothing, Wrong::Inertia] {
@@ -157,19 +157,17 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             record.table(intervals::table(wrong, options));
         }
     }
-    for cell in &right {
-        let blamed = cell.takes - cell.silent;
-        record.say(format!(
-            "Of {} right throws ({}) {} are said not to fit, {} have a suspect ({}), and in {} \
-             something is set free.",
-            cell.takes,
-            cell.seen.name(),
-            cell.fits[2],
-            blamed,
-            percent(blamed, cell.takes),
-            cell.freed[2],
-        ));
-    }
+    let of = |count: fn(&Cell) -> usize| right.iter().map(count).sum::<usize>();
+    let (takes, blamed) = (of(|cell| cell.takes), of(|cell| cell.takes - cell.silent));
+    let worst = right.iter().map(|cell| cell.takes - cell.silent).max();
+    record.say(format!(
+        "Of {takes} right throws, seen with a tracker's noise and hands of six sizes, {} are said not to \
+         fit, {blamed} have a suspect ({}; of one size at most {}), and in {} something is set free.",
+        of(|cell| cell.fits[2]),
+        percent(blamed, takes),
+        percent(worst.unwrap_or(0), RIGHT_SEEDS as usize),
+        of(|cell| cell.freed[2]),
+    ));
     record.numbers("faults", &cells)?;
     record.numbers("right", &right)
 }
