@@ -10,7 +10,7 @@ use checks::checks;
 use tables::{events, parameters, segments};
 use units::{deviation_ms, duration, for_people, seconds};
 
-use crate::report::{RecordingReport, SuspectLine};
+use crate::report::{EstimateReport, RecordingReport, SuspectLine};
 
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,7 +28,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         "{}: {}, {}, {}{}\n",
         report.recording,
         coloured(estimate.verdict, style),
-        fit_words(estimate.fits),
+        fit_words(estimate),
         if estimate.determined {
             "determined"
         } else {
@@ -107,11 +107,12 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
 }
 
 /// Whether the motion fits, in words.
-fn fit_words(fits: &str) -> &'static str {
-    match fits {
+fn fit_words(estimate: &EstimateReport) -> &'static str {
+    match estimate.fits {
         "yes" => "fits well",
         "no" => "does not fit",
-        _ => "off beyond the noise",
+        _ if estimate.is_fit_tested => "off beyond the noise",
+        _ => "fit not told",
     }
 }
 

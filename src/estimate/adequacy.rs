@@ -80,7 +80,8 @@ pub fn judge(
         white: mean(|test| test.white),
         hands: &hands,
         is_hand,
-        is_exceeded: by_hand < well,
+        is_unlikely: by_hand < well,
+        is_beyond: by_hand < not,
         bins: &bins,
     };
     let scored = |which| suspects::scored((context, solution), posed, (&noise, which));

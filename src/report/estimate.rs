@@ -26,6 +26,9 @@ pub struct EstimateReport {
     pub verdict: &'static str,
     /// Whether the motion explains the performance: `yes`, `unknown` or `no`.
     pub fits: &'static str,
+    /// Whether that was asked: not of a motion that failed, or where too little is determined.
+    #[serde(skip)]
+    pub is_fit_tested: bool,
     /// Whether the performance determines everything that was asked.
     pub determined: bool,
     /// What may be wrong in the scene, the likeliest first; none where the motion fits.
@@ -84,6 +87,7 @@ impl EstimateReport {
             scene: scene.name.clone(),
             verdict: estimate.verdict.as_str(),
             fits: fits(estimate).as_str(),
+            is_fit_tested: estimate.fit.is_some(),
             determined: estimate.undetermined.is_empty(),
             suspects: suspect_lines(scene, &estimate.suspects),
             freed: suspect_lines(scene, of.freed),

@@ -12,8 +12,10 @@ pub(in crate::estimate::adequacy) struct Errors<'a> {
     pub(in crate::estimate::adequacy) hands: &'a [Hand; 2],
     /// whether they show it,
     pub(in crate::estimate::adequacy) is_hand: bool,
-    /// and whether the misfit is beyond it.
-    pub(in crate::estimate::adequacy) is_exceeded: bool,
+    /// whether the misfit is unlikely under it,
+    pub(in crate::estimate::adequacy) is_unlikely: bool,
+    /// and whether it is beyond it.
+    pub(in crate::estimate::adequacy) is_beyond: bool,
     /// The bins.
     pub(in crate::estimate::adequacy) bins: &'a Bins,
 }

@@ -82,7 +82,7 @@ pub(in crate::estimate::adequacy) fn scored(
                 probability: (scored.probability * groups.len() as f64).min(1.0),
             };
             let is_likely = suspect.probability < LEVEL || suspect.explains >= MOST_SHARE;
-            let is_told = noise.is_exceeded || is_likely;
+            let is_told = noise.is_beyond || is_likely;
             let is_suspect =
                 moves && suspect.gain > 0.0 && is_told && suspect.explains >= LEAST_SHARE;
             is_suspect.then_some(suspect)

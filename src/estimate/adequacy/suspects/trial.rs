@@ -15,10 +15,10 @@ use crate::optimise::finish::Tolerances;
 const TRIED: usize = 8;
 /// and of suspects.
 const MOST: usize = 3;
-/// Shares of the misfit that a wander of a hand seldom has in common with one wrong quantity, and how
-/// much less the criterion must then be under a wander that the flights may hide: the less of the
-/// misfit, the more. The first are odds of [`LEVEL`]; the second are measured.
-const ALL: [(f64, f64); 2] = [(0.95, 13.8), (0.9, 60.0)];
+/// A wander that the flights may hide seldom leaves this share of the misfit to one wrong quantity,
+const ALL: f64 = 0.95;
+/// or less with a gain that is greater by so much per share.
+const GAIN_PER_SHARE: f64 = 900.0;
 
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
@@ -29,7 +29,7 @@ pub(in crate::estimate::adequacy) fn tried(
     observer: &mut dyn Observer,
 ) -> Vec<Suspect> {
     scored.truncate(TRIED);
-    scored.extend(unscored(scene, &scored, noise.is_exceeded));
+    scored.extend(unscored(scene, &scored, noise.is_unlikely));
     let cost = solution.system.cost;
     let tried = scored.into_iter().filter_map(|suspect| {
         let values = suspect.values.iter();
@@ -59,29 +59,38 @@ pub(in crate::estimate::adequacy) fn tried(
         let gain = noise.gain(context, cost / left, values.len());
         let misfit = (cost - noise.floor(context)).max(f64::MIN_POSITIVE);
         let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
-        let odds = noise.gain_under_wander(cost / left, values.len());
-        let is_all = |(share, gain): &(f64, f64)| explains >= *share && odds >= *gain;
-        let is_all = ALL.iter().any(is_all);
-        let is_told = noise.is_exceeded || suspect.probability < LEVEL || is_all;
-        let is_suspect = gain > 0.0 && is_told && explains >= LEAST_SHARE;
-        is_suspect.then_some(Suspect {
+        let is_told = noise.is_beyond
+            || suspect.probability < LEVEL
+            || is_alone(explains, noise.gain_under_wander(cost / left, values.len()));
+        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE;
+        let suspect = Suspect {
             values,
             explains,
             gain,
             ..suspect
-        })
+        };
+        is_suspect.then_some((suspect, is_told))
     });
-    let mut tried: Vec<Suspect> = tried.collect();
-    tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut tried: Vec<(Suspect, bool)> = tried.collect();
+    tried.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
     let mut suspects: Vec<Suspect> = Vec::new();
-    for suspect in tried {
+    for (suspect, is_told) in &tried {
+        // What explains as well as another is suspected with it.
+        let mut told = tried.iter().filter(|(_, is_told)| *is_told);
+        let is_suspect = *is_told || told.any(|(other, _)| other.is_rivalled_by(suspect));
         // Of the components of one thing, those that explain best stand for all.
-        if !suspects.iter().any(|better| better.is_same_as(&suspect)) {
-            suspects.push(suspect);
+        if is_suspect && !suspects.iter().any(|better| better.is_same_as(suspect)) {
+            suspects.push(suspect.clone());
         }
     }
     suspects.truncate(MOST);
     suspects
+}
+
+/// Whether so great a share of the misfit goes with one thing, at such a gain under a wander, that no
+/// wander is likely to look like it.
+fn is_alone(explains: f64, gain: f64) -> bool {
+    gain >= -2.0 * LEVEL.ln() + GAIN_PER_SHARE * (ALL - explains).max(0.0)
 }
 
 /// The schedule of a trial: to compare objectives a few digits are enough, and what needs more steps
@@ -100,10 +109,10 @@ fn trial() -> Schedule {
 }
 
 /// What is tried though it did not score high: coefficients of friction, of which all above some
-/// value are alike where a contact sticks, from zero, where it slides, if the misfit is beyond any
+/// value are alike where a contact sticks, from zero, where it slides, if the misfit is unlikely under any
 /// wander; and the clock's rate where gravity scored or gravity where the rate did, which are the
 /// same to a motion.
-fn unscored(scene: &Scene, scored: &[Suspect], is_exceeded: bool) -> Vec<Suspect> {
+fn unscored(scene: &Scene, scored: &[Suspect], is_unlikely: bool) -> Vec<Suspect> {
     let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
         let is_it = |suspect: &&Suspect| suspect.values.iter().any(|(q, _)| is_it(*q));
         scored.iter().find(is_it)
@@ -113,7 +122,7 @@ fn unscored(scene: &Scene, scored: &[Suspect], is_exceeded: bool) -> Vec<Suspect
     let groups = groups(scene, Which::All).into_iter();
     let others = groups.filter_map(|group| match group[..] {
         [quantity] if has_scored(&|scored| scored == quantity).is_some() => None,
-        [quantity @ Quantity::Friction { .. }] => is_exceeded.then_some((quantity, 0.0, 1.0)),
+        [quantity @ Quantity::Friction { .. }] => is_unlikely.then_some((quantity, 0.0, 1.0)),
         [quantity @ Quantity::ClockRate { .. }] => {
             let twin = has_scored(&is_gravity)?;
             Some((quantity, scene.value_of(quantity), twin.probability))
