@@ -12,6 +12,10 @@ mod hand;
 mod score;
 mod suspects;
 
+use std::collections::BTreeSet;
+
+use nalgebra::Vector3;
+
 use self::alone::Alone;
 use self::event::EventTest;
 use self::hand::{Hand, Kind};
@@ -68,6 +72,10 @@ pub fn judge(
     }
     let [by_noise, by_hand] = fit.probabilities();
     if by_noise >= WELL || tests.is_empty() {
+        return Some((fit, Vec::new()));
+    }
+    if farther_than_rest(problem, fit.joint[0]) {
+        fit.fits = Fits::No;
         return Some((fit, Vec::new()));
     }
     let mean = |of: fn(&EventTest) -> [f64; 2]| {
@@ -133,6 +141,23 @@ fn kinder(
         better(&mut test.fit.by_hand, predicted.fit.by_hand);
     }
     Some(tests_alone)
+}
+
+/// Whether motions are farther from the samples than bodies that rest at their mean places would be: no
+/// one quantity is to blame for that.
+fn farther_than_rest(problem: &Problem, distance_m: f64) -> bool {
+    let arcs = problem.arcs.iter().filter(|arc| !arc.samples.is_empty());
+    let mut squares_m2 = 0.0;
+    for track in arcs.clone().map(|arc| arc.track).collect::<BTreeSet<_>>() {
+        let of_track = arcs.clone().filter(|arc| arc.track == track);
+        let places = of_track.flat_map(|arc| &arc.samples).map(|s| s.position_m);
+        let count = places.clone().count() as f64;
+        let mean = places.clone().sum::<Vector3<f64>>() / count;
+        squares_m2 += places
+            .map(|place| (place - mean).norm_squared())
+            .sum::<f64>();
+    }
+    distance_m * distance_m * problem.sample_count() as f64 > squares_m2
 }
 
 /// Root mean square of distances \[m\] and angles \[rad\].
