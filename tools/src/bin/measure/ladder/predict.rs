@@ -37,7 +37,7 @@ struct Seen {
     clock_rate: f64,
 }
 
-/// Where the motion of an outcome has the tracker at those stamps [world].
+/// Where the motion of an outcome has the tracker at those stamps \[world\].
 pub fn poses(outcome: &Outcome, stamps: &[Stamp]) -> Vec<Pose> {
     let seen = Seen::estimated(outcome);
     let pose = |stamp: &Stamp| seen.pose(outcome, arc_at(outcome, &seen, *stamp), *stamp);

@@ -211,7 +211,7 @@ pub fn closed(found: &Result<Outcome, PipelineError>) -> Option<&Outcome> {
     })
 }
 
-/// Where a sample has the tracker [world].
+/// Where a sample has the tracker \[world\].
 pub fn pose_of(sample: &PoseSample) -> Pose {
     let [x, y, z, w] = sample.quaternion_xyzw;
     let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
