@@ -22,7 +22,7 @@ impl Contact {
 
     /// The contact with B's face raised by `height_m` along its normal `n` and turned about its own
     /// point by `Exp(t0 a0 + t1 a1)`, with [`Contact::tilt_axes`] `a`, which turn with it. `None`
-    /// where B's feature is no face.
+    /// where B's feature is no face, or the height or a tilt is no number.
     ///
     /// Beside it, the motion of the face by height and tilts, a column each: its displacement [m, B's
     /// axes], then its rotation [rad, B's axes] about its own point. With no height and no tilt these
@@ -38,7 +38,7 @@ impl Contact {
         let tilt = axes[0] * tilt_rad[0] + axes[1] * tilt_rad[1];
         let (turn, left) = so3::exp_and_left_jacobian(&tilt);
         let face = Feature::face(point_m + normal * height_m, turn * normal);
-        let mut moved = Self::new(*self.a(), face).expect("a face as good as before");
+        let mut moved = Self::new(*self.a(), face).ok()?;
         moved.tangents = Some(axes.map(|axis| turn * axis));
         let mut motion = SMatrix::<f64, 6, 3>::zeros();
         motion.fixed_view_mut::<3, 1>(0, 0).copy_from(normal);

@@ -403,3 +403,19 @@ mod against_parry {
         assert!((touch.gap_m - distance_m).abs() < 1e-9, "{distance_m}");
     }
 }
+
+#[test]
+fn a_face_that_is_turned_by_no_number_is_none() {
+    let contact = Contact::new(
+        point(0.3, -0.4, -0.9, 0.0),
+        face([0.2, -0.1, 0.3], [0.2, -0.3, 1.0]),
+    );
+    let contact = contact.expect("a supported pair");
+    assert!(contact.with_surface(0.01, [0.1, -0.2]).is_some());
+    for tilt_rad in [[f64::NAN, 0.0], [0.0, f64::INFINITY], [1e300, 1e300]] {
+        assert!(
+            contact.with_surface(0.0, tilt_rad).is_none(),
+            "{tilt_rad:?}"
+        );
+    }
+}
