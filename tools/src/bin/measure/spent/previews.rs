@@ -57,10 +57,8 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             over_final: Vec::new(),
             final_ms: Vec::new(),
         });
-        for seed in options.seeds(SEEDS) {
-            if let Some(case) = scene.case(RATE_HZ, 1.0, seed) {
-                follow(&case, &mut of_scene);
-            }
+        for case in scene.cases(options, (RATE_HZ, 1.0)) {
+            follow(&case, &mut of_scene);
         }
         rows.extend(of_scene);
     }

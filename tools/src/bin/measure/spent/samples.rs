@@ -5,7 +5,7 @@ use enact::motion::TakeEvent;
 use serde::Serialize;
 
 use super::scenes::{SCENES, Scene};
-use super::{HANDS, REPEATS, SEEDS, mark, timed};
+use super::{HANDS, REPEATS, mark, timed};
 use crate::figure::{Axis, Curve, Figure};
 use crate::options::Options;
 use crate::record::Record;
@@ -37,10 +37,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut rows: Vec<Row> = Vec::new();
     for (distortion, hand, words) in HANDS {
         for scene in SCENES {
-            let cases = options
-                .seeds(SEEDS)
-                .filter_map(|seed| scene.case(RATE_HZ, distortion, seed));
-            let cases: Vec<Case> = cases.collect();
+            let cases = scene.cases(options, (RATE_HZ, distortion));
             rows.extend(STRIDES.map(|stride| row(&scene, hand, stride, &cases)));
         }
         record.figure(figure(hand, words, &rows));

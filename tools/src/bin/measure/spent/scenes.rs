@@ -3,6 +3,9 @@
 use enact_tools::case::Case;
 use enact_tools::perform::{Acting, Style, Truth, bounces, hat_box};
 
+use super::SEEDS;
+use crate::options::Options;
+
 /// Marks are off by no more than a sample at this rate, whatever the tracker's.
 const MARK_RATE_HZ: f64 = 120.0;
 
@@ -40,8 +43,15 @@ pub const SCENES: [Scene; 4] = [
 ];
 
 impl Scene {
+    /// All performances before such a tracker, by such a hand.
+    pub fn cases(&self, options: &Options, (rate_hz, distortion): (f64, f64)) -> Vec<Case> {
+        let seeds = options.seeds(SEEDS);
+        let cases = seeds.filter_map(|seed| self.case(rate_hz, distortion, seed));
+        cases.collect()
+    }
+
     /// A performance before a tracker of that rate, by a hand that wanders so many times as usual.
-    pub fn case(&self, rate_hz: f64, distortion: f64, seed: u64) -> Option<Case> {
+    fn case(&self, rate_hz: f64, distortion: f64, seed: u64) -> Option<Case> {
         let mut truth = (self.truth)(seed)?;
         let acting = if self.is_timing_known {
             let acting = Acting::timing_known();

@@ -6,7 +6,7 @@ use enact::motion::Observer;
 use serde::Serialize;
 
 use super::scenes::{SCENES, Scene};
-use super::{HANDS, REPEATS, SEEDS, mark, timed};
+use super::{HANDS, REPEATS, mark, timed};
 use crate::figure::{Axis, Curve, Figure};
 use crate::options::Options;
 use crate::record::Record;
@@ -60,10 +60,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut rows: Vec<Row> = Vec::new();
     for (distortion, hand, words) in HANDS {
         for scene in SCENES {
-            let cases = options
-                .seeds(SEEDS)
-                .filter_map(|seed| scene.case(RATE_HZ, distortion, seed));
-            let cases: Vec<Case> = cases.collect();
+            let cases = scene.cases(options, (RATE_HZ, distortion));
             rows.extend(QUESTIONS.map(|questions| row(&scene, hand, questions, &cases)));
         }
         let shown: Shown = |row| &row.errors_mm;
