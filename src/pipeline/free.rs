@@ -7,7 +7,7 @@
 
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
-use crate::motion::{Estimate, Fits, Observer, Scene, Suspect, TakeEvent, Verdict};
+use crate::motion::{Estimate, Fits, Observer, Suspect, TakeEvent, Verdict};
 
 /// Greatest number of things that are set free.
 const MOST: usize = 4;
@@ -26,7 +26,7 @@ pub(super) fn free(
         let Some(culprit) = culprit(estimate).filter(|_| is_needed).cloned() else {
             break;
         };
-        let wider = with_free(&performed.inferred.scene, &culprit);
+        let wider = performed.inferred.scene.with_free(&culprit.values);
         let mut next = Prepared::new(&wider, events, observer)?.performed(observer)?;
         if next.inferred.solved.estimate.verdict == Verdict::Failed {
             break;
@@ -44,13 +44,4 @@ fn culprit(estimate: &Estimate) -> Option<&Suspect> {
     let mut others = others.iter();
     let is_alone = !others.any(|other| first.is_rivalled_by(other));
     is_alone.then_some(first)
-}
-
-/// The scene with a suspect's quantities free, from their likely values.
-fn with_free(scene: &Scene, suspect: &Suspect) -> Scene {
-    let mut wider = scene.clone();
-    let values = suspect.values.iter();
-    let free = values.map(|(quantity, value)| scene.freed(*quantity, *value));
-    wider.parameters.extend(free);
-    wider
 }

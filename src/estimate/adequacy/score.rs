@@ -128,7 +128,7 @@ impl Scores {
         &self,
         group: &[usize],
         lengths: &[f64],
-        (white, hands): ([f64; 2], Option<&[Hand; 2]>),
+        (white, hands): ([f64; 2], &[Hand; 2]),
     ) -> Option<Scored> {
         let count = group.len();
         let mut information = DMatrix::zeros(count, count);
@@ -139,7 +139,7 @@ impl Scores {
                 let scale = lengths[i] * lengths[j];
                 information[(i, j)] = (x + y + prior) * scale;
                 let mut noise = x * white[0] + y * white[1] + prior;
-                for (kind, hand) in Kind::ALL.into_iter().zip(hands.into_iter().flatten()) {
+                for (kind, hand) in Kind::ALL.into_iter().zip(hands) {
                     noise += hand.covariance(kind, &self.sums[*a], &self.sums[*b]);
                 }
                 variance[(i, j)] = noise * scale;

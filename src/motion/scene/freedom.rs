@@ -126,6 +126,15 @@ impl Scene {
         }
     }
 
+    /// The scene with quantities free, each from its value on.
+    pub fn with_free(&self, values: &[(Quantity, f64)]) -> Self {
+        let mut wider = self.clone();
+        let values = values.iter();
+        let free = values.map(|(quantity, value)| self.freed(*quantity, *value));
+        wider.parameters.extend(free);
+        wider
+    }
+
     /// The value that the scene gives a quantity, in its unit: 0 for a correction, 1 for a factor.
     pub fn value_of(&self, quantity: Quantity) -> f64 {
         match quantity {

@@ -136,6 +136,19 @@ impl Quantity {
         thing(self) == thing(other)
     }
 
+    /// Quantities thing by thing: the components of a vector together, in the order of the first.
+    pub fn by_thing(quantities: impl Iterator<Item = Self>) -> Vec<Vec<Self>> {
+        let mut things: Vec<Vec<Self>> = Vec::new();
+        for quantity in quantities {
+            let mut known = things.iter_mut();
+            match known.find(|thing| thing[0].is_of_one_thing_with(quantity)) {
+                Some(thing) => thing.push(quantity),
+                None => things.push(vec![quantity]),
+            }
+        }
+        things
+    }
+
     /// Its SI unit; empty for ratios and factors.
     pub fn unit(self) -> &'static str {
         match self {

@@ -34,16 +34,7 @@ pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
             && scene.untold(*quantity).is_none()
             && is_supported(scene, *quantity)
     };
-    let mut groups: Vec<Vec<Quantity>> = Vec::new();
-    for quantity in scene.quantities().into_iter().filter(is_candidate) {
-        match groups
-            .iter_mut()
-            .find(|group| group[0].is_of_one_thing_with(quantity))
-        {
-            Some(group) => group.push(quantity),
-            None => groups.push(vec![quantity]),
-        }
-    }
+    let mut groups = Quantity::by_thing(scene.quantities().into_iter().filter(is_candidate));
     let size = Quantity::Gravity {
         axis: scene.gravity_m_s2.iamax(),
     };
@@ -61,8 +52,6 @@ fn is_supported(scene: &Scene, quantity: Quantity) -> bool {
     if !matches!(quantity, Quantity::Friction { .. } | Quantity::Tilt { .. }) {
         return true;
     }
-    let mut wider = scene.clone();
-    let free = scene.freed(quantity, scene.value_of(quantity));
-    wider.parameters.push(free);
+    let wider = scene.with_free(&[(quantity, scene.value_of(quantity))]);
     (0..wider.events.len()).all(|event| wider.contact_set(event).is_ok())
 }

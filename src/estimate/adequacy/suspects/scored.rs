@@ -62,7 +62,7 @@ pub(in crate::estimate::adequacy) fn scored(
             };
             let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
             let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
-            let scored = scores.of(&indices, &lengths, (noise.white, Some(noise.hands)))?;
+            let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
             let values = group.iter().zip(&scored.changes).map(|(quantity, change)| {
                 let [lower, upper] = quantity.limits();
                 let given = scene.value_of(*quantity);

@@ -108,11 +108,8 @@ pub fn table(wrong: Wrong, options: &Options) -> Table {
 fn add(freed: &mut Freed, asked: &Asked, right: &Scene, quantities: &[Quantity]) {
     let mut asked = asked.clone();
     let before = asked.scene.parameters.len();
-    for quantity in quantities {
-        let given = asked.scene.value_of(*quantity);
-        let free = asked.scene.freed(*quantity, given);
-        asked.scene.parameters.push(free);
-    }
+    let given = quantities.iter().map(|q| (*q, asked.scene.value_of(*q)));
+    asked.scene = asked.scene.with_free(&given.collect::<Vec<_>>());
     let Ok(outcome) = asked.answered() else {
         freed.without += quantities.len();
         return;

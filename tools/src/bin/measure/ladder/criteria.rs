@@ -66,7 +66,7 @@ impl By {
                 let things = things(&asked.scene);
                 let wider = things
                     .iter()
-                    .map(|thing| with_free(&asked.scene, &values(thing)));
+                    .map(|thing| asked.scene.with_free(&values(thing)));
                 let wider: Vec<Scene> = wider.collect();
                 let best = if self == Self::SchwarzOfAll {
                     best_by_schwarz(asked, &wider)
@@ -200,7 +200,7 @@ fn by_hold_out(asked: &Asked) -> Vec<Thing> {
         let suspects = &outcome.estimate.suspects;
         let wider = suspects
             .iter()
-            .map(|suspect| with_free(&asked.scene, &suspect.values));
+            .map(|suspect| asked.scene.with_free(&suspect.values));
         let mut wider: Vec<Scene> = wider.collect();
         let Some(best) = best(&asked, &wider) else {
             break;
@@ -238,28 +238,11 @@ fn thing(values: &[(Quantity, f64)]) -> Thing {
 fn things(scene: &Scene) -> Vec<Thing> {
     // Of one body, a force is gravity.
     let is_told = |quantity: &Quantity| {
-        let wider = with_free(scene, &[(*quantity, scene.value_of(*quantity))]);
+        let wider = scene.with_free(&[(*quantity, scene.value_of(*quantity))]);
         let mut events = 0..scene.events.len();
         let is_supported = events.all(|event| wider.contact_set(event).is_ok());
         let is_gravity = matches!(quantity, Quantity::Force { .. });
         scene.untold(*quantity).is_none() && is_supported && !is_gravity
     };
-    let mut things: Vec<Thing> = Vec::new();
-    for quantity in scene.quantities().into_iter().filter(is_told) {
-        let mut known = things.iter_mut();
-        match known.find(|thing| thing[0].is_of_one_thing_with(quantity)) {
-            Some(thing) => thing.push(quantity),
-            None => things.push(vec![quantity]),
-        }
-    }
-    things
-}
-
-fn with_free(scene: &Scene, values: &[(Quantity, f64)]) -> Scene {
-    let mut wider = scene.clone();
-    let free = values
-        .iter()
-        .map(|(quantity, value)| scene.freed(*quantity, *value));
-    wider.parameters.extend(free);
-    wider
+    Quantity::by_thing(scene.quantities().into_iter().filter(is_told))
 }
