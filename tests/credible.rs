@@ -368,15 +368,15 @@ fn hovering(stamps: &str) -> Asked {
         TakeEvent::Pose {
             track: TrackIndex(0),
             stream: 0,
-            sample: PoseSample {
-                stamp: Stamp(index * 10_000_000),
-                position_m: Vector3::new(
+            sample: PoseSample::new(
+                Stamp(index * 10_000_000),
+                Vector3::new(
                     0.1 * time_s + 0.01 * (3.0 * time_s).sin(),
                     0.02 * time_s.cos(),
                     1.0 + 0.005 * (2.0 * time_s).sin(),
                 ),
-                quaternion_xyzw: [0.0, 0.0, (0.02 * time_s).sin(), (0.02 * time_s).cos()],
-            },
+                [0.0, 0.0, (0.02 * time_s).sin(), (0.02 * time_s).cos()],
+            ),
         }
     };
     Asked {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use enact::ingest::{IngestError, Recording};
-use enact::motion::{Mark, Scene, Sketch, Stamp, TakeEvent, Timing, TrackIndex};
+use enact::motion::{Mark, Sample, Scene, Sketch, Stamp, TakeEvent, Timing, TrackIndex};
 use enact::pipeline::{Pipeline, PipelineError};
 use enact::segment::{SegmentError, clean::clean, cut, refine};
 use enact_tools::perform::{Acting, Performance, bounces, die, hat_box, perform};
@@ -84,10 +84,18 @@ fn segments_follow_one_another_with_their_marks_in_the_middle() {
 
     // What is cut is what was recorded, to the last sample.
     let segments = cut(&scene, &sketch).unwrap();
-    let cut_lengths: Vec<usize> = segments.iter().map(|s| s.samples.len()).collect();
+    let cut_lengths: Vec<usize> = segments.iter().map(|s| s.sample_count()).collect();
     assert_eq!(cut_lengths, lengths);
     let mut same = sketch.clone();
     assert_eq!((refine(&scene, &mut same), same), (0, sketch));
+}
+
+fn place_m(sample: &Sample) -> nalgebra::Vector3<f64> {
+    sample.seen.position_m().expect("a pose")
+}
+
+fn turn(sample: &Sample) -> nalgebra::UnitQuaternion<f64> {
+    sample.seen.orientation().expect("a pose")
 }
 
 #[test]
@@ -100,11 +108,11 @@ fn segments_of_the_die_join_badly() {
     let (mut shift_m, mut turn_rad) = (0.0_f64, 0.0_f64);
     for pair in segments.windows(2) {
         let (last, first) = (
-            &samples[pair[0].samples.end - 1],
-            &samples[pair[1].samples.start],
+            &samples[pair[0].views[0].samples.end - 1],
+            &samples[pair[1].views[0].samples.start],
         );
-        shift_m = shift_m.max((first.position_m - last.position_m).norm());
-        turn_rad = turn_rad.max(last.orientation.angle_to(&first.orientation));
+        shift_m = shift_m.max((place_m(first) - place_m(last)).norm());
+        turn_rad = turn_rad.max(turn(last).angle_to(&turn(first)));
     }
     assert!((0.02..0.15).contains(&shift_m), "{shift_m} m");
     assert!(
@@ -139,13 +147,13 @@ fn bodies_that_meet_share_the_mark() {
                 .filter(move |s| if end { s.end_event } else { s.start_event } == Some(event));
             let sketch = &sketch;
             of.map(move |s| {
-                let samples = &sketch.tracks[s.track].samples;
+                let samples = &sketch.tracks[s.views[0].track].samples;
                 let at = if end {
-                    s.samples.end - 1
+                    s.views[0].samples.end - 1
                 } else {
-                    s.samples.start
+                    s.views[0].samples.start
                 };
-                (s.track, (samples[at].acted_s - mark_s) * 1e9)
+                (s.views[0].track, (samples[at].acted_s - mark_s) * 1e9)
             })
         };
         let half_ns = |track| 0.5 * interval_ns(events, track) as f64;
@@ -169,8 +177,8 @@ fn bodies_that_meet_share_the_mark() {
         let lengths = lengths(events, scene, track);
         let cut = segments
             .iter()
-            .filter(|s| s.track == track)
-            .map(|s| s.samples.len());
+            .filter(|s| s.views[0].track == track)
+            .map(|s| s.sample_count());
         assert_eq!(cut.collect::<Vec<_>>(), lengths);
     }
 }
@@ -299,7 +307,7 @@ proptest! {
             Ok((sketch, _)) => {
                 prop_assert_eq!(&sketch.marks_s, &plain.marks_s);
                 for (a, b) in sketch.tracks[TrackIndex(0)].samples.iter().zip(&plain.tracks[TrackIndex(0)].samples) {
-                    prop_assert_eq!((a.acted_s, a.position_m, a.orientation), (b.acted_s, b.position_m, b.orientation));
+                    prop_assert_eq!((a.acted_s, a.seen), (b.acted_s, b.seen));
                 }
             }
             Err(error) => {

@@ -15,8 +15,9 @@ fn errors(performance: &Performance) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     samples
         .map(|(sample, time_s)| {
             let truth = performance.truth.state(LinkIndex(0), *time_s);
-            let turn = so3::log(&(truth.orientation.inverse() * sample.orientation));
-            (sample.position_m - truth.position_m, turn)
+            let orientation = sample.seen.orientation().unwrap();
+            let turn = so3::log(&(truth.orientation.inverse() * orientation));
+            (sample.seen.position_m().unwrap() - truth.position_m, turn)
         })
         .collect()
 }
@@ -415,7 +416,7 @@ fn trackers_of_several_bodies_are_out_of_step_and_share_the_marks() {
                 .zip(&performance.sample_times_s[track])
             {
                 let state = truth.state(truth.scene.tracks[track].link, *time_s);
-                assert!((sample.position_m - state.position_m).norm() < 0.15);
+                assert!((sample.seen.position_m().unwrap() - state.position_m).norm() < 0.15);
             }
         }
     }

@@ -78,11 +78,11 @@ fn recording() -> Vec<u8> {
         .expect("attach");
     for k in 0..40 {
         let stamp = Stamp(1_700_000_000_000_000_000 + k * 10_000_000);
-        let sample = PoseSample {
+        let sample = PoseSample::new(
             stamp,
-            position_m: Vector3::new(0.1 * k as f64, (k as f64).sin(), 0.3),
-            quaternion_xyzw: [0.0, 0.6, 0.0, 0.8],
-        };
+            Vector3::new(0.1 * k as f64, (k as f64).sin(), 0.3),
+            [0.0, 0.6, 0.0, 0.8],
+        );
         writer.pose("/pose", "map", stamp, &sample).expect("pose");
         if k == 20 {
             let mark = Mark { stamp, event: None };

@@ -53,13 +53,13 @@ fn segments_follow_each_other_and_keep_away_from_collisions() {
     let samples = &sketch.tracks[TrackIndex(0)].samples;
     for pair in segments.windows(2) {
         assert_eq!(pair[0].end_event, pair[1].start_event);
-        assert!(pair[0].samples.end <= pair[1].samples.start);
+        assert!(pair[0].views[0].samples.end <= pair[1].views[0].samples.start);
         let mark_s = sketch.marks_s[pair[0].end_event.unwrap()];
-        let before_s = samples[pair[0].samples.end - 1].acted_s;
-        let after_s = samples[pair[1].samples.start].acted_s;
+        let before_s = samples[pair[0].views[0].samples.end - 1].acted_s;
+        let after_s = samples[pair[1].views[0].samples.start].acted_s;
         assert!(before_s <= mark_s - 0.99 * INTERVAL_S);
         assert!(after_s >= mark_s + 0.99 * INTERVAL_S);
-        assert!(pair[1].samples.start - pair[0].samples.end <= 2);
+        assert!(pair[1].views[0].samples.start - pair[0].views[0].samples.end <= 2);
     }
 }
 
@@ -71,12 +71,12 @@ fn a_flight_that_a_collision_begins_needs_no_samples_and_the_first_does() {
         let mut sketch = performance.sketch();
         sketch.marks_s[1] = sketch.marks_s[0] + intervals * INTERVAL_S;
         let segments = cut(scene, &sketch).unwrap();
-        let counts: Vec<usize> = segments.iter().map(|s| s.samples.len()).collect();
+        let counts: Vec<usize> = segments.iter().map(|s| s.sample_count()).collect();
         assert_eq!((counts.len(), counts[1]), (4, samples), "{counts:?}");
         assert!(
             segments
                 .windows(2)
-                .all(|pair| pair[0].samples.end <= pair[1].samples.start)
+                .all(|pair| pair[0].views[0].samples.end <= pair[1].views[0].samples.start)
         );
     }
     let mut sketch = performance.sketch();

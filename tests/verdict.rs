@@ -65,13 +65,12 @@ impl Solved {
 
     /// What is said of a solution as it stands.
     fn called(&self, solution: &Solution) -> Estimate {
-        let (scene, segments) = (self.case.scene(), &self.posed.segments);
+        let scene = self.case.scene();
         let context = self.context();
         let errors = outcome::errors(&self.problem, &context, &solution.point);
         outcome::estimate(
             scene,
             &self.sketch,
-            segments,
             &context,
             (solution, &errors),
             Counters::default(),

@@ -21,9 +21,9 @@ use self::event::EventTest;
 use self::hand::{Hand, Kind};
 use self::suspects::{Errors, Which};
 use super::context::SolveContext;
-use super::covariance::bins::Bins;
+use super::covariance::bins::{Bins, Residuals, Six};
 use super::covariance::noise::mean_squares;
-use super::problem::Problem;
+use super::problem::{Problem, View};
 use super::recipe::Solution;
 use crate::motion::{Fit, Fits, Observer, Scene, Segment, Sketch, Suspect, Tested};
 
@@ -41,7 +41,7 @@ const SHOWN: f64 = 3.0;
 /// too little to tell.
 pub fn judge(
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
+    (solution, errors): (&Solution, &[Residuals]),
     posed: (&Scene, &Sketch, &[Segment]),
     observer: &mut dyn Observer,
 ) -> Option<(Fit, Vec<Suspect>)> {
@@ -146,25 +146,42 @@ fn kinder(
 /// Whether motions are farther from the samples than bodies that rest at their mean places would be: no
 /// one quantity is to blame for that.
 fn farther_than_rest(problem: &Problem, distance_m: f64) -> bool {
-    let arcs = problem.arcs.iter().filter(|arc| !arc.samples.is_empty());
-    let mut squares_m2 = 0.0;
-    for track in arcs.clone().map(|arc| arc.track).collect::<BTreeSet<_>>() {
-        let of_track = arcs.clone().filter(|arc| arc.track == track);
-        let places = of_track.flat_map(|arc| &arc.samples).map(|s| s.position_m);
-        let count = places.clone().count() as f64;
-        let mean = places.clone().sum::<Vector3<f64>>() / count;
-        squares_m2 += places
-            .map(|place| (place - mean).norm_squared())
-            .sum::<f64>();
+    let is_placed = |(_, view): &(usize, &View)| view.shows.kinds()[0] && !view.samples.is_empty();
+    let views = problem.views().filter(is_placed).map(|(_, view)| view);
+    let (mut squares_m2, mut samples) = (0.0, 0);
+    for track in views
+        .clone()
+        .map(|view| view.track)
+        .collect::<BTreeSet<_>>()
+    {
+        let of_track = views.clone().filter(|view| view.track == track);
+        let places = of_track
+            .flat_map(|view| &view.samples)
+            .map(|s| s.position_m);
+        let count = places.clone().count();
+        let mean = places.clone().sum::<Vector3<f64>>() / count as f64;
+        let squares = places.map(|place| (place - mean).norm_squared());
+        squares_m2 += squares.sum::<f64>();
+        samples += count;
     }
-    distance_m * distance_m * problem.sample_count() as f64 > squares_m2
+    distance_m * distance_m * samples as f64 > squares_m2
 }
 
-/// Root mean square of distances \[m\] and angles \[rad\].
-fn rms(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> [f64; 2] {
-    let [position, orientation] = mean_squares(errors).map(|square| (3.0 * square).sqrt());
-    [
-        position * problem.position_unit_m,
-        orientation * problem.orientation_unit_rad,
-    ]
+/// Root mean square of distances \[m\] and angles \[rad\], in the scene's units where samples are
+/// whitened.
+fn rms(problem: &Problem, errors: &[Residuals]) -> [f64; 2] {
+    let units = [problem.position_unit_m, problem.orientation_unit_rad];
+    let scaled = problem.views().zip(errors).map(|((_, view), of)| {
+        let factors = [0, 1].map(|kind| match view.units[kind] {
+            unit if unit.is_finite() => unit / units[kind],
+            _ => 0.0,
+        });
+        let scale = |six: &Six| std::array::from_fn(|axis| six[axis] * factors[axis / 3]);
+        Residuals {
+            kinds: of.kinds,
+            each: of.each.iter().map(scale).collect(),
+        }
+    });
+    let squares = mean_squares(&scaled.collect::<Vec<_>>());
+    [0, 1].map(|kind| (3.0 * squares[kind]).sqrt() * units[kind])
 }

@@ -351,7 +351,7 @@ impl Part<'_> {
         if scene.velocity_gaps == VelocityGaps::Always {
             // Its Lagrangian is that of the whole performance.
             let samples = |of: &[Segment]| {
-                let counts = of.iter().map(|segment| segment.samples.len());
+                let counts = of.iter().map(Segment::sample_count);
                 let seen = counts.clone().filter(|count| *count > 0).count();
                 counts.sum::<usize>() as f64 / seen.max(1) as f64
             };

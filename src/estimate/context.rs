@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::point::Point;
-use super::problem::{Arc, Problem};
+use super::problem::{Problem, View};
 use super::samples::ArcSums;
 use crate::physics::Dynamics;
 
@@ -15,7 +15,7 @@ pub struct SolveContext<'a> {
     pub layout: &'a Layout,
     /// Epochs: physical times at which the arcs' states hold \[s\].
     pub epochs_s: Vec<f64>,
-    /// Sums of each plain arc's samples; empty where times are unknown.
+    /// Sums of each plain view's samples ([`Problem::views`]); empty where times are unknown.
     pub sums: Vec<Option<ArcSums>>,
 }
 
@@ -31,14 +31,14 @@ impl<'a> SolveContext<'a> {
         let sums = if problem.times_are_unknown() {
             Vec::new()
         } else {
-            let arcs = problem.arcs.iter().zip(&point.arcs).zip(&epochs_s);
-            arcs.map(|((arc, state), epoch_s)| {
-                let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
-                arc.is_plain.then(|| {
-                    ArcSums::new(body, arc, &point.node_times_s, *epoch_s, state, &gravity)
+            let views = problem.views().map(|(arc, view)| {
+                let Dynamics::Free(body) = problem.dynamics_of(arc);
+                let (state, epoch_s) = (&point.arcs[arc], epochs_s[arc]);
+                view.is_plain.then(|| {
+                    ArcSums::new(body, view, &point.node_times_s, epoch_s, state, &gravity)
                 })
-            })
-            .collect()
+            });
+            views.collect()
         };
         Self {
             problem,
@@ -74,10 +74,10 @@ impl Guidance {
         }
     }
 
-    /// Stride of the samples used of an arc whose times are unknown, so that at least the wanted
+    /// Stride of the samples used of a view whose times are unknown, so that at least the wanted
     /// number of orientations and as many samples as nodes are used.
-    pub(super) fn stride(&self, arc: &Arc) -> usize {
-        let samples = &arc.samples;
+    pub(super) fn stride(&self, view: &View) -> usize {
+        let samples = &view.samples;
         let nodes = match (samples.first(), samples.last()) {
             (Some(first), Some(last)) => last.node - first.node + 1,
             _ => 1,
@@ -91,22 +91,22 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::estimate::problem::ArcSample;
-    use crate::motion::{MechanismIndex, TrackIndex};
+    use crate::estimate::problem::{ArcSample, Shows};
+    use crate::motion::TrackIndex;
 
-    fn arc(samples: usize, per_node: usize) -> Arc {
+    fn view(samples: usize, per_node: usize) -> View {
         let sample = |index: usize| ArcSample {
+            stamp: crate::motion::Stamp(0),
             position_m: Vector3::zeros(),
             orientation: UnitQuaternion::identity(),
             node: 3 + index / per_node,
             share: (index % per_node) as f64 / per_node as f64,
         };
-        Arc {
-            mechanism: MechanismIndex(0),
+        View {
             track: TrackIndex(0),
-            start: None,
-            end: None,
-            acting: Vec::new(),
+            shows: Shows::Pose,
+            units: [1.0; 2],
+            whitenings: Vec::new(),
             is_plain: true,
             samples: (0..samples).map(sample).collect(),
         }
@@ -118,12 +118,12 @@ mod tests {
             orientations_per_arc: 16,
             ..Guidance::none()
         };
-        assert_eq!(coarse.stride(&arc(160, 160)), 10);
-        assert_eq!(coarse.stride(&arc(160, 4)), 4);
-        assert_eq!(coarse.stride(&arc(306, 17)), 17);
-        assert_eq!(coarse.stride(&arc(160, 1)), 1);
-        assert_eq!(coarse.stride(&arc(5, 1)), 1);
-        assert_eq!(coarse.stride(&arc(0, 1)), 1);
-        assert_eq!(Guidance::none().stride(&arc(160, 160)), 1);
+        assert_eq!(coarse.stride(&view(160, 160)), 10);
+        assert_eq!(coarse.stride(&view(160, 4)), 4);
+        assert_eq!(coarse.stride(&view(306, 17)), 17);
+        assert_eq!(coarse.stride(&view(160, 1)), 1);
+        assert_eq!(coarse.stride(&view(5, 1)), 1);
+        assert_eq!(coarse.stride(&view(0, 1)), 1);
+        assert_eq!(Guidance::none().stride(&view(160, 160)), 1);
     }
 }

@@ -1,6 +1,7 @@
 //! Standard deviations of an estimate, and quantities that the performance does not determine.
 
 use super::context::SolveContext;
+use super::covariance::bins::Residuals;
 use super::covariance::{Covariance, Moment};
 use super::recipe::Solution;
 use super::timing;
@@ -13,7 +14,7 @@ pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
+    (solution, errors): (&Solution, &[Residuals]),
 ) {
     let at = (&solution.point, &solution.system);
     let covariance = Covariance::new(context, at, &solution.multipliers, errors);

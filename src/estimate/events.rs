@@ -50,12 +50,15 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
         (0.0, 0.0),
         |(longest_s, most_rad): (f64, f64), (arc, state)| {
             let times_s = |sample: &ArcSample| sample.time_s(&point.node_times_s);
-            let interval_s = match arc.samples.as_slice() {
+            // Of the track that sees orientations most often.
+            let views = arc.views.iter().filter(|view| view.shows.kinds()[1]);
+            let interval_s = views.filter_map(|view| match view.samples.as_slice() {
                 [first, .., last] => {
-                    (times_s(last) - times_s(first)) / (arc.samples.len() - 1) as f64
+                    Some((times_s(last) - times_s(first)) / (view.samples.len() - 1) as f64)
                 }
-                _ => 0.0,
-            };
+                _ => None,
+            });
+            let interval_s = interval_s.reduce(f64::min).unwrap_or(0.0);
             let turned_rad = (state.angular_velocity_rad_s.norm() * interval_s).min(PI);
             (longest_s.max(interval_s), most_rad.max(turned_rad))
         },

@@ -65,6 +65,8 @@ pub struct Acting {
     pub influence: Influence,
     /// At a collision, the side on which it acts; `None`: on both, or on a surface.
     pub side: Option<usize>,
+    /// The track that it belongs to: it acts on nothing else.
+    pub track: Option<TrackIndex>,
 }
 
 /// Whether a parameter of the drag is among those that act on an arc.
@@ -107,6 +109,10 @@ impl Role {
             parameter: self.parameter,
             influence: self.influence,
             side,
+            track: match self.owner {
+                Owner::Track(track) => Some(track),
+                Owner::Link(..) | Owner::Surface(_) => None,
+            },
         }
     }
 

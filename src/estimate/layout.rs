@@ -60,8 +60,8 @@ impl Layout {
             if problem.times_are_unknown() {
                 let last = here
                     .iter()
-                    .filter_map(|arc| problem.arcs[*arc].samples.last())
-                    .map(|sample| sample.node)
+                    .filter_map(|arc| problem.arcs[*arc].ends())
+                    .map(|[_, last]| last.node)
                     .max();
                 while last.is_some_and(|last| next_node <= last) {
                     nodes[next_node] = Some(take(1));
@@ -142,7 +142,7 @@ impl Layout {
             clique(&members);
             let own = members.len();
             let mut before = None;
-            for sample in &arc.samples {
+            for sample in arc.samples() {
                 let place = (sample.node, sample.share > 0.0);
                 // The next sample between the same nodes couples nothing more.
                 if before.replace(place) == Some(place) {

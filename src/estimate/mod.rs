@@ -42,6 +42,7 @@ pub mod problem;
 mod pull;
 pub mod recipe;
 pub mod samples;
+mod seen;
 mod simulate;
 pub mod solve;
 pub mod tempo;

@@ -10,7 +10,7 @@ use super::influence::{Influence, Owner};
 use super::point::Point;
 use super::problem::{ArcCollision, ArcSample, Problem};
 use crate::math::{Pose, so3};
-use crate::motion::MechanismIndex;
+use crate::motion::{MechanismIndex, TrackIndex};
 use crate::physics::contact::Contact;
 use crate::physics::impact::ContactSet;
 use crate::physics::{Drag, Dynamics};
@@ -74,14 +74,17 @@ impl Problem {
         Some(dynamics)
     }
 
-    /// How a track's tracker is mounted, with free quantities taken from `parameters`.
-    pub(super) fn mount_at(&self, arc: usize, parameters: &[f64]) -> Mount {
+    /// How the tracker of a track that sees an arc is mounted, with free quantities taken from `parameters`.
+    pub(super) fn mount_at(&self, arc: usize, track: TrackIndex, parameters: &[f64]) -> Mount {
         let arc = &self.arcs[arc];
-        let link_from_tracker: &Pose = &self.mounts[arc.track];
+        let link_from_tracker: &Pose = &self.mounts[track];
         let from_m = link_from_tracker.translation.vector;
         let (mut turn, mut to_m) = (Vector3::zeros(), from_m);
         let (mut rate, mut offset_s) = (0.0, 0.0);
         for acting in &arc.acting {
+            if acting.track.is_some_and(|of| of != track) {
+                continue;
+            }
             let value = parameters[acting.parameter];
             match acting.influence {
                 Influence::Centre(axis) => to_m[axis] -= value,
@@ -103,13 +106,19 @@ impl Problem {
     }
 
     /// Physical time of a sample of an arc \[s\].
-    pub fn sample_time_s(&self, arc: usize, sample: &ArcSample, point: &Point) -> f64 {
+    pub fn sample_time_s(
+        &self,
+        (arc, track): (usize, TrackIndex),
+        sample: &ArcSample,
+        point: &Point,
+    ) -> f64 {
         let time_s = sample.time_s(&point.node_times_s);
         if self.arcs[arc].is_plain {
             return time_s;
         }
         let zero_s = point.node_times_s.first().copied().unwrap_or(0.0);
-        self.mount_at(arc, &point.parameters).time_s(time_s, zero_s)
+        let mount = self.mount_at(arc, track, &point.parameters);
+        mount.time_s(time_s, zero_s)
     }
 
     /// The contacts of a collision, with free quantities taken from `parameters`; `None` where they

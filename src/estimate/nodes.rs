@@ -7,7 +7,7 @@
 //! multiplied by the number of samples per node, so that the optimum does not depend on the
 //! sampling rate either.
 
-use crate::motion::{Sample, Segment, Sketch};
+use crate::motion::{Segment, Sketch};
 
 /// Least distance of nodes except at the ends of flights \[s\]: streams of up to 200 samples a
 /// second have a node at every sample.
@@ -24,7 +24,9 @@ pub(super) struct Nodes {
 impl Nodes {
     /// Nodes at all samples of all segments.
     pub(super) fn everywhere(sketch: &Sketch, segments: &[Segment]) -> Self {
-        let of_all = segments.iter().flat_map(|segment| samples(sketch, segment));
+        let of_all = segments
+            .iter()
+            .flat_map(|segment| sketch.samples_in(segment));
         Self {
             acted_s: distinct(of_all.map(|sample| sample.acted_s).collect()),
             samples_each: 1.0,
@@ -35,11 +37,10 @@ impl Nodes {
     /// nodes, so that no interpolated sample lies between two flights.
     pub(super) fn spaced(sketch: &Sketch, segments: &[Segment]) -> Self {
         let all = Self::everywhere(sketch, segments);
-        let ends = segments.iter().flat_map(|segment| {
-            let samples = samples(sketch, segment);
-            let ends = [samples.first(), samples.last()].into_iter().flatten();
-            ends.map(|sample| sample.acted_s)
-        });
+        let ends = segments
+            .iter()
+            .filter_map(|segment| sketch.span_s(segment))
+            .flatten();
         let mut ends = distinct(ends.collect()).into_iter().peekable();
         // With whether they are ends.
         let mut kept: Vec<(f64, bool)> = Vec::new();
@@ -76,10 +77,6 @@ impl Nodes {
     }
 }
 
-fn samples<'s>(sketch: &'s Sketch, segment: &Segment) -> &'s [Sample] {
-    sketch.samples_of(segment)
-}
-
 fn distinct(mut times_s: Vec<f64>) -> Vec<f64> {
     times_s.sort_by(f64::total_cmp);
     times_s.dedup();
@@ -91,34 +88,36 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::motion::{MechanismIndex, Stamp, TrackIndex, TrackSketch};
+    use crate::motion::{MechanismIndex, Sample, Stamp, TrackIndex, TrackSketch, View};
 
     /// Two flights at `rate_hz`, of 0.4 s each, parted by 20 ms.
     fn two_flights(rate_hz: f64) -> (Sketch, Vec<Segment>) {
         let count = (0.4 * rate_hz) as usize;
-        let sample = |acted_s: f64| Sample {
-            stamp: Stamp((acted_s * 1e9) as i64),
-            acted_s,
-            position_m: Vector3::zeros(),
-            orientation: UnitQuaternion::identity(),
+        let sample = |acted_s: f64| {
+            Sample::of_pose(
+                Stamp((acted_s * 1e9) as i64),
+                acted_s,
+                Vector3::zeros(),
+                UnitQuaternion::identity(),
+            )
         };
         let flight = |from_s: f64| (0..count).map(move |i| sample(from_s + i as f64 / rate_hz));
         let sketch = Sketch {
             origin: Stamp(0),
-            tracks: [TrackSketch {
-                samples: flight(0.0).chain(flight(0.42)).collect(),
-            }]
-            .into_iter()
-            .collect(),
+            tracks: [TrackSketch::new(flight(0.0).chain(flight(0.42)).collect())]
+                .into_iter()
+                .collect(),
             marks_s: vec![0.41],
             marks: vec![None],
         };
         let segment = |samples| Segment {
             mechanism: MechanismIndex(0),
-            track: TrackIndex(0),
             start_event: None,
             end_event: None,
-            samples,
+            views: vec![View {
+                track: TrackIndex(0),
+                samples,
+            }],
         };
         (sketch, vec![segment(0..count), segment(count..2 * count)])
     }
@@ -146,7 +145,7 @@ mod tests {
             let each = 2.0 * 0.4 * rate_hz / count;
             assert!((nodes.samples_each / each - 1.0).abs() < 0.02);
             for segment in &segments {
-                let samples = samples(&sketch, segment);
+                let samples = sketch.samples_of(&segment.views[0]);
                 let places: Vec<(usize, f64)> =
                     samples.iter().map(|s| nodes.place(s.acted_s)).collect();
                 let (first, last) = (places[0], places[places.len() - 1]);

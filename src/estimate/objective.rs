@@ -10,6 +10,7 @@ use nalgebra::{DVector, Vector3};
 use super::context::{Guidance, SolveContext};
 use super::observed::Observer;
 use super::point::Point;
+use super::problem::View;
 use super::samples::{self, ArcTerms, TimeTerms};
 use super::tempo;
 use crate::optimise::System;
@@ -53,16 +54,17 @@ impl<'a> Objective<'a> {
     pub(super) fn add_samples(&mut self) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
-        for (index, arc) in problem.arcs.iter().enumerate() {
-            if !arc.is_plain {
-                self.add_general(index, &gravity);
+        for (number, (index, view)) in problem.views().enumerate() {
+            if !view.is_plain {
+                self.add_general((index, view), &gravity);
                 continue;
             }
+            let Dynamics::Free(body) = problem.dynamics_of(index);
             let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
             let times_s = &self.point.node_times_s;
             let terms = if problem.times_are_unknown() {
-                let of = (arc, self.guidance.stride(arc));
-                samples::unknown_times(problem, of, flight, &gravity, times_s, |node, terms| {
+                let of = (view, self.guidance.stride(view));
+                samples::unknown_times(body, of, flight, &gravity, times_s, |node, terms| {
                     if let Some(at) = layout.nodes[node] {
                         self.add_time(index, at, &terms);
                         if terms.with_next != 0.0
@@ -74,17 +76,17 @@ impl<'a> Objective<'a> {
                     }
                 })
             } else {
-                let sums = self.context.sums[index].as_ref();
-                let sums = sums.expect("sums of a plain arc");
-                let stride = (arc.samples.len() / self.guidance.orientations_per_arc).max(1);
-                samples::known_times(problem, arc, (sums, stride), flight, &gravity, times_s)
+                let sums = self.context.sums[number].as_ref();
+                let sums = sums.expect("sums of a plain view");
+                let stride = (view.samples.len() / self.guidance.orientations_per_arc).max(1);
+                samples::known_times(body, view, (sums, stride), flight, &gravity, times_s)
             };
             self.add_arc(layout.arcs[index], &terms);
         }
     }
 
-    /// Adds the residuals of an arc in general; infinitely many where no body has such moments.
-    fn add_general(&mut self, index: usize, gravity_m_s2: &Vector3<f64>) {
+    /// Adds the residuals of a view in general; infinitely many where no body has such moments.
+    fn add_general(&mut self, (index, view): (usize, &View), gravity_m_s2: &Vector3<f64>) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let arc = &problem.arcs[index];
         let Some(dynamics) = problem.dynamics_at(&self.point.parameters) else {
@@ -94,10 +96,11 @@ impl<'a> Objective<'a> {
         let Dynamics::Free(body) = &dynamics[arc.mechanism];
         let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
         let parameters = &self.point.parameters;
-        let mut observer = Observer::new(problem, index, (body, gravity_m_s2), flight, parameters);
-        let stride = self.guidance.stride(arc);
-        let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
-        let weight = arc.samples.len() as f64 / samples.len().max(1) as f64;
+        let of = (index, view);
+        let mut observer = Observer::new(problem, of, (body, gravity_m_s2), flight, parameters);
+        let stride = self.guidance.stride(view);
+        let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
+        let weight = view.samples.len() as f64 / samples.len().max(1) as f64;
         let state = layout.state(problem, index);
         let acting = arc.acting.iter().map(|a| layout.parameters[a.parameter]);
         let own: Vec<usize> = state.chain(acting).collect();
@@ -107,8 +110,9 @@ impl<'a> Objective<'a> {
         let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
             a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * weight
         };
-        for sample in samples {
-            let observed = observer.observed(sample, &self.point.node_times_s);
+        for index in samples {
+            let sample = &view.samples[index];
+            let observed = observer.observed(index, &self.point.node_times_s);
             let columns = || observed.by_state.iter().chain(&observed.by_acting);
             *self.cost += 0.5 * dot(&observed.residual, &observed.residual);
             for (i, a) in columns().enumerate() {

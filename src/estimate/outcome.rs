@@ -1,16 +1,17 @@
 //! The solver's result as an estimate of the scene: events, arcs, gaps, residuals and verdict.
 
+use nalgebra::Vector3;
+
 use super::context::SolveContext;
+use super::covariance::bins::Residuals;
 use super::observed::Observer;
 use super::point::Point;
-use super::problem::{Problem, TimeSide, unit};
+use super::problem::{Problem, TimeSide, View, unit};
 use super::recipe::Solution;
 use super::timing;
-use crate::math::so3;
 use crate::motion::{
     ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, Measured,
-    ParameterEstimate, Progress, Reason, SampleTime, Scene, Segment, SegmentResidual, Sketch,
-    Verdict,
+    ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch, Verdict,
 };
 use crate::optimise::System;
 use crate::physics::Dynamics;
@@ -35,9 +36,8 @@ const NEAR: f64 = 1e-6;
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
-    segments: &[Segment],
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Vec<[f64; 6]>]),
+    (solution, errors): (&Solution, &[Residuals]),
     counters: Counters,
 ) -> Estimate {
     let problem = context.problem;
@@ -54,7 +54,7 @@ pub fn estimate(
         gravity_m_s2: problem.gravity(&point.parameters),
         arcs,
         residuals: residuals(problem, errors),
-        sample_times: sample_times(sketch, segments, problem, point),
+        sample_times: sample_times(problem, point),
         events,
         duration: DurationEstimate {
             duration_s: timing::duration(context, point).duration_s,
@@ -238,10 +238,11 @@ fn arcs(
     events: &[EventEstimate],
 ) -> Vec<ArcEstimate> {
     let times = |arc: usize| {
-        problem.arcs[arc]
-            .samples
-            .iter()
-            .map(move |s| problem.sample_time_s(arc, s, point))
+        let views = problem.arcs[arc].views.iter();
+        views.flat_map(move |view| {
+            let samples = view.samples.iter();
+            samples.map(move |s| problem.sample_time_s((arc, view.track), s, point))
+        })
     };
     let mut arcs: Vec<ArcEstimate> = problem
         .arcs
@@ -272,71 +273,81 @@ fn arcs(
     arcs
 }
 
-/// Residuals of every sample, arc by arc, in the problem's units: position, then orientation.
-pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Vec<[f64; 6]>> {
+/// Residuals of every sample, view by view, in units: position, then orientation.
+pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Residuals> {
     let gravity = problem.gravity(&point.parameters);
-    let arcs = problem.arcs.iter().enumerate();
     let dynamics = problem.dynamics_at(&point.parameters);
     let dynamics = dynamics.expect("moments that the solution has");
-    arcs.map(|(index, arc)| {
-        let Dynamics::Free(body) = &dynamics[arc.mechanism];
-        let flight = (&point.arcs[index], context.epochs_s[index]);
-        let parameters = &point.parameters;
-        let mut observer = Observer::new(problem, index, (body, &gravity), flight, parameters);
-        let samples = arc.samples.iter();
-        samples
-            .map(|sample| {
-                let [flown, seen] = observer.seen(sample, &point.node_times_s);
-                let shift = (flown.0 - seen.0) / problem.position_unit_m;
-                let turn = so3::log(&(seen.1.inverse() * flown.1)) / problem.orientation_unit_rad;
-                [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
-            })
-            .collect()
-    })
-    .collect()
+    let views = problem.views().map(|(arc, view)| {
+        let Dynamics::Free(body) = &dynamics[problem.arcs[arc].mechanism];
+        let flight = (&point.arcs[arc], context.epochs_s[arc]);
+        let of = (arc, view);
+        let mut observer = Observer::new(problem, of, (body, &gravity), flight, &point.parameters);
+        let samples = 0..view.samples.len();
+        Residuals {
+            kinds: view.shows.kinds(),
+            each: samples
+                .map(|sample| observer.residual(sample, &point.node_times_s))
+                .collect(),
+        }
+    });
+    views.collect()
 }
 
-fn residuals(problem: &Problem, errors: &[Vec<[f64; 6]>]) -> Vec<SegmentResidual> {
+/// What every view leaves, in the order of the estimate's arcs.
+fn residuals(problem: &Problem, errors: &[Residuals]) -> Vec<SegmentResidual> {
+    let rms = |view: usize, (of, kind): (&View, usize)| {
+        let errors = &errors[view];
+        let squares = errors.each.iter().enumerate().map(|(sample, error)| {
+            let three = Vector3::from_fn(|axis, _| error[3 * kind + axis]);
+            // Of a whitened residual the size, not the direction.
+            let unit = match of.whitenings.get(sample) {
+                Some(whitening) => {
+                    let block = whitening.fixed_view::<3, 3>(3 * kind, 3 * kind);
+                    block.determinant().cbrt().recip()
+                }
+                None => of.units[kind],
+            };
+            (three * unit).norm_squared()
+        });
+        let mean = squares.sum::<f64>() / errors.each.len().max(1) as f64;
+        errors.kinds[kind].then(|| mean.sqrt())
+    };
+    let order = order(problem).into_iter().enumerate();
+    let ordered = order.flat_map(|(place, arc)| {
+        let numbers = problem.views_of(arc);
+        let views = problem.arcs[arc].views.iter().zip(numbers);
+        views.map(move |(view, number)| SegmentResidual {
+            arc: place,
+            track: view.track,
+            samples: view.samples.len(),
+            position_rms_m: rms(number, (view, 0)),
+            orientation_rms_rad: rms(number, (view, 1)),
+        })
+    });
+    ordered.collect()
+}
+
+/// The problem's arcs in the order of the estimate's: mechanism by mechanism, in order of time.
+fn order(problem: &Problem) -> Vec<usize> {
     let mut order: Vec<usize> = (0..problem.arcs.len()).collect();
     order.sort_by_key(|arc| problem.arcs[*arc].mechanism);
-    let rms = |errors: &[[f64; 6]], part: std::ops::Range<usize>| {
-        let squares = errors
-            .iter()
-            .map(|e| e[part.clone()].iter().map(|r| r * r).sum::<f64>());
-        (squares.sum::<f64>() / errors.len().max(1) as f64).sqrt()
-    };
     order
-        .into_iter()
-        .map(|index| SegmentResidual {
-            track: problem.arcs[index].track,
-            samples: errors[index].len(),
-            position_rms_m: rms(&errors[index], 0..3) * problem.position_unit_m,
-            orientation_rms_rad: rms(&errors[index], 3..6) * problem.orientation_unit_rad,
-        })
-        .collect()
 }
 
-fn sample_times(
-    sketch: &Sketch,
-    segments: &[Segment],
-    problem: &Problem,
-    point: &Point,
-) -> Vec<SampleTime> {
-    let mut order: Vec<usize> = (0..segments.len()).collect();
-    order.sort_by_key(|segment| segments[*segment].mechanism);
-    order
-        .into_iter()
-        .flat_map(|index| {
-            let segment = &segments[index];
-            let samples = sketch.samples_of(segment);
-            samples
-                .iter()
-                .zip(&problem.arcs[index].samples)
-                .map(move |(sample, arc)| SampleTime {
-                    track: segment.track,
+/// The physical times of all samples, in the order of [`residuals`].
+fn sample_times(problem: &Problem, point: &Point) -> Vec<SampleTime> {
+    let mut times = Vec::new();
+    for arc in order(problem) {
+        for view in &problem.arcs[arc].views {
+            for sample in &view.samples {
+                times.push(SampleTime {
+                    track: view.track,
                     stamp: sample.stamp,
-                    time_s: problem.sample_time_s(index, arc, point),
-                })
-        })
-        .collect()
+                    time_s: problem.sample_time_s((arc, view.track), sample, point),
+                });
+            }
+        }
+    }
+    times
 }

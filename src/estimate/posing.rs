@@ -3,9 +3,10 @@
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcSample, ArcTarget, Bounded, EventMark, Ordered,
-    Problem, TimeBound, TimeSide,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, Ordered, Problem,
+    TimeBound, TimeSide,
 };
+use super::seen::views;
 use crate::motion::{
     Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
@@ -28,10 +29,15 @@ impl Problem {
             |link| scene.mechanism_of(link),
             |link| scene.links[link].body.moments_kg_m2(),
         );
-        let mut arcs: Vec<Arc> = segments
-            .iter()
-            .map(|segment| arc(sketch, segment, &nodes))
-            .collect();
+        let arcs = segments.iter().map(|segment| Arc {
+            mechanism: segment.mechanism,
+            start: segment.start_event,
+            end: segment.end_event,
+            views: views(scene, sketch, segment, &nodes),
+            acting: Vec::new(),
+            is_plain: true,
+        });
+        let mut arcs: Vec<Arc> = arcs.collect();
         let parameter = |quantity: Quantity| {
             scene
                 .parameters
@@ -42,13 +48,16 @@ impl Problem {
         for arc in &mut arcs {
             let acting = |role: &Role| match role.owner {
                 Owner::Link(_, mechanism) => mechanism == arc.mechanism,
-                Owner::Track(track) => track == arc.track,
+                Owner::Track(track) => arc.views.iter().any(|view| view.track == track),
                 Owner::Surface(_) => false,
             };
             let acting = roles.iter().filter(|role| acting(role));
             arc.acting = acting.map(|role| role.acting(None)).collect();
             let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
+            for view in &mut arc.views {
+                view.is_plain &= arc.is_plain;
+            }
             if !arc.is_plain {
                 arc.acting.extend(gravity(&gravity_parameters));
             }
@@ -116,6 +125,7 @@ fn gravity(parameters: &[Option<usize>; 3]) -> impl Iterator<Item = Acting> + '_
             parameter: (*parameter)?,
             influence: Influence::Pull(axis),
             side: None,
+            track: None,
         })
     })
 }
@@ -185,30 +195,6 @@ fn time_bounds(scene: &Scene, sketch: &Sketch, nodes_acted_s: &[f64]) -> Vec<Tim
         }));
     }
     bounds
-}
-
-fn arc(sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Arc {
-    let samples = sketch.samples_of(segment);
-    Arc {
-        mechanism: segment.mechanism,
-        track: segment.track,
-        start: segment.start_event,
-        end: segment.end_event,
-        acting: Vec::new(),
-        is_plain: true,
-        samples: samples
-            .iter()
-            .map(|sample| {
-                let (node, share) = nodes.place(sample.acted_s);
-                ArcSample {
-                    position_m: sample.position_m,
-                    orientation: sample.orientation,
-                    node,
-                    share,
-                }
-            })
-            .collect(),
-    }
 }
 
 fn collisions(

@@ -1,12 +1,14 @@
 //! The estimation problem in the solver's terms: arcs, events, constraints and free unknowns.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use std::ops::Range;
+
+use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
-use crate::motion::{Cone, FreeParameter, MechanismIndex, TrackIndex};
+use crate::motion::{Cone, FreeParameter, MechanismIndex, Stamp, TrackIndex};
 use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
 
@@ -29,12 +31,14 @@ pub mod unit {
 /// tenth, and increases the distance from the performance to four times.
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
 
-/// One sample of an arc.
+/// One sample of an arc: what of it counts is said by its view ([`Shows`]).
 #[derive(Clone, Copy, Debug)]
 pub struct ArcSample {
-    /// Centre of mass [m, world].
+    /// When the tracker measured it.
+    pub stamp: Stamp,
+    /// Centre of mass, or the point that is seen; zero where no position is [m, world].
     pub position_m: Vector3<f64>,
-    /// World from body.
+    /// World from body; that of a direction turns the axis to it; the identity where neither is seen.
     pub orientation: UnitQuaternion<f64>,
     /// Index into [`Problem::nodes_acted_s`]: the node at or before it.
     pub node: usize,
@@ -58,31 +62,91 @@ impl ArcSample {
 /// Least number of samples of an arc that tell its state.
 const INFORMED_MIN: usize = 3;
 
+/// What the samples of a view show of the state `q = (x, R, v, ω)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shows {
+    /// `x` and `R`.
+    Pose,
+    /// `x + R p` of the point `p` on which the tracker is mounted.
+    Point,
+    /// `R`.
+    Orientation,
+    /// `R a` of an axis `a` of the link.
+    Direction(Vector3<f64>),
+}
+
+impl Shows {
+    /// Whether positions, and whether orientations or directions, are seen.
+    pub fn kinds(self) -> [bool; 2] {
+        match self {
+            Shows::Pose => [true, true],
+            Shows::Point => [true, false],
+            Shows::Orientation | Shows::Direction(_) => [false, true],
+        }
+    }
+}
+
+/// What one track shows of an arc.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// What saw it.
+    pub track: TrackIndex,
+    /// What its samples show.
+    pub shows: Shows,
+    /// Its samples in order.
+    pub samples: Vec<ArcSample>,
+    /// Units of its residuals \[m, rad\]; infinite for what is not seen.
+    pub units: [f64; 2],
+    /// Where the weights of samples differ, for every sample `L⁻¹`, with the covariance `L Lᵀ` of the
+    /// tracker's position and rotation vector in world axes; empty otherwise.
+    pub whitenings: Vec<Matrix6<f64>>,
+    /// Whether the short form of its residuals serves ([`samples`](super::samples)): its arc is plain,
+    /// and it shows the centre of mass, the orientation or both, with the same weight in all samples.
+    pub is_plain: bool,
+}
+
 /// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
     /// What flies (index into [`Problem::dynamics`]).
     pub mechanism: MechanismIndex,
-    /// What saw it.
-    pub track: TrackIndex,
     /// Event at its start.
     pub start: Option<usize>,
     /// Event at its end.
     pub end: Option<usize>,
-    /// Its samples in order.
-    pub samples: Vec<ArcSample>,
+    /// What is seen of it.
+    pub views: Vec<View>,
     /// Parameters that act on it or on what is seen of it, where it is not plain; gravity among
     /// them.
     pub acting: Vec<Acting>,
-    /// Whether it is a parabola on which at most gravity acts, so that the short form of its
-    /// residuals serves ([`samples`](super::samples)).
+    /// Whether it is a parabola on which at most gravity acts.
     pub is_plain: bool,
 }
 
 impl Arc {
+    /// Number of samples of all its views.
+    pub fn sample_count(&self) -> usize {
+        self.views.iter().map(|view| view.samples.len()).sum()
+    }
+
+    /// Its samples, one view after the other.
+    pub fn samples(&self) -> impl Iterator<Item = &ArcSample> + Clone {
+        self.views.iter().flat_map(|view| &view.samples)
+    }
+
+    /// Its first and its last sample in order of time.
+    pub fn ends(&self) -> Option<[&ArcSample; 2]> {
+        let place = |sample: &ArcSample| (sample.node, sample.share);
+        let earlier = |a: &ArcSample, b: &ArcSample| place(a).partial_cmp(&place(b));
+        let earlier = move |a: &&ArcSample, b: &&ArcSample| earlier(a, b).expect("finite shares");
+        let firsts = self.views.iter().filter_map(|view| view.samples.first());
+        let lasts = self.views.iter().filter_map(|view| view.samples.last());
+        Some([firsts.min_by(earlier)?, lasts.max_by(earlier)?])
+    }
+
     /// Whether its own samples tell its state, or only the impacts beside it.
     pub fn is_informed(&self) -> bool {
-        self.samples.len() >= INFORMED_MIN
+        self.sample_count() >= INFORMED_MIN
     }
 }
 
@@ -300,21 +364,27 @@ impl Problem {
         position.max(orientation)
     }
 
-    /// [`Problem::information`] with the lesser of positions' and orientations'.
+    /// [`Problem::information`] with the lesser of positions' and orientations', where both are seen.
     pub fn least_information(&self) -> f64 {
-        let [position, orientation] = self.informations();
-        position.min(orientation)
+        let seen = self.informations().into_iter().filter(|of| *of > 0.0);
+        seen.reduce(f64::min).unwrap_or(0.0)
     }
 
     /// Information of positions and of orientations.
     fn informations(&self) -> [f64; 2] {
         const REFERENCE_SAMPLES: f64 = 48.0;
-        let per_arc = self.sample_count() as f64 / self.seen_arcs().max(1) as f64;
-        [
-            unit::POSITION_M / self.position_unit_m,
-            unit::ORIENTATION_RAD / self.orientation_unit_rad,
-        ]
-        .map(|ratio| per_arc / REFERENCE_SAMPLES * ratio * ratio)
+        let units = [self.position_unit_m, self.orientation_unit_rad];
+        let constraints = [unit::POSITION_M, unit::ORIENTATION_RAD];
+        [0, 1].map(|kind| {
+            // Samples in the scene's unit that would count as much.
+            let views = self.views().map(|(_, view)| {
+                let ratio = units[kind] / view.units[kind];
+                ratio * ratio * view.samples.len() as f64
+            });
+            let per_arc = views.sum::<f64>() / self.seen_arcs().max(1) as f64;
+            let ratio = constraints[kind] / units[kind];
+            per_arc / REFERENCE_SAMPLES * ratio * ratio
+        })
     }
 
     /// The problem with velocity gaps priced instead of closed (overconstrained sketches).
@@ -371,12 +441,25 @@ impl Problem {
 
     /// Number of arcs with samples.
     pub fn seen_arcs(&self) -> usize {
-        let seen = self.arcs.iter().filter(|arc| !arc.samples.is_empty());
+        let seen = self.arcs.iter().filter(|arc| arc.sample_count() > 0);
         seen.count()
     }
 
     /// All samples of all arcs.
     pub fn sample_count(&self) -> usize {
-        self.arcs.iter().map(|arc| arc.samples.len()).sum()
+        self.arcs.iter().map(Arc::sample_count).sum()
+    }
+
+    /// All views, arc by arc, with the index of their arc.
+    pub fn views(&self) -> impl Iterator<Item = (usize, &View)> + Clone {
+        let arcs = self.arcs.iter().enumerate();
+        arcs.flat_map(|(arc, of)| of.views.iter().map(move |view| (arc, view)))
+    }
+
+    /// The places of an arc's views among [`Problem::views`].
+    pub fn views_of(&self, arc: usize) -> Range<usize> {
+        let before = self.arcs[..arc].iter().map(|arc| arc.views.len());
+        let first: usize = before.sum();
+        first..first + self.arcs[arc].views.len()
     }
 }

@@ -11,12 +11,12 @@
 //! [`ArcSums`] keeps its coefficients, relative to a reference near the optimum so that no digits
 //! cancel.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::problem::{Arc, ArcSample, Problem};
+use super::problem::{ArcSample, View};
 use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State};
 
 /// Sums over the samples of an arc for the position terms when times are known.
 #[derive(Clone, Debug)]
@@ -115,11 +115,11 @@ impl<F: FnMut(usize, TimeTerms)> Between<F> {
 }
 
 impl ArcSums {
-    /// Sums over the samples of `arc` at `times_s`, of residuals of the reference flight through
+    /// Sums over the samples of `view` at `times_s`, of residuals of the reference flight through
     /// `state`, of a body without drag.
     pub fn new(
         body: &Body,
-        arc: &Arc,
+        view: &View,
         times_s: &[f64],
         epoch_s: f64,
         state: &State,
@@ -134,7 +134,7 @@ impl ArcSums {
             moments: [Vector3::zeros(); 3],
             square: 0.0,
         };
-        for sample in &arc.samples {
+        for sample in &view.samples {
             let s = sample.time_s(times_s) - epoch_s;
             let residual = flow::position(body, gravity_m_s2, state, s) - sample.position_m;
             sums.moments[0] += residual;
@@ -182,49 +182,49 @@ impl ArcSums {
     }
 }
 
-/// Terms of an arc whose sample times are known. Every `stride`-th orientation is used, with the
+/// Terms of a plain view whose sample times are known. Every `stride`-th orientation is used, with the
 /// weight of `stride`.
 pub fn known_times(
-    problem: &Problem,
-    arc: &Arc,
+    body: &Body,
+    view: &View,
     (sums, stride): (&ArcSums, usize),
     (state, epoch_s): (&State, f64),
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
 ) -> ArcTerms {
-    let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
-    let unit = problem.orientation_unit_rad;
-    let readings = arc.samples.iter().skip(stride / 2).step_by(stride);
-    let weight = arc.samples.len() as f64 / (readings.len().max(1) as f64 * unit * unit);
-    let start = (&state.orientation, &state.angular_velocity_rad_s);
-    let readings = readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
-    let turn = TurnTerms::of(body, start, readings);
-    let mut terms = ArcTerms {
-        turn: turn.weighed(weight),
-        ..ArcTerms::default()
-    };
-    sums.add_to(&mut terms, state, gravity_m_s2, problem.position_unit_m);
+    let [unit_m, unit_rad] = view.units;
+    let mut terms = ArcTerms::default();
+    if unit_rad.is_finite() {
+        let readings = view.samples.iter().skip(stride / 2).step_by(stride);
+        let weight =
+            view.samples.len() as f64 / (readings.len().max(1) as f64 * unit_rad * unit_rad);
+        let start = (&state.orientation, &state.angular_velocity_rad_s);
+        let readings =
+            readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
+        terms.turn = TurnTerms::of(body, start, readings).weighed(weight);
+    }
+    if unit_m.is_finite() {
+        sums.add_to(&mut terms, state, gravity_m_s2, unit_m);
+    }
     terms
 }
 
-/// Terms of an arc whose sample times are unknowns. Every `stride`-th sample is used, with the
+/// Terms of a plain view whose sample times are unknowns. Every `stride`-th sample is used, with the
 /// weight of `stride`. `each` is called with its nodes in order and their terms.
 pub fn unknown_times(
-    problem: &Problem,
-    (arc, stride): (&Arc, usize),
+    body: &Body,
+    (view, stride): (&View, usize),
     (state, epoch_s): (&State, f64),
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
     each: impl FnMut(usize, TimeTerms),
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
-    let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
     assert!(body.is_ballistic(), "derivatives of a parabola");
     let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
-    let samples = arc.samples.iter().skip(stride / 2).step_by(stride);
-    let for_each = arc.samples.len() as f64 / samples.len().max(1) as f64;
-    let [weight, turn_weight] = [problem.position_unit_m, problem.orientation_unit_rad]
-        .map(|unit| for_each / (unit * unit));
+    let samples = view.samples.iter().skip(stride / 2).step_by(stride);
+    let for_each = view.samples.len() as f64 / samples.len().max(1) as f64;
+    let [weight, turn_weight] = view.units.map(|unit| for_each / (unit * unit));
     let mut between = Between {
         node: samples.clone().next().map_or(0, |sample| sample.node),
         terms: [TimeTerms::default(); 2],
@@ -233,13 +233,17 @@ pub fn unknown_times(
     };
     for sample in samples {
         let s = sample.time_s(times_s) - epoch_s;
-        let (k, error) = terms.turn.add(
-            &mut spin,
-            &state.orientation,
-            &sample.orientation,
-            s,
-            turn_weight,
-        );
+        let (k, error) = if turn_weight > 0.0 {
+            terms.turn.add(
+                &mut spin,
+                &state.orientation,
+                &sample.orientation,
+                s,
+                turn_weight,
+            )
+        } else {
+            (Matrix3::zeros(), Vector3::zeros())
+        };
         let velocity = flow::velocity(body, gravity_m_s2, state, s);
         let residual = flow::position(body, gravity_m_s2, state, s) - sample.position_m;
         let half_square = 0.5 * s * s;

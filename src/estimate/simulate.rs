@@ -71,9 +71,8 @@ impl Approach<'_> {
         let begins_s = self.of.sides.iter().map(|side| {
             let arc = &self.problem.arcs[side.before];
             let first_s = || {
-                arc.samples
-                    .first()
-                    .map(|s| s.time_s(&self.point.node_times_s))
+                let [first, _] = arc.ends()?;
+                Some(first.time_s(&self.point.node_times_s))
             };
             let event_s = arc.start.map(|event| event_times_s[event]);
             event_s.or_else(first_s).unwrap_or(f64::NAN)

@@ -5,6 +5,7 @@ mod nearby;
 
 use super::adequacy;
 use super::context::{Guidance, SolveContext};
+use super::covariance::bins::Residuals;
 use super::deviation;
 use super::layout::Layout;
 use super::outcome;
@@ -24,8 +25,8 @@ pub struct Solved {
     posed: Posed,
     epochs_s: Vec<f64>,
     solution: Solution,
-    /// Residuals of every sample, arc by arc, in units.
-    errors: Vec<Vec<[f64; 6]>>,
+    /// Residuals of every sample, view by view, in units.
+    errors: Vec<Residuals>,
 }
 
 impl Solved {
@@ -119,7 +120,7 @@ pub fn estimate(
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let ended = (&solution, errors.as_slice());
     Solved {
-        estimate: outcome::estimate(scene, sketch, segments, &context, ended, work),
+        estimate: outcome::estimate(scene, sketch, &context, ended, work),
         epochs_s: context.epochs_s,
         posed,
         solution,

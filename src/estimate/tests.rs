@@ -13,7 +13,7 @@ use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, Collision, Cone, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
     FreeParameter, Goal, GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene,
-    Segment, Sketch, Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps,
+    Segment, Sketch, Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps, View,
     Weights,
 };
 use crate::optimise::finish::Tolerances;
@@ -293,20 +293,22 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 let s = time_s - EPOCHS_S[arc];
                 let there = flow::advance(&link.body, &GRAVITY, &state, s);
                 let wave = offset * (1.7 * i as f64 + arc as f64 + other).sin();
-                samples.push(Sample {
-                    stamp: Stamp((time_s * 1e9) as i64),
-                    acted_s: *time_s,
-                    position_m: there.position_m + Vector3::new(0.03, -0.02, 0.01) * wave,
-                    orientation: there.orientation
+                samples.push(Sample::of_pose(
+                    Stamp((time_s * 1e9) as i64),
+                    *time_s,
+                    there.position_m + Vector3::new(0.03, -0.02, 0.01) * wave,
+                    there.orientation
                         * UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.2, -0.4) * wave),
-                });
+                ));
             }
             segments.push(Segment {
                 mechanism: link.mechanism,
-                track,
                 start_event: arc.checked_sub(1),
                 end_event: Some(arc),
-                samples: SAMPLES * arc..SAMPLES * (arc + 1),
+                views: vec![View {
+                    track,
+                    samples: SAMPLES * arc..SAMPLES * (arc + 1),
+                }],
             });
             arcs.push(ArcGuess {
                 epoch_s: EPOCHS_S[arc],
@@ -314,7 +316,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
                 sample_times_s: times_s,
             });
         }
-        tracks.push(TrackSketch { samples });
+        tracks.push(TrackSketch::new(samples));
     }
     // Segments come in order of their ends, and so do the guesses of their arcs.
     let order = |arc: usize| {
@@ -414,7 +416,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         let samples = sketch.tracks.iter_mut().flat_map(|body| &mut body.samples);
         samples.for_each(|sample| sample.acted_s *= pace);
         let mut problem = Problem::new(&scene, &sketch, &segments);
-        let mut shares = problem.arcs.iter().flat_map(|arc| &arc.samples);
+        let mut shares = problem.arcs.iter().flat_map(|arc| arc.samples());
         assert_eq!(shares.any(|sample| sample.share > 0.0), pace < 1.0);
         let point = Point::new(&problem, &guess);
         for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {

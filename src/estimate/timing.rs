@@ -99,8 +99,10 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
     };
     let ends = problem.arcs.iter().map(|arc| {
         // Only a flight that an impact begins may have no samples.
-        let [first, last] = [arc.samples.first(), arc.samples.last()]
-            .map(|sample| sample.map(|sample| at_node(sample.node)));
+        let [first, last] = match arc.ends() {
+            Some(ends) => ends.map(|sample| Some(at_node(sample.node))),
+            None => [None, None],
+        };
         let start: Option<(f64, Moment)> = arc.start.map(at_event).or(first);
         let end: Option<(f64, Moment)> = arc.end.map(at_event).or(last);
         let start = start.expect("it begins with an event or a sample");

@@ -35,11 +35,11 @@ fn scene(topic: &str) -> Scene {
 }
 
 fn sample(k: i64) -> PoseSample {
-    PoseSample {
-        stamp: Stamp(1_000_000_000 + k * 10_000_000),
-        position_m: Vector3::new(0.0, 0.1, k as f64),
-        quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-    }
+    PoseSample::new(
+        Stamp(1_000_000_000 + k * 10_000_000),
+        Vector3::new(0.0, 0.1, k as f64),
+        [0.0, 0.0, 0.0, 1.0],
+    )
 }
 
 /// What is put into a file for a test: topic, schema name, message encoding.

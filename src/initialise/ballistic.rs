@@ -11,8 +11,6 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::Sample;
-
 /// Least and greatest accepted rate of physical against acted time.
 const RATES: (f64, f64) = (0.02, 5.0);
 
@@ -29,29 +27,32 @@ pub struct Ballistic {
     pub square_m2: f64,
 }
 
-/// Fits `samples` about acted time `middle_s` to a fall with gravity and constant force `pull_m_s2`,
+/// A place of the centre of mass at an acted time \[s, m world\].
+pub type Place = (f64, Vector3<f64>);
+
+/// Fits `places` about acted time `middle_s` to a fall with gravity and constant force `pull_m_s2`,
 /// without drag, which is small in a flight of one hand's breadth and left to the estimation. `rate` is the known rate, or `None` to estimate it.
 pub fn fit(
-    samples: &[Sample],
+    places: &[Place],
     middle_s: f64,
     pull_m_s2: &Vector3<f64>,
     rate: Option<f64>,
 ) -> Ballistic {
     let along = pull_m_s2.try_normalize(1e-9);
     let known_fall = rate.map_or(Vector3::zeros(), |c| pull_m_s2 * (0.5 * c * c));
-    let target = |sample: &Sample| {
-        let a = sample.acted_s - middle_s;
-        (a, sample.position_m - known_fall * (a * a))
+    let target = |(acted_s, position_m): &Place| {
+        let a = acted_s - middle_s;
+        (a, position_m - known_fall * (a * a))
     };
-    let count = samples.len() as f64;
-    let mean_a = samples.iter().map(|sample| target(sample).0).sum::<f64>() / count;
-    let mean_p = samples
+    let count = places.len() as f64;
+    let mean_a = places.iter().map(|place| target(place).0).sum::<f64>() / count;
+    let mean_p = places
         .iter()
-        .map(|sample| target(sample).1)
+        .map(|place| target(place).1)
         .sum::<Vector3<f64>>()
         / count;
     let (mut first_norm, mut first) = (0.0, Vector3::zeros());
-    for (a, p) in samples.iter().map(target) {
+    for (a, p) in places.iter().map(target) {
         first_norm += (a - mean_a) * (a - mean_a);
         first += (p - mean_p) * (a - mean_a);
     }
@@ -62,14 +63,14 @@ pub fn fit(
     };
 
     // The quadratic orthogonal to 1 and a, only along the pull.
-    let quadratic = Quadratic::new(samples, middle_s, mean_a, first_norm);
+    let quadratic = Quadratic::new(places, middle_s, mean_a, first_norm);
     let mut curvature = Vector3::zeros();
     let mut found = rate;
     if let (None, Some(along)) = (rate, along) {
-        let pull: f64 = samples
+        let pull: f64 = places
             .iter()
-            .map(|sample| {
-                let (a, p) = target(sample);
+            .map(|place| {
+                let (a, p) = target(place);
                 quadratic.at(a) * (p - mean_p).dot(&along)
             })
             .sum();
@@ -82,7 +83,7 @@ pub fn fit(
         }
     }
     let at = |a: f64| mean_p + slope * (a - mean_a) + curvature * quadratic.at(a);
-    let square_m2 = samples
+    let square_m2 = places
         .iter()
         .map(target)
         .map(|(a, p)| (p - at(a)).norm_squared())
@@ -104,13 +105,13 @@ struct Quadratic {
 }
 
 impl Quadratic {
-    fn new(samples: &[Sample], middle_s: f64, mean_a: f64, first_norm: f64) -> Self {
+    fn new(places: &[Place], middle_s: f64, mean_a: f64, first_norm: f64) -> Self {
         let centred = || {
-            samples
+            places
                 .iter()
-                .map(move |sample| sample.acted_s - middle_s - mean_a)
+                .map(move |(acted_s, _)| acted_s - middle_s - mean_a)
         };
-        let count = samples.len() as f64;
+        let count = places.len() as f64;
         let mean_square = centred().map(|b| b * b).sum::<f64>() / count;
         let slope = centred().map(|b| b * b * b).sum::<f64>() / first_norm.max(f64::MIN_POSITIVE);
         let mut quadratic = Self {
@@ -132,26 +133,18 @@ impl Quadratic {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
-
     use super::*;
-    use crate::motion::Stamp;
 
     const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.3, -9.8);
 
-    fn samples(rate: f64) -> Vec<Sample> {
+    fn places(rate: f64) -> Vec<Place> {
         let (x, v) = (Vector3::new(0.1, -0.2, 0.9), Vector3::new(0.5, 1.5, -2.0));
         (0..30)
             .map(|i| {
                 // Uneven on purpose.
                 let acted_s = 2.0 + 0.013 * f64::from(i) + 0.002 * f64::from(i % 3);
                 let s = rate * (acted_s - 2.2);
-                Sample {
-                    stamp: Stamp(0),
-                    acted_s,
-                    position_m: x + v * s + GRAVITY * (0.5 * s * s),
-                    orientation: UnitQuaternion::identity(),
-                }
+                (acted_s, x + v * s + GRAVITY * (0.5 * s * s))
             })
             .collect()
     }
@@ -160,7 +153,7 @@ mod tests {
     fn finds_flight_and_rate_of_exact_data() {
         for rate in [0.2, 0.4, 1.0, 2.5] {
             for known in [None, Some(rate)] {
-                let fit = fit(&samples(rate), 2.2, &GRAVITY, known);
+                let fit = fit(&places(rate), 2.2, &GRAVITY, known);
                 assert!((fit.rate.unwrap() - rate).abs() < 1e-9 * rate);
                 assert!((fit.position_m - Vector3::new(0.1, -0.2, 0.9)).norm() < 1e-12);
                 let velocity = fit.acted_velocity_m_s / rate;
@@ -172,10 +165,10 @@ mod tests {
 
     #[test]
     fn what_rises_instead_of_falling_has_no_rate() {
-        let mut rising = samples(1.0);
+        let mut rising = places(1.0);
         rising
             .iter_mut()
-            .for_each(|sample| sample.position_m.z *= -1.0);
+            .for_each(|(_, position_m)| position_m.z *= -1.0);
         assert_eq!(
             fit(&rising, 2.2, &Vector3::new(0.0, 0.0, -9.8), None).rate,
             None

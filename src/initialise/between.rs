@@ -16,22 +16,25 @@ pub const FITTED_MIN: usize = 3;
 
 /// Whether a flight is fitted by itself.
 pub fn is_fitted(segment: &Segment) -> bool {
-    segment.samples.len() >= FITTED_MIN
+    segment.sample_count() >= FITTED_MIN
 }
 
-/// A flight whose state [`fill`] sets.
+/// A flight whose state is set by its fit or by [`fill`].
 pub(super) fn open(epoch_s: f64, sample_times_s: Vec<f64>) -> ArcGuess {
     ArcGuess {
         epoch_s,
-        state: State {
-            position_m: Vector3::zeros(),
-            orientation: UnitQuaternion::identity(),
-            velocity_m_s: Vector3::zeros(),
-            angular_velocity_rad_s: Vector3::zeros(),
-        },
+        state: STILL,
         sample_times_s,
     }
 }
+
+/// At rest at the origin.
+pub(super) const STILL: State = State {
+    position_m: Vector3::new(0.0, 0.0, 0.0),
+    orientation: UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+    velocity_m_s: Vector3::new(0.0, 0.0, 0.0),
+    angular_velocity_rad_s: Vector3::new(0.0, 0.0, 0.0),
+};
 
 /// Sets the states of the flights that are not fitted, at their epochs. A flight before them is
 /// always fitted, since only an impact leads to one with few samples.

@@ -6,7 +6,9 @@
 //! puts the orientation a whole turn off, from where no solver returns; these times start it at the
 //! right turn.
 
-use crate::motion::{Sample, Scene, Segment, Sketch};
+use nalgebra::UnitQuaternion;
+
+use crate::motion::{Scene, Segment, Sketch};
 use crate::physics::Dynamics;
 use crate::physics::body::Symmetry;
 
@@ -28,34 +30,39 @@ const RATES: (f64, f64) = (0.2, 5.0);
 /// The sketch with acted times replaced by times in which its bodies rotate evenly. Between two
 /// collisions the body that turns most is used. Every flight keeps its first and its last time.
 pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
-    let mut tellers: Vec<(f64, &[Sample], Vec<f64>)> = Vec::new();
-    for segment in segments {
-        let samples = sketch.samples_of(segment);
-        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+    let mut tellers: Vec<(f64, Vec<f64>, Vec<f64>)> = Vec::new();
+    for view in segments.iter().flat_map(|segment| &segment.views) {
+        let mechanism = scene.mechanism_seen_by(view.track);
+        let Dynamics::Free(body) = scene.dynamics(mechanism);
+        let samples = sketch.samples_of(view).iter();
+        let samples = samples.filter_map(|of| Some((of.acted_s, of.seen.orientation()?)));
+        let turns: Vec<Turn> = samples.collect();
         if body.symmetry() != Symmetry::Asymmetric
-            && let Some((turned_rad, clock_s)) = clock(samples)
+            && let Some((turned_rad, clock_s)) = clock(&turns)
         {
-            tellers.push((turned_rad, samples, clock_s));
+            let times_s = turns.iter().map(|(acted_s, _)| *acted_s);
+            tellers.push((turned_rad, times_s.collect(), clock_s));
         }
     }
     tellers.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut map: Vec<(&[Sample], Vec<f64>)> = Vec::new();
-    for (_, samples, clock_s) in tellers {
-        let is_apart = |(other, _): &(&[Sample], Vec<f64>)| {
-            last_s(samples) <= other[0].acted_s || last_s(other) <= samples[0].acted_s
+    let mut map: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    let last_s = |times_s: &[f64]| times_s[times_s.len() - 1];
+    for (_, times_s, clock_s) in tellers {
+        let is_apart = |(other_s, _): &(Vec<f64>, Vec<f64>)| {
+            last_s(&times_s) <= other_s[0] || last_s(other_s) <= times_s[0]
         };
         if map.iter().all(is_apart) {
-            map.push((samples, clock_s));
+            map.push((times_s, clock_s));
         }
     }
-    map.sort_by(|a, b| a.0[0].acted_s.total_cmp(&b.0[0].acted_s));
+    map.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
     let at = |acted_s: f64| {
-        let begun = map.partition_point(|(samples, _)| samples[0].acted_s < acted_s);
+        let begun = map.partition_point(|(times_s, _)| times_s[0] < acted_s);
         let last = begun.checked_sub(1).map(|last| &map[last]);
-        last.filter(|(samples, _)| acted_s < last_s(samples))
-            .map_or(acted_s, |(samples, clock_s)| {
-                let after = samples.partition_point(|sample| sample.acted_s <= acted_s);
-                let (from_s, to_s) = (samples[after - 1].acted_s, samples[after].acted_s);
+        last.filter(|(times_s, _)| acted_s < last_s(times_s))
+            .map_or(acted_s, |(times_s, clock_s)| {
+                let after = times_s.partition_point(|time_s| *time_s <= acted_s);
+                let (from_s, to_s) = (times_s[after - 1], times_s[after]);
                 let share = (acted_s - from_s) / (to_s - from_s);
                 clock_s[after - 1] + share * (clock_s[after] - clock_s[after - 1])
             })
@@ -75,18 +82,17 @@ pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
     evened
 }
 
-fn last_s(samples: &[Sample]) -> f64 {
-    samples[samples.len() - 1].acted_s
-}
+/// An orientation at an acted time \[s, world from body\].
+type Turn = (f64, UnitQuaternion<f64>);
 
 /// The body's total angle \[rad\], and the clock's times of `samples`; `None` where they are too
 /// few or too far apart.
-fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
+fn clock(samples: &[Turn]) -> Option<(f64, Vec<f64>)> {
     let count = samples.len();
     if count < SAMPLES_MIN {
         return None;
     }
-    let span_s = last_s(samples) - samples[0].acted_s;
+    let span_s = samples[count - 1].0 - samples[0].0;
     let mean_step_s = span_s / (count - 1) as f64;
     let speeds = |stride: usize| Speeds::new(samples, stride, mean_step_s);
     let mut found = speeds(1)?;
@@ -105,12 +111,12 @@ fn clock(samples: &[Sample]) -> Option<(f64, Vec<f64>)> {
     for step in 0..count - 1 {
         let ratio = found.at(step).map_or(1.0, |speed| speed / found.mean_rad_s);
         let rate = ratio.powf(believed).clamp(RATES.0, RATES.1);
-        let acted_s = samples[step + 1].acted_s - samples[step].acted_s;
+        let acted_s = samples[step + 1].0 - samples[step].0;
         clock_s.push(clock_s[step] + rate * acted_s);
     }
     let scale = span_s / clock_s[count - 1];
     for at_s in &mut clock_s {
-        *at_s = samples[0].acted_s + scale * *at_s;
+        *at_s = samples[0].0 + scale * *at_s;
     }
     Some((found.mean_rad_s * span_s, clock_s))
 }
@@ -129,14 +135,14 @@ struct Speeds {
 
 impl Speeds {
     /// `None` where every window has a gap.
-    fn new(samples: &[Sample], stride: usize, mean_step_s: f64) -> Option<Self> {
+    fn new(samples: &[Turn], stride: usize, mean_step_s: f64) -> Option<Self> {
         let longest_s = GAP * stride as f64 * mean_step_s;
         let (mut turned_rad, mut lasted_s, mut windows) = (0.0, 0.0, 0.0);
         let from = samples.iter().zip(&samples[stride..]);
         let from = from.map(|(from, to)| {
-            let window_s = to.acted_s - from.acted_s;
+            let window_s = to.0 - from.0;
             (window_s < longest_s).then(|| {
-                let chord_rad = from.orientation.angle_to(&to.orientation);
+                let chord_rad = from.1.angle_to(&to.1);
                 turned_rad += chord_rad;
                 lasted_s += window_s;
                 windows += 1.0;
@@ -165,13 +171,12 @@ mod tests {
 
     use super::*;
     use crate::math::so3;
-    use crate::motion::Stamp;
     use crate::physics::Body;
     use crate::physics::flow::Spin;
 
     /// A flight at 120 Hz, acted 2.5 times too slowly in a tempo that wavers by a third, with a
     /// wander of 5°; each sample beside its physical time.
-    fn acted(body: &Body, omega: &Vector3<f64>) -> Vec<(f64, Sample)> {
+    fn acted(body: &Body, omega: &Vector3<f64>) -> Vec<(f64, Turn)> {
         let mut spin = Spin::new(body, omega);
         (0..100)
             .map(|index| {
@@ -179,20 +184,15 @@ mod tests {
                 let physical_s = 0.4 * (acted_s + 0.05 * (6.0 * acted_s).sin());
                 let wander = Vector3::new(5.0 * acted_s, 8.0 * acted_s, 3.0).map(f64::sin);
                 let off = so3::exp(&(wander * 5f64.to_radians()));
-                let sample = Sample {
-                    stamp: Stamp(0),
-                    acted_s,
-                    position_m: Vector3::zeros(),
-                    orientation: spin.turn_and_derivative(physical_s).0 * off,
-                };
-                (physical_s, sample)
+                let turn = spin.turn_and_derivative(physical_s).0 * off;
+                (physical_s, (acted_s, turn))
             })
             .collect()
     }
 
     /// Largest distance of `times_s` from the best line through the physical times, in physical
     /// seconds.
-    fn unevenness_s(acted: &[(f64, Sample)], times_s: &[f64]) -> f64 {
+    fn unevenness_s(acted: &[(f64, Turn)], times_s: &[f64]) -> f64 {
         let count = acted.len() as f64;
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / count;
         let (x, y) = (
@@ -207,13 +207,13 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    fn both_s(acted: &[(f64, Sample)]) -> (f64, f64) {
-        let samples: Vec<Sample> = acted.iter().map(|a| a.1).collect();
-        let by_hand: Vec<f64> = samples.iter().map(|sample| sample.acted_s).collect();
+    fn both_s(acted: &[(f64, Turn)]) -> (f64, f64) {
+        let samples: Vec<Turn> = acted.iter().map(|a| a.1).collect();
+        let by_hand: Vec<f64> = samples.iter().map(|(acted_s, _)| *acted_s).collect();
         let clock_s = clock(&samples).unwrap().1;
         assert!(clock_s.windows(2).all(|pair| pair[0] < pair[1]));
         assert!((clock_s[0] - by_hand[0]).abs() < 1e-12);
-        assert!((clock_s[clock_s.len() - 1] - last_s(&samples)).abs() < 1e-12);
+        assert!((clock_s[clock_s.len() - 1] - samples[samples.len() - 1].0).abs() < 1e-12);
         (unevenness_s(acted, &by_hand), unevenness_s(acted, &clock_s))
     }
 
@@ -252,20 +252,16 @@ mod tests {
     #[test]
     fn too_few_samples_and_too_fast_turns_tell_nothing() {
         let body = Body::new(1.0, Vector3::new(2.0, 2.0, 0.02)).unwrap();
-        let samples = |omega: Vector3<f64>| -> Vec<Sample> {
+        let samples = |omega: Vector3<f64>| -> Vec<Turn> {
             acted(&body, &omega).into_iter().map(|a| a.1).collect()
         };
         assert!(clock(&samples(Vector3::new(5.0, 0.0, 20.0))[..7]).is_none());
         assert!(clock(&samples(Vector3::new(5.0, 0.0, 800.0))).is_none());
         let still = vec![samples(Vector3::zeros())[0]; 9];
-        let still: Vec<Sample> = still
+        let still: Vec<Turn> = still
             .into_iter()
             .enumerate()
-            .map(|(index, sample)| Sample {
-                acted_s: 0.1 * index as f64,
-                orientation: UnitQuaternion::identity(),
-                ..sample
-            })
+            .map(|(index, _)| (0.1 * index as f64, UnitQuaternion::identity()))
             .collect();
         let (_, clock_s) = clock(&still).unwrap();
         assert!(clock_s.iter().all(|at_s| at_s.is_finite()));

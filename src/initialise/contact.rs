@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use crate::math::{Pose, so3};
 use crate::motion::{
-    Contacts, Goal, GoalTarget, Guess, LinkIndex, Mechanism, Partner, Scene, Segment, Sketch,
+    Contacts, Goal, GoalTarget, Guess, LinkIndex, Mechanism, Partner, Scene, Seen, Segment, Sketch,
     Touching,
 };
 use crate::physics::contact::{Contact, Frame, Touch};
@@ -271,14 +271,22 @@ impl View<'_> {
             .into_iter()
             .flatten()
         {
-            let samples = self.sketch.samples_of(&self.segments[arc]);
+            let samples = self.sketch.samples_in(&self.segments[arc]);
             let fit = &self.guess.arcs[arc];
-            for (sample, time_s) in samples.iter().zip(&fit.sample_times_s) {
+            for (sample, time_s) in samples.zip(&fit.sample_times_s) {
+                // What is not seen whole says less of what is near.
+                let Seen::Pose {
+                    position_m,
+                    orientation,
+                } = sample.seen
+                else {
+                    continue;
+                };
                 let gravity = &self.scene.gravity_m_s2;
                 let duration_s = time_s - fit.epoch_s;
                 let state = dynamics.advance(gravity, &fit.state, duration_s);
-                shift_m2 += (state.position_m - sample.position_m).norm_squared();
-                let turn = so3::log(&(sample.orientation.inverse() * state.orientation));
+                shift_m2 += (state.position_m - position_m).norm_squared();
+                let turn = so3::log(&(orientation.inverse() * state.orientation));
                 turn_rad2 += turn.norm_squared();
                 count += 1.0;
             }

@@ -1,10 +1,13 @@
 //! Fits all segments and places the fits on one time line (paper §6.2.1).
 
-use super::ballistic;
-use super::between::{self, is_fitted};
+use super::ballistic::{self, Place};
+use super::between::{self, FITTED_MIN, STILL, is_fitted};
 use super::clock;
-use super::turn::{self, OrientationReading, TurnFit};
-use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
+use super::readings::Readings;
+use super::swing;
+use super::turn::{self, OrientationReading};
+use super::unseen;
+use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
 /// Greatest number of guesses.
@@ -38,61 +41,73 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         .is_none()
         .then(|| clock::even(scene, sketch, segments));
     let sketch = evened.as_ref().unwrap_or(sketch);
-    let samples = |segment: &Segment| sketch.samples_of(segment);
-    let middle = |segment: &Segment| {
-        let samples = samples(segment);
-        match (samples.first(), samples.last()) {
-            (Some(first), Some(last)) if is_fitted(segment) => 0.5 * (first.acted_s + last.acted_s),
-            _ => between_marks_s(sketch, segment),
-        }
+    let readings = segments
+        .iter()
+        .map(|segment| Readings::of(scene, sketch, segment));
+    let readings: Vec<Readings> = readings.collect();
+    let middle_s = |segment: &Segment| match sketch.span_s(segment) {
+        Some([first_s, last_s]) if is_fitted(segment) => 0.5 * (first_s + last_s),
+        _ => between_marks_s(sketch, segment),
     };
-    let rates = rates(scene, segments, &samples, &middle, known);
-    let time_line = TimeLine::new(scene, sketch, segments, &samples, &rates);
+    let rates = rates(scene, (segments, &readings), &middle_s, known);
+    let time_line = TimeLine::new(scene, sketch, segments, &rates);
     let mut fit_iterations = 0;
-    let mut turns: Vec<Vec<TurnFit>> = Vec::new();
+    let mut fits: Vec<Vec<Fit>> = Vec::new();
     let mut arcs = Vec::new();
-    for (segment, rate) in segments.iter().zip(&rates) {
-        let samples = samples(segment);
-        let middle_s = middle(segment);
+    for ((segment, readings), rate) in segments.iter().zip(&readings).zip(&rates) {
+        let middle_s = middle_s(segment);
         let epoch_s = time_line.at(middle_s);
-        let sample_times_s: Vec<f64> = samples
-            .iter()
-            .map(|sample| time_line.at(sample.acted_s))
-            .collect();
+        let samples = sketch.samples_in(segment);
+        let times_s = samples.map(|sample| time_line.at(sample.acted_s));
+        arcs.push(between::open(epoch_s, times_s.collect()));
         if !is_fitted(segment) {
-            arcs.push(between::open(epoch_s, sample_times_s));
             continue;
         }
         let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
         let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
-        let flight = ballistic::fit(samples, middle_s, &pull_m_s2, Some(*rate));
-        let readings: Vec<OrientationReading> = samples
-            .iter()
-            .zip(&sample_times_s)
-            .map(|(sample, time_s)| (time_s - epoch_s, sample.orientation))
-            .collect();
-        let turn = turn::fit(&body, &readings);
-        fit_iterations += turn.iterations;
-        let count = samples.len() as f64;
-        turns.push(
-            if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
-                let (fits, iterations) = turn::alternatives(&body, &readings, turn);
-                fit_iterations += iterations;
-                fits
-            } else {
-                vec![turn]
-            },
-        );
-        arcs.push(ArcGuess {
-            epoch_s,
-            state: State {
+        let fall = |places: &[Place]| {
+            let flight = ballistic::fit(places, middle_s, &pull_m_s2, Some(*rate));
+            State {
                 position_m: flight.position_m,
-                orientation: turn.orientation,
                 velocity_m_s: flight.acted_velocity_m_s / *rate,
+                ..STILL
+            }
+        };
+        let mut state = STILL;
+        if !readings.places.is_empty() {
+            state = fall(&readings.places);
+        }
+        if let Some(lever_m) = &readings.lever_m {
+            let since = |(acted_s, place_m): &Place| (time_line.at(*acted_s) - epoch_s, *place_m);
+            let places: Vec<Place> = readings.places.iter().map(since).collect();
+            fits.push(swing::fits(&places, lever_m, &pull_m_s2, &state));
+            continue;
+        }
+        if readings.turns.is_empty() {
+            fits.push(vec![Fit::of(state, 0.0)]);
+            continue;
+        }
+        let turns = readings.turns.iter();
+        let turns = turns.map(|(acted_s, turn)| (time_line.at(*acted_s) - epoch_s, *turn));
+        let turns: Vec<OrientationReading> = turns.collect();
+        let turn = turn::fit(&body, &turns);
+        fit_iterations += turn.iterations;
+        let count = turns.len() as f64;
+        let mut all = vec![turn];
+        if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
+            let (others, iterations) = turn::alternatives(&body, &turns, turn);
+            fit_iterations += iterations;
+            all = others;
+        }
+        let turned = all.iter().map(|turn| {
+            let state = State {
+                orientation: turn.orientation,
                 angular_velocity_rad_s: turn.angular_velocity_rad_s,
-            },
-            sample_times_s,
+                ..state
+            };
+            Fit::of(state, turn.square_rad2)
         });
+        fits.push(turned.collect());
     }
     let marks_s = sketch.marks_s.iter();
     let guess = Guess {
@@ -100,8 +115,9 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         event_times_s: marks_s.map(|mark_s| time_line.at(*mark_s)).collect(),
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
-    let mut guesses = combine(segments, &guess, &turns);
+    let mut guesses = combine(segments, &guess, &fits);
     for guess in &mut guesses {
+        unseen::fill(scene, segments, &readings, guess);
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
     }
     Guessed {
@@ -117,16 +133,30 @@ fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
     0.5 * (start_s + mark_s(segment.end_event).unwrap_or(start_s))
 }
 
-/// The guess with every choice of rotations of the fitted flights, those with the least sum of
-/// squares first.
-fn combine(segments: &[Segment], guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<Guess> {
-    let mut choices: Vec<(f64, Vec<TurnFit>)> = vec![(0.0, Vec::new())];
-    for fits in turns {
+/// One way in which a flight fits: the state at its epoch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    state: State,
+    /// Sum of squares \[rad²\].
+    square_rad2: f64,
+}
+
+impl Fit {
+    pub(super) fn of(state: State, square_rad2: f64) -> Self {
+        Self { state, square_rad2 }
+    }
+}
+
+/// The guess with every choice of the fitted flights' fits, those with the least sum of squares
+/// first.
+fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<Fit>]) -> Vec<Guess> {
+    let mut choices: Vec<(f64, Vec<Fit>)> = vec![(0.0, Vec::new())];
+    for fits in fits {
         choices = choices
             .iter()
             .flat_map(|(square, chosen)| {
                 fits.iter().map(move |fit| {
-                    let chosen: Vec<TurnFit> = chosen.iter().copied().chain([*fit]).collect();
+                    let chosen: Vec<Fit> = chosen.iter().copied().chain([*fit]).collect();
                     (square + fit.square_rad2, chosen)
                 })
             })
@@ -140,9 +170,8 @@ fn combine(segments: &[Segment], guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<G
             let mut guess = guess.clone();
             let arcs = guess.arcs.iter_mut().zip(segments);
             let fitted = arcs.filter(|(_, segment)| is_fitted(segment));
-            for ((arc, _), turn) in fitted.zip(chosen) {
-                arc.state.orientation = turn.orientation;
-                arc.state.angular_velocity_rad_s = turn.angular_velocity_rad_s;
+            for ((arc, _), fit) in fitted.zip(chosen) {
+                arc.state = fit.state;
             }
             guess
         })
@@ -150,21 +179,22 @@ fn combine(segments: &[Segment], guess: &Guess, turns: &[Vec<TurnFit>]) -> Vec<G
 }
 
 /// Rate of each segment; where a fit gives none, the median of the others.
-fn rates<'s>(
+fn rates(
     scene: &Scene,
-    segments: &[Segment],
-    samples: &impl Fn(&Segment) -> &'s [Sample],
-    middle: &impl Fn(&Segment) -> f64,
+    (segments, readings): (&[Segment], &[Readings]),
+    middle_s: &impl Fn(&Segment) -> f64,
     known: Option<f64>,
 ) -> Vec<f64> {
     let found: Vec<Option<f64>> = segments
         .iter()
-        .map(|segment| {
+        .zip(readings)
+        .map(|(segment, readings)| {
             known.or_else(|| {
                 let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
                 let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
-                let fit = || ballistic::fit(samples(segment), middle(segment), &pull_m_s2, None);
-                is_fitted(segment).then(fit)?.rate
+                let places = &readings.places;
+                let fit = || ballistic::fit(places, middle_s(segment), &pull_m_s2, None);
+                (places.len() >= FITTED_MIN).then(fit)?.rate
             })
         })
         .collect();
@@ -191,19 +221,15 @@ struct TimeLine {
 
 impl TimeLine {
     /// Breaks at the marks of collisions; between them the mean rate of the segments there.
-    fn new<'s>(
-        scene: &Scene,
-        sketch: &Sketch,
-        segments: &[Segment],
-        samples: &impl Fn(&Segment) -> &'s [Sample],
-        rates: &[f64],
-    ) -> Self {
+    fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment], rates: &[f64]) -> Self {
         let fitted = || {
             let with_rates = segments.iter().zip(rates);
             with_rates.filter(|(segment, _)| is_fitted(segment))
         };
+        let span_s =
+            |segment: &Segment| sketch.span_s(segment).expect("samples of a fitted flight");
         let first_s = fitted()
-            .map(|(segment, _)| samples(segment)[0].acted_s)
+            .map(|(segment, _)| span_s(segment)[0])
             .fold(f64::INFINITY, f64::min);
         let mut acted_s = vec![first_s];
         acted_s.extend((0..scene.events.len()).filter_map(|event| {
@@ -215,9 +241,8 @@ impl TimeLine {
         let rate_in = |from_s: f64, to_s: f64| {
             let (mut sum, mut weight) = (0.0, 0.0);
             for (segment, rate) in fitted() {
-                let samples = samples(segment);
-                let end_s = samples[samples.len() - 1].acted_s.min(to_s);
-                let overlap_s = end_s - samples[0].acted_s.max(from_s);
+                let [begin_s, end_s] = span_s(segment);
+                let overlap_s = end_s.min(to_s) - begin_s.max(from_s);
                 if overlap_s > 0.0 {
                     sum += overlap_s * rate.ln();
                     weight += overlap_s;

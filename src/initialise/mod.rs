@@ -9,7 +9,10 @@ pub mod between;
 pub mod clock;
 pub mod contact;
 pub mod guess;
+pub mod readings;
+mod swing;
 pub mod turn;
+mod unseen;
 pub mod weigh;
 
 pub use guess::guess;

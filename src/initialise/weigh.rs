@@ -15,7 +15,7 @@ use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
 /// Sets how often marks count ([`MarkTime::counted`](crate::motion::MarkTime::counted)) to how
 /// often the samples of the flights in `guess` do.
 pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &Guess) {
-    let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
+    let samples: usize = segments.iter().map(Segment::sample_count).sum();
     let flights = segments.iter().filter(|segment| is_fitted(segment)).count();
     let per_flight = samples as f64 / flights.max(1) as f64;
     let unit_m = scene.weights.position_m;

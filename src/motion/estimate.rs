@@ -114,17 +114,20 @@ pub struct ParameterEstimate {
     pub upper: f64,
 }
 
-/// Residuals of one segment.
+/// Residuals of what one track saw of one arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentResidual {
+    /// Index into [`Estimate::arcs`].
+    pub arc: usize,
     /// The track that the samples are of.
     pub track: TrackIndex,
     /// Samples in the objective.
     pub samples: usize,
-    /// Root mean square distance of the centre of mass \[m\].
-    pub position_rms_m: f64,
-    /// Root mean square angle \[rad\].
-    pub orientation_rms_rad: f64,
+    /// Root mean square distance of the centre of mass, or of the point that is seen \[m\]; `None`
+    /// where none is.
+    pub position_rms_m: Option<f64>,
+    /// Root mean square angle \[rad\]; `None` where neither orientation nor direction is seen.
+    pub orientation_rms_rad: Option<f64>,
 }
 
 /// The physical time of a sample.
@@ -179,6 +182,21 @@ impl Counters {
 }
 
 impl Estimate {
+    /// Root mean square distance \[m\] and angle \[rad\] from all samples that show them.
+    pub fn residual_rms(&self) -> (f64, f64) {
+        let rms = |of: fn(&SegmentResidual) -> Option<f64>| {
+            let seen = self.residuals.iter();
+            let seen = seen.filter_map(|residual| Some((residual.samples as f64, of(residual)?)));
+            let sum: f64 = seen.clone().map(|(samples, rms)| samples * rms * rms).sum();
+            let samples: f64 = seen.map(|(samples, _)| samples).sum();
+            (sum / samples.max(1.0)).sqrt()
+        };
+        (
+            rms(|of| of.position_rms_m),
+            rms(|of| of.orientation_rms_rad),
+        )
+    }
+
     /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));

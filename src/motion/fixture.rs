@@ -63,16 +63,18 @@ fn state(z: f64, vz: f64) -> State {
 /// Twenty samples acted in 1.9 s of a motion of 0.475 s: physical time is a quarter of acted.
 pub(crate) fn sketch() -> Sketch {
     let samples = (0..20)
-        .map(|k| Sample {
-            stamp: Stamp(FIRST_NS + k * 100_000_000),
-            acted_s: k as f64 * 0.1,
-            position_m: Vector3::new(0.1, 0.0, 0.3 + 0.01 * k as f64),
-            orientation: UnitQuaternion::identity(),
+        .map(|k| {
+            Sample::of_pose(
+                Stamp(FIRST_NS + k * 100_000_000),
+                k as f64 * 0.1,
+                Vector3::new(0.1, 0.0, 0.3 + 0.01 * k as f64),
+                UnitQuaternion::identity(),
+            )
         })
         .collect();
     Sketch {
         origin: Stamp(FIRST_NS),
-        tracks: [TrackSketch { samples }].into_iter().collect(),
+        tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.8, 1.9],
         marks: vec![None; 2],
     }
@@ -120,8 +122,9 @@ pub(crate) fn estimate() -> Estimate {
             SegmentResidual {
                 track: TrackIndex(0),
                 samples: 8,
-                position_rms_m: 0.01,
-                orientation_rms_rad: 0.02,
+                arc: 0,
+                position_rms_m: Some(0.01),
+                orientation_rms_rad: Some(0.02),
             };
             2
         ],

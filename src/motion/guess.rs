@@ -20,6 +20,7 @@ pub struct ArcGuess {
     pub epoch_s: f64,
     /// State at the epoch.
     pub state: State,
-    /// Physical times of the segment's samples, strictly increasing \[s\].
+    /// Physical times of the segment's samples \[s\], one view after the other; strictly increasing in
+    /// each.
     pub sample_times_s: Vec<f64>,
 }

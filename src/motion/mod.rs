@@ -45,16 +45,17 @@ pub use rest::{Lie, Rest, RestWork};
 pub use scene::{
     Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, EventTime,
     Feature, FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner,
-    Quantity, RestGoal, Scene, Surface, Timing, Together, Touching, Track, Untold, VelocityGaps,
-    Weights,
+    Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track, Untold,
+    VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{
-    DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Segment, Sketch, TrackSketch,
+    DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Seen, Segment, Sketch, TrackSketch,
+    View,
 };
 pub use snap::SnapError;
 pub use suspect::Suspect;
-pub use take::{Mark, PoseSample, Stamp, StampSource, TakeEvent};
+pub use take::{Covariance, Holds, Mark, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
 pub use verification::{Balance, Deviation, Penetration, SingleShot, Touch, Verification};

@@ -3,24 +3,80 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix6, UnitQuaternion, UnitVector3, Vector3};
 use typed_index_collections::TiVec;
 
 use super::index::{MechanismIndex, TrackIndex};
 use super::scene::Scene;
 use super::take::Stamp;
 
-/// One acted pose of a link.
+/// One acted sample of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// When the tracker measured it.
     pub stamp: Stamp,
     /// Acted time [s since [`Sketch::origin`]].
     pub acted_s: f64,
-    /// Centre of mass [m, world].
-    pub position_m: Vector3<f64>,
-    /// World from body; signs are continuous along a stream.
-    pub orientation: UnitQuaternion<f64>,
+    /// What it shows.
+    pub seen: Seen,
+}
+
+/// What one sample shows of a link: a function of its state (the projection `p_i` of paper eq. 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// The pose of its axes.
+    Pose {
+        /// Centre of mass [m, world].
+        position_m: Vector3<f64>,
+        /// World from body; signs are continuous along a stream.
+        orientation: UnitQuaternion<f64>,
+    },
+    /// The place of the point on which the tracker is mounted ([`Track::point_m`]) [m, world].
+    ///
+    /// [`Track::point_m`]: super::scene::Track::point_m
+    Point(Vector3<f64>),
+    /// The orientation of its axes, world from body; signs are continuous along a stream.
+    Orientation(UnitQuaternion<f64>),
+    /// The direction of one of its axes ([`Sees::Direction`](super::scene::Sees::Direction))
+    /// [world].
+    Direction(UnitVector3<f64>),
+}
+
+impl Sample {
+    /// A sample that shows a pose.
+    pub fn of_pose(
+        stamp: Stamp,
+        acted_s: f64,
+        position_m: Vector3<f64>,
+        orientation: UnitQuaternion<f64>,
+    ) -> Self {
+        Self {
+            stamp,
+            acted_s,
+            seen: Seen::Pose {
+                position_m,
+                orientation,
+            },
+        }
+    }
+}
+
+impl Seen {
+    /// The centre of mass, or the point that is seen instead [m, world].
+    pub fn position_m(&self) -> Option<Vector3<f64>> {
+        match self {
+            Seen::Pose { position_m, .. } | Seen::Point(position_m) => Some(*position_m),
+            Seen::Orientation(_) | Seen::Direction(_) => None,
+        }
+    }
+
+    /// World from body.
+    pub fn orientation(&self) -> Option<UnitQuaternion<f64>> {
+        match self {
+            Seen::Pose { orientation, .. } | Seen::Orientation(orientation) => Some(*orientation),
+            Seen::Point(_) | Seen::Direction(_) => None,
+        }
+    }
 }
 
 /// The samples of one track, strictly increasing in time.
@@ -28,6 +84,10 @@ pub struct Sample {
 pub struct TrackSketch {
     /// Samples in order of time.
     pub samples: Vec<Sample>,
+    /// Where the messages say how good they are, for every sample the covariance of the tracker's
+    /// position and of its orientation's rotation vector, both in world axes \[m², m rad, rad²\];
+    /// empty otherwise.
+    pub covariances: Vec<Matrix6<f64>>,
 }
 
 /// A whole performance.
@@ -43,6 +103,16 @@ pub struct Sketch {
     pub marks: Vec<Option<MarkTime>>,
 }
 
+impl TrackSketch {
+    /// Samples without covariances.
+    pub fn new(samples: Vec<Sample>) -> Self {
+        Self {
+            samples,
+            covariances: Vec::new(),
+        }
+    }
+}
+
 impl Sketch {
     /// The performance as another scene sees it, in which trackers are mounted otherwise than in
     /// the one of which this is the sketch.
@@ -54,9 +124,18 @@ impl Sketch {
             }
             let old_from_new = old * new.inverse();
             for sample in &mut sketch.samples {
-                let shift = sample.orientation * old_from_new.translation.vector;
-                sample.position_m += shift;
-                sample.orientation *= old_from_new.rotation;
+                match &mut sample.seen {
+                    Seen::Pose {
+                        position_m,
+                        orientation,
+                    } => {
+                        *position_m += *orientation * old_from_new.translation.vector;
+                        *orientation *= old_from_new.rotation;
+                    }
+                    Seen::Orientation(orientation) => *orientation *= old_from_new.rotation,
+                    // These are what the tracker itself saw.
+                    Seen::Point(_) | Seen::Direction(_) => {}
+                }
             }
         }
         self
@@ -84,10 +163,24 @@ pub struct Segment {
     pub start_event: Option<usize>,
     /// Event that ends it, if any.
     pub end_event: Option<usize>,
+    /// What was seen of it, one per track of the mechanism.
+    pub views: Vec<View>,
+}
+
+/// What one track saw of a flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
     /// What saw it.
     pub track: TrackIndex,
-    /// The track's samples that lie in it, those near a collision left out.
+    /// The track's samples that lie in the flight, those near a collision left out.
     pub samples: Range<usize>,
+}
+
+impl Segment {
+    /// Number of samples of all its tracks.
+    pub fn sample_count(&self) -> usize {
+        self.views.iter().map(|view| view.samples.len()).sum()
+    }
 }
 
 /// Why a sample was not used.
@@ -97,6 +190,8 @@ pub enum DropReason {
     NotFinite,
     /// The quaternion's norm is off 1 by more than 1 %.
     NotUnit,
+    /// Its message holds nothing of what its track sees.
+    NotSeen,
     /// Same stamp as another sample of the track.
     Duplicate,
     /// Bit for bit the pose before it: the tracker stood still or lost sight.
@@ -117,6 +212,7 @@ impl DropReason {
         match self {
             DropReason::NotFinite => "not_finite",
             DropReason::NotUnit => "not_unit",
+            DropReason::NotSeen => "not_seen",
             DropReason::Duplicate => "duplicate",
             DropReason::Frozen => "frozen",
             DropReason::Outlier => "outlier",
@@ -163,9 +259,23 @@ pub struct MarkChanges {
 }
 
 impl Sketch {
-    /// The samples of a segment.
-    pub fn samples_of(&self, segment: &Segment) -> &[Sample] {
-        &self.tracks[segment.track].samples[segment.samples.clone()]
+    /// The samples of a view.
+    pub fn samples_of(&self, view: &View) -> &[Sample] {
+        &self.tracks[view.track].samples[view.samples.clone()]
+    }
+
+    /// The samples of a segment, one view after the other.
+    pub fn samples_in<'s>(&'s self, segment: &'s Segment) -> impl Iterator<Item = &'s Sample> {
+        segment.views.iter().flat_map(|view| self.samples_of(view))
+    }
+
+    /// Acted times of the first and the last sample of a segment \[s\].
+    pub fn span_s(&self, segment: &Segment) -> Option<[f64; 2]> {
+        let ends = segment.views.iter().filter_map(|view| {
+            let samples = self.samples_of(view);
+            Some([samples.first()?.acted_s, samples.last()?.acted_s])
+        });
+        ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 }
 

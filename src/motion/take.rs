@@ -23,17 +23,75 @@ pub struct PoseSample {
     pub position_m: nalgebra::Vector3<f64>,
     /// Quaternion `[x, y, z, w]` as measured: possibly not unit, not finite, of either sign.
     pub quaternion_xyzw: [f64; 4],
+    /// Which of them the message holds.
+    pub holds: Holds,
+    /// Covariance that came with it.
+    pub covariance: Option<Covariance>,
+}
+
+/// What a message of a tracker holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Holds {
+    /// A pose.
+    #[default]
+    Pose,
+    /// A position; the quaternion means nothing.
+    Position,
+    /// An orientation; the position means nothing.
+    Orientation,
+    /// A direction, in place of the position; the quaternion means nothing.
+    Direction,
+}
+
+/// The covariance of a reading's position and of its orientation's rotation vector, both in world
+/// axes \[m², m rad, rad²\]: the lower triangle, row by row. Single precision is more than any
+/// tracker knows of its own errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covariance(pub [f32; 21]);
+
+impl Covariance {
+    /// The lower triangle of a matrix given row by row.
+    pub fn of_rows(rows: &[f64; 36]) -> Self {
+        let mut entries = rows.chunks_exact(6).enumerate();
+        let mut lower = entries.by_ref().flat_map(|(row, entries)| &entries[..=row]);
+        Self(std::array::from_fn(|_| {
+            *lower.next().expect("21 entries") as f32
+        }))
+    }
+
+    /// The whole matrix.
+    pub fn matrix(&self) -> nalgebra::Matrix6<f64> {
+        nalgebra::Matrix6::from_fn(|row, column| {
+            let (row, column) = (row.max(column), row.min(column));
+            f64::from(self.0[row * (row + 1) / 2 + column])
+        })
+    }
 }
 
 impl PoseSample {
+    /// A reading of a pose as measured.
+    pub fn new(
+        stamp: Stamp,
+        position_m: nalgebra::Vector3<f64>,
+        quaternion_xyzw: [f64; 4],
+    ) -> Self {
+        Self {
+            stamp,
+            position_m,
+            quaternion_xyzw,
+            holds: Holds::Pose,
+            covariance: None,
+        }
+    }
+
     /// A sample from a valid pose.
     pub fn from_pose(stamp: Stamp, world_from_tracker: &Pose) -> Self {
         let q = world_from_tracker.rotation.quaternion();
-        Self {
+        Self::new(
             stamp,
-            position_m: world_from_tracker.translation.vector,
-            quaternion_xyzw: [q.i, q.j, q.k, q.w],
-        }
+            world_from_tracker.translation.vector,
+            [q.i, q.j, q.k, q.w],
+        )
     }
 }
 

@@ -12,7 +12,7 @@ use super::stages::Cut;
 use super::warm::{self, Known};
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
-    Counters, EventKind, Observer, Scene, Segment, Sketch, TimeMap, Timing, Verdict,
+    Counters, EventKind, Observer, Scene, Segment, Sketch, TimeMap, Timing, Verdict, View,
 };
 use crate::segment;
 use crate::segment::cut::{median_interval_s, samples_min};
@@ -98,25 +98,30 @@ impl<'a> Acted<'a> {
             events_s: events.map(|event| map.acted_s(event.time_s)).collect(),
         };
         let mut all = segments.iter();
-        let is_wrong = all.any(|s| acted.within(s) != s.samples || acted.is_left_behind(s));
+        let is_wrong = all.any(|segment| {
+            let mut views = segment.views.iter();
+            views.any(|view| {
+                acted.within(segment, view) != view.samples || acted.is_left_behind(segment, view)
+            })
+        });
         is_wrong.then_some(acted)
     }
 
-    /// Samples of a segment that lie between its events.
-    fn within(&self, segment: &Segment) -> Range<usize> {
-        let samples = self.sketch.samples_of(segment);
+    /// Samples of a segment's view that lie between its events.
+    fn within(&self, segment: &Segment, view: &View) -> Range<usize> {
+        let samples = self.sketch.samples_of(view);
         let event_s = |event: Option<usize>| event.map(|event| self.events_s[event]);
         let from_s = event_s(segment.start_event).unwrap_or(f64::NEG_INFINITY);
         let to_s = event_s(segment.end_event).unwrap_or(f64::INFINITY);
         let first = samples.partition_point(|sample| sample.acted_s < from_s);
         let last = samples.partition_point(|sample| sample.acted_s <= to_s);
-        let begin = segment.samples.start;
+        let begin = view.samples.start;
         begin + first..begin + last.max(first)
     }
 
-    /// Whether a collision is so far from a segment that samples between them are missing from it.
-    fn is_left_behind(&self, segment: &Segment) -> bool {
-        let track = &self.sketch.tracks[segment.track];
+    /// Whether a collision is so far from a segment that samples between them are missing from a view.
+    fn is_left_behind(&self, segment: &Segment, view: &View) -> bool {
+        let track = &self.sketch.tracks[view.track];
         let slack_s = BEHIND_INTERVALS * median_interval_s(track);
         let collision_s = |event: Option<usize>| {
             let event = event?;
@@ -124,8 +129,8 @@ impl<'a> Acted<'a> {
             is_collision.then_some(self.events_s[event])
         };
         let acted_s = |index: usize| track.samples.get(index).map(|sample| sample.acted_s);
-        let before = segment.samples.start.checked_sub(1).and_then(acted_s);
-        let after = acted_s(segment.samples.end);
+        let before = view.samples.start.checked_sub(1).and_then(acted_s);
+        let after = acted_s(view.samples.end);
         let ends = collision_s(segment.end_event).zip(after);
         let begins = collision_s(segment.start_event).zip(before);
         ends.is_some_and(|(event_s, after_s)| after_s < event_s - slack_s)
@@ -154,13 +159,19 @@ impl<'a> Acted<'a> {
         let segments: Vec<Segment> = self
             .segments
             .iter()
-            .map(|segment| Segment {
-                samples: self.within(segment),
-                ..segment.clone()
+            .map(|segment| {
+                let views = segment.views.iter().map(|view| View {
+                    track: view.track,
+                    samples: self.within(segment, view),
+                });
+                Segment {
+                    views: views.collect(),
+                    ..segment.clone()
+                }
             })
             .collect();
         let mut each = segments.iter();
-        let is_enough = each.all(|s| s.samples.len() >= samples_min(self.scene, s.start_event));
+        let is_enough = each.all(|s| s.sample_count() >= samples_min(self.scene, s.start_event));
         (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,

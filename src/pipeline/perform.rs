@@ -72,14 +72,14 @@ impl Prepared {
         let segments = &self.cut.segments;
         let guessed = initialise::guess(&self.scene, &self.sketch, segments);
         let cost = estimate::cost(&self.scene, &self.sketch, segments, &guessed.guesses[0]);
-        let samples: usize = segments.iter().map(|segment| segment.samples.len()).sum();
+        let samples: usize = segments.iter().map(Segment::sample_count).sum();
         (2.0 * cost / samples.max(1) as f64).sqrt()
     }
 
     /// Tracks and samples of the flights.
     pub(super) fn flights(&self) -> impl Iterator<Item = (TrackIndex, &[Sample])> {
-        let segments = self.cut.segments.iter();
-        segments.map(|segment| (segment.track, self.sketch.samples_of(segment)))
+        let views = self.cut.segments.iter().flat_map(|segment| &segment.views);
+        views.map(|view| (view.track, self.sketch.samples_of(view)))
     }
 
     /// The motion.

@@ -111,11 +111,7 @@ impl Preview {
         observer.phase(Phase::Clean);
         let (mut sketch, mut counts) = segment::clean::clean(&scene, &self.events)?;
         let mut cut = cut(&scene, &mut sketch, &mut counts, observer)?;
-        let used: usize = cut
-            .segments
-            .iter()
-            .map(|segment| segment.samples.len())
-            .sum();
+        let used: usize = cut.segments.iter().map(Segment::sample_count).sum();
         let last = self.last.take().filter(|last| last.asked == scene);
         let last = last.filter(|last| (used as f64) < GROWTH * last.begun.samples as f64);
         let marks = sketch.marks.clone();

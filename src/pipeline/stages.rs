@@ -74,17 +74,16 @@ pub(super) fn solve(
 
 /// Counts the samples that segments use; those between a track's segments are near a collision.
 pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
-    counts.used = segments.iter().map(|segment| segment.samples.len()).sum();
+    counts.used = segments.iter().map(Segment::sample_count).sum();
     for (index, track) in sketch.tracks.iter_enumerated() {
         let of_track = || {
-            segments
-                .iter()
-                .filter(move |segment| segment.track == index)
+            let views = segments.iter().flat_map(|segment| &segment.views);
+            views.filter(move |view| view.track == index)
         };
-        let first = of_track().map(|segment| segment.samples.start).min();
-        let last = of_track().map(|segment| segment.samples.end).max();
+        let first = of_track().map(|view| view.samples.start).min();
+        let last = of_track().map(|view| view.samples.end).max();
         let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
-        let used: usize = of_track().map(|segment| segment.samples.len()).sum();
+        let used: usize = of_track().map(|view| view.samples.len()).sum();
         counts.drop(DropReason::BeforeStart, first);
         counts.drop(DropReason::NearCollision, last - first - used);
         counts.drop(DropReason::AfterEnd, track.samples.len() - last);

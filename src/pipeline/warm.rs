@@ -18,32 +18,24 @@ pub(super) fn guess(
 ) -> Option<Guess> {
     let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
     // Convention of the estimation: the first sample used has its acted time as physical time.
-    let firsts = segments.iter().filter_map(|segment| {
-        let first = sketch.samples_of(segment).first()?;
-        Some(first.acted_s)
-    });
+    let firsts = segments.iter();
+    let firsts = firsts.filter_map(|segment| Some(sketch.span_s(segment)?[0]));
     let first_s = firsts.min_by(f64::total_cmp)?;
     let shift_s = first_s - map.physical_s(first_s);
     let arcs = segments.iter().map(|segment| {
         let arc = known.arc(segment)?;
-        let samples = sketch.samples_of(segment);
-        let times_s = || {
-            samples
-                .iter()
-                .map(|sample| shift_s + map.physical_s(sample.acted_s))
-        };
-        let epoch_s = match (samples.first(), samples.last()) {
-            (Some(first), Some(last)) => {
-                shift_s + map.physical_s(0.5 * (first.acted_s + last.acted_s))
-            }
-            _ => shift_s + 0.5 * (arc.start_s + arc.end_s),
+        let samples = sketch.samples_in(segment);
+        let times_s = samples.map(|sample| shift_s + map.physical_s(sample.acted_s));
+        let epoch_s = match sketch.span_s(segment) {
+            Some([first_s, last_s]) => shift_s + map.physical_s(0.5 * (first_s + last_s)),
+            None => shift_s + 0.5 * (arc.start_s + arc.end_s),
         };
         let dynamics = scene.dynamics(segment.mechanism);
         let since_s = epoch_s - (arc.epoch_s + shift_s);
         Some(ArcGuess {
             epoch_s,
             state: dynamics.advance(&known.estimate.gravity_m_s2, &arc.state, since_s),
-            sample_times_s: times_s().collect(),
+            sample_times_s: times_s.collect(),
         })
     });
     let events = known.estimate.events.iter();

@@ -14,7 +14,7 @@ use super::reported::Reported;
 use super::rest::RestLine;
 use super::samples::{CounterLine, Ordered, SampleLine, SettledLine};
 use super::suspects::{SuspectLine, suspect_lines};
-use crate::motion::{Estimate, Fits, SegmentResidual, Sketch, Verdict};
+use crate::motion::{Estimate, Fits, Sketch, Verdict};
 
 /// An estimate in words and numbers. Physical times are seconds since the first used sample, acted
 /// times seconds since the performance's origin.
@@ -81,7 +81,7 @@ impl EstimateReport {
     /// Everything that the estimate says, with the scene's names for its numbers.
     pub fn new(of: &Reported) -> Self {
         let (scene, estimate) = (of.scene, of.estimate);
-        let (position_m, orientation_rad) = residual_rms(estimate);
+        let (position_m, orientation_rad) = estimate.residual_rms();
         let doubts = estimate.doubts.iter();
         Self {
             scene: scene.name.clone(),
@@ -139,18 +139,4 @@ fn acted_s(sketch: &Sketch) -> f64 {
         .iter()
         .filter_map(|track| track.samples.last());
     last.map(|sample| sample.acted_s).fold(0.0, f64::max)
-}
-
-/// Root mean square distance \[m\] and angle \[rad\] of the motion from all samples.
-pub fn residual_rms(estimate: &Estimate) -> (f64, f64) {
-    let samples: usize = estimate.residuals.iter().map(|r| r.samples).sum();
-    let rms = |square: &dyn Fn(&SegmentResidual) -> f64| {
-        let residuals = estimate.residuals.iter();
-        let sum: f64 = residuals.map(|r| r.samples as f64 * square(r)).sum();
-        (sum / samples.max(1) as f64).sqrt()
-    };
-    (
-        rms(&|r| r.position_rms_m.powi(2)),
-        rms(&|r| r.orientation_rms_rad.powi(2)),
-    )
 }

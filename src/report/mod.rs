@@ -29,7 +29,7 @@ pub mod time_map;
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
 pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};
-pub use estimate::{EstimateReport, residual_rms};
+pub use estimate::EstimateReport;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};

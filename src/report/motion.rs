@@ -69,9 +69,9 @@ pub struct SegmentLine {
     /// Samples in the objective.
     pub samples: usize,
     /// Root mean square distance of the centre of mass.
-    pub residual_mm: f64,
+    pub residual_mm: Option<f64>,
     /// Root mean square angle.
-    pub residual_deg: f64,
+    pub residual_deg: Option<f64>,
 }
 
 /// How long the motion lasts.
@@ -155,15 +155,16 @@ pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<Par
 
 /// How well the arcs fit, in their order.
 pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
-    let residuals = estimate.residuals.iter().zip(&estimate.arcs);
-    residuals
+    let residuals = estimate.residuals.iter();
+    let with_arcs = residuals.map(|residual| (residual, &estimate.arcs[residual.arc]));
+    with_arcs
         .map(|(residual, arc)| SegmentLine {
             body: scene.link_seen_by(residual.track).name.clone(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             samples: residual.samples,
-            residual_mm: residual.position_rms_m * 1e3,
-            residual_deg: residual.orientation_rms_rad.to_degrees(),
+            residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
+            residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
         })
         .collect()
 }

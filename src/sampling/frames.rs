@@ -6,7 +6,9 @@ use nalgebra::UnitQuaternion;
 
 use super::error::SamplingError;
 use crate::math::Pose;
-use crate::motion::{ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
+use crate::motion::{
+    ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Seen, Settled, Sketch, Stamp,
+};
 use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
 
@@ -127,7 +129,7 @@ pub(super) fn append_settled(
     make_signs_continuous(samples);
 }
 
-/// The used samples of what sees a link, at their physical times, in the link's axes.
+/// The used samples of what sees a link's pose, at their physical times, in the link's axes.
 pub fn sketch_frames(
     scene: &Scene,
     estimate: &Estimate,
@@ -144,7 +146,14 @@ pub fn sketch_frames(
             let at = samples
                 .binary_search_by_key(&time.stamp, |sample| sample.stamp)
                 .ok()?;
-            let pose = Pose::from_parts(samples[at].position_m.into(), samples[at].orientation);
+            let Seen::Pose {
+                position_m,
+                orientation,
+            } = samples[at].seen
+            else {
+                return None;
+            };
+            let pose = Pose::from_parts(position_m.into(), orientation);
             Some(PoseSample::from_pose(stamp(zero, time.time_s), &pose))
         })
         .filter(|sample| sample.stamp.0 >= 0)

@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion};
 use typed_index_collections::{TiSlice, TiVec};
 
 use super::complete::completed;
@@ -13,11 +13,11 @@ use super::error::SegmentError;
 use super::marks::{Extent, check_extents, mark_sd_s, matched, put_at_the_ends, seconds, union};
 use super::outliers::drop_outliers;
 use super::refine::reach_s;
+use super::seen::{covariances, seen, shown};
 use super::units::check_units;
-use crate::math::Pose;
 use crate::motion::{
-    DropReason, EventKind, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene, Sketch, Stamp,
-    TakeEvent, Timing, TrackIndex, TrackSketch,
+    DropReason, EventKind, Holds, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene, Seen,
+    Sketch, Stamp, TakeEvent, Timing, Track, TrackIndex, TrackSketch,
 };
 
 /// Greatest deviation of a quaternion's norm from 1 for the reading to be used.
@@ -103,7 +103,7 @@ fn clean_edited(
         for (number, stream) in segments.iter_mut().enumerate() {
             let read = stream.len();
             let mut dropped = SampleCounts::default();
-            drop_unusable(stream, &mut dropped);
+            drop_unusable(stream, &scene.tracks[track], &mut dropped);
             if stream.is_empty() {
                 return Err(no_samples_of(scene, (track, number), read, &dropped));
             }
@@ -146,8 +146,8 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
     for (track, stream) in streams.iter_mut_enumerated() {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
-        let extent = extent(stream);
-        drop_unusable(stream, &mut dropped);
+        let extent = extent(&scene.tracks[track], stream);
+        drop_unusable(stream, &scene.tracks[track], &mut dropped);
         extents.push(extent.ok_or_else(|| no_samples_of(scene, (track, 0), read, &dropped))?);
         merge(&mut counts, &dropped);
     }
@@ -254,10 +254,10 @@ fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
 }
 
 /// Drops readings that are no pose, repeat a stamp, or repeat the pose before them bit for bit.
-fn drop_unusable(stream: &mut Vec<PoseSample>, counts: &mut SampleCounts) {
+fn drop_unusable(stream: &mut Vec<PoseSample>, track: &Track, counts: &mut SampleCounts) {
     let mut previous: Option<PoseSample> = None;
-    stream.retain(|sample| {
-        let reason = unusable(sample).or_else(|| {
+    stream.retain_mut(|sample| {
+        let reason = unusable(track, sample).or_else(|| {
             let previous = previous.as_ref()?;
             if previous.stamp == sample.stamp {
                 Some(DropReason::Duplicate)
@@ -275,7 +275,12 @@ fn drop_unusable(stream: &mut Vec<PoseSample>, counts: &mut SampleCounts) {
     });
 }
 
-fn unusable(sample: &PoseSample) -> Option<DropReason> {
+/// Why a reading is not used; one that is used keeps only what its track sees.
+fn unusable(track: &Track, sample: &mut PoseSample) -> Option<DropReason> {
+    let Some(seen) = shown(track, sample) else {
+        return Some(DropReason::NotSeen);
+    };
+    *sample = seen;
     let finite = sample
         .position_m
         .iter()
@@ -331,8 +336,11 @@ fn drop_outside(
 
 /// From the first pose to the last, including repeated poses: marks made while the tracker was at
 /// rest are within the data.
-fn extent(stream: &[PoseSample]) -> Option<Extent> {
-    let usable = |sample: &&PoseSample| unusable(sample).is_none();
+fn extent(track: &Track, stream: &[PoseSample]) -> Option<Extent> {
+    let usable = |sample: &&PoseSample| {
+        let mut sample = **sample;
+        unusable(track, &mut sample).is_none()
+    };
     Some(Extent {
         first: stream.iter().find(usable)?.stamp,
         last: stream.iter().rfind(usable)?.stamp,
@@ -395,27 +403,31 @@ fn sketch(
             .filter(|pair| pair[1].stamp.0 - pair[0].stamp.0 > limit_ns)
             .count();
         counts.used += stream.len();
-        let tracker_from_link = track.link_from_tracker.inverse();
         let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
-        for sample in stream {
-            counts.normalised += usize::from((norm(sample) - 1.0).abs() > NORM_ROUNDING);
-            let world_from_link = world_from_tracker(sample) * tracker_from_link;
-            let mut orientation = world_from_link.rotation;
-            if samples
-                .last()
-                .is_some_and(|last| last.orientation.coords.dot(&orientation.coords) < 0.0)
-            {
-                orientation = UnitQuaternion::new_unchecked(-orientation.into_inner());
-                counts.flipped += 1;
+        let mut last: Option<UnitQuaternion<f64>> = None;
+        for reading in stream {
+            let holds_orientation = matches!(reading.holds, Holds::Pose | Holds::Orientation);
+            let is_off = holds_orientation && (norm(reading) - 1.0).abs() > NORM_ROUNDING;
+            counts.normalised += usize::from(is_off);
+            let mut seen = seen(track, reading);
+            if let Seen::Pose { orientation, .. } | Seen::Orientation(orientation) = &mut seen {
+                if last.is_some_and(|last| last.coords.dot(&orientation.coords) < 0.0) {
+                    *orientation = UnitQuaternion::new_unchecked(-orientation.into_inner());
+                    counts.flipped += 1;
+                }
+                last = Some(*orientation);
             }
             samples.push(Sample {
-                stamp: sample.stamp,
-                acted_s: sample.stamp.seconds_since(origin),
-                position_m: world_from_link.translation.vector,
-                orientation,
+                stamp: reading.stamp,
+                acted_s: reading.stamp.seconds_since(origin),
+                seen,
             });
         }
-        tracks.push(TrackSketch { samples });
+        let covariances = covariances(track, stream);
+        tracks.push(TrackSketch {
+            samples,
+            covariances,
+        });
     }
     Sketch {
         origin,
@@ -423,14 +435,6 @@ fn sketch(
         marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
         marks: vec![None; stamps.len()],
     }
-}
-
-fn world_from_tracker(sample: &PoseSample) -> Pose {
-    let [x, y, z, w] = sample.quaternion_xyzw;
-    Pose::from_parts(
-        Translation3::from(sample.position_m),
-        UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-    )
 }
 
 #[cfg(test)]

@@ -1,7 +1,11 @@
 //! Cuts each track's stream into segments at the marks.
 
+use std::ops::Range;
+
 use super::error::SegmentError;
-use crate::motion::{EventKind, Scene, Segment, Sketch, Timing, TrackIndex, TrackSketch};
+use crate::motion::{
+    EventKind, MechanismIndex, Scene, Segment, Sketch, Timing, TrackIndex, TrackSketch, View,
+};
 
 /// Samples closer to a collision's mark than this many median intervals are left out, as in the
 /// paper: they may belong to either side, and a sample that changed sides would make the objective
@@ -19,86 +23,99 @@ pub fn samples_min(scene: &Scene, start_event: Option<usize>) -> usize {
     if begins.is_some() { 0 } else { SAMPLES_MIN }
 }
 
-/// Cuts every track's samples at the events it takes part in; all tracks take part in `start` and
-/// `end`. Fails where a segment has fewer samples than [`samples_min`].
+/// Cuts the samples of every mechanism's tracks at the events that it takes part in; all take part in
+/// `start` and `end`. Fails where a segment has fewer samples than [`samples_min`].
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
     let mut segments = Vec::new();
-    for track in scene.tracks.keys() {
-        cut_track(scene, sketch, track, &mut segments)?;
+    for mechanism in scene.mechanisms.keys() {
+        cut_mechanism(scene, sketch, mechanism, &mut segments)?;
     }
     segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));
     Ok(segments)
 }
 
-fn cut_track(
+fn cut_mechanism(
     scene: &Scene,
     sketch: &Sketch,
-    track: TrackIndex,
+    mechanism: MechanismIndex,
     segments: &mut Vec<Segment>,
 ) -> Result<(), SegmentError> {
-    let samples = &sketch.tracks[track].samples;
-    // In an edited sketch no sample belongs to either side.
-    let window_s = match scene.timing {
+    let tracks = scene.tracks.keys();
+    let tracks = tracks.filter(|track| scene.mechanism_seen_by(*track) == mechanism);
+    // In an edited sketch no sample belongs to either side of a collision.
+    let window_s = |track: TrackIndex| match scene.timing {
         Timing::Edited => 0.0,
         Timing::Known | Timing::Unknown { .. } => {
             NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.tracks[track])
         }
     };
+    let tracks: Vec<(TrackIndex, f64)> = tracks.map(|track| (track, window_s(track))).collect();
+    let is = |event: Option<usize>, kind: &EventKind| {
+        event.is_some_and(|event| scene.events[event].kind == *kind)
+    };
+    let events = (0..scene.events.len()).filter(|event| scene.concerns(*event, mechanism));
     let mut start_event = None;
-    let mut first = 0;
-    let mechanism = scene.mechanism_seen_by(track);
-    let cuts = (0..scene.events.len()).filter(|event| scene.concerns(*event, mechanism));
-    for end_event in cuts.map(Some).chain([None]) {
-        let is_collision = |event: Option<usize>| {
-            event.is_some_and(|e| scene.events[e].kind.collision().is_some())
-        };
-        let (until_s, next_s) = match end_event {
-            Some(event) if is_collision(end_event) => (
-                sketch.marks_s[event] - window_s,
-                sketch.marks_s[event] + window_s,
-            ),
-            Some(event) => (sketch.marks_s[event], sketch.marks_s[event]),
-            None => (f64::INFINITY, f64::INFINITY),
-        };
-        let end = samples
-            .partition_point(|sample| sample.acted_s <= until_s)
-            .max(first);
-        let is_start = end_event.is_some_and(|e| scene.events[e].kind == EventKind::Start);
-        let past_end = start_event.is_some_and(|e: usize| scene.events[e].kind == EventKind::End);
-        if !is_start && !past_end {
+    for end_event in events.map(Some).chain([None]) {
+        if !is(end_event, &EventKind::Start) && !is(start_event, &EventKind::End) {
+            let views = tracks.iter().map(|(track, window_s)| View {
+                track: *track,
+                samples: between(scene, (sketch, *track), [start_event, end_event], *window_s),
+            });
+            let segment = Segment {
+                mechanism,
+                start_event,
+                end_event,
+                views: views.collect(),
+            };
             let expected = samples_min(scene, start_event);
-            if end - first < expected {
+            if segment.sample_count() < expected {
                 let name = |event: Option<usize>, otherwise: &str| {
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))
                 };
                 return Err(SegmentError::TooFewSamples {
-                    body: scene.link_seen_by(track).name.clone(),
-                    samples: end - first,
+                    body: scene.name_of_mechanism(mechanism).to_owned(),
+                    samples: segment.sample_count(),
                     expected,
                     from: name(start_event, "the beginning"),
                     to: name(end_event, "the end of the data"),
                 });
             }
-            segments.push(Segment {
-                mechanism,
-                start_event,
-                end_event,
-                track,
-                samples: first..end,
-            });
+            segments.push(segment);
         }
-        first = if is_start {
-            samples.partition_point(|sample| sample.acted_s < next_s)
-        } else {
-            samples
-                .partition_point(|sample| sample.acted_s < next_s)
-                .max(end)
-        };
         start_event = end_event;
     }
     Ok(())
+}
+
+/// The samples of a track between two events; those within a window of a collision are left out.
+fn between(
+    scene: &Scene,
+    (sketch, track): (&Sketch, TrackIndex),
+    [start, end]: [Option<usize>; 2],
+    window_s: f64,
+) -> Range<usize> {
+    let samples = &sketch.tracks[track].samples;
+    let marks_s = &sketch.marks_s;
+    let window_s = |event: usize| match scene.events[event].kind {
+        EventKind::Start | EventKind::End => 0.0,
+        EventKind::Collision(_) | EventKind::Collisions { .. } => window_s,
+    };
+    let ended = |event: usize| {
+        let until_s = marks_s[event] - window_s(event);
+        samples.partition_point(|sample| sample.acted_s <= until_s)
+    };
+    let first = start.map_or(0, |event| {
+        let from_s = marks_s[event] + window_s(event);
+        let begun = samples.partition_point(|sample| sample.acted_s < from_s);
+        // A sample at the mark belongs to the flight that ends there, if one does.
+        match scene.events[event].kind {
+            EventKind::Start => begun,
+            _ => begun.max(ended(event)),
+        }
+    });
+    first..end.map_or(samples.len(), ended).max(first)
 }
 
 /// Median interval between a track's samples \[s\]; zero for fewer than two.

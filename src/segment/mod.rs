@@ -19,6 +19,7 @@ mod prefix;
 pub mod propose;
 pub mod refine;
 pub mod relocate;
+mod seen;
 mod units;
 
 pub use cut::cut;

@@ -43,7 +43,8 @@ impl PrefixSums {
             Timing::Unknown { .. } => pull.try_normalize(1e-9),
         };
         let samples = &track.samples;
-        let first_m = samples.first().map_or(Vector3::zeros(), |s| s.position_m);
+        let first_m = samples.iter().find_map(|s| s.seen.position_m());
+        let first_m = first_m.unwrap_or_default();
         let middle_s = middle_s(track);
         let points = samples.iter().map(|sample| {
             let a = sample.acted_s - middle_s;
@@ -53,7 +54,7 @@ impl PrefixSums {
             } else {
                 pull * (0.5 * a * a)
             };
-            (a, sample.position_m - first_m - fall)
+            Some((a, sample.seen.position_m()? - first_m - fall))
         });
         Self::new(points, free_along)
     }
@@ -68,31 +69,35 @@ impl PrefixSums {
         let mut turned = Vector3::zeros();
         let mut before = None;
         let points = track.samples.iter().map(|sample| {
-            if let Some(before) = before.replace(sample.orientation) {
-                let turn = so3::log(&(before.inverse() * sample.orientation));
-                turned += sample.orientation * moments.component_mul(&turn);
+            let orientation = sample.seen.orientation()?;
+            if let Some(before) = before.replace(orientation) {
+                let turn = so3::log(&(before.inverse() * orientation));
+                turned += orientation * moments.component_mul(&turn);
             }
-            (sample.acted_s - middle_s, turned)
+            Some((sample.acted_s - middle_s, turned))
         });
         Self::new(points, None)
     }
 
     fn new(
-        points: impl Iterator<Item = (f64, Vector3<f64>)>,
+        points: impl Iterator<Item = Option<(f64, Vector3<f64>)>>,
         free_along: Option<Vector3<f64>>,
     ) -> Self {
         let mut running = Sums::default();
         let mut sums = vec![running];
-        for (a, p) in points {
-            let mut power = 1.0;
-            for k in 0..5 {
-                running.powers[k] += power;
-                if k < 3 {
-                    running.moments[k] += p * power;
+        for point in points {
+            // A sample that does not show it adds nothing.
+            if let Some((a, p)) = point {
+                let mut power = 1.0;
+                for k in 0..5 {
+                    running.powers[k] += power;
+                    if k < 3 {
+                        running.moments[k] += p * power;
+                    }
+                    power *= a;
                 }
-                power *= a;
+                running.square += p.norm_squared();
             }
-            running.square += p.norm_squared();
             sums.push(running);
         }
         Self { sums, free_along }

@@ -7,7 +7,9 @@
 //! places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
-use crate::motion::{Collision, Partner, Sample, Scene, Sketch, Stamp, TrackIndex, TrackSketch};
+use crate::motion::{
+    Collision, Partner, Sample, Scene, Seen, Sketch, Stamp, TrackIndex, TrackSketch,
+};
 use crate::physics::contact::Feature;
 
 /// Places of the grid for cuts, evenly over the stream, for few cuts,
@@ -322,18 +324,25 @@ impl<'a> Stream<'a> {
 }
 
 /// Largest distance between the features that should touch \[m\], for points and planes; for others
-/// a bound by the link's size, or zero.
+/// a bound by the link's size, or zero; zero where no pose is seen.
 fn gap_m(scene: &Scene, collision: &Collision, sample: &Sample) -> f64 {
     let link = &scene.links[collision.link];
+    let Seen::Pose {
+        position_m,
+        orientation,
+    } = sample.seen
+    else {
+        return 0.0;
+    };
     if collision.partner != Partner::World {
         return 0.0;
     }
     let gaps = collision.contacts.iter().filter_map(|touching| {
         let (point_m, normal) = scene.surfaces[touching.other?].plane()?;
-        let centre_m = (sample.position_m - point_m).dot(&normal);
+        let centre_m = (position_m - point_m).dot(&normal);
         let height_m = |feature: &Feature| match feature {
             Feature::Point { point_m, radius_m } => {
-                Some(centre_m + (sample.orientation * point_m).dot(&normal) - radius_m)
+                Some(centre_m + (orientation * point_m).dot(&normal) - radius_m)
             }
             _ => None,
         };

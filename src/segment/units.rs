@@ -1,5 +1,7 @@
 //! Detects positions that are not in metres.
 
+use nalgebra::Vector3;
+
 use super::error::SegmentError;
 use crate::motion::{Link, Sample};
 
@@ -14,16 +16,19 @@ const BASE_S: f64 = 0.05;
 /// Refuses a stream that is too far-reaching or too fast to be in metres. The reach is the distance
 /// from the middle sample within which nine tenths of the samples lie.
 pub(super) fn check_units(link: &Link, samples: &[Sample]) -> Result<(), SegmentError> {
-    let Some(middle) = samples.get(samples.len() / 2) else {
+    let places = samples.iter();
+    let places = places.filter_map(|sample| Some((sample.acted_s, sample.seen.position_m()?)));
+    let places: Vec<(f64, Vector3<f64>)> = places.collect();
+    let Some((_, middle_m)) = places.get(places.len() / 2) else {
         return Ok(());
     };
-    let mut distances_m: Vec<f64> = samples
+    let distances_m = places
         .iter()
-        .map(|sample| (sample.position_m - middle.position_m).norm())
-        .collect();
-    let rank = samples.len() * 9 / 10;
+        .map(|(_, place_m)| (place_m - middle_m).norm());
+    let mut distances_m: Vec<f64> = distances_m.collect();
+    let rank = places.len() * 9 / 10;
     let reach_m = *distances_m.select_nth_unstable_by(rank, f64::total_cmp).1;
-    let speed_m_s = median_speed_m_s(samples);
+    let speed_m_s = median_speed_m_s(&places);
     let size_m = 2.0 * link.shape.radius_m();
     if reach_m > SIZES_MAX * size_m || speed_m_s > SPEED_MAX_M_S {
         return Err(SegmentError::Units {
@@ -36,15 +41,18 @@ pub(super) fn check_units(link: &Link, samples: &[Sample]) -> Result<(), Segment
     Ok(())
 }
 
-fn median_speed_m_s(samples: &[Sample]) -> f64 {
+/// Median speed through places at acted times [m/s].
+fn median_speed_m_s(places: &[(f64, Vector3<f64>)]) -> f64 {
     let mut after = 0;
-    let mut speeds: Vec<f64> = Vec::with_capacity(samples.len());
-    for from in samples {
-        while after < samples.len() && samples[after].acted_s < from.acted_s + BASE_S {
+    let mut speeds: Vec<f64> = Vec::with_capacity(places.len());
+    for (from_s, from_m) in places {
+        while after < places.len() && places[after].0 < from_s + BASE_S {
             after += 1;
         }
-        let Some(to) = samples.get(after) else { break };
-        speeds.push((to.position_m - from.position_m).norm() / (to.acted_s - from.acted_s));
+        let Some((to_s, to_m)) = places.get(after) else {
+            break;
+        };
+        speeds.push((to_m - from_m).norm() / (to_s - from_s));
     }
     if speeds.is_empty() {
         return 0.0;
@@ -58,7 +66,7 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::motion::{MechanismIndex, Stamp};
+    use crate::motion::{MechanismIndex, Seen, Stamp};
     use crate::physics::Shape;
 
     fn die() -> Link {
@@ -81,11 +89,13 @@ mod tests {
     fn moving_for(distance_m: f64, duration_s: f64) -> Vec<Sample> {
         (0..=200)
             .map(|i| f64::from(i) / 200.0)
-            .map(|share| Sample {
-                stamp: Stamp((share * duration_s * 1e9) as i64),
-                acted_s: share * duration_s,
-                position_m: Vector3::new(distance_m * share, 0.0, 1.0),
-                orientation: UnitQuaternion::identity(),
+            .map(|share| {
+                Sample::of_pose(
+                    Stamp((share * duration_s * 1e9) as i64),
+                    share * duration_s,
+                    Vector3::new(distance_m * share, 0.0, 1.0),
+                    UnitQuaternion::identity(),
+                )
             })
             .collect()
     }
@@ -125,7 +135,7 @@ mod tests {
         assert_eq!(check_units(&die(), &[]), Ok(()));
         assert_eq!(check_units(&die(), &moving(1e6)[..1]), Ok(()));
         let mut samples = moving(1.0);
-        samples[50].position_m.x = 1e4;
+        samples[50].seen = Seen::Point(Vector3::new(1e4, 0.0, 1.0));
         assert_eq!(check_units(&die(), &samples), Ok(()));
     }
 }

@@ -166,11 +166,11 @@ mod tests {
     type Header = ((i32, u32), String);
 
     fn sample(k: i64) -> PoseSample {
-        PoseSample {
-            stamp: Stamp(1_700_000_000_123_456_789 + k),
-            position_m: Vector3::new(0.1, -2.0, k as f64),
-            quaternion_xyzw: [0.0, 0.6, 0.0, 0.8],
-        }
+        PoseSample::new(
+            Stamp(1_700_000_000_123_456_789 + k),
+            Vector3::new(0.1, -2.0, k as f64),
+            [0.0, 0.6, 0.0, 0.8],
+        )
     }
 
     fn theirs<T: serde::Serialize>(value: &T) -> Vec<u8> {

@@ -6,7 +6,6 @@ use iceoryx2::prelude::ZeroCopySend;
 use super::error::WriteError;
 use super::estimate::DEFAULT_FRAME_RATE_HZ;
 use crate::motion::{Estimate, Scene, Sketch, Verdict};
-use crate::report::residual_rms;
 use crate::sampling::{estimate_frames, zero};
 use crate::wire::live::{
     CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, EstimateRecord, EstimatedPoseRecord,
@@ -170,7 +169,7 @@ impl EstimatePublisher {
             let fits = samples.len() <= Quality::FRAMES.buffer;
             bodies.push(if fits { samples } else { Vec::new() });
         }
-        let (residual_m, residual_rad) = residual_rms(estimate);
+        let (residual_m, residual_rad) = estimate.residual_rms();
         let record = EstimateRecord {
             sequence: self.sequence,
             available_ns: occasion.now_ns,

@@ -146,11 +146,11 @@ mod tests {
             .expect("attach");
         for k in 0..100 {
             let stamp = Stamp(1_000_000_000 + k * 5_000_000);
-            let sample = PoseSample {
+            let sample = PoseSample::new(
                 stamp,
-                position_m: Vector3::new(0.1, 0.2, k as f64),
-                quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-            };
+                Vector3::new(0.1, 0.2, k as f64),
+                [0.0, 0.0, 0.0, 1.0],
+            );
             recording
                 .pose("/tracker/die/pose", "world", stamp, &sample)
                 .expect("pose");

@@ -224,11 +224,7 @@ mod tests {
         let mut scene = fixture::scene();
         let track = &mut scene.tracks[TrackIndex(0)];
         track.link_from_tracker = Pose::translation(0.0, 0.0, 0.1);
-        let reading = PoseSample {
-            stamp: Stamp(1),
-            position_m: Vector3::new(1.0, 2.0, 3.0),
-            quaternion_xyzw: [1.0, 0.0, 0.0, 0.0],
-        };
+        let reading = PoseSample::new(Stamp(1), Vector3::new(1.0, 2.0, 3.0), [1.0, 0.0, 0.0, 0.0]);
         // Upside down, the tracker's z is the world's −z.
         let pose = link_pose(track, &reading).expect("a pose");
         assert!((pose.position_m - Vector3::new(1.0, 2.0, 3.1)).norm() < 1e-12);
@@ -237,11 +233,7 @@ mod tests {
             (Vector3::zeros(), [0.0; 4]),
             (Vector3::zeros(), [f64::NAN; 4]),
         ] {
-            let wrong = PoseSample {
-                stamp: Stamp(1),
-                position_m,
-                quaternion_xyzw,
-            };
+            let wrong = PoseSample::new(Stamp(1), position_m, quaternion_xyzw);
             assert_eq!(link_pose(track, &wrong), None);
         }
     }

@@ -82,10 +82,11 @@ impl Case {
     pub fn offset_s(&self, posed: &Posed, sketch: &Sketch) -> f64 {
         let times = posed.segments.iter().zip(&posed.guesses[0].arcs);
         let firsts = times.map(|(segment, arc)| {
-            let sample = &sketch.samples_of(segment)[0];
+            let view = &segment.views[0];
+            let sample = &sketch.samples_of(view)[0];
             (
                 arc.sample_times_s[0],
-                self.hidden_s(segment.track, sample.stamp),
+                self.hidden_s(view.track, sample.stamp),
             )
         });
         let first = firsts.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -140,8 +141,9 @@ impl Case {
         let own = &posed.guesses[0];
         let arcs = posed.segments.iter().zip(&own.arcs).enumerate();
         let arcs = arcs.map(|(index, (segment, arc))| {
-            let samples = sketch.samples_of(segment);
-            let hidden_s = |stamp| self.hidden_s(segment.track, stamp) + offset_s;
+            let view = &segment.views[0];
+            let samples = sketch.samples_of(view);
+            let hidden_s = |stamp| self.hidden_s(view.track, stamp) + offset_s;
             ArcGuess {
                 epoch_s: arc.epoch_s,
                 state: self.true_state(index, arc.epoch_s, offset_s),

@@ -271,7 +271,7 @@ fn body(body: &Body) -> RigidBody {
 }
 
 fn flight(arc: &Arc, epoch_s: f64) -> Flight {
-    let samples = arc.samples.iter().map(|sample| Sample {
+    let samples = arc.samples().map(|sample| Sample {
         node: sample.node,
         position_m: sample.position_m.into(),
         orientation_wxyz: wxyz(&sample.orientation),

@@ -174,7 +174,7 @@ pub fn optimum(posed: &Posed, start: &Start) -> Option<Optimum> {
 /// extent.
 fn is_forward(posed: &Posed, point: &Point) -> bool {
     posed.problem.arcs.iter().all(|arc| {
-        let times_s = || arc.samples.iter().map(|s| s.time_s(&point.node_times_s));
+        let times_s = || arc.samples().map(|s| s.time_s(&point.node_times_s));
         let at = |event: usize| point.event_times_s[event];
         let start_s = arc
             .start

@@ -122,11 +122,7 @@ impl Toss {
         let poses = poses.map(|(index, (position_m, q))| TakeEvent::Pose {
             track: TrackIndex(0),
             stream: 0,
-            sample: PoseSample {
-                stamp: stamp(index as f64),
-                position_m: *position_m,
-                quaternion_xyzw: [q.i, q.j, q.k, q.w],
-            },
+            sample: PoseSample::new(stamp(index as f64), *position_m, [q.i, q.j, q.k, q.w]),
         });
         let marks = marks.iter().map(|(place, event)| {
             TakeEvent::Mark(Mark {

@@ -88,8 +88,12 @@ pub(super) fn segments(report: &EstimateReport) -> String {
                 seconds(segment.start_s),
                 seconds(segment.end_s),
                 segment.samples.to_string(),
-                format!("{:.2} mm", segment.residual_mm),
-                format!("{:.2}°", segment.residual_deg),
+                segment
+                    .residual_mm
+                    .map_or("not seen".into(), |mm| format!("{mm:.2} mm")),
+                segment
+                    .residual_deg
+                    .map_or("not seen".into(), |deg| format!("{deg:.2}°")),
             ]
         })
         .collect();

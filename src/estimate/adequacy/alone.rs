@@ -4,6 +4,7 @@
 use nalgebra::DVector;
 
 use crate::estimate::context::{Guidance, SolveContext};
+use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::outcome;
 use crate::estimate::point::Point;
 use crate::optimise::envelope::Envelope;
@@ -24,7 +25,7 @@ pub(super) struct Alone {
     /// Objective and constraints there.
     pub(super) system: System,
     /// Residuals of all samples, arc by arc, in units.
-    pub(super) errors: Vec<Vec<[f64; 6]>>,
+    pub(super) errors: Vec<Residuals>,
     /// What is left of the way to the minimum, of which constraints are predicted; zero there.
     step: DVector<f64>,
     /// The factorised Hessian.
@@ -80,7 +81,7 @@ impl Alone {
         context: &SolveContext,
         point: &Point,
         system: &System,
-        errors: &[Vec<[f64; 6]>],
+        errors: &[Residuals],
     ) -> Option<Self> {
         let is_unseen = unseen(context, system);
         let factor = damped(context, system)?;

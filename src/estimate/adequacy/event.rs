@@ -25,7 +25,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::alone::Alone;
 use super::hand::{Hand, Kind};
 use crate::estimate::context::SolveContext;
-use crate::estimate::covariance::bins::{self, Bins, Six};
+use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
 use crate::math::span::Span;
@@ -70,7 +70,8 @@ pub(super) fn test(
         return None;
     }
     let design = Design::of(context, &alone.point, &bins, &arcs);
-    let errors: Vec<Vec<Six>> = arcs.iter().map(|arc| alone.errors[*arc].clone()).collect();
+    let views = arcs.iter().flat_map(|arc| problem.views_of(*arc));
+    let errors: Vec<Residuals> = views.map(|view| alone.errors[view].clone()).collect();
     let white = noise::white(&errors);
     let absorbed = absorbed(context, alone, &bins, &design, &arcs);
     let means = bins.mean_residuals(&errors);
@@ -81,7 +82,10 @@ pub(super) fn test(
     let products = Products::new(context, alone, &design, &rows);
     let free = free(alone, &rows);
     let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.value));
-    let samples: usize = errors.iter().map(Vec::len).sum();
+    let rows = errors
+        .iter()
+        .map(|of| 3 * of.each.len() * of.kinds.iter().filter(|is| **is).count());
+    let seen: usize = rows.sum();
     let test = |covariance: &DMatrix<f64>, noise_freedom: usize| {
         let (square, freedom) = standardised(covariance, &values, &free)?;
         let statistic = square / freedom as f64;
@@ -96,11 +100,11 @@ pub(super) fn test(
     let absorbed_by_samples = absorbed.len();
     let by_noise = test(
         &products.covariance(white, None),
-        (6 * samples).saturating_sub(absorbed_by_samples),
+        seen.saturating_sub(absorbed_by_samples),
     )?;
     let by_hand = test(
         &products.covariance(white, Some(&hands)),
-        (6 * bins.count()).saturating_sub(absorbed.len()),
+        bins.dimension().saturating_sub(absorbed.len()),
     )?;
     Some(EventTest {
         wander: [0, 1].map(|kind| hands[kind].variance),

@@ -154,7 +154,16 @@ impl Contrasts {
         (means, absorbed): (&[Six], &[Vec<Six>]),
     ) -> Self {
         let count = bins.count();
-        let root = |row: usize| (bins.bins[row % count].samples as f64).sqrt();
+        // What a track does not show is as if it had no samples.
+        let root = |row: usize| {
+            let bin = &bins.bins[row % count];
+            let is_seen = bin.kinds[kind as usize];
+            if is_seen {
+                (bin.samples as f64).sqrt()
+            } else {
+                0.0
+            }
+        };
         // Three axes, one below the other.
         let flat = |column: &[Six]| {
             DVector::from_fn(3 * count, |row, _| {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::estimate::point::Point;
-use crate::estimate::problem::{Arc, ArcSample, Problem};
+use crate::estimate::problem::{ArcSample, Problem, View};
 use crate::motion::TrackIndex;
 
 /// A residual, position then orientation in body axes, in the problem's units; or its change.
@@ -20,6 +20,15 @@ pub fn products(a: &[Six], b: &[Six]) -> [f64; 2] {
     products
 }
 
+/// The residuals of one view's samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residuals {
+    /// Whether the view sees positions, and whether orientations or directions: the others are zero.
+    pub kinds: [bool; 2],
+    /// Sample by sample.
+    pub each: Vec<Six>,
+}
+
 /// Number of bins of a track per flight, and its maximum.
 const PER_FLIGHT: usize = 4;
 const MOST: usize = 16;
@@ -29,6 +38,8 @@ const MOST: usize = 16;
 pub struct Bin {
     /// The track.
     pub track: TrackIndex,
+    /// Whether positions, and whether orientations or directions are seen.
+    pub kinds: [bool; 2],
     /// Mean time of the samples \[s\].
     pub time_s: f64,
     /// Mean acted time of the samples \[s\].
@@ -38,9 +49,10 @@ pub struct Bin {
 }
 
 impl Bin {
-    fn of(track: TrackIndex) -> Self {
+    fn of((track, kinds): (TrackIndex, [bool; 2])) -> Self {
         Self {
             track,
+            kinds,
             time_s: 0.0,
             acted_s: 0.0,
             samples: 0,
@@ -59,7 +71,7 @@ impl Bin {
 pub struct Bins {
     /// Track by track, in order of time.
     pub bins: Vec<Bin>,
-    /// The bin of every sample, arc by arc.
+    /// The bin of every sample, view by view.
     pub of_samples: Vec<usize>,
     /// Mean duration of a flight \[s\].
     pub flight_s: f64,
@@ -75,26 +87,28 @@ impl Bins {
 
     /// The bins of some arcs alone, in order of time.
     pub fn of(problem: &Problem, point: &Point, arcs: &[usize]) -> Self {
-        let arcs: Vec<&Arc> = arcs.iter().map(|arc| &problem.arcs[*arc]).collect();
+        let views = arcs.iter().flat_map(|arc| &problem.arcs[*arc].views);
+        let views: Vec<&View> = views.collect();
         let mut bins: Vec<Bin> = Vec::new();
-        let mut of_samples = vec![0; arcs.iter().map(|arc| arc.samples.len()).sum()];
-        let mut flights_s = 0.0;
-        let tracks: BTreeSet<TrackIndex> = arcs.iter().map(|arc| arc.track).collect();
-        for track in tracks {
-            let of_track = |arc: &&&Arc| arc.track == track && !arc.samples.is_empty();
-            let flights = arcs.iter().filter(of_track).count();
+        let mut of_samples = vec![0; views.iter().map(|view| view.samples.len()).sum()];
+        let (mut flights_s, mut all_flights) = (0.0, 0);
+        let series = |view: &View| (view.track, view.shows.kinds());
+        let all: BTreeSet<(TrackIndex, [bool; 2])> = views.iter().map(|v| series(v)).collect();
+        for of in all {
+            let is_of = |view: &&&View| series(view) == of && !view.samples.is_empty();
+            let flights = views.iter().filter(is_of).count();
             let per_flight = (MOST / flights.max(1)).clamp(1, PER_FLIGHT);
             let (mut next, mut flight, mut last) = (0, 0, None);
-            for arc in &arcs {
-                let count = arc.samples.len();
-                if of_track(&arc) {
-                    for (index, sample) in arc.samples.iter().enumerate() {
+            for view in &views {
+                let count = view.samples.len();
+                if is_of(&view) {
+                    for (index, sample) in view.samples.iter().enumerate() {
                         let place = (
                             flight * MOST / flights.max(MOST),
                             index * per_flight / count,
                         );
                         if last.replace(place) != Some(place) {
-                            bins.push(Bin::of(track));
+                            bins.push(Bin::of(of));
                         }
                         of_samples[next + index] = bins.len() - 1;
                         let bin = bins.last_mut().expect("one was begun");
@@ -102,27 +116,29 @@ impl Bins {
                         bin.add(point.node_times_s[sample.node], acted_s);
                     }
                     let time_s = |sample: &ArcSample| point.node_times_s[sample.node];
-                    flights_s += time_s(&arc.samples[count - 1]) - time_s(&arc.samples[0]);
+                    flights_s += time_s(&view.samples[count - 1]) - time_s(&view.samples[0]);
                     flight += 1;
                 }
                 next += count;
             }
+            all_flights += flight;
         }
         Self {
             bins,
             of_samples,
-            flight_s: flights_s
-                / arcs
-                    .iter()
-                    .filter(|arc| !arc.samples.is_empty())
-                    .count()
-                    .max(1) as f64,
+            flight_s: flights_s / all_flights.max(1) as f64,
         }
     }
 
     /// Number of bins.
     pub fn count(&self) -> usize {
         self.bins.len()
+    }
+
+    /// Number of mean residuals that are seen.
+    pub fn dimension(&self) -> usize {
+        let kinds = self.bins.iter().flat_map(|bin| bin.kinds);
+        3 * kinds.filter(|is_seen| *is_seen).count()
     }
 
     /// Means of sums over the bins.
@@ -134,9 +150,13 @@ impl Bins {
     }
 
     /// Means of every sample's residual.
-    pub fn mean_residuals(&self, residuals: &[Vec<Six>]) -> Vec<Six> {
+    pub fn mean_residuals(&self, residuals: &[Residuals]) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.count()];
-        for (residual, bin) in residuals.iter().flatten().zip(&self.of_samples) {
+        for (residual, bin) in residuals
+            .iter()
+            .flat_map(|of| &of.each)
+            .zip(&self.of_samples)
+        {
             for (sum, residual) in sums[*bin].iter_mut().zip(residual) {
                 *sum += residual;
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bins::{Bins, Six};
+use super::bins::{Bins, Residuals, Six};
 use super::noise::Noise;
 use super::trace::Design;
 use crate::estimate::context::SolveContext;
@@ -48,12 +48,12 @@ pub struct Covariance<'a> {
 impl<'a> Covariance<'a> {
     /// The covariances at an optimum; `None` where the matrix cannot be factorised.
     ///
-    /// `residuals` are those of every sample, arc by arc, in units.
+    /// `residuals` are those of every sample, view by view, in units.
     pub fn new(
         context: &'a SolveContext<'a>,
         (point, system): (&'a Point, &'a System),
         multipliers: &[f64],
-        residuals: &[Vec<Six>],
+        residuals: &[Residuals],
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
         let kkt = with_soft_bounds(context, (system, curved.as_ref()), multipliers)?;

@@ -24,16 +24,22 @@ use super::bins::Bins;
 pub struct Cosines {
     /// For every frequency: the bins of its track, and its values there, of unit norm.
     frequencies: Vec<(Range<usize>, Vec<f64>)>,
+    /// Number of all bins.
+    bins: usize,
 }
 
 impl Cosines {
-    /// The basis of some bins, ordered by track.
-    pub fn new(bins: &Bins) -> Self {
+    /// The basis of the bins that show one kind, ordered by track.
+    pub fn new(bins: &Bins, kind: usize) -> Self {
         let mut frequencies = Vec::with_capacity(bins.count());
         let mut first = 0;
-        for track in bins.bins.chunk_by(|a, b| a.track == b.track) {
+        for track in bins
+            .bins
+            .chunk_by(|a, b| (a.track, a.kinds) == (b.track, b.kinds))
+        {
             let count = track.len();
-            for frequency in 0..count {
+            let seen = if track[0].kinds[kind] { count } else { 0 };
+            for frequency in 0..seen {
                 let norm = if frequency == 0 { 1.0_f64 } else { 2.0 } / count as f64;
                 let step = PI * frequency as f64 / count as f64;
                 let values = (0..count).map(|bin| norm.sqrt() * (step * (bin as f64 + 0.5)).cos());
@@ -41,16 +47,18 @@ impl Cosines {
             }
             first += count;
         }
-        Self { frequencies }
+        Self {
+            frequencies,
+            bins: bins.count(),
+        }
     }
 
     /// Variance at each frequency under a covariance of the bins, given row by row.
     pub fn variances(&self, covariance: &[f64]) -> Vec<f64> {
-        let count = self.frequencies.len();
         let each = self.frequencies.iter().map(|(bins, values)| {
             let rows = bins.clone().zip(values);
             rows.map(|(row, left)| {
-                let row = &covariance[row * count..][bins.clone()];
+                let row = &covariance[row * self.bins..][bins.clone()];
                 let pairs = row.iter().zip(values);
                 left * pairs.map(|(entry, right)| entry * right).sum::<f64>()
             })

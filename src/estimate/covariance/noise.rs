@@ -8,7 +8,7 @@
 //! determine which, so none is selected: each is weighted by its restricted likelihood, and the
 //! variance of an estimate is computed with the mean covariance `K̄`.
 
-use super::bins::{Bins, Six};
+use super::bins::{Bins, Residuals, Six};
 use super::likelihood::{Columns, Cosines, Gram, log_likelihood};
 use super::trace::Trace;
 
@@ -82,30 +82,32 @@ impl Noise {
 
     /// The covariance estimated from the residuals, of which the fit has absorbed the directions
     /// `absorbed`, orthonormal columns over the bins. [`Noise::stated`] where they are too few.
-    pub fn of(bins: &Bins, residuals: &[Vec<Six>], absorbed: &[Vec<Six>]) -> Self {
-        if absorbed.len() + CONTRASTS_MIN > 6 * bins.count() {
+    pub fn of(bins: &Bins, residuals: &[Residuals], absorbed: &[Vec<Six>]) -> Self {
+        if absorbed.len() + CONTRASTS_MIN > bins.dimension() {
             return Self::stated();
         }
         let white = white(residuals);
         let squares = mean_squares(residuals);
         let means = bins.mean_residuals(residuals);
         let shapes = shapes(bins);
-        let cosines = Cosines::new(bins);
-        let spectra: Vec<Vec<f64>> = shapes
-            .iter()
-            .map(|shape| cosines.variances(shape))
-            .collect();
-        let per_sample = cosines.variances(&one_per_sample(bins));
         let columns = absorbed.iter().map(Vec::as_slice).chain([means.as_slice()]);
         let columns: Vec<&[Six]> = columns.collect();
+        let is_same = bins.bins.iter().all(|bin| bin.kinds[0] == bin.kinds[1]);
+        let spectra_of = |kind: usize| {
+            let cosines = Cosines::new(bins, kind);
+            let spectra = shapes.iter().map(|shape| cosines.variances(shape));
+            let spectra: Vec<Vec<f64>> = spectra.collect();
+            let per_sample = cosines.variances(&one_per_sample(bins));
+            (cosines, spectra, per_sample)
+        };
+        let of_positions = spectra_of(0);
+        let of_others = (!is_same).then(|| spectra_of(1));
+        let of_orientations = of_others.as_ref().unwrap_or(&of_positions);
         let [positions, orientations] = [0, 1].map(|kind| {
-            let columns = Columns::new(&cosines, &columns, kind);
-            candidates(
-                &spectra,
-                &per_sample,
-                &columns,
-                (white[kind], squares[kind]),
-            )
+            let of_kind = [&of_positions, of_orientations][kind];
+            let (cosines, spectra, per_sample) = of_kind;
+            let columns = Columns::new(cosines, &columns, kind);
+            candidates(spectra, per_sample, &columns, (white[kind], squares[kind]))
         });
         if positions.is_empty() || orientations.is_empty() {
             return Self::white_only(squares);
@@ -238,30 +240,45 @@ fn largest(values: &[f64]) -> usize {
         .map_or(0, |(at, _)| at)
 }
 
-/// Mean square residuals of positions and of orientations, per axis.
-pub(in crate::estimate) fn mean_squares(residuals: &[Vec<Six>]) -> [f64; 2] {
-    let count = residuals.iter().map(Vec::len).sum::<usize>().max(1);
-    let mut sums = [0.0; 2];
-    for residual in residuals.iter().flatten() {
-        for (axis, value) in residual.iter().enumerate() {
-            sums[axis / 3] += value * value;
-        }
-    }
-    sums.map(|sum| sum / (3 * count) as f64)
+/// Mean square residuals of positions and of orientations, per axis; zero where none are seen.
+pub(in crate::estimate) fn mean_squares(residuals: &[Residuals]) -> [f64; 2] {
+    let of_each = residuals.iter().map(|of| (of.kinds, of.each.iter()));
+    mean_of_squares(of_each)
 }
 
-/// Variance of white noise: a sixth of the mean square of second differences along the arcs, or the
-/// mean square residual where no arc has three samples.
-pub(in crate::estimate) fn white(residuals: &[Vec<Six>]) -> [f64; 2] {
+/// Variance of white noise: a sixth of the mean square of second differences along the views, or the
+/// mean square residual where none has three samples.
+pub(in crate::estimate) fn white(residuals: &[Residuals]) -> [f64; 2] {
     let second = |three: &[Six]| -> Six {
         std::array::from_fn(|axis| three[0][axis] - 2.0 * three[1][axis] + three[2][axis])
     };
-    let differences: Vec<Six> = residuals
-        .iter()
-        .flat_map(|arc| arc.windows(3).map(second))
-        .collect();
-    if differences.is_empty() {
-        return mean_squares(residuals);
+    let differences = residuals.iter();
+    let differences = differences.map(|of| (of.kinds, of.each.windows(3).map(second)));
+    let of_differences = mean_of_squares(differences).map(|square| square / 6.0);
+    let of_all = mean_squares(residuals);
+    [0, 1].map(|kind| {
+        let has_three = |of: &Residuals| of.kinds[kind] && of.each.len() >= 3;
+        if residuals.iter().any(has_three) {
+            of_differences[kind]
+        } else {
+            of_all[kind]
+        }
+    })
+}
+
+fn mean_of_squares<S: std::borrow::Borrow<Six>>(
+    series: impl Iterator<Item = ([bool; 2], impl Iterator<Item = S>)>,
+) -> [f64; 2] {
+    let (mut counts, mut sums) = ([0_usize; 2], [0.0; 2]);
+    for (kinds, each) in series {
+        for six in each {
+            for kind in 0..2 {
+                counts[kind] += usize::from(kinds[kind]);
+            }
+            for (axis, value) in six.borrow().iter().enumerate() {
+                sums[axis / 3] += value * value;
+            }
+        }
     }
-    mean_squares(&[differences]).map(|square| square / 6.0)
+    [0, 1].map(|kind| sums[kind] / (3 * counts[kind].max(1)) as f64)
 }

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bins::{Bin, Bins, Six};
+use super::bins::{Bin, Bins, Residuals, Six};
 use super::likelihood::{Columns, Cosines, log_likelihood};
 use super::noise::Noise;
 use super::trace::Design;
@@ -37,7 +37,8 @@ fn traces_are_the_residuals_derivatives() {
         let residuals = |share: f64| {
             let mut there = point.clone();
             there.retract_from(point, problem, context.layout, &(&step * share));
-            outcome::errors(problem, context, &there).concat()
+            let errors = outcome::errors(problem, context, &there).into_iter();
+            errors.flat_map(|of| of.each).collect::<Vec<Six>>()
         };
         const SHARE: f64 = 1e-5;
         let (before, after) = (residuals(-SHARE), residuals(SHARE));
@@ -62,12 +63,20 @@ fn traces_are_the_residuals_derivatives() {
     });
 }
 
+fn of_poses(each: Vec<Six>) -> Residuals {
+    Residuals {
+        kinds: [true; 2],
+        each,
+    }
+}
+
 /// Bins of one track, a second apart, of so many samples each.
 fn row_of_bins(count: usize, samples: usize) -> Bins {
     Bins {
         bins: (0..count)
             .map(|bin| Bin {
                 track: TrackIndex(0),
+                kinds: [true; 2],
                 time_s: bin as f64,
                 acted_s: bin as f64,
                 samples,
@@ -88,7 +97,7 @@ fn the_likelihood_is_that_of_contrasts() {
     let absorbed = [column(), column(), column(), column()];
     let residual = column();
     let bins = row_of_bins(BINS, 1);
-    let cosines = Cosines::new(&bins);
+    let cosines = Cosines::new(&bins, 0);
     let basis = DMatrix::from_fn(BINS, BINS, |bin, frequency| {
         let norm = if frequency == 0 { 1.0_f64 } else { 2.0 } / BINS as f64;
         let turn = (bin as f64 + 0.5) * frequency as f64 / BINS as f64;
@@ -183,7 +192,7 @@ fn white_noise_is_seen_as_such() {
     let bins = row_of_bins(8, SAMPLES);
     let mut random = Random(5);
     let residuals: Vec<Six> = (0..8 * SAMPLES).map(|_| random.six()).collect();
-    let noise = Noise::of(&bins, &[residuals], &constants_and_slopes(&bins));
+    let noise = Noise::of(&bins, &[of_poses(residuals)], &constants_and_slopes(&bins));
     for white in noise.white {
         assert!((white - 1.0).abs() < 0.1, "{white}");
     }
@@ -241,7 +250,7 @@ fn what_the_fit_absorbs_of_a_slow_wander_counts() {
             trace.sums[sample / SAMPLES][0] += place(sample) / square;
         }
         trace.squares = [1.0 / square, 0.0];
-        let residuals = [walk];
+        let residuals = [of_poses(walk)];
         known += Noise::of(&bins, &residuals, &absorbed).variance(&trace) / 20.0;
         unknown += Noise::of(&bins, &residuals, &[]).variance(&trace) / 20.0;
     }
@@ -255,10 +264,14 @@ fn a_perfect_fit_and_no_samples_to_spare() {
     let bins = row_of_bins(8, 5);
     let trace = alike(&bins);
     let absorbed = constants_and_slopes(&bins);
-    let noise = Noise::of(&bins, &[vec![[0.0; 6]; 40]], &absorbed);
+    let noise = Noise::of(&bins, &[of_poses(vec![[0.0; 6]; 40])], &absorbed);
     assert!(noise.variance(&trace) < 1e-12);
     // As many directions as the bins have: the weights are all there is.
     let bins = row_of_bins(2, 1);
-    let noise = Noise::of(&bins, &[vec![[0.3; 6]; 2]], &constants_and_slopes(&bins));
+    let noise = Noise::of(
+        &bins,
+        &[of_poses(vec![[0.3; 6]; 2])],
+        &constants_and_slopes(&bins),
+    );
     assert_eq!(noise.white, [1.0; 2]);
 }

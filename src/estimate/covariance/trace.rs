@@ -6,7 +6,7 @@ use super::bins::{Bins, Six};
 use crate::estimate::context::SolveContext;
 use crate::estimate::observed::Observer;
 use crate::estimate::point::Point;
-use crate::estimate::problem::ArcSample;
+use crate::estimate::problem::View;
 use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 use crate::physics::state::part;
@@ -24,13 +24,15 @@ pub struct Trace {
 pub struct Design<'a> {
     context: &'a SolveContext<'a>,
     bins: usize,
-    arcs: Vec<ArcDesign>,
+    views: Vec<ViewDesign>,
 }
 
-/// The derivative of one arc's residuals.
-struct ArcDesign {
+/// The derivative of one view's residuals.
+struct ViewDesign {
     /// Index into the problem's arcs.
     arc: usize,
+    /// Inverse of the unit of its positions, zero where none are seen [1/m].
+    per_m: f64,
     samples: Vec<SampleDesign>,
     /// Its bins, with the sums over their samples.
     pieces: Vec<(usize, Piece)>,
@@ -52,7 +54,7 @@ struct SampleDesign {
     general: Vec<Six>,
 }
 
-/// Sums over the samples of one bin in one arc.
+/// Sums over the samples of one bin in one view.
 #[derive(Default)]
 struct Piece {
     /// Sums of powers of the time since the epoch, from the zeroth to the second.
@@ -79,21 +81,25 @@ impl<'a> Design<'a> {
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let dynamics = problem.dynamics_at(&point.parameters);
         let dynamics = dynamics.expect("moments that the solution has");
-        let per_m = problem.position_unit_m.recip();
-        let per_rad = problem.orientation_unit_rad.recip();
         let mut bin_of_sample = bins.of_samples.iter();
-        let arcs = arcs.iter().map(|index| {
-            let (index, arc) = (*index, &problem.arcs[*index]);
+        let views = arcs.iter().flat_map(|arc| {
+            let views = problem.arcs[*arc].views.iter();
+            views.map(move |view| (*arc, view))
+        });
+        let views = views.map(|(index, view)| {
+            let arc = &problem.arcs[index];
             let state = &point.arcs[index];
             let omega = &state.angular_velocity_rad_s;
             let Dynamics::Free(body) = &dynamics[arc.mechanism];
-            let own = arc.samples.iter().zip(&mut bin_of_sample);
-            if !arc.is_plain {
+            let own = view.samples.iter().zip(&mut bin_of_sample);
+            if !view.is_plain {
                 let flight = (state, context.epochs_s[index]);
-                let of = (body, &gravity_m_s2);
-                let observer = Observer::new(problem, index, of, flight, &point.parameters);
-                return ArcDesign::general(index, observer, own, &point.node_times_s);
+                let (of, at) = ((index, view), (body, &gravity_m_s2));
+                let observer = Observer::new(problem, of, at, flight, &point.parameters);
+                let bins = own.map(|(_, bin)| *bin);
+                return ViewDesign::general((index, view), observer, bins, &point.node_times_s);
             }
+            let [per_m, per_rad] = view.units.map(f64::recip);
             let mut spin = Spin::new(body, omega);
             let samples: Vec<SampleDesign> = own
                 .map(|(sample, bin)| {
@@ -113,12 +119,12 @@ impl<'a> Design<'a> {
                     }
                 })
                 .collect();
-            ArcDesign::new(index, samples)
+            ViewDesign::new((index, per_m), samples)
         });
         Self {
             context,
             bins: bins.count(),
-            arcs: arcs.collect(),
+            views: views.collect(),
         }
     }
 
@@ -126,21 +132,21 @@ impl<'a> Design<'a> {
     pub fn sums(&self, step: &DVector<f64>) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
         let times_are_unknown = self.context.problem.times_are_unknown();
-        for arc in &self.arcs {
-            let [x, v, half_pull, r, w] = self.arc_step(arc.arc, step);
-            for (bin, piece) in &arc.pieces {
+        for view in &self.views {
+            let [x, v, half_pull, r, w] = self.arc_step(view, step);
+            for (bin, piece) in &view.pieces {
                 let [count, first, second] = piece.powers;
                 let shift = x * count + v * first + half_pull * second;
                 let turn = piece.turn[0] * r + piece.turn[1] * w;
                 if piece.general.is_empty() {
                     add(&mut sums[*bin], &six(&shift, &turn), 1.0);
                 }
-                for (by, at) in piece.general.iter().zip(self.unknowns(arc.arc)) {
+                for (by, at) in piece.general.iter().zip(self.unknowns(view.arc)) {
                     add(&mut sums[*bin], by, step[at]);
                 }
             }
             if times_are_unknown {
-                for sample in &arc.samples {
+                for sample in &view.samples {
                     add(
                         &mut sums[sample.bin],
                         &sample.rate,
@@ -155,7 +161,7 @@ impl<'a> Design<'a> {
     /// Derivatives of the residuals by a common shift of all sample times, summed over each bin.
     pub fn rates(&self) -> Vec<Six> {
         let mut sums = vec![[0.0; 6]; self.bins];
-        for (bin, piece) in self.arcs.iter().flat_map(|arc| &arc.pieces) {
+        for (bin, piece) in self.views.iter().flat_map(|view| &view.pieces) {
             add(&mut sums[*bin], &piece.rate, 1.0);
         }
         sums
@@ -177,11 +183,11 @@ impl<'a> Design<'a> {
 
     /// Changes of every sample's residual by a step, in order.
     pub fn each_change(&self, step: &DVector<f64>, mut each: impl FnMut(&Six)) {
-        for arc in &self.arcs {
-            let [x, v, half_pull, r, w] = self.arc_step(arc.arc, step);
-            let moved = self.unknowns(arc.arc).map(|at| step[at]).enumerate();
+        for view in &self.views {
+            let [x, v, half_pull, r, w] = self.arc_step(view, step);
+            let moved = self.unknowns(view.arc).map(|at| step[at]).enumerate();
             let moved: Vec<(usize, f64)> = moved.filter(|(_, by)| *by != 0.0).collect();
-            for sample in &arc.samples {
+            for sample in &view.samples {
                 let shift = x + (v + half_pull * sample.since_s) * sample.since_s;
                 let turn = sample.turn[0] * r + sample.turn[1] * w;
                 let mut change = six(&shift, &turn);
@@ -205,11 +211,11 @@ impl<'a> Design<'a> {
         layout.state(problem, arc).chain(acting)
     }
 
-    fn arc_step(&self, arc: usize, step: &DVector<f64>) -> ArcStep {
+    fn arc_step(&self, view: &ViewDesign, step: &DVector<f64>) -> ArcStep {
         let (problem, layout) = (self.context.problem, self.context.layout);
-        let per_m = problem.position_unit_m.recip();
-        let three =
-            |part: usize| -> Vector3<f64> { step.fixed_rows::<3>(layout.arcs[arc] + part).into() };
+        let per_m = view.per_m;
+        let first = layout.arcs[view.arc];
+        let three = |part: usize| -> Vector3<f64> { step.fixed_rows::<3>(first + part).into() };
         let of_axis = |axis: usize| {
             let parameter = problem.gravity_parameters[axis]?;
             Some(step[layout.parameters[parameter]])
@@ -235,25 +241,29 @@ impl<'a> Design<'a> {
     }
 }
 
-impl ArcDesign {
-    /// The derivative of an arc that is not plain. Orientations are turned from the frame of its
-    /// epoch to the body's.
-    fn general<'s>(
-        arc: usize,
+impl ViewDesign {
+    /// The derivative of a view that is not plain. Orientations are turned from the frame of its
+    /// arc's epoch to the body's, unless they are whitened.
+    fn general(
+        (arc, view): (usize, &View),
         mut observer: Observer,
-        samples: impl Iterator<Item = (&'s ArcSample, &'s usize)>,
+        bins: impl Iterator<Item = usize>,
         node_times_s: &[f64],
     ) -> Self {
-        let samples = samples.map(|(sample, bin)| {
-            let observed = observer.observed(sample, node_times_s);
+        let samples = view.samples.iter().zip(bins).enumerate();
+        let samples = samples.map(|(index, (sample, bin))| {
+            let observed = observer.observed(index, node_times_s);
             let back = observed.turn.inverse();
             let turned = |by: &Six| -> Six {
+                if !view.whitenings.is_empty() {
+                    return *by;
+                }
                 let turn = back * Vector3::new(by[3], by[4], by[5]);
                 [by[0], by[1], by[2], turn.x, turn.y, turn.z]
             };
             let all = observed.by_state.iter().chain(&observed.by_acting);
             SampleDesign {
-                bin: *bin,
+                bin,
                 since_s: 0.0,
                 turn: [Matrix3::zeros(); 2],
                 rate: turned(&observed.by_time),
@@ -261,10 +271,10 @@ impl ArcDesign {
                 general: all.map(turned).collect(),
             }
         });
-        Self::new(arc, samples.collect())
+        Self::new((arc, 0.0), samples.collect())
     }
 
-    fn new(arc: usize, samples: Vec<SampleDesign>) -> Self {
+    fn new((arc, per_m): (usize, f64), samples: Vec<SampleDesign>) -> Self {
         let mut pieces: Vec<(usize, Piece)> = Vec::new();
         for sample in &samples {
             if pieces.last().is_none_or(|(bin, _)| *bin != sample.bin) {
@@ -284,6 +294,7 @@ impl ArcDesign {
         }
         Self {
             arc,
+            per_m,
             samples,
             pieces,
         }

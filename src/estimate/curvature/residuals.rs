@@ -22,7 +22,7 @@ use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
-use crate::estimate::problem::ArcSample;
+use crate::estimate::problem::{ArcSample, View};
 use crate::estimate::tempo;
 use crate::math::so3;
 use crate::optimise::System;
@@ -47,21 +47,24 @@ pub fn add(
         pattern: &layout.structure.pattern,
         matrix,
     };
-    for (index, arc) in problem.arcs.iter().enumerate() {
+    for (index, view) in problem.views() {
         // The short form of the residuals is meant; others make do with Gauss and Newton's.
-        if !arc.is_plain {
+        if !view.is_plain {
             continue;
         }
-        let Dynamics::Free(body) = &problem.dynamics[arc.mechanism];
+        let Dynamics::Free(body) = problem.dynamics_of(index);
         let flight = Flight {
             context,
             point,
             arc: index,
+            view,
             body,
         };
-        flight.add_turn(&mut sum);
+        if view.units[1].is_finite() {
+            flight.add_turn(&mut sum);
+        }
         if problem.times_are_unknown() {
-            for sample in &arc.samples {
+            for sample in &view.samples {
                 flight.add_time(sample, &mut sum);
             }
         }
@@ -85,26 +88,23 @@ impl Sum<'_> {
     }
 }
 
-/// An arc at a point.
+/// An arc at a point, as a view sees it.
 struct Flight<'a> {
     context: &'a SolveContext<'a>,
     point: &'a Point,
     arc: usize,
+    view: &'a View,
     body: &'a Body,
 }
 
 impl Flight<'_> {
-    fn samples(&self) -> &[ArcSample] {
-        &self.context.problem.arcs[self.arc].samples
-    }
-
     fn time_s(&self, sample: &ArcSample) -> f64 {
         sample.time_s(&self.point.node_times_s)
     }
 
     /// Weight of a squared radian.
     fn turn_weight(&self) -> f64 {
-        self.context.problem.orientation_unit_rad.powi(-2)
+        self.view.units[1].powi(-2)
     }
 
     /// Adds the curvature by orientation and angular velocity, with all times fixed.
@@ -137,7 +137,7 @@ impl Flight<'_> {
     fn turn_terms(&self, state: &State) -> TurnTerms {
         let epoch_s = self.context.epochs_s[self.arc];
         let start = (&state.orientation, &state.angular_velocity_rad_s);
-        let readings = self.samples().iter();
+        let readings = self.view.samples.iter();
         let readings = readings.map(|s| (self.time_s(s) - epoch_s, &s.orientation));
         TurnTerms::of(self.body, start, readings).weighed(self.turn_weight())
     }
@@ -154,7 +154,7 @@ impl Flight<'_> {
         let gravity = problem.gravity(&self.point.parameters);
         let flight = (&self.point.arcs[self.arc], self.context.epochs_s[self.arc]);
         let then = ArcEnd::new(self.body, &gravity, flight, self.time_s(sample));
-        let pull = (then.state.position_m - sample.position_m) * problem.position_unit_m.powi(-2);
+        let pull = (then.state.position_m - sample.position_m) * self.view.units[0].powi(-2);
         let error = so3::log(&(sample.orientation.inverse() * then.state.orientation));
         let weight = self.turn_weight();
         let omega = then.state.angular_velocity_rad_s * weight;
@@ -310,7 +310,7 @@ mod tests {
     fn it_is_what_the_hessian_of_the_objective_lacks() {
         each_case(1.0, |context, _, point, _| {
             // General arcs make do with Gauss and Newton's steps there.
-            if context.problem.arcs.iter().any(|arc| !arc.is_plain) {
+            if context.problem.views().any(|(_, view)| !view.is_plain) {
                 return;
             }
             // The price of velocity gaps has its curvature elsewhere.

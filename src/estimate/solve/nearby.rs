@@ -66,7 +66,7 @@ impl Solved {
             point.arcs[flight.arc] = flight.state(z);
         }
         let point = simulate(&self.posed.problem, &self.epochs_s, point)?;
-        Some(self.with(of, point, self.estimate.counters))
+        Some(self.with((of.0, of.1), point, self.estimate.counters))
     }
 
     /// The motion, simulated from this one's first flights, with sample times that fit it best; `None`
@@ -113,16 +113,11 @@ impl Solved {
         let held = &self.solution.point;
         point.event_times_s.clone_from(&held.event_times_s);
         point.parameters.clone_from(&held.parameters);
-        Some(self.with(of, point, counters))
+        Some(self.with((of.0, of.1), point, counters))
     }
 
     /// The estimate of another point of the same problem, which need not be an optimum.
-    fn with(
-        &self,
-        (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-        point: Point,
-        counters: Counters,
-    ) -> Self {
+    fn with(&self, (scene, sketch): (&Scene, &Sketch), point: Point, counters: Counters) -> Self {
         let posed = &self.posed;
         let context = posed.context(self.epochs_s.clone(), &point);
         let system = context.evaluated(&Guidance::none(), &point);
@@ -138,7 +133,7 @@ impl Solved {
         };
         let errors = outcome::errors(&posed.problem, &context, &solution.point);
         let ended = (&solution, errors.as_slice());
-        let mut estimate = outcome::estimate(scene, sketch, segments, &context, ended, counters);
+        let mut estimate = outcome::estimate(scene, sketch, &context, ended, counters);
         if let End::Converged(progress) = estimate.reason.end {
             estimate.reason.end = End::Simulated(progress);
         }

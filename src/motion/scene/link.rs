@@ -1,7 +1,8 @@
 //! What moves and who sees it: links, mechanisms, tracks.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
+use super::whole::Weights;
 use crate::math::Pose;
 use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::contact;
@@ -71,6 +72,41 @@ pub struct Track {
     pub link: LinkIndex,
     /// Pose of the tracker's frame in the link's axes.
     pub link_from_tracker: Pose,
+    /// What of its messages counts.
+    pub sees: Sees,
+    /// How its samples are weighed.
+    pub weighing: Weighing,
+}
+
+impl Track {
+    /// The point of the link on which the tracker is mounted [m, link axes].
+    pub fn point_m(&self) -> Vector3<f64> {
+        self.link_from_tracker.translation.vector
+    }
+}
+
+/// What of a tracker's messages counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sees {
+    /// The pose of its frame.
+    Pose,
+    /// The place of its origin, a point of the link.
+    Point,
+    /// The orientation of its frame.
+    Orientation,
+    /// The direction of an axis of the link, given in link axes.
+    Direction(UnitVector3<f64>),
+}
+
+/// How samples are weighed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weighing {
+    /// By the scene's weights.
+    Scene,
+    /// By weights of the track's own.
+    Own(Weights),
+    /// By the covariances in its messages, where these have one; by the scene's weights otherwise.
+    Messages,
 }
 
 /// A rigid body that flies freely with a tracker on it: a link, a mechanism and a track in one.

@@ -6,7 +6,7 @@ use typed_index_collections::TiVec;
 use super::contact_law::ContactLaw;
 use super::event::{Collision, Event, EventKind};
 use super::goal::Goal;
-use super::link::{FreeBody, Link, Mechanism, Track};
+use super::link::{FreeBody, Link, Mechanism, Sees, Track, Weighing};
 use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
 use super::world::{Against, Obstacle, Surface};
@@ -112,6 +112,8 @@ impl Scene {
             topic: body.topic,
             link,
             link_from_tracker: body.body_from_tracker,
+            sees: Sees::Pose,
+            weighing: Weighing::Scene,
         });
         link
     }

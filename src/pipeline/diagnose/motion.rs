@@ -151,17 +151,10 @@ impl Motion {
 
 /// Root mean square distance of an estimate from all samples.
 pub(super) fn distance(estimate: &Estimate) -> Distance {
-    let count: usize = estimate.residuals.iter().map(|r| r.samples).sum();
-    let (mut position_m2, mut orientation_rad2) = (0.0, 0.0);
-    for residual in &estimate.residuals {
-        let samples = residual.samples as f64;
-        position_m2 += samples * residual.position_rms_m.powi(2);
-        orientation_rad2 += samples * residual.orientation_rms_rad.powi(2);
-    }
-    let mean = |sum: f64| (sum / count.max(1) as f64).sqrt();
+    let (position_m, orientation_rad) = estimate.residual_rms();
     Distance {
-        position_m: mean(position_m2),
-        orientation_rad: mean(orientation_rad2),
+        position_m,
+        orientation_rad,
     }
 }
 

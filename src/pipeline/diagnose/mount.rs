@@ -114,11 +114,11 @@ fn normal(
             continue;
         }
         let seen = || {
-            flight.readings.iter().map(|(s, sample)| {
+            flight.readings.iter().filter_map(|(s, sample)| {
                 let since_s = s - mean_s;
                 let fallen_m = scene.gravity_m_s2 * (0.5 * since_s * since_s);
-                let turn = sample.orientation.to_rotation_matrix().into_inner();
-                (since_s, sample.position_m - fallen_m, turn)
+                let turn = sample.seen.orientation()?.to_rotation_matrix().into_inner();
+                Some((since_s, sample.seen.position_m()? - fallen_m, turn))
             })
         };
         // A flight's own position and velocity: what is left is orthogonal to a straight line.

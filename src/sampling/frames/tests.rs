@@ -16,7 +16,9 @@ fn signs_are_continuous_whatever_those_of_the_estimate_and_the_sketch_are() {
     let (scene, mut estimate, mut sketch) = (scene(), estimate(), sketch());
     let opposite = |q: UnitQuaternion<f64>| UnitQuaternion::new_unchecked(-q.into_inner());
     for sample in sketch.tracks[TrackIndex(0)].samples.iter_mut().step_by(3) {
-        sample.orientation = opposite(sample.orientation);
+        if let Seen::Pose { orientation, .. } = &mut sample.seen {
+            *orientation = opposite(*orientation);
+        }
     }
     let zero = Stamp(FIRST_NS);
     assert_continuous(&sketch_frames(

@@ -1,7 +1,8 @@
-use nalgebra::Vector3;
+use nalgebra::{Translation3, Vector3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::math::Pose;
 use crate::motion::{
     Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, Surface, Timing,
     VelocityGaps, Weights,
@@ -70,6 +71,11 @@ fn scene() -> Scene {
     scene.add(ball("red", mount));
     scene.add(ball("blue", Pose::identity()));
     scene
+}
+
+/// Orientations of two samples.
+fn turns(pair: &[Sample]) -> [UnitQuaternion<f64>; 2] {
+    [0, 1].map(|at| pair[at].seen.orientation().expect("a pose"))
 }
 
 fn body_pose(index: i64) -> Pose {
@@ -162,8 +168,17 @@ fn a_clean_take_is_cut_to_start_and_end_and_moved_to_the_body() {
         assert_eq!(track.samples.len(), 31);
         for (index, sample) in track.samples.iter().enumerate() {
             let expected = body_pose(index as i64 + 5);
-            assert!((sample.position_m - expected.translation.vector).norm() < 1e-15);
-            assert!(sample.orientation.angle_to(&expected.rotation) < 1e-7);
+            assert!(
+                (sample.seen.position_m().unwrap() - expected.translation.vector).norm() < 1e-15
+            );
+            assert!(
+                sample
+                    .seen
+                    .orientation()
+                    .unwrap()
+                    .angle_to(&expected.rotation)
+                    < 1e-7
+            );
             assert!((sample.acted_s - 0.01 * index as f64).abs() < 1e-15);
         }
     }
@@ -239,7 +254,7 @@ fn each_fault_is_dropped_once_and_counted() {
     assert_eq!(counts.used + counts.dropped.values().sum::<usize>(), 81);
     let samples = sketch.tracks.iter().flat_map(|b| &b.samples);
     for sample in samples {
-        assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-15);
+        assert!((sample.seen.orientation().unwrap().coords.norm() - 1.0).abs() < 1e-15);
     }
 }
 
@@ -278,7 +293,7 @@ fn signs_are_made_continuous() {
     assert_eq!(counts.flipped, 3);
     for track in &sketch.tracks {
         for pair in track.samples.windows(2) {
-            assert!(pair[0].orientation.coords.dot(&pair[1].orientation.coords) > 0.9);
+            assert!(turns(pair)[0].coords.dot(&turns(pair)[1].coords) > 0.9);
         }
     }
 }
@@ -476,11 +491,11 @@ fn any_reading() -> impl Strategy<Value = TakeEvent> {
             |(track, index, position, quaternion_xyzw)| TakeEvent::Pose {
                 track: TrackIndex(track),
                 stream: 0,
-                sample: PoseSample {
-                    stamp: Stamp(START + index * STEP),
-                    position_m: Vector3::from(position),
+                sample: PoseSample::new(
+                    Stamp(START + index * STEP),
+                    Vector3::from(position),
                     quaternion_xyzw,
-                },
+                ),
             },
         )
 }
@@ -526,11 +541,11 @@ proptest! {
                     prop_assert!(pair[0].stamp < pair[1].stamp);
                     prop_assert!(pair[0].acted_s < pair[1].acted_s);
                     prop_assert!(
-                        pair[0].orientation.coords.dot(&pair[1].orientation.coords) >= 0.0
+                        turns(pair)[0].coords.dot(&turns(pair)[1].coords) >= 0.0
                     );
                 }
                 for sample in &track.samples {
-                    prop_assert!((sample.orientation.coords.norm() - 1.0).abs() < 1e-12);
+                    prop_assert!((sample.seen.orientation().unwrap().coords.norm() - 1.0).abs() < 1e-12);
                     prop_assert!(sample.acted_s >= 0.0 && sample.acted_s <= 0.35 + 1e-9);
                 }
             }

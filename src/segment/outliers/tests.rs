@@ -224,11 +224,7 @@ proptest! {
                 stamp += step;
                 let q = Vector4::from(xyzw);
                 let q = if q.norm() > 0.1 { q.normalize() } else { Vector4::w() };
-                PoseSample {
-                    stamp: Stamp(stamp),
-                    position_m: Vector3::from(position) * scale,
-                    quaternion_xyzw: q.into(),
-                }
+                PoseSample::new(Stamp(stamp), Vector3::from(position) * scale, q.into())
             })
             .collect();
         let dropped = found(&stream);

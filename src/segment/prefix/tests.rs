@@ -2,7 +2,7 @@ use nalgebra::UnitQuaternion;
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{LinkIndex, Sample, Stamp};
+use crate::motion::{LinkIndex, Sample, Seen, Stamp};
 
 const TEMPO: &str = include_str!("../../../config/hat_box.toml");
 
@@ -11,16 +11,9 @@ fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> TrackSk
     let sample = |i: i64| {
         let acted_s = 0.1 * i as f64;
         let (position_m, orientation) = pose(acted_s);
-        Sample {
-            stamp: Stamp(i * 100_000_000),
-            acted_s,
-            position_m,
-            orientation,
-        }
+        Sample::of_pose(Stamp(i * 100_000_000), acted_s, position_m, orientation)
     };
-    TrackSketch {
-        samples: (0..10).map(sample).collect(),
-    }
+    TrackSketch::new((0..10).map(sample).collect())
 }
 
 #[test]
@@ -52,7 +45,9 @@ fn turns_are_radians_of_the_largest_moment() {
     // A quaternion's sign is no turn.
     let mut signs = track;
     for sample in signs.samples.iter_mut().step_by(2) {
-        sample.orientation = UnitQuaternion::new_unchecked(-sample.orientation.into_inner());
+        if let Seen::Pose { orientation, .. } = &mut sample.seen {
+            *orientation = UnitQuaternion::new_unchecked(-orientation.into_inner());
+        }
     }
     assert!((PrefixSums::of_turns(&scene, TrackIndex(0), &signs).cost(0, 10) - cost).abs() < 1e-9);
 }

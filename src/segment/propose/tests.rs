@@ -64,19 +64,19 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
 fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
     Sketch {
         origin: Stamp(0),
-        tracks: [TrackSketch { samples }].into_iter().collect(),
+        tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.0; bounces],
         marks: vec![None; bounces],
     }
 }
 
 fn sample(acted_s: f64, position_m: Vector3<f64>, turn: Vector3<f64>) -> Sample {
-    Sample {
-        stamp: Stamp((acted_s * 1e9) as i64),
+    Sample::of_pose(
+        Stamp((acted_s * 1e9) as i64),
         acted_s,
         position_m,
-        orientation: UnitQuaternion::from_scaled_axis(turn),
-    }
+        UnitQuaternion::from_scaled_axis(turn),
+    )
 }
 
 /// Dropped from 0.47 m, up and down every 0.6 s without loss, at 100 Hz; first down at 0.3 s.
@@ -114,7 +114,9 @@ fn more_cuts_than_bounces_do_not_stand_out() {
     // A little unevenness, for clean data have nothing to compare with.
     let mut samples = bouncing(180);
     for (i, sample) in samples.iter_mut().enumerate() {
-        sample.position_m.y += 1e-3 * (0.35 * i as f64).sin();
+        if let Seen::Pose { position_m, .. } = &mut sample.seen {
+            position_m.y += 1e-3 * (0.35 * i as f64).sin();
+        }
     }
     let proposals = propose(&scene(3, Timing::Known), &sketch(samples, 3), Some(4));
     let mut scores: Vec<f64> = proposals.iter().map(|p| p.score).collect();

@@ -71,11 +71,11 @@ impl Feed {
             return;
         }
         self.shown[stream] = Some(at);
-        let sample = PoseSample {
-            stamp: Stamp(now_ns()),
-            position_m: record.position_m.into(),
-            quaternion_xyzw: record.quaternion_xyzw,
-        };
+        let sample = PoseSample::new(
+            Stamp(now_ns()),
+            record.position_m.into(),
+            record.quaternion_xyzw,
+        );
         self.send(Live::Pose(stream, sample));
     }
 

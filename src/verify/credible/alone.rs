@@ -212,10 +212,11 @@ mod tests {
             end_s: 0.8,
         };
         let residual = SegmentResidual {
+            arc: 0,
             track: TrackIndex(0),
             samples: 30,
-            position_rms_m: 0.0,
-            orientation_rms_rad: 0.0,
+            position_rms_m: Some(0.0),
+            orientation_rms_rad: Some(0.0),
         };
         let readings = (0..30).map(|index| {
             let time_s = 0.8 * f64::from(index) / 29.0;

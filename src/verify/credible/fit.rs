@@ -43,8 +43,9 @@ const WEIGHTLESS_M_S2: f64 = 0.1;
 
 pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
     let in_weights = |residual: &SegmentResidual| {
-        let position = residual.position_rms_m / scene.weights.position_m;
-        position.max(residual.orientation_rms_rad / scene.weights.orientation_rad)
+        let position = residual.position_rms_m.unwrap_or(0.0) / scene.weights.position_m;
+        let turn = residual.orientation_rms_rad.unwrap_or(0.0);
+        position.max(turn / scene.weights.orientation_rad)
     };
     let mut doubts = Vec::new();
     let (mut squares, mut samples) = (0.0, 0);
@@ -58,7 +59,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
             value,
             RESIDUAL,
         ));
-        let angle_rad = flight.residual.orientation_rms_rad;
+        let angle_rad = flight.residual.orientation_rms_rad.unwrap_or(0.0);
         let place = flight.place();
         doubts.extend(Doubt::beyond(
             About::Orientation,

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{ArcEstimate, Estimate, Place, Scene, SegmentResidual, Sketch};
+use crate::motion::{ArcEstimate, Estimate, Place, Scene, Seen, SegmentResidual, Sketch};
 use crate::physics::Dynamics;
-use crate::physics::flow::Fall;
+use crate::physics::flow::{Fall, Spin};
 
 /// A sample of a flight.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(super) struct FlightSample {
     pub(super) estimated_m: Vector3<f64>,
 }
 
-/// One arc with its samples, in order of time.
+/// What one track saw of an arc, in order of time; empty where it saw no positions.
 pub(super) struct Flight<'a> {
     pub(super) arc: &'a ArcEstimate,
     pub(super) residual: &'a SegmentResidual,
@@ -43,20 +43,28 @@ pub(super) fn flights<'a>(
     estimate: &'a Estimate,
 ) -> Vec<Flight<'a>> {
     let mut times = estimate.sample_times.iter();
-    let pairs = estimate.arcs.iter().zip(&estimate.residuals);
-    pairs
-        .map(|(arc, residual)| {
+    let residuals = estimate.residuals.iter();
+    residuals
+        .map(|residual| {
+            let arc = &estimate.arcs[residual.arc];
+            let point_m = scene.tracks[residual.track].point_m();
             let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
             let mut fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
+            let mut spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
             let readings = times.by_ref().take(residual.samples).filter_map(|time| {
                 let samples = &sketch.tracks[time.track].samples;
                 let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
                 let sample = &samples[at.ok()?];
                 let since_s = time.time_s - arc.epoch_s;
+                // A point is seen where the centre of mass would be with the estimated turn.
+                let lever_m = match sample.seen {
+                    Seen::Point(_) => arc.state.orientation * (spin.turn(since_s) * point_m),
+                    _ => Vector3::zeros(),
+                };
                 Some(FlightSample {
                     acted_s: sample.acted_s,
                     time_s: time.time_s,
-                    position_m: sample.position_m,
+                    position_m: sample.seen.position_m()? - lever_m,
                     estimated_m: fall.position(since_s),
                 })
             });

@@ -101,10 +101,11 @@ mod tests {
             end_s: start_s + 0.045,
         };
         let residual = SegmentResidual {
+            arc: 0,
             track: TrackIndex(0),
             samples: 5,
-            position_rms_m: 0.0,
-            orientation_rms_rad: 0.0,
+            position_rms_m: Some(0.0),
+            orientation_rms_rad: Some(0.0),
         };
         let arcs = [arc(0.0), arc(0.05)];
         let flights = [0, 6].map(|first: usize| {

@@ -51,10 +51,11 @@ mod tests {
             end_s: 0.8,
         };
         let residual = SegmentResidual {
+            arc: 0,
             track: TrackIndex(0),
             samples: 2,
-            position_rms_m: 0.0,
-            orientation_rms_rad: 0.0,
+            position_rms_m: Some(0.0),
+            orientation_rms_rad: Some(0.0),
         };
         let at = |times_s: [f64; 2]| {
             let readings = times_s.map(|time_s| FlightSample {

@@ -24,11 +24,11 @@ pub struct FramedPose {
 impl FramedPose {
     /// The sample, stamped `fallback` where the message has no stamp.
     pub fn sample(&self, fallback: Stamp) -> PoseSample {
-        PoseSample {
-            stamp: self.stamp.unwrap_or(fallback),
-            position_m: self.position_m,
-            quaternion_xyzw: self.quaternion_xyzw,
-        }
+        PoseSample::new(
+            self.stamp.unwrap_or(fallback),
+            self.position_m,
+            self.quaternion_xyzw,
+        )
     }
 }
 

@@ -102,11 +102,11 @@ mod tests {
     use crate::wire::encode::{self, Transform};
 
     fn sample() -> PoseSample {
-        PoseSample {
-            stamp: Stamp(1_700_000_000_123_456_789),
-            position_m: nalgebra::Vector3::new(0.1, -0.2, 0.3),
-            quaternion_xyzw: [0.5, -0.5, 0.5, 0.5],
-        }
+        PoseSample::new(
+            Stamp(1_700_000_000_123_456_789),
+            nalgebra::Vector3::new(0.1, -0.2, 0.3),
+            [0.5, -0.5, 0.5, 0.5],
+        )
     }
 
     #[test]

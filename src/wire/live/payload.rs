@@ -196,11 +196,7 @@ impl PoseRecord {
 
     /// The pose as sent, with the given stamp; its numbers may not be finite.
     pub fn pose(&self, stamp: Stamp) -> PoseSample {
-        PoseSample {
-            stamp,
-            position_m: self.position_m.into(),
-            quaternion_xyzw: self.quaternion_xyzw,
-        }
+        PoseSample::new(stamp, self.position_m.into(), self.quaternion_xyzw)
     }
 
     /// The words in their order, little-endian: what a journal keeps.

@@ -54,7 +54,10 @@ fn recording(directory: &TempDir) -> PathBuf {
         .expect("attach");
     for sample in &sketch().tracks[TrackIndex(0)].samples {
         let log_time = Stamp(sample.stamp.0 + 3_000_000);
-        let pose = crate::math::Pose::from_parts(sample.position_m.into(), sample.orientation);
+        let pose = crate::math::Pose::from_parts(
+            sample.seen.position_m().unwrap().into(),
+            sample.seen.orientation().unwrap(),
+        );
         let sample = PoseSample::from_pose(sample.stamp, &pose);
         recording
             .pose("/tracker/pencil/pose", "map", log_time, &sample)

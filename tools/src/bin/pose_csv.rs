@@ -132,11 +132,11 @@ fn samples(csv: &str, rate_hz: Option<f64>) -> Result<Vec<PoseSample>> {
             unreachable!("one number per column");
         };
         let seconds = rate_hz.map_or(t, |rate_hz| samples.len() as f64 / rate_hz);
-        samples.push(PoseSample {
-            stamp: stamp(seconds).with_context(|| format!("line {}", index + 1))?,
-            position_m: Vector3::new(x, y, z),
-            quaternion_xyzw: [qx, qy, qz, qw],
-        });
+        samples.push(PoseSample::new(
+            stamp(seconds).with_context(|| format!("line {}", index + 1))?,
+            Vector3::new(x, y, z),
+            [qx, qy, qz, qw],
+        ));
     }
     ensure!(!samples.is_empty(), "no samples");
     Ok(samples)

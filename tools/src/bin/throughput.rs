@@ -83,11 +83,11 @@ fn make(path: &Path, messages: i64) -> Result<()> {
     for k in 0..messages {
         let stamp = Stamp(1_700_000_000_000_000_000 + k * 1_000_000);
         let t = k as f64 * 1e-3;
-        let sample = PoseSample {
+        let sample = PoseSample::new(
             stamp,
-            position_m: Vector3::new(t.sin(), (1.3 * t).cos(), (0.7 * t).sin()),
-            quaternion_xyzw: [0.0, 0.0, (0.5 * t).sin(), (0.5 * t).cos()],
-        };
+            Vector3::new(t.sin(), (1.3 * t).cos(), (0.7 * t).sin()),
+            [0.0, 0.0, (0.5 * t).sin(), (0.5 * t).cos()],
+        );
         recording.pose("/tracker/pencil/pose", "world", stamp, &sample)?;
         if k == 0 {
             let mark = Mark { stamp, event: None };

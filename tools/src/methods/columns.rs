@@ -263,7 +263,7 @@ impl Columns {
         for (piece, arc) in problem.arcs.iter().enumerate() {
             let own = self.union([Part::Piece(piece)].into_iter().chain(gravity(problem)));
             clique(&own);
-            for sample in &arc.samples {
+            for sample in arc.samples() {
                 let mut members = own.clone();
                 members.extend(self.nodes[sample.node]);
                 clique(&members);

@@ -34,7 +34,7 @@ impl Chains<'_> {
                     add_symmetric(pattern, *row, column, *entry, &mut out.hessian);
                 }
             };
-            for sample in &arc.samples {
+            for sample in arc.samples() {
                 if let (Some(with), Some(column)) =
                     (from.nodes[sample.node], self.columns.nodes[sample.node])
                 {

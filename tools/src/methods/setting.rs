@@ -45,7 +45,7 @@ impl Setting {
         let gravity = self.problem.gravity(&place.lifted.parameters);
         let arcs = self.problem.arcs.iter().enumerate().map(|(arc, of)| {
             let pieces = (0..self.split.arc_of.len()).filter(|p| self.split.arc_of[*p] == arc);
-            let samples = |piece: &usize| self.split.problem.arcs[*piece].samples.len();
+            let samples = |piece: &usize| self.split.problem.arcs[*piece].sample_count();
             let piece = pieces.max_by_key(samples).expect("every arc has a piece");
             let past_s = self.guess.arcs[arc].epoch_s - self.split.epochs_s[piece];
             let dynamics = &self.problem.dynamics[of.mechanism];

@@ -94,11 +94,11 @@ pub fn split(problem: &Problem, guess: &Guess, grid: Grid) -> Split {
                 from_s.is_none_or(|from_s| time_s(node) >= from_s)
                     && to_s.is_none_or(|to_s| time_s(node) < to_s)
             };
-            let samples = arc.samples.iter().filter(|sample| is_of(sample.node));
-            split.problem.arcs.push(Arc {
-                samples: samples.copied().collect(),
-                ..arc.clone()
-            });
+            let mut piece_of = arc.clone();
+            for view in &mut piece_of.views {
+                view.samples.retain(|sample| is_of(sample.node));
+            }
+            split.problem.arcs.push(piece_of);
             let follows = follows && piece == 0;
             let epoch_s = match (from_s, grid.shoots()) {
                 (_, false) => guess.arcs[index].epoch_s,
@@ -153,7 +153,7 @@ fn nodes_s(fits: &Point, grid: Grid) -> Vec<f64> {
 /// From when to when an arc lasts \[s\].
 fn extent_s(arc: &Arc, fits: &Point) -> [f64; 2] {
     let time_s = |event: usize| fits.event_times_s[event];
-    let times_s = arc.samples.iter().map(|s| s.time_s(&fits.node_times_s));
+    let times_s = arc.samples().map(|s| s.time_s(&fits.node_times_s));
     let first_s = times_s.clone().fold(f64::INFINITY, f64::min);
     let last_s = times_s.fold(f64::NEG_INFINITY, f64::max);
     [

@@ -77,11 +77,11 @@ fn csv(file: &Path, interval_s: f64, samples: usize) -> Vec<TakeEvent> {
             TakeEvent::Pose {
                 track: TrackIndex(0),
                 stream: 0,
-                sample: PoseSample {
-                    stamp: Stamp((index as f64 * interval_s * 1e9).round() as i64),
-                    position_m: Vector3::new(cells[1], cells[2], cells[3]),
-                    quaternion_xyzw: [cells[5], cells[6], cells[7], cells[4]],
-                },
+                sample: PoseSample::new(
+                    Stamp((index as f64 * interval_s * 1e9).round() as i64),
+                    Vector3::new(cells[1], cells[2], cells[3]),
+                    [cells[5], cells[6], cells[7], cells[4]],
+                ),
             }
         })
         .collect()

@@ -1,6 +1,6 @@
 //! A performance: what the tracker delivered, and what only its maker knows.
 
-use enact::motion::{Sample, Sketch, Stamp, TakeEvent, Timing, TrackIndex, TrackSketch};
+use enact::motion::{Sample, Seen, Sketch, Stamp, TakeEvent, Timing, TrackIndex, TrackSketch};
 use nalgebra::{Quaternion, UnitQuaternion};
 use typed_index_collections::TiVec;
 
@@ -56,11 +56,15 @@ impl Performance {
                     samples.push(Sample {
                         stamp: sample.stamp,
                         acted_s: sample.stamp.seconds_since(origin),
-                        position_m: world_from_body.translation.vector,
-                        orientation: nearer(
-                            world_from_body.rotation,
-                            samples.last().map(|last: &Sample| last.orientation),
-                        ),
+                        seen: Seen::Pose {
+                            position_m: world_from_body.translation.vector,
+                            orientation: nearer(
+                                world_from_body.rotation,
+                                samples
+                                    .last()
+                                    .and_then(|last: &Sample| last.seen.orientation()),
+                            ),
+                        },
                     });
                 }
             }

@@ -200,7 +200,8 @@ fn has_nan(outcome: &Outcome) -> bool {
         numbers.extend(parameter.sd);
     }
     for residual in &estimate.residuals {
-        numbers.extend([residual.position_rms_m, residual.orientation_rms_rad]);
+        numbers.extend(residual.position_rms_m);
+        numbers.extend(residual.orientation_rms_rad);
     }
     numbers.extend(estimate.sample_times.iter().map(|sample| sample.time_s));
     numbers.extend(&outcome.sketch.marks_s);

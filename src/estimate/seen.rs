@@ -1,0 +1,114 @@
+//! What the tracks show of a flight, in the solver's terms.
+
+use nalgebra::{Matrix6, UnitQuaternion, Vector3};
+
+use super::nodes::Nodes;
+use super::problem::{ArcSample, Shows, View};
+use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
+
+/// The views of a segment: of every track one, or one of each kind of sample where it has several.
+pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Vec<View> {
+    let mut views = Vec::new();
+    for of in &segment.views {
+        let track = &scene.tracks[of.track];
+        let covariances = &sketch.tracks[of.track].covariances;
+        let mut kinds: Vec<View> = Vec::new();
+        for (sample, index) in sketch.samples_of(of).iter().zip(of.samples.clone()) {
+            let shows = shows(track, &sample.seen);
+            let at = kinds.iter().position(|view| view.shows == shows);
+            let at = at.unwrap_or_else(|| {
+                kinds.push(View {
+                    track: of.track,
+                    shows,
+                    samples: Vec::with_capacity(of.samples.len()),
+                    units: units(scene, track, shows),
+                    whitenings: Vec::new(),
+                    is_plain: covariances.is_empty() && is_plain(track, shows),
+                });
+                kinds.len() - 1
+            });
+            kinds[at].samples.push(placed(sample, shows, nodes));
+            if let Some(covariance) = covariances.get(index) {
+                kinds[at].whitenings.push(whitening(covariance, shows));
+            }
+        }
+        views.extend(kinds);
+    }
+    views
+}
+
+fn shows(track: &Track, seen: &Seen) -> Shows {
+    match (seen, track.sees) {
+        (Seen::Pose { .. }, _) => Shows::Pose,
+        (Seen::Point(_), _) => Shows::Point,
+        (Seen::Orientation(_), _) => Shows::Orientation,
+        (Seen::Direction(_), Sees::Direction(axis)) => Shows::Direction(axis.into_inner()),
+        (Seen::Direction(_), _) => unreachable!("directions are of tracks that see one"),
+    }
+}
+
+/// The short form of residuals has no lever and no single axis.
+fn is_plain(track: &Track, shows: Shows) -> bool {
+    match shows {
+        Shows::Pose | Shows::Orientation => true,
+        Shows::Point => track.point_m() == Vector3::zeros(),
+        Shows::Direction(_) => false,
+    }
+}
+
+fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
+    let weights = match &track.weighing {
+        Weighing::Own(weights) => weights,
+        Weighing::Scene | Weighing::Messages => &scene.weights,
+    };
+    let [position, turn] = shows.kinds();
+    [
+        (position, weights.position_m),
+        (turn, weights.orientation_rad),
+    ]
+    .map(|(is_seen, unit)| if is_seen { unit } else { f64::INFINITY })
+}
+
+fn placed(sample: &Sample, shows: Shows, nodes: &Nodes) -> ArcSample {
+    let (node, share) = nodes.place(sample.acted_s);
+    let orientation = match (sample.seen, shows) {
+        (Seen::Direction(direction), Shows::Direction(axis)) => {
+            UnitQuaternion::rotation_between(&axis, &direction).unwrap_or_else(|| {
+                let across = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
+                let across = across.unwrap_or_default() * Vector3::x_axis();
+                UnitQuaternion::from_axis_angle(&across, std::f64::consts::PI)
+            })
+        }
+        (seen, _) => seen.orientation().unwrap_or_default(),
+    };
+    ArcSample {
+        stamp: sample.stamp,
+        position_m: sample.seen.position_m().unwrap_or_default(),
+        orientation,
+        node,
+        share,
+    }
+}
+
+/// `L⁻¹` of the covariance `L Lᵀ` of what is seen; zero in the rest.
+fn whitening(covariance: &Matrix6<f64>, shows: Shows) -> Matrix6<f64> {
+    let mut seen = *covariance;
+    for (kind, is_seen) in shows.kinds().into_iter().enumerate() {
+        if !is_seen {
+            for at in 3 * kind..3 * kind + 3 {
+                seen.row_mut(at).fill(0.0);
+                seen.column_mut(at).fill(0.0);
+                seen[(at, at)] = 1.0;
+            }
+        }
+    }
+    let factor = seen.cholesky().expect("cleaning keeps sound covariances");
+    let mut inverse = Matrix6::identity();
+    factor.l_dirty().solve_lower_triangular_mut(&mut inverse);
+    for (kind, is_seen) in shows.kinds().into_iter().enumerate() {
+        if !is_seen {
+            inverse.rows_mut(3 * kind, 3).fill(0.0);
+        }
+    }
+    inverse
+}
