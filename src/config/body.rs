@@ -6,13 +6,11 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
-use super::number::{
-    direction, name, not_negative, pose, positive, topic, unique, vector, vector_from_mm,
-};
+use super::number::{direction, name, not_negative, positive, unique, vector, vector_from_mm};
 use super::raw::{Number, RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
-use crate::math::Pose;
-use crate::motion::{Feature, FreeBody};
+use super::track::tracks;
+use crate::motion::{Feature, FreeBody, Track, Weights};
 use crate::physics::{Body, BodyError, Drag, Shape, ShapeError, contact};
 
 /// Sizes of bodies: objects that a hand can act with.
@@ -24,34 +22,27 @@ const SIZE: SizeLimits = SizeLimits {
 /// Lightest and heaviest body \[kg\].
 const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
 
-/// A checked body.
-pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<FreeBody, Fault> {
+/// A checked body with all its tracks, and the first of them in the body itself.
+pub(super) fn body(
+    spanned: &Spanned<RawBody>,
+    weights: &Weights,
+) -> Result<(FreeBody, Vec<Track>), Fault> {
     let raw = spanned.get_ref();
     let name = name("body", &raw.name)?;
-    let topic = match &raw.topic {
-        Some(text) => topic("topic", text)?,
-        None => format!("/tracker/{name}/pose"),
-    };
     let shape = shape("the body", &raw.shape, &SIZE)?;
     let body = in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?;
-    let body_from_tracker = match &raw.tracker {
-        Some(tracker) => pose(
-            "the tracker",
-            tracker.position_mm.as_ref(),
-            tracker.orientation_wxyz.as_ref(),
-        )?,
-        None => Pose::identity(),
-    };
     let mut features = features(raw)?;
     add_own(&shape, &mut features);
-    Ok(FreeBody {
+    let tracks = tracks(raw, (&name, &features), weights)?;
+    let body = FreeBody {
         name,
-        topic,
+        topic: tracks[0].topic.clone(),
         body,
         shape,
-        body_from_tracker,
+        body_from_tracker: tracks[0].link_from_tracker,
         features,
-    })
+    };
+    Ok((body, tracks))
 }
 
 /// The corners in alphabetical order, then the faces as they are written.

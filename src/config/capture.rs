@@ -68,9 +68,9 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         let names = scene
             .tracks
             .keys()
-            .map(|track| scene.link_seen_by(track).name.as_str());
+            .map(|track| scene.tracks[track].name.as_str());
         let track = TrackIndex(index_of("body", &tracker.body, names)?);
-        let name = scene.link_seen_by(track).name.as_str();
+        let name = scene.tracks[track].name.as_str();
         unique("tracker of", &tracker.body, name, named.iter().copied())?;
         named.push(name);
         stamps[track] = Some(stamp_source(tracker)?);

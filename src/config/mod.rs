@@ -134,6 +134,7 @@ mod rest;
 mod scene;
 mod solid;
 mod text;
+mod track;
 mod unit;
 
 pub use capture::CaptureSettings;

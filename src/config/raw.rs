@@ -60,7 +60,9 @@ pub(super) struct RawBody {
     pub(super) mass_kg: Option<Number>,
     pub(super) density_kg_m3: Option<Number>,
     pub(super) moments_kg_m2: Option<Triple>,
-    pub(super) tracker: Option<RawTracker>,
+    pub(super) tracker: Option<Spanned<RawTracker>>,
+    #[serde(default)]
+    pub(super) track: Vec<Spanned<RawTrack>>,
     pub(super) restitution: Option<Number>,
     pub(super) friction: Option<Number>,
     pub(super) force_m_s2: Option<Triple>,
@@ -70,6 +72,20 @@ pub(super) struct RawBody {
     pub(super) features_mm: BTreeMap<Text, Triple>,
     #[serde(default)]
     pub(super) face: Vec<RawSurface>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a track")]
+pub(super) struct RawTrack {
+    pub(super) name: Option<Text>,
+    pub(super) topic: Option<Text>,
+    pub(super) sees: Option<Text>,
+    pub(super) point: Option<Text>,
+    pub(super) axis: Option<Triple>,
+    pub(super) tracker: Option<Spanned<RawTracker>>,
+    pub(super) position_sd_mm: Option<Number>,
+    pub(super) orientation_sd_deg: Option<Number>,
+    pub(super) weights: Option<Text>,
 }
 
 #[derive(Deserialize)]

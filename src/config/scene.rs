@@ -12,7 +12,7 @@ use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
-use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, VelocityGaps, Weights};
+use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, Track, VelocityGaps, Weights};
 use crate::physics::contact;
 
 const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
@@ -42,7 +42,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         Some(text) => topic("marks_topic", text)?,
         None => MARKS_TOPIC.into(),
     };
-    let bodies = bodies(raw, &marks_topic)?;
+    let weights = weights(raw.weights.as_ref())?;
+    let bodies = bodies(raw, &marks_topic, &weights)?;
     let obstacles = obstacles(&raw.obstacle)?;
     let mut surfaces = surfaces(&raw.surface)?;
     add_obstacles(raw, &obstacles, &mut surfaces);
@@ -64,11 +65,14 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         parameters: Vec::new(),
         cones: Vec::new(),
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
-        weights: weights(raw.weights.as_ref())?,
+        weights,
         settle_s: settle_s(raw.settle_s.as_ref())?,
     };
-    for body in bodies {
-        scene.add(body);
+    for (body, tracks) in bodies {
+        let link = scene.add(body);
+        scene.tracks.pop();
+        let of_link = tracks.into_iter().map(|track| Track { link, ..track });
+        scene.tracks.extend(of_link);
     }
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
@@ -182,25 +186,35 @@ fn settle_s(raw: Option<&Number>) -> Result<Option<f64>, Fault> {
     Ok(Some(settle_s))
 }
 
-fn bodies(raw: &RawScene, marks_topic: &str) -> Result<Vec<FreeBody>, Fault> {
-    let mut bodies: Vec<FreeBody> = Vec::new();
+fn bodies(
+    raw: &RawScene,
+    marks_topic: &str,
+    weights: &Weights,
+) -> Result<Vec<(FreeBody, Vec<Track>)>, Fault> {
+    let mut bodies: Vec<(FreeBody, Vec<Track>)> = Vec::new();
+    let mut taken = vec![marks_topic.to_owned()];
     for spanned in &raw.body {
         let raw_body = spanned.get_ref();
-        let body = body(spanned)?;
+        let (body, tracks) = body(spanned, weights)?;
         unique(
             "body",
             &raw_body.name,
             &body.name,
-            bodies.iter().map(|b| b.name.as_str()),
+            bodies.iter().map(|(body, _)| body.name.as_str()),
         )?;
-        let taken = bodies.iter().map(|b| b.topic.as_str());
-        unique(
-            "use of the topic",
-            raw_body.topic.as_ref().unwrap_or(&raw_body.name),
-            &body.topic,
-            taken.chain([marks_topic]),
-        )?;
-        bodies.push(body);
+        for (number, track) in tracks.iter().enumerate() {
+            let own = raw_body.track.get(number);
+            let own = own.and_then(|raw| raw.get_ref().topic.as_ref());
+            unique(
+                "use of the topic",
+                own.or(raw_body.topic.as_ref()).unwrap_or(&raw_body.name),
+                &track.topic,
+                taken.iter().map(String::as_str),
+            )?;
+        }
+        // Two tracks of a body may see different parts of the same messages.
+        taken.extend(tracks.iter().map(|track| track.topic.clone()));
+        bodies.push((body, tracks));
     }
     if bodies.is_empty() {
         return fault(

@@ -159,7 +159,7 @@ pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLi
     let with_arcs = residuals.map(|residual| (residual, &estimate.arcs[residual.arc]));
     with_arcs
         .map(|(residual, arc)| SegmentLine {
-            body: scene.link_seen_by(residual.track).name.clone(),
+            body: scene.tracks[residual.track].name.clone(),
             start_s: arc.start_s,
             end_s: arc.end_s,
             samples: residual.samples,

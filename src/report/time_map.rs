@@ -58,7 +58,7 @@ impl TimeMapMessage {
                 .map(|time| (time.stamp.seconds_since(sketch.origin), time.time_s))
                 .unzip();
             BodyTimes {
-                body: scene.link_seen_by(track).name.clone(),
+                body: scene.tracks[track].name.clone(),
                 acted_s,
                 physical_s,
             }

@@ -76,7 +76,7 @@ impl Scene {
     pub fn name_of_quantity(&self, quantity: Quantity) -> String {
         let law = |law: ContactLawIndex| &self.contact_laws[law].name;
         let link = |link: LinkIndex| &self.links[link].name;
-        let seen = |track: TrackIndex| &self.link_seen_by(track).name;
+        let seen = |track: TrackIndex| &self.tracks[track].name;
         let surface = |surface: usize| &self.surfaces[surface].name;
         match quantity {
             Quantity::Gravity { axis } => format!("gravity.{}", AXES[axis]),

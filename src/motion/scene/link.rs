@@ -66,6 +66,8 @@ impl Mechanism {
 /// What one tracker sees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
+    /// Unique name: that of the link, unless that has several tracks.
+    pub name: String,
     /// Topic that carries the tracker's poses; see [`stream_topic`](super::Scene::stream_topic).
     pub topic: String,
     /// The link that it is mounted on.

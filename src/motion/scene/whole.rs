@@ -109,6 +109,7 @@ impl Scene {
         });
         self.mechanisms.push(Mechanism::Free(link));
         self.tracks.push(Track {
+            name: self.links[link].name.clone(),
             topic: body.topic,
             link,
             link_from_tracker: body.body_from_tracker,

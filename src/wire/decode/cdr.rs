@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::error::DecodeError;
 use super::message::{FramedPose, RosPose, StampedMark, stamp};
-use crate::motion::Stamp;
+use crate::motion::{Holds, Stamp};
 
 /// Representation identifier and options before the message.
 const ENCAPSULATION_BYTES: usize = 4;
@@ -26,10 +26,34 @@ pub(super) fn poses(
             let (stamp, parent) = cdr.header()?;
             poses.push(cdr.pose(stamp, parent, String::new())?);
         }
+        RosPose::PoseWithCovarianceStamped => {
+            let (stamp, parent) = cdr.header()?;
+            let pose = cdr.pose(stamp, parent, String::new())?;
+            poses.push(pose.with_covariance(&cdr.covariance()?));
+        }
         RosPose::Odometry => {
             let (stamp, parent) = cdr.header()?;
             let child = cdr.text("child_frame_id")?;
-            poses.push(cdr.pose(stamp, parent, child)?);
+            let pose = cdr.pose(stamp, parent, child)?;
+            poses.push(pose.with_covariance(&cdr.covariance()?));
+        }
+        RosPose::PointStamped | RosPose::Vector3Stamped => {
+            let (stamp, parent) = cdr.header()?;
+            let vector = cdr.vector("point")?;
+            let holds = match message {
+                RosPose::PointStamped => Holds::Position,
+                _ => Holds::Direction,
+            };
+            poses.push(FramedPose::vector(parent, stamp, vector, holds));
+        }
+        RosPose::QuaternionStamped => {
+            let (stamp, parent) = cdr.header()?;
+            let frames = (parent, String::new());
+            let quaternion_xyzw = cdr.quaternion()?;
+            poses.push(FramedPose {
+                holds: Holds::Orientation,
+                ..FramedPose::new(frames, stamp, Vector3::zeros(), quaternion_xyzw)
+            });
         }
         RosPose::TfMessage => {
             let count = cdr.u32("transforms")? as usize;
@@ -141,21 +165,39 @@ impl<'a> CdrReader<'a> {
         parent: String,
         child: String,
     ) -> Result<FramedPose, DecodeError> {
-        let mut position_m = Vector3::zeros();
-        for coordinate in position_m.iter_mut() {
-            *coordinate = self.f64("position")?;
+        let position_m = self.vector("position")?;
+        let frames = (parent, child);
+        Ok(FramedPose::new(
+            frames,
+            stamp,
+            position_m,
+            self.quaternion()?,
+        ))
+    }
+
+    fn vector(&mut self, field: &'static str) -> Result<Vector3<f64>, DecodeError> {
+        let mut vector = Vector3::zeros();
+        for coordinate in vector.iter_mut() {
+            *coordinate = self.f64(field)?;
         }
+        Ok(vector)
+    }
+
+    fn quaternion(&mut self) -> Result<[f64; 4], DecodeError> {
         let mut quaternion_xyzw = [0.0; 4];
         for component in &mut quaternion_xyzw {
             *component = self.f64("orientation")?;
         }
-        Ok(FramedPose {
-            parent,
-            child,
-            stamp,
-            position_m,
-            quaternion_xyzw,
-        })
+        Ok(quaternion_xyzw)
+    }
+
+    /// A `float64[36]`.
+    fn covariance(&mut self) -> Result<[f64; 36], DecodeError> {
+        let mut rows = [0.0; 36];
+        for entry in &mut rows {
+            *entry = self.f64("covariance")?;
+        }
+        Ok(rows)
     }
 }
 
@@ -170,12 +212,32 @@ mod tests {
     #[derive(Serialize)]
     struct Header(i32, u32, &'static str);
     type Seven = ([f64; 3], [f64; 4]);
+    /// More entries than the crate's arrays may have.
+    type Covariance = ([f64; 18], [f64; 18]);
     #[derive(Serialize)]
     struct PoseStamped(Header, Seven);
     #[derive(Serialize)]
-    struct Odometry(Header, &'static str, Seven, [f64; 32]);
+    struct Odometry(Header, &'static str, Seven, Covariance);
+    #[derive(Serialize)]
+    struct PoseWithCovariance(Header, Seven, Covariance);
+    #[derive(Serialize)]
+    struct Stamped<const N: usize>(Header, Fixed<N>);
     #[derive(Serialize)]
     struct TfMessage(Vec<(Header, &'static str, Seven)>);
+
+    /// Numbers one after the other, without a length.
+    struct Fixed<const N: usize>([f64; N]);
+
+    impl<const N: usize> Serialize for Fixed<N> {
+        fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+            use serde::ser::SerializeTuple;
+            let mut tuple = to.serialize_tuple(N)?;
+            for number in self.0 {
+                tuple.serialize_element(&number)?;
+            }
+            tuple.end()
+        }
+    }
 
     const SEVEN: Seven = ([0.1, -0.2, 0.3], [0.5, 0.5, -0.5, 0.5]);
 
@@ -193,13 +255,8 @@ mod tests {
     }
 
     fn expected(parent: &str, child: &str, stamp: Option<Stamp>) -> FramedPose {
-        FramedPose {
-            parent: parent.to_owned(),
-            child: child.to_owned(),
-            stamp,
-            position_m: SEVEN.0.into(),
-            quaternion_xyzw: SEVEN.1,
-        }
+        let frames = (parent.to_owned(), child.to_owned());
+        FramedPose::new(frames, stamp, SEVEN.0.into(), SEVEN.1)
     }
 
     #[test]
@@ -217,11 +274,55 @@ mod tests {
 
     #[test]
     fn odometry_has_a_child_and_trailing_fields() {
-        for data in both_orders(&Odometry(Header(0, 0, "odom"), "base", SEVEN, [9.0; 32])) {
+        let mut data = both_orders(&Odometry(Header(0, 0, "odom"), "base", SEVEN, UNKNOWN));
+        for data in &mut data {
+            data.extend([7; 48]);
             assert_eq!(
-                decoded(RosPose::Odometry, &data),
+                decoded(RosPose::Odometry, data),
                 [expected("odom", "base", None)]
             );
+        }
+    }
+
+    const UNKNOWN: Covariance = ([0.0; 18], [0.0; 18]);
+
+    #[test]
+    fn covariances_are_read_row_by_row_and_zeros_are_none() {
+        let header = || Header(1, 0, "map");
+        for data in both_orders(&PoseWithCovariance(header(), SEVEN, UNKNOWN)) {
+            let found = decoded(RosPose::PoseWithCovarianceStamped, &data);
+            assert_eq!(found[0].covariance, None);
+        }
+        let entry = |row: usize, column: usize| (1 + row * column) as f64;
+        let rows = |from: usize| std::array::from_fn(|at| entry((from + at) / 6, (from + at) % 6));
+        for data in both_orders(&PoseWithCovariance(header(), SEVEN, (rows(0), rows(18)))) {
+            let found = decoded(RosPose::PoseWithCovarianceStamped, &data);
+            let matrix = found[0].covariance.expect("a covariance").matrix();
+            for row in 0..6 {
+                for column in 0..6 {
+                    assert_eq!(matrix[(row, column)], entry(row, column));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn parts_of_poses_say_what_they_hold() {
+        let header = || Header(1, 0, "map");
+        for data in both_orders(&Stamped(header(), Fixed([1.0, 2.0, 3.0]))) {
+            for (message, holds) in [
+                (RosPose::PointStamped, Holds::Position),
+                (RosPose::Vector3Stamped, Holds::Direction),
+            ] {
+                let found = &decoded(message, &data)[0];
+                assert_eq!(found.holds, holds);
+                assert_eq!(found.position_m, Vector3::new(1.0, 2.0, 3.0));
+            }
+        }
+        for data in both_orders(&Stamped(header(), Fixed(SEVEN.1))) {
+            let found = &decoded(RosPose::QuaternionStamped, &data)[0];
+            assert_eq!(found.holds, Holds::Orientation);
+            assert_eq!(found.quaternion_xyzw, SEVEN.1);
         }
     }
 

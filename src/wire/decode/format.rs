@@ -28,8 +28,9 @@ pub struct MarkFormat(Marks);
 
 /// The schemas that [`PoseFormat::of`] accepts, for error messages.
 pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransform, \
-     FrameTransforms (protobuf, json); geometry_msgs/msg/PoseStamped, \
-     PoseWithCovarianceStamped, nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr)";
+     FrameTransforms, Point3InFrame, Odometry (protobuf, json); geometry_msgs/msg/PoseStamped, \
+     PoseWithCovarianceStamped, PointStamped, QuaternionStamped, Vector3Stamped, \
+     nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr)";
 
 /// The schemas that [`MarkFormat::of`] accepts, for error messages.
 pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";
@@ -42,12 +43,18 @@ impl PoseFormat {
             "foxglove.PosesInFrame" => Some(FoxglovePose::PosesInFrame),
             "foxglove.FrameTransform" => Some(FoxglovePose::FrameTransform),
             "foxglove.FrameTransforms" => Some(FoxglovePose::FrameTransforms),
+            "foxglove.Point3InFrame" => Some(FoxglovePose::Point3InFrame),
+            "foxglove.Odometry" => Some(FoxglovePose::Odometry),
             _ => None,
         };
         let ros = match schema_name {
-            "geometry_msgs/msg/PoseStamped" | "geometry_msgs/msg/PoseWithCovarianceStamped" => {
-                Some(RosPose::PoseStamped)
+            "geometry_msgs/msg/PoseStamped" => Some(RosPose::PoseStamped),
+            "geometry_msgs/msg/PoseWithCovarianceStamped" => {
+                Some(RosPose::PoseWithCovarianceStamped)
             }
+            "geometry_msgs/msg/PointStamped" => Some(RosPose::PointStamped),
+            "geometry_msgs/msg/QuaternionStamped" => Some(RosPose::QuaternionStamped),
+            "geometry_msgs/msg/Vector3Stamped" => Some(RosPose::Vector3Stamped),
             "nav_msgs/msg/Odometry" => Some(RosPose::Odometry),
             "tf2_msgs/msg/TFMessage" => Some(RosPose::TfMessage),
             _ => None,

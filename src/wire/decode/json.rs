@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::error::DecodeError;
 use super::message::{FoxglovePose, FramedPose, StampedMark, stamp};
-use crate::motion::Stamp;
+use crate::motion::{Holds, Stamp};
 use crate::wire::encode::MARK_EVENT_KEY;
 
 #[derive(Clone, Copy, Deserialize)]
@@ -48,6 +48,26 @@ struct PosesInFrame {
     #[serde(default)]
     frame_id: String,
     poses: Vec<JsonPose>,
+}
+
+#[derive(Deserialize)]
+struct Point3InFrame {
+    timestamp: Option<JsonTime>,
+    #[serde(default)]
+    frame_id: String,
+    point: Xyz,
+}
+
+#[derive(Deserialize)]
+struct Odometry {
+    timestamp: Option<JsonTime>,
+    #[serde(default)]
+    frame_id: String,
+    #[serde(default)]
+    body_frame_id: String,
+    pose: JsonPose,
+    #[serde(default)]
+    pose_covariance: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -102,6 +122,20 @@ pub(super) fn poses(
                 ));
             }
         }
+        FoxglovePose::Point3InFrame => {
+            let message: Point3InFrame = parsed(data)?;
+            let at = time(message.timestamp)?;
+            let Xyz { x, y, z } = message.point;
+            let position_m = nalgebra::Vector3::new(x, y, z);
+            let holds = Holds::Position;
+            poses.push(FramedPose::vector(message.frame_id, at, position_m, holds));
+        }
+        FoxglovePose::Odometry => {
+            let message: Odometry = parsed(data)?;
+            let at = time(message.timestamp)?;
+            let pose = framed(message.frame_id, message.body_frame_id, at, message.pose);
+            poses.push(pose.with_covariance(&message.pose_covariance));
+        }
         FoxglovePose::FrameTransform => poses.push(transform(parsed(data)?)?),
         FoxglovePose::FrameTransforms => {
             let message: FrameTransforms = parsed(data)?;
@@ -148,13 +182,8 @@ fn framed(parent: String, child: String, stamp: Option<Stamp>, pose: JsonPose) -
         position: p,
         orientation: q,
     } = pose;
-    FramedPose {
-        parent,
-        child,
-        stamp,
-        position_m: nalgebra::Vector3::new(p.x, p.y, p.z),
-        quaternion_xyzw: [q.x, q.y, q.z, q.w],
-    }
+    let position_m = nalgebra::Vector3::new(p.x, p.y, p.z);
+    FramedPose::new((parent, child), stamp, position_m, [q.x, q.y, q.z, q.w])
 }
 
 fn time(time: Option<JsonTime>) -> Result<Option<Stamp>, DecodeError> {
@@ -174,13 +203,12 @@ mod tests {
         poses(FoxglovePose::PoseInFrame, text, &mut found).expect("decode");
         assert_eq!(
             found,
-            [FramedPose {
-                parent: "map".to_owned(),
-                child: String::new(),
-                stamp: Some(Stamp(1_700_000_000_000_000_005)),
-                position_m: nalgebra::Vector3::new(1.0, 2.5, -3.0),
-                quaternion_xyzw: [0.0, 0.0, 0.6, 0.8],
-            }]
+            [FramedPose::new(
+                ("map".to_owned(), String::new()),
+                Some(Stamp(1_700_000_000_000_000_005)),
+                nalgebra::Vector3::new(1.0, 2.5, -3.0),
+                [0.0, 0.0, 0.6, 0.8],
+            )]
         );
     }
 

@@ -1,11 +1,11 @@
-//! The content of pose and mark messages, independent of their encoding.
+//! The content of messages of trackers and of marks, independent of their encoding.
 
 use nalgebra::Vector3;
 
 use super::error::DecodeError;
-use crate::motion::{Mark, PoseSample, Stamp};
+use crate::motion::{Covariance, Holds, Mark, PoseSample, Stamp};
 
-/// A pose as a message gives it.
+/// A pose, or a part of one, as a message gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramedPose {
     /// Frame in which the pose is given.
@@ -15,20 +15,67 @@ pub struct FramedPose {
     pub child: String,
     /// When it was measured; `None` where the message has no stamp or a zero one.
     pub stamp: Option<Stamp>,
-    /// Position \[m\], as sent.
+    /// Position \[m\], as sent; a direction in its place; zero where neither is held.
     pub position_m: Vector3<f64>,
-    /// Quaternion, as sent.
+    /// Quaternion, as sent; the identity where none is held.
     pub quaternion_xyzw: [f64; 4],
+    /// Which of them it holds.
+    pub holds: Holds,
+    /// Covariance, where it has one that is not all zero.
+    pub covariance: Option<Covariance>,
 }
 
 impl FramedPose {
+    /// A pose without a covariance.
+    pub(super) fn new(
+        (parent, child): (String, String),
+        stamp: Option<Stamp>,
+        position_m: Vector3<f64>,
+        quaternion_xyzw: [f64; 4],
+    ) -> Self {
+        Self {
+            parent,
+            child,
+            stamp,
+            position_m,
+            quaternion_xyzw,
+            holds: Holds::Pose,
+            covariance: None,
+        }
+    }
+
+    /// A position or a direction alone.
+    pub(super) fn vector(
+        parent: String,
+        stamp: Option<Stamp>,
+        vector: Vector3<f64>,
+        holds: Holds,
+    ) -> Self {
+        Self {
+            holds,
+            ..Self::new((parent, String::new()), stamp, vector, [0.0, 0.0, 0.0, 1.0])
+        }
+    }
+
+    /// With a covariance, row by row; all zeros mean that it is unknown.
+    pub(super) fn with_covariance(self, rows: &[f64]) -> Self {
+        let known = rows.iter().any(|entry| *entry != 0.0);
+        let rows: Option<&[f64; 36]> = rows.try_into().ok().filter(|_| known);
+        Self {
+            covariance: rows.map(Covariance::of_rows),
+            ..self
+        }
+    }
+
     /// The sample, stamped `fallback` where the message has no stamp.
     pub fn sample(&self, fallback: Stamp) -> PoseSample {
-        PoseSample::new(
-            self.stamp.unwrap_or(fallback),
-            self.position_m,
-            self.quaternion_xyzw,
-        )
+        PoseSample {
+            stamp: self.stamp.unwrap_or(fallback),
+            position_m: self.position_m,
+            quaternion_xyzw: self.quaternion_xyzw,
+            holds: self.holds,
+            covariance: self.covariance,
+        }
     }
 }
 
@@ -58,15 +105,20 @@ pub(super) enum FoxglovePose {
     PosesInFrame,
     FrameTransform,
     FrameTransforms,
+    Point3InFrame,
+    Odometry,
 }
 
 /// ROS 2 messages that hold poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RosPose {
-    /// `PoseStamped`; `PoseWithCovarianceStamped` begins with the same bytes.
     PoseStamped,
+    PoseWithCovarianceStamped,
     Odometry,
     TfMessage,
+    PointStamped,
+    QuaternionStamped,
+    Vector3Stamped,
 }
 
 /// A stamp from seconds and nanoseconds; `None` where both are zero. Fails where it does not fit in

@@ -2,13 +2,13 @@
 
 use foxglove::Decode;
 use foxglove::messages::{
-    Event, FrameTransform, FrameTransforms, Pose, PoseInFrame, PosesInFrame, Quaternion, Timestamp,
-    Vector3,
+    Event, FrameTransform, FrameTransforms, Odometry, Point3InFrame, Pose, PoseInFrame,
+    PosesInFrame, Quaternion, Timestamp, Vector3,
 };
 
 use super::error::DecodeError;
 use super::message::{FoxglovePose, FramedPose, StampedMark, stamp};
-use crate::motion::Stamp;
+use crate::motion::{Holds, Stamp};
 use crate::wire::encode::MARK_EVENT_KEY;
 
 pub(super) fn poses(
@@ -34,6 +34,21 @@ pub(super) fn poses(
                     pose,
                 )?);
             }
+        }
+        FoxglovePose::Point3InFrame => {
+            let message: Point3InFrame = decoded(data)?;
+            let at = time(message.timestamp)?;
+            let point = message.point.ok_or(DecodeError::Missing("point"))?;
+            let position_m = nalgebra::Vector3::new(point.x, point.y, point.z);
+            let holds = Holds::Position;
+            poses.push(FramedPose::vector(message.frame_id, at, position_m, holds));
+        }
+        FoxglovePose::Odometry => {
+            let message: Odometry = decoded(data)?;
+            let at = time(message.timestamp)?;
+            let pose = message.pose.ok_or(DecodeError::Missing("pose"))?;
+            let pose = framed(message.frame_id, message.body_frame_id, at, pose)?;
+            poses.push(pose.with_covariance(&message.pose_covariance));
         }
         FoxglovePose::FrameTransform => poses.push(transform(decoded(data)?)?),
         FoxglovePose::FrameTransforms => {
@@ -82,13 +97,8 @@ fn framed(
     let Quaternion { x, y, z, w } = pose
         .orientation
         .ok_or(DecodeError::Missing("orientation"))?;
-    Ok(FramedPose {
-        parent,
-        child,
-        stamp,
-        position_m,
-        quaternion_xyzw: [x, y, z, w],
-    })
+    let frames = (parent, child);
+    Ok(FramedPose::new(frames, stamp, position_m, [x, y, z, w]))
 }
 
 fn time(timestamp: Option<Timestamp>) -> Result<Option<Stamp>, DecodeError> {

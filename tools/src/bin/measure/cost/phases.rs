@@ -8,6 +8,7 @@ use anyhow::Result;
 use enact::estimate::point::Point;
 use enact::estimate::samples;
 use enact::motion::Phase;
+use enact::physics::Dynamics;
 use serde::Serialize;
 
 use super::bouncing;
@@ -158,13 +159,14 @@ fn floor_s(case: &Case, quick: bool) -> f64 {
     let point = Point::new(problem, guess);
     let gravity = problem.gravity(&point.parameters);
     let evaluate = || {
-        for (index, arc) in problem.arcs.iter().enumerate() {
+        for (index, view) in problem.views() {
+            let Dynamics::Free(body) = problem.dynamics_of(index);
             let flight = (&point.arcs[index], guess.arcs[index].epoch_s);
             let times_s = &point.node_times_s;
             let each = |node, terms| {
                 black_box((node, &terms));
             };
-            let terms = samples::unknown_times(problem, (arc, 1), flight, &gravity, times_s, each);
+            let terms = samples::unknown_times(body, (view, 1), flight, &gravity, times_s, each);
             black_box(&terms);
         }
     };

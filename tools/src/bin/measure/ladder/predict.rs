@@ -251,7 +251,7 @@ mod tests {
             });
             let left_rad = rms(&angles.collect::<Vec<f64>>());
             // Quaternions are rounded in the take.
-            let off_rad = left_rad - flight.orientation_rms_rad;
+            let off_rad = left_rad - flight.orientation_rms_rad.expect("poses");
             assert!(off_rad.abs() < 1e-8, "{left_rad} and {flight:?}");
         }
     }

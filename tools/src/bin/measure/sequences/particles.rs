@@ -248,7 +248,7 @@ impl<'a> Stage<'a> {
         };
         let factor = factor.l();
         let (event, candidates) = &self.bounces[place];
-        let range = self.segments[place].samples.clone();
+        let range = self.segments[place].views[0].samples.clone();
         let last = &self.sketch.tracks[TrackIndex(0)].samples[range.end - 1];
         let marked_s =
             particle.span_s[2] + particle.rate * (self.sketch.marks_s[*event] - last.acted_s);
@@ -270,7 +270,7 @@ impl<'a> Stage<'a> {
                 best = self.bounced(particle, place, candidate, (time_s, &factor, &start));
             }
             let is_good = |child: &Particle| {
-                child.cost - particle.cost < GOOD * self.segments[place + 1].samples.len() as f64
+                child.cost - particle.cost < GOOD * self.segments[place + 1].sample_count() as f64
             };
             if !best.as_ref().is_some_and(is_good) {
                 let by = &marked.1[candidate];
@@ -398,7 +398,7 @@ impl<'a> Stage<'a> {
         epoch_s: f64,
         prior: &Prior,
     ) -> Option<Particle> {
-        let range = self.segments[arc].samples.clone();
+        let range = self.segments[arc].views[0].samples.clone();
         let all = &self.sketch.tracks[TrackIndex(0)].samples[range];
         let count = all.len().min(SAMPLES);
         let spread = |index: usize| index * (all.len() - 1) / (count - 1).max(1);
@@ -407,7 +407,7 @@ impl<'a> Stage<'a> {
             .map(|i| guess.sample_times_s[spread(i)] + prior.shift_s)
             .collect();
         let before_s = arc.checked_sub(1).map_or(0.0, |before| {
-            let range = self.segments[before].samples.clone();
+            let range = self.segments[before].views[0].samples.clone();
             let samples = &self.sketch.tracks[TrackIndex(0)].samples[range];
             0.5 * (samples[0].acted_s + samples[samples.len() - 1].acted_s)
         });

@@ -74,9 +74,11 @@ pub fn impact_name(index: usize) -> String {
 /// Root mean square over some flights \[mm\], \[°\].
 fn rms(flights: &[SegmentResidual]) -> (f64, f64) {
     let count: usize = flights.iter().map(|flight| flight.samples).sum();
-    let of = |value: fn(&SegmentResidual) -> f64| {
+    let of = |value: fn(&SegmentResidual) -> Option<f64>| {
         let squares = flights.iter();
-        let sum: f64 = squares.map(|f| f.samples as f64 * value(f).powi(2)).sum();
+        let sum: f64 = squares
+            .map(|f| f.samples as f64 * value(f).expect("poses").powi(2))
+            .sum();
         (sum / count.max(1) as f64).sqrt()
     };
     let (position_m, orientation_rad) = (of(|f| f.position_rms_m), of(|f| f.orientation_rms_rad));

@@ -82,8 +82,8 @@ fn fit(scene: &Scene, toss: &Toss, rate_hz: f64) -> Result<Fit, String> {
     let per_axis = |unknowns: f64| (3.0 * (1.0 - unknowns / samples)).sqrt().recip();
     let vertical = estimate.parameters.iter().find(|p| p.name == "gravity.z");
     let (position_mm, orientation_deg) = (
-        1e3 * residual.position_rms_m,
-        residual.orientation_rms_rad.to_degrees(),
+        1e3 * residual.position_rms_m.expect("poses"),
+        residual.orientation_rms_rad.expect("poses").to_degrees(),
     );
     Ok(Fit {
         gravity_m_s2: estimate.gravity_m_s2,

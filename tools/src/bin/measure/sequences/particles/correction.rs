@@ -2,7 +2,7 @@
 
 use enact::estimate::tempo;
 use enact::math::so3;
-use enact::motion::Sample;
+use enact::motion::{Sample, Seen};
 use enact::physics::State;
 use enact::physics::flow::{self, Spin};
 use enact::physics::state::{StateTangent, part};
@@ -143,10 +143,16 @@ impl Correction<'_> {
         ];
         for (index, (sample, time_s)) in self.samples.iter().zip(times_s).enumerate() {
             let s = time_s - self.epoch_s;
-            let shift =
-                flow::position(self.stage.body, &scene.gravity_m_s2, state, s) - sample.position_m;
+            let Seen::Pose {
+                position_m,
+                orientation,
+            } = sample.seen
+            else {
+                unreachable!("performances are of poses");
+            };
+            let shift = flow::position(self.stage.body, &scene.gravity_m_s2, state, s) - position_m;
             let (turn, k) = spin.turn_and_derivative(s);
-            let error = so3::log(&(turn * (sample.orientation.inverse() * state.orientation)));
+            let error = so3::log(&(turn * (orientation.inverse() * state.orientation)));
             let velocity = state.velocity_m_s + scene.gravity_m_s2 * s;
             let terms = [
                 (shift, part::POSITION, Matrix3::identity() * s, velocity),
