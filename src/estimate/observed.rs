@@ -16,7 +16,8 @@
 //! (see [`TurnTerms`](crate::physics::observe::TurnTerms)).
 //!
 //! A sample with the covariance `L Lᵀ` of the tracker's place and rotation vector in world axes has the
-//! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker.
+//! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker; the logarithm `e` then changes by
+//! `J_l⁻¹(e) δ`.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 
@@ -205,12 +206,21 @@ impl<'a> Observer<'a> {
         } else {
             Vector3::zeros()
         };
+        let error = match axis {
+            Some([flown, shown]) => flown - shown,
+            None if sees_turn => so3::log(&(turn * (measured.inverse() * self.state.orientation))),
+            None => Vector3::zeros(),
+        };
         let following = Following {
             from_epoch: so3::matrix(&self.state.orientation),
             sees_place,
             lever_m,
             turn: match axis {
                 Some([flown, _]) => -so3::hat(&flown),
+                // Equal weights in all directions see no difference, `J_l⁻¹(e)ᵀ e = e`.
+                None if sees_turn && whitening.is_some() => {
+                    so3::right_jacobian_inverse(&error).transpose()
+                }
                 None if sees_turn => Matrix3::identity(),
                 None => Matrix3::zeros(),
             },
@@ -232,11 +242,6 @@ impl<'a> Observer<'a> {
             }
             () if sees_place => fallen.position_m - centre_m,
             () => zero,
-        };
-        let error = match axis {
-            Some([flown, shown]) => flown - shown,
-            None if sees_turn => so3::log(&(turn * (measured.inverse() * self.state.orientation))),
-            None => zero,
         };
         let mut by_state = [[0.0; 6]; state::DIMENSION];
         for axis in 0..3 {
@@ -296,7 +301,7 @@ impl<'a> Observer<'a> {
                     } else {
                         zero
                     };
-                    following.in_units(shift, -(following.turn * (to_epoch * change)))
+                    following.in_units(shift, -(following.turn.tr_mul(&(to_epoch * change))))
                 }
                 Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
                 Influence::ClockOffset => by_time,

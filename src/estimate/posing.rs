@@ -58,7 +58,7 @@ impl Problem {
             for view in &mut arc.views {
                 view.is_plain &= arc.is_plain;
             }
-            if !arc.is_plain {
+            if arc.views.iter().any(|view| !view.is_plain) || !arc.is_plain {
                 arc.acting.extend(gravity(&gravity_parameters));
             }
         }

@@ -1,7 +1,7 @@
 //! Compares derivatives of the whole problem with numeric ones, on a scene in which every quantity
 //! that can be free is free; and tests active bounds.
 
-use nalgebra::{DVector, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Matrix6, UnitQuaternion, UnitVector3, Vector3};
 use typed_index_collections::TiVec;
 
 use super::context::{Guidance, SolveContext};
@@ -13,8 +13,8 @@ use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, Collision, Cone, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
     FreeParameter, Goal, GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene,
-    Segment, Sketch, Stamp, Surface, Timing, Touching, TrackIndex, TrackSketch, VelocityGaps, View,
-    Weights,
+    Seen, Sees, Segment, Sketch, Stamp, Surface, Timing, Touching, Track, TrackIndex, TrackSketch,
+    VelocityGaps, View, Weighing, Weights,
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
@@ -348,6 +348,79 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
     (sketch, segments, guess)
 }
 
+fn modelled_rod(timing: Timing) -> Scene {
+    modelled(scene(timing))
+}
+
+/// Adds tracks to the one that sees the pose of the first link: a point, a direction, an orientation
+/// with a weight of its own, and poses with covariances.
+fn see_in_parts(
+    scene: &mut Scene,
+    sketch: &mut Sketch,
+    segments: &mut [Segment],
+    guess: &mut Guess,
+) {
+    let axis = UnitVector3::new_normalize(Vector3::new(0.3, -0.5, 0.8));
+    let own = Weights {
+        position_m: 0.004,
+        orientation_rad: 0.03,
+    };
+    let kinds = [
+        (Sees::Point, Weighing::Own(own)),
+        (Sees::Direction(axis), Weighing::Scene),
+        (Sees::Orientation, Weighing::Own(own)),
+        (Sees::Pose, Weighing::Messages),
+        (Sees::Point, Weighing::Messages),
+    ];
+    let poses = sketch.tracks[TrackIndex(0)].samples.clone();
+    for (number, (sees, weighing)) in kinds.into_iter().enumerate() {
+        let place_m = Vector3::new(0.03, -0.02, 0.05) * (1.0 + number as f64);
+        let turn = UnitQuaternion::from_euler_angles(0.2, 0.1 * number as f64, -0.4);
+        let track = scene.tracks.push_and_get_key(Track {
+            name: format!("part {number}"),
+            topic: format!("/part/{number}"),
+            link: LinkIndex(0),
+            link_from_tracker: Pose::from_parts(place_m.into(), turn),
+            sees,
+            weighing,
+        });
+        let samples = poses.iter().map(|sample| {
+            let Seen::Pose {
+                position_m,
+                orientation,
+            } = sample.seen
+            else {
+                unreachable!("the first track sees poses");
+            };
+            let seen = match sees {
+                Sees::Pose => sample.seen,
+                Sees::Point => Seen::Point(position_m + orientation * place_m),
+                Sees::Orientation => Seen::Orientation(orientation),
+                Sees::Direction(axis) => Seen::Direction(orientation * axis),
+            };
+            Sample { seen, ..*sample }
+        });
+        let mut of_track = TrackSketch::new(samples.collect());
+        if weighing == Weighing::Messages {
+            let factor = Matrix6::from_fn(|row, column| {
+                let size = if row < 3 { 0.01 } else { 0.1 };
+                size * (1.0 + (row * 7 + column * 3) as f64 % 5.0) / 6.0
+            });
+            let covariance = factor * factor.transpose() + Matrix6::identity() * 1e-4;
+            of_track.covariances = vec![covariance; poses.len()];
+        }
+        sketch.tracks.push(of_track);
+        for (segment, arc) in segments.iter_mut().zip(&mut guess.arcs) {
+            let samples = segment.views[0].samples.clone();
+            let own_s = arc.sample_times_s[..samples.len()].to_vec();
+            arc.sample_times_s.extend(own_s);
+            segment.views.push(View { track, samples });
+        }
+    }
+    // What the first tracker's corrections mean for its own samples only.
+    assert!(segments.iter().all(|segment| segment.views.len() == 6));
+}
+
 fn mark(acted_s: f64) -> Option<MarkTime> {
     Some(MarkTime {
         acted_s,
@@ -394,13 +467,14 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         let at = |scene: Scene| paces.iter().map(move |pace| (scene.clone(), *pace));
         let modelled = [modelled(scene(timing)), modelled(meeting(timing, 9.0))];
         let modelled = modelled.into_iter().map(|scene| (scene, 1.0));
-        scenes
-            .into_iter()
-            .flat_map(at)
-            .chain(modelled)
-            .collect::<Vec<_>>()
+        let whole = scenes.into_iter().flat_map(at).chain(modelled);
+        let whole = whole.map(|(scene, pace)| (scene, pace, false));
+        // A body of which several tracks see parts.
+        let parts = [scene(timing), modelled_rod(timing)];
+        let parts = parts.into_iter().map(|scene| (scene, 1.0, true));
+        whole.chain(parts).collect::<Vec<_>>()
     });
-    for (mut scene, pace) in cases {
+    for (mut scene, pace, is_in_parts) in cases {
         if offset == 0.0 {
             scene
                 .parameters
@@ -412,9 +486,12 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
                 scene.parameters[index].initial = scene.value_of(quantity);
             }
         }
-        let (mut sketch, segments, guess) = sketch(&scene, offset);
+        let (mut sketch, mut segments, mut guess) = sketch(&scene, offset);
         let samples = sketch.tracks.iter_mut().flat_map(|body| &mut body.samples);
         samples.for_each(|sample| sample.acted_s *= pace);
+        if is_in_parts {
+            see_in_parts(&mut scene, &mut sketch, &mut segments, &mut guess);
+        }
         let mut problem = Problem::new(&scene, &sketch, &segments);
         let mut shares = problem.arcs.iter().flat_map(|arc| arc.samples());
         assert_eq!(shares.any(|sample| sample.share > 0.0), pace < 1.0);

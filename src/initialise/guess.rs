@@ -3,6 +3,7 @@
 use super::ballistic::{self, Place};
 use super::between::{self, FITTED_MIN, STILL, is_fitted};
 use super::clock;
+use super::fit::Fit;
 use super::readings::Readings;
 use super::swing;
 use super::turn::{self, OrientationReading};
@@ -131,20 +132,6 @@ fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
     let mark_s = |event: Option<usize>| event.map(|event| sketch.marks_s[event]);
     let start_s = mark_s(segment.start_event).expect("the others have samples");
     0.5 * (start_s + mark_s(segment.end_event).unwrap_or(start_s))
-}
-
-/// One way in which a flight fits: the state at its epoch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fit {
-    state: State,
-    /// Sum of squares \[rad²\].
-    square_rad2: f64,
-}
-
-impl Fit {
-    pub(super) fn of(state: State, square_rad2: f64) -> Self {
-        Self { state, square_rad2 }
-    }
 }
 
 /// The guess with every choice of the fitted flights' fits, those with the least sum of squares

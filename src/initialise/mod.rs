@@ -8,6 +8,7 @@ pub mod ballistic;
 pub mod between;
 pub mod clock;
 pub mod contact;
+mod fit;
 pub mod guess;
 pub mod readings;
 mod swing;

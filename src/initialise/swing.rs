@@ -13,7 +13,7 @@
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 
 use super::ballistic::Place;
-use super::guess::Fit;
+use super::fit::Fit;
 use crate::physics::State;
 
 /// Greatest angle between samples that is tried \[rad\]: more looks like less.

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
-use super::whole::Weights;
+use super::weights::Weighing;
 use crate::math::Pose;
 use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::contact;
@@ -98,17 +98,6 @@ pub enum Sees {
     Orientation,
     /// The direction of an axis of the link, given in link axes.
     Direction(UnitVector3<f64>),
-}
-
-/// How samples are weighed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Weighing {
-    /// By the scene's weights.
-    Scene,
-    /// By weights of the track's own.
-    Own(Weights),
-    /// By the covariances in its messages, where these have one; by the scene's weights otherwise.
-    Messages,
 }
 
 /// A rigid body that flies freely with a tracker on it: a link, a mechanism and a track in one.

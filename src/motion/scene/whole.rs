@@ -6,9 +6,10 @@ use typed_index_collections::TiVec;
 use super::contact_law::ContactLaw;
 use super::event::{Collision, Event, EventKind};
 use super::goal::Goal;
-use super::link::{FreeBody, Link, Mechanism, Sees, Track, Weighing};
+use super::link::{FreeBody, Link, Mechanism, Sees, Track};
 use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
+use super::weights::{Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
@@ -84,15 +85,6 @@ pub enum VelocityGaps {
     Always,
     /// Never: an overconstrained scene then has no motion.
     Never,
-}
-
-/// Units of residuals: the objective (paper eq. 1) is the sum of squared residuals in these units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// Position \[m\].
-    pub position_m: f64,
-    /// Orientation \[rad\].
-    pub orientation_rad: f64,
 }
 
 impl Scene {
