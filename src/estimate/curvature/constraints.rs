@@ -41,8 +41,15 @@ pub fn add(
         if !constraint.is_curved() {
             continue;
         }
-        let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-        let gap_pulls: Vec<f64> = blocks.1.values.iter().map(|gap| weight * gap).collect();
+        let weight = constraint.price(problem, f64::INFINITY);
+        let priced_rows = 0..blocks.1.values.len();
+        let priced_pulls = priced_rows.map(|row| weight * blocks.1.violation(row));
+        let priced_pulls: Vec<f64> = priced_pulls.collect();
+        // Second derivatives by a time that are given are added by whoever minimises, and what is
+        // convex of those of priced rows is in the Hessian.
+        let convex = |row: usize| priced_pulls[row];
+        let is_given =
+            !blocks.0.second.is_empty() || blocks.1.convex(patterns.1, convex).next().is_some();
         let mut filled = [Block::default(), Block::default()];
         let pull = |point: &Point, sum: &mut [f64]| {
             let [rows, priced] = &mut filled;
@@ -52,9 +59,9 @@ pub fn add(
                 [(patterns.0, &mut *rows), (patterns.1, &mut *priced)],
             );
             add_pull(patterns.0, rows, pulls, sum);
-            add_pull(patterns.1, priced, &gap_pulls, sum);
+            add_pull(patterns.1, priced, &priced_pulls, sum);
         };
-        nudged.add_curvature(&[patterns.0, patterns.1], pull, matrix);
+        nudged.add_curvature(&[patterns.0, patterns.1], pull, is_given, matrix);
     }
 }
 
@@ -150,11 +157,13 @@ impl<'a> Nudged<'a> {
         }
     }
 
-    /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns.
+    /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns, but for
+    /// second derivatives by a time where these are given.
     fn add_curvature(
         &mut self,
         patterns: &[&BlockPattern],
         mut pull: impl FnMut(&Point, &mut [f64]),
+        is_given: bool,
         matrix: &mut Envelope,
     ) {
         let mut unknowns: Vec<usize> = patterns
@@ -175,7 +184,10 @@ impl<'a> Nudged<'a> {
                 let value = 0.5 * (after - before) / (2.0 * step);
                 // Half from (i, j) and half from (j, i); the diagonal entry counts in full.
                 let value = if other == unknown { 2.0 * value } else { value };
-                if value != 0.0 && value.is_finite() {
+                let is_left_out = is_given
+                    && other == unknown
+                    && matches!(self.owners[*unknown], Owner::Event(_));
+                if value != 0.0 && value.is_finite() && !is_left_out {
                     let (row, column) = (*unknown.max(other), *unknown.min(other));
                     matrix.add(&self.context.layout.structure.pattern, row, column, value);
                 }

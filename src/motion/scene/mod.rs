@@ -2,12 +2,16 @@
 //!
 //! Plain validated data in SI units. `config` makes it from TOML; the stages do not check it again.
 
+mod attained;
+mod axes;
+mod condition;
 mod contact_law;
 mod contacts;
 mod estimated;
 mod event;
 mod freedom;
 mod goal;
+mod goal_set;
 mod link;
 mod parameter;
 mod quantity;
@@ -16,10 +20,14 @@ mod untold;
 mod whole;
 mod world;
 
+pub use attained::GoalEstimate;
+pub use axes::Axes;
+pub use condition::{BodyPoint, Condition, GoalQuantity, GoalUnit, Moment};
 pub use contact_law::ContactLaw;
 pub use contacts::CollisionError;
 pub use event::{Collision, Event, EventKind, EventTime, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
+pub use goal_set::GoalSet;
 pub use link::{Feature, FreeBody, Link, Mechanism, Track};
 pub use parameter::{Cone, FreeParameter};
 pub use quantity::Quantity;
