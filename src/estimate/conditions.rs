@@ -94,18 +94,30 @@ pub(super) fn conditions(
     conditions
 }
 
-/// Whether another goal leaves nothing to do: a hard pose of the body, with which makers of scenes have
-/// compared it, or the same condition.
+/// Whether other goals leave nothing to do: a hard pose of the body or, of how it is turned, a hard
+/// orientation, with which makers of scenes have compared it; or the same condition.
 fn is_implied(scene: &Scene, index: usize, condition: &Condition) -> bool {
     let goal = &scene.goals[index];
-    let is_here = |other: &&Goal| other.event == goal.event && other.link == goal.link;
-    let is_pose = |other: &Goal| matches!(other.target, GoalTarget::Pose { .. });
-    let is_held = condition.sd.is_none()
-        && condition.quantity.is_of_pose()
-        && condition.quantity.seen_from().is_none()
-        && scene.goals.iter().filter(is_here).any(is_pose);
+    let (quantity, is_hard) = (&condition.quantity, condition.sd.is_none());
+    let is_of_turn = quantity.unit() == GoalUnit::Radian;
+    let is_told = quantity.is_of_pose() && quantity.seen_from().is_none();
+    let mut others = scene.goals.iter().enumerate();
+    let is_held = others.any(|(other, of)| {
+        let is_here = other != index && of.event == goal.event && of.link == goal.link;
+        is_here
+            && match &of.target {
+                GoalTarget::Pose { .. } => is_told,
+                GoalTarget::Condition(of) => {
+                    of.is_turn_equality()
+                        && is_of_turn
+                        && !condition.is_turn_equality()
+                        && of.quantity.seen_from() == quantity.seen_from()
+                }
+                GoalTarget::PositionWithin { .. } => false,
+            }
+    });
     let is_again = scene.goals[..index].iter().any(|other| other == goal);
-    is_held || condition.sd.is_none() && is_again
+    is_hard && (is_held || is_again)
 }
 
 fn posed(

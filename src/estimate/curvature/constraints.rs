@@ -204,6 +204,7 @@ mod tests {
 
     use super::*;
     use crate::estimate::context::Guidance;
+    use crate::estimate::tests::conditions::wished_cases;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 
@@ -228,11 +229,7 @@ mod tests {
     /// Against second differences of the values themselves.
     #[test]
     fn it_is_the_second_derivative_of_the_pull() {
-        each_case(1.0, |context, _, point, _| {
-            // The general form of a coordinate's rows has its curvature by the time alone.
-            if context.problem.arcs.iter().any(|arc| !arc.is_plain) {
-                return;
-            }
+        let check = |context: &SolveContext, point: &Point| {
             let problem = context.problem;
             let size = context.layout.size();
             let mut system = System::new(context.structure());
@@ -248,15 +245,26 @@ mod tests {
                 .enumerate()
                 .map(|(row, is_curved)| f64::from(is_curved) * (1.0 + row as f64).sin());
             let pulls: Vec<f64> = pulls.collect();
-            // Velocity gaps pull by what they cost, where they are priced.
-            let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-            let gaps = system.priced.iter().flat_map(|gaps| &gaps.values);
-            let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
+            // Priced rows pull by what they cost.
+            let priced = problem.constraints().zip(&system.priced);
+            let gap_pulls = priced.flat_map(|(constraint, block)| {
+                let weight = constraint.price(problem, f64::INFINITY);
+                (0..block.values.len()).map(move |row| weight * block.violation(row))
+            });
+            let gap_pulls: Vec<f64> = gap_pulls.collect();
             let mut matrix = Envelope::zeros(&context.layout.structure.pattern);
             add(context, &system, point, &pulls, &mut matrix);
             let pattern = &context.layout.structure.pattern;
             for of in system.curvature(context.structure(), |row| pulls[row]) {
                 matrix.add(pattern, of.row, of.column, of.value);
+            }
+            // What the Hessian has already of that of priced rows.
+            let mut first = 0;
+            for (block, rows) in system.priced.iter().zip(&context.structure().priced) {
+                for of in block.convex(rows, |row| gap_pulls[first + row]) {
+                    matrix.add(pattern, of.row, of.column, of.value);
+                }
+                first += block.values.len();
             }
             let at = Nudged::new(context, point);
             // A few pairs of every kind: all would take long.
@@ -280,6 +288,14 @@ mod tests {
                     );
                 }
             }
+        };
+        // The general form of a coordinate's rows has its curvature by the time alone.
+        let is_plain = |context: &SolveContext| context.problem.arcs.iter().all(|arc| arc.is_plain);
+        each_case(1.0, |context, _, point, _| {
+            if is_plain(context) {
+                check(context, point);
+            }
         });
+        wished_cases(check);
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::axes::Axes;
-use super::condition::{BodyPoint, Condition, GoalQuantity, Moment};
+use super::condition::{BodyPoint, Condition, GoalQuantity, GoalUnit, Moment};
 use super::event::Partner;
 use super::goal::{Goal, GoalTarget};
 use super::goal_set::GoalSet;
@@ -22,19 +22,19 @@ pub struct GoalEstimate {
     /// Signed distance from its set, in its unit ([`GoalSet::distance`]); of a pose the larger of \[m\]
     /// and \[rad\].
     pub distance: f64,
-    /// Greatest distance at which it is met: rounding.
-    pub tolerance: f64,
+    /// Unit of the distance.
+    pub unit: GoalUnit,
 }
 
 impl GoalEstimate {
     /// Whether it is met.
     pub fn is_met(&self) -> bool {
-        self.distance <= self.tolerance
+        self.distance <= self.unit.rounding()
     }
 
     /// Whether it is at its bound or beyond, so that it may act on the motion.
     pub fn binds(&self) -> bool {
-        self.distance >= -self.tolerance
+        self.distance >= -self.unit.rounding()
     }
 }
 
@@ -150,14 +150,14 @@ impl Scene {
                 let conditions = goal.target.conditions();
                 let each = conditions.iter().map(|condition| {
                     let distance = self.distance(estimate, goal, condition)?;
-                    Some((distance, condition.quantity.unit().rounding()))
+                    Some((distance, condition.quantity.unit()))
                 });
-                let each: Vec<(f64, f64)> = each.collect::<Option<_>>()?;
+                let each: Vec<(f64, GoalUnit)> = each.collect::<Option<_>>()?;
                 let farthest = each.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
                 Some(GoalEstimate {
                     goal: index,
                     distance: farthest.0,
-                    tolerance: farthest.1,
+                    unit: farthest.1,
                 })
             })
             .collect()

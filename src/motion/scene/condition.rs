@@ -198,6 +198,11 @@ impl Condition {
         self.sd.is_none() && self.set.is_point(self.quantity.dimension())
     }
 
+    /// Whether it is an orientation, exactly.
+    pub fn is_turn_equality(&self) -> bool {
+        matches!(self.quantity, GoalQuantity::Turn { .. }) && self.is_equality()
+    }
+
     /// The condition after the axes of a body have moved along to a centre of mass elsewhere [m, its old
     /// axes]: it is about the same points of the object.
     pub fn with_centre_moved(

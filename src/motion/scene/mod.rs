@@ -7,6 +7,7 @@ mod axes;
 mod condition;
 mod contact_law;
 mod contacts;
+mod contradiction;
 mod estimated;
 mod event;
 mod freedom;
