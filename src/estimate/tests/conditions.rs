@@ -112,7 +112,9 @@ pub(super) fn wished(mut scene: Scene) -> Scene {
         );
         for set in sets(quantity.dimension(), about, apart) {
             number += 1;
-            let sd = (number % 3 == 0).then_some(0.02);
+            // A hard orientation would leave nothing to do for the others.
+            let is_turn = matches!(quantity, GoalQuantity::Turn { .. }) && set.is_point(3);
+            let sd = (number % 3 == 0 || is_turn).then_some(0.02);
             scene.goals.push(goal(set, sd));
         }
     }
