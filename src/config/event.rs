@@ -1,17 +1,14 @@
-//! Events and goals.
+//! Events.
 
-use std::ops::Range;
-
-use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::law::{self, BodyLaws, Laws};
-use super::number::{finite, index_of, name, pose, positive, unique};
-use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
+use super::number::{finite, index_of, name, positive, unique};
+use super::raw::{Number, RawCount, RawEvent, Text};
 use crate::motion::{
-    Collision, ContactLawIndex, Event, EventKind, EventTime, Goal, GoalTarget, Link, LinkIndex,
-    Partner, Scene, Timing, Touching,
+    Collision, ContactLawIndex, Event, EventKind, EventTime, Link, LinkIndex, Partner, Scene,
+    Timing, Touching,
 };
 
 /// The events of a scene whose bodies and surfaces are known, in order: a start only first, an end
@@ -264,87 +261,8 @@ pub(super) fn link_of(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
     index_of("body", text, names).map(LinkIndex)
 }
 
-fn feature_of(link: &Link, text: &Text) -> Result<usize, Fault> {
+/// The feature of a link that is meant.
+pub(super) fn feature_of(link: &Link, text: &Text) -> Result<usize, Fault> {
     let names = link.features.iter().map(|f| f.name.as_str());
     index_of(&format!("feature of {:?}", link.name), text, names)
-}
-
-/// The goals, each on an event and a body of the scene that exist, none twice.
-pub(super) fn goals(raw: &[&Spanned<RawGoal>], scene: &Scene) -> Result<Vec<Goal>, Fault> {
-    let events = &scene.events;
-    let mut goals: Vec<Goal> = Vec::new();
-    for spanned in raw {
-        let goal = spanned.get_ref();
-        let event = index_of("event", &goal.event, events.iter().map(|e| e.name.as_str()))?;
-        let link = link_of(&goal.body, scene)?;
-        let target = target(spanned)?;
-        if matches!(events[event].kind, EventKind::Collisions { .. }) {
-            return fault(
-                goal.event.span(),
-                format!(
-                    "a goal at {:?}, which stands for several, expected an event of its own",
-                    events[event].name
-                ),
-            );
-        }
-        if goals.iter().any(|g| g.event == event && g.link == link) {
-            return fault(
-                spanned.span(),
-                format!(
-                    "a second goal for {:?} at {:?}, expected one",
-                    scene.links[link].name, events[event].name
-                ),
-            );
-        }
-        goals.push(Goal {
-            event,
-            link,
-            target,
-        });
-    }
-    Ok(goals)
-}
-
-fn target(spanned: &Spanned<RawGoal>) -> Result<GoalTarget, Fault> {
-    let goal = spanned.get_ref();
-    match (
-        &goal.position_mm,
-        &goal.orientation_wxyz,
-        &goal.position_within_mm,
-    ) {
-        (Some(position), Some(wxyz), None) => Ok(GoalTarget::Pose {
-            world_from_body: pose("the goal", Some(position), Some(wxyz))?,
-        }),
-        (None, None, Some(bounds)) => within(bounds.span(), bounds.get_ref()),
-        _ => fault(
-            spanned.span(),
-            "a goal needs position_mm and orientation_wxyz both, or position_within_mm alone",
-        ),
-    }
-}
-
-fn within(span: Range<usize>, [lower, upper]: &[[f64; 3]; 2]) -> Result<GoalTarget, Fault> {
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let (low, high) = (lower[axis], upper[axis]);
-        // `low <= high` is false for NaN too.
-        let some_room = low <= high && low < f64::INFINITY && high > f64::NEG_INFINITY;
-        if !some_room {
-            return fault(
-                span,
-                format!(
-                    "position_within_mm allows {name} from {low} to {high}, expected a lower bound and one not below it"
-                ),
-            );
-        }
-    }
-    if lower.iter().chain(upper).all(|bound| bound.is_infinite()) {
-        return fault(
-            span,
-            "position_within_mm bounds nothing, expected at least one finite bound",
-        );
-    }
-    Ok(GoalTarget::PositionWithin {
-        lower_m: Vector3::from(*lower) / 1e3,
-        upper_m: Vector3::from(*upper) / 1e3,
-    })
 }

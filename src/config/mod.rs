@@ -124,6 +124,8 @@ mod body;
 mod capture;
 mod error;
 mod event;
+mod goal;
+mod goal_keys;
 mod keys;
 mod law;
 mod number;

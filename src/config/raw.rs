@@ -9,6 +9,8 @@ pub(super) type Number = Spanned<f64>;
 pub(super) type Triple = Spanned<[f64; 3]>;
 pub(super) type Quadruple = Spanned<[f64; 4]>;
 pub(super) type Text = Spanned<String>;
+/// Lower and upper corner of a box.
+pub(super) type Corners = Spanned<[[f64; 3]; 2]>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a scene")]
@@ -164,14 +166,49 @@ pub(super) enum RawCount {
 #[serde(deny_unknown_fields, expecting = "a goal")]
 pub(super) struct RawGoal {
     pub(super) event: Text,
-    pub(super) body: Text,
+    pub(super) body: Option<Text>,
+    pub(super) after: Option<Spanned<bool>>,
     pub(super) position_mm: Option<Triple>,
+    pub(super) position_within_mm: Option<Corners>,
+    pub(super) within_mm: Option<Number>,
+    pub(super) sd_mm: Option<Number>,
+    pub(super) point_mm: Option<Triple>,
+    pub(super) feature: Option<Text>,
+    pub(super) contact: Option<Spanned<bool>>,
+    pub(super) normal: Option<Triple>,
+    pub(super) relative_to: Option<Text>,
     pub(super) orientation_wxyz: Option<Quadruple>,
-    pub(super) position_within_mm: Option<Spanned<[[f64; 3]; 2]>>,
-    pub(super) face_up: Option<Text>,
+    pub(super) axis: Option<Spanned<RawAxis>>,
     pub(super) direction: Option<Triple>,
     pub(super) within_deg: Option<Number>,
+    pub(super) sd_deg: Option<Number>,
+    pub(super) velocity_m_s: Option<Triple>,
+    pub(super) velocity_within_m_s: Option<Corners>,
+    pub(super) within_m_s: Option<Number>,
+    pub(super) sd_m_s: Option<Number>,
+    pub(super) spin_rad_s: Option<Triple>,
+    pub(super) spin_within_rad_s: Option<Corners>,
+    pub(super) within_rad_s: Option<Number>,
+    pub(super) sd_rad_s: Option<Number>,
+    pub(super) axes: Option<Text>,
+    pub(super) at_rest: Option<Spanned<bool>>,
+    pub(super) time_ms: Option<Number>,
+    pub(super) time_within_ms: Option<Spanned<[f64; 2]>>,
+    pub(super) since: Option<Text>,
+    pub(super) sd_ms: Option<Number>,
+    pub(super) face_up: Option<Text>,
     pub(super) labels: Option<Text>,
+}
+
+/// An axis of a body: a name such as `+z`, or three numbers.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "an axis such as \"+z\", a face's name, or three numbers"
+)]
+pub(super) enum RawAxis {
+    Name(String),
+    Vector([f64; 3]),
 }
 
 /// A free quantity, with a number of each key in each unit.

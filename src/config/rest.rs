@@ -1,5 +1,7 @@
 //! Goals at rest.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 use toml::Spanned;
 
@@ -20,23 +22,11 @@ const WITHIN_DEG: f64 = 10.0;
 type Goals<'a> = Vec<&'a Spanned<RawGoal>>;
 
 /// The goals at rest, which have `face_up`, and those at events.
-pub(super) fn split(raw: &[Spanned<RawGoal>]) -> Result<[Goals<'_>; 2], Fault> {
+pub(super) fn split(raw: &[Spanned<RawGoal>]) -> [Goals<'_>; 2] {
     let (at_rest, at_events): (Goals, Goals) = raw
         .iter()
         .partition(|spanned| spanned.get_ref().face_up.is_some());
-    for spanned in &at_events {
-        let goal = spanned.get_ref();
-        for (key, span) in [
-            ("direction", goal.direction.as_ref().map(Spanned::span)),
-            ("within_deg", goal.within_deg.as_ref().map(Spanned::span)),
-            ("labels", goal.labels.as_ref().map(Spanned::span)),
-        ] {
-            if let Some(span) = span {
-                return fault(span, format!("{key} needs face_up, which it is about"));
-            }
-        }
-    }
-    Ok([at_rest, at_events])
+    [at_rest, at_events]
 }
 
 /// Goals at rest, each of a body that exists, none twice.
@@ -67,20 +57,9 @@ fn rest_goal(goal: &RawGoal, face_up: &Text, scene: &Scene) -> Result<RestGoal, 
             "face_up holds when all has come to rest, expected event = \"rest\"",
         );
     }
-    for (key, span) in [
-        ("position_mm", goal.position_mm.as_ref().map(Spanned::span)),
-        (
-            "orientation_wxyz",
-            goal.orientation_wxyz.as_ref().map(Spanned::span),
-        ),
-        (
-            "position_within_mm",
-            goal.position_within_mm.as_ref().map(Spanned::span),
-        ),
-    ] {
-        if let Some(span) = span {
-            return fault(span, format!("{key} does not apply to a goal at rest"));
-        }
+    let own = ["face_up", "direction", "within_deg", "labels"];
+    if let Some((key, span)) = goal.given().find(|(key, _)| !own.contains(key)) {
+        return fault(span, format!("{key} does not apply to a goal at rest"));
     }
     if scene.settle_s.is_none() {
         return fault(
@@ -88,11 +67,18 @@ fn rest_goal(goal: &RawGoal, face_up: &Text, scene: &Scene) -> Result<RestGoal, 
             "nothing comes to rest in this scene, expected settle_s, such as settle_s = 5",
         );
     }
-    let link = link_of(&goal.body, scene)?;
+    let Some(body) = &goal.body else {
+        return fault(face_up.span(), "missing key `body`: whose face is up");
+    };
+    let link = link_of(body, scene)?;
     Ok(RestGoal {
         link,
         name: face_up.get_ref().clone(),
-        axis: axis(&scene.links[link], face_up)?,
+        axis: axis(
+            "face_up",
+            &scene.links[link],
+            (face_up.get_ref(), face_up.span()),
+        )?,
         direction: match &goal.direction {
             Some(given) => direction("direction", given)?,
             None => up(face_up, scene)?,
@@ -111,8 +97,11 @@ fn up(face_up: &Text, scene: &Scene) -> Result<Vector3<f64>, Fault> {
 }
 
 /// A body axis such as `+z`, or the normal of one of its faces.
-fn axis(link: &Link, text: &Text) -> Result<Vector3<f64>, Fault> {
-    let name = text.get_ref().as_str();
+pub(super) fn axis(
+    key: &str,
+    link: &Link,
+    (name, span): (&str, Range<usize>),
+) -> Result<Vector3<f64>, Fault> {
     let signed = [("+", 1.0), ("-", -1.0)]
         .into_iter()
         .find_map(|(prefix, sign)| {
@@ -137,9 +126,9 @@ fn axis(link: &Link, text: &Text) -> Result<Vector3<f64>, Fault> {
             .chain(faces.iter().map(|(name, _)| *name))
             .collect();
         Fault {
-            span: text.span(),
+            span,
             message: format!(
-                "face_up is {name:?}, expected an axis or a face of {:?}: {}",
+                "{key} is {name:?}, expected an axis or a face of {:?}: {}",
                 link.name,
                 names.join(", ")
             ),

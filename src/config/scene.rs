@@ -5,7 +5,8 @@ use typed_index_collections::TiVec;
 
 use super::body::body;
 use super::error::{Fault, fault};
-use super::event::{events, goals};
+use super::event::events;
+use super::goal::{check, goals};
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -78,8 +79,9 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
     scene.contact_laws = laws;
-    let [at_rest, at_events] = split(&raw.goal)?;
-    scene.goals = goals(&at_events, &scene)?;
+    let [at_rest, at_events] = split(&raw.goal);
+    let (goals, goal_spans) = goals(&at_events, &scene)?;
+    scene.goals = goals;
     scene.rest_goals = rest_goals(&at_rest, &scene)?;
     parameters(&raw.free, &mut scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
@@ -88,11 +90,12 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
             message: error.to_string(),
         })?;
     }
-    for (goal, spanned) in at_events.iter().enumerate() {
+    for (goal, span) in goal_spans.iter().enumerate() {
         if let Err(error) = scene.snap_to_contact(goal) {
-            return fault(spanned.span(), error.to_string());
+            return fault(span.clone(), error.to_string());
         }
     }
+    check(&scene, &goal_spans)?;
     Ok(scene)
 }
 

@@ -10,6 +10,7 @@ use crate::physics::body::Symmetry;
 use crate::physics::{Shape, contact};
 
 mod free;
+mod goals;
 mod laws;
 mod refusals;
 

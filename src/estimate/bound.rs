@@ -343,6 +343,18 @@ impl Part<'_> {
                 |arc: &super::problem::Arc| arc.start == Some(event) || arc.end == Some(event);
             *is_free &= problem.arcs.iter().any(bounds_an_arc);
         }
+        // A condition is bounded where all that it depends on is here; the others cost nothing.
+        let is_here = |event: usize| {
+            let mut arcs = problem.arcs.iter();
+            arcs.any(|arc| arc.start == Some(event) || arc.end == Some(event))
+        };
+        let own_times = self.own_priors;
+        let conditions = std::mem::take(&mut problem.conditions).into_iter();
+        let kept = conditions.filter(|of| {
+            let is_of_times = of.arcs.is_empty() && of.is_soft();
+            of.events().all(is_here) && (own_times || !is_of_times)
+        });
+        problem.conditions = kept.collect();
         if !self.own_priors {
             for free in &mut problem.parameters {
                 free.prior_sd = None;

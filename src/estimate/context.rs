@@ -59,6 +59,8 @@ pub struct Guidance {
     pub event_times_s: Vec<f64>,
     /// Standard deviation of that prior \[s\]; `None`: no prior.
     pub event_sd_s: Option<f64>,
+    /// Greatest weight of a goal that has a weight, per squared unit.
+    pub goal_weight_max: f64,
     /// About so many orientations of an arc are used, evenly spread and weighted for all of them.
     pub orientations_per_arc: usize,
 }
@@ -70,7 +72,16 @@ impl Guidance {
             approach_limits_m_s: Vec::new(),
             event_times_s: Vec::new(),
             event_sd_s: None,
+            goal_weight_max: f64::INFINITY,
             orientations_per_arc: usize::MAX,
+        }
+    }
+
+    /// No guidance, and none of the goals that have a weight.
+    pub(super) fn without_wishes() -> Self {
+        Self {
+            goal_weight_max: 0.0,
+            ..Self::none()
         }
     }
 

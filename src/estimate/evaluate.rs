@@ -42,9 +42,7 @@ impl Program for SolveContext<'_> {
         objective.add_priors();
         objective.add_pulls();
         self.fill_constraints(guidance, point, system);
-        if let Some(weight) = self.problem.velocity_gap_weight {
-            self.add_priced(weight, system);
-        }
+        self.add_priced(guidance.goal_weight_max, system);
     }
 
     fn retract(&self, from: &Point, step: &DVector<f64>, to: &mut Point) {
@@ -103,15 +101,29 @@ impl SolveContext<'_> {
         }
     }
 
-    /// Adds half the weighted squares of the velocity gaps to the cost.
-    fn add_priced(&self, weight: f64, system: &mut System) {
+    /// Adds half the weighted squares of the priced rows' violations to the cost: of velocity gaps, and
+    /// of goals that have a weight. Of the curvature of rows, what is convex is part of the Hessian.
+    fn add_priced(&self, goal_weight_max: f64, system: &mut System) {
         let structure = &self.layout.structure;
-        for (block, pattern) in system.priced.iter().zip(&structure.priced) {
-            let values = &block.values;
-            system.cost += 0.5 * weight * values.iter().map(|v| v * v).sum::<f64>();
-            block.add_pull(pattern, |row| weight * values[row], &mut system.gradient);
+        let blocks = system.priced.iter().zip(&structure.priced);
+        for (constraint, (block, pattern)) in self.problem.constraints().zip(blocks) {
+            let weight = constraint.price(self.problem, goal_weight_max);
+            let rows = 0..block.values.len();
+            if weight == 0.0 || rows.is_empty() {
+                continue;
+            }
+            let square = |row: usize| block.violation(row).powi(2);
+            system.cost += 0.5 * weight * rows.map(square).sum::<f64>();
+            let pull = |row: usize| weight * block.violation(row);
+            block.add_pull(pattern, pull, &mut system.gradient);
+            let acts = |row: usize| f64::from(block.acts(row)) * weight;
             let to = (&structure.pattern, &mut system.hessian);
-            block.add_square(pattern, |_| weight, to);
+            block.add_square(pattern, acts, to);
+            for of in block.convex(pattern, pull) {
+                system
+                    .hessian
+                    .add(&structure.pattern, of.row, of.column, of.value);
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
+use super::conditions::{conditions, flight_at};
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
@@ -8,7 +9,7 @@ use super::problem::{
 };
 use super::seen::views;
 use crate::motion::{
-    Goal, GoalTarget, LinkIndex, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    Goal, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
 use crate::physics::Dynamics;
 use crate::physics::impact::Law;
@@ -68,14 +69,16 @@ impl Problem {
             .map(|(event, e)| e.kind.collision().is_some() || scene.time_is_free(event))
             .collect();
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
+        let collisions = collisions(scene, &arcs, (&roles, &gravity_parameters), &parameter);
         Self {
+            conditions: conditions(scene, (&arcs, &collisions), &gravity_parameters),
             dynamics: scene
                 .mechanisms
                 .keys()
                 .map(|mechanism| scene.dynamics(mechanism))
                 .collect(),
             gravity_m_s2: scene.gravity_m_s2,
-            collisions: collisions(scene, &arcs, (&roles, &gravity_parameters), &parameter),
+            collisions,
             gravity_parameters,
             mounts: scene
                 .tracks
@@ -289,7 +292,11 @@ fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
                 arcs.iter()
                     .position(|arc| arc.mechanism == mechanism && arc.start == Some(goal.event))
             });
-        let Some(arc) = arc else { continue };
+        // Through the events of others a body flies on.
+        let through = || flight_at(scene, arcs, mechanism, (goal.event, Moment::Before));
+        let Some(arc) = arc.or_else(through) else {
+            continue;
+        };
         let event = goal.event;
         match &goal.target {
             GoalTarget::Pose { world_from_body } => {
@@ -312,6 +319,7 @@ fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
                     }
                 }
             }
+            GoalTarget::Condition(_) => {}
         }
     }
     goals

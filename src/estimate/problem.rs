@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::conditions::ArcCondition;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
@@ -310,8 +311,10 @@ pub struct Problem {
     pub marks: Vec<EventMark>,
     /// Collisions.
     pub collisions: Vec<ArcCollision>,
-    /// Goals.
+    /// Goals that are poses or coordinates.
     pub goals: Vec<ArcGoal>,
+    /// All other goals.
+    pub conditions: Vec<ArcCondition>,
     /// Events about flights that have few samples.
     pub ordered: Vec<Ordered>,
     /// Bounds of events' times.
@@ -420,7 +423,8 @@ impl Problem {
         let unknowns = states + free_events.count() + self.parameters.len();
         let times = self.time_bounds.iter();
         let times = times.map(|bound| usize::from(bound.side == TimeSide::Only));
-        collisions.chain(goals).chain(times).sum::<usize>() > unknowns
+        let equalities = collisions.chain(goals).chain(times).sum::<usize>();
+        equalities + self.condition_equalities() > unknowns
     }
 
     /// Gravity with its free components taken from `parameters` [m/s², world].

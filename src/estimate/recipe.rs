@@ -112,7 +112,8 @@ pub struct Lead {
 impl Lead {
     /// Contacts must approach with at least three tenths of the start's speed, since otherwise an
     /// impulse could vanish while the penalty is loose. Events have a prior at their initial times,
-    /// unless sample times are unknown.
+    /// unless sample times are unknown. Goals with a weight weigh no more than what is hard: one that
+    /// is all but hard would lead to another optimum than a hard one.
     pub fn new(context: &SolveContext, start: &Point, recipe: &Recipe) -> Self {
         let problem = context.problem;
         let mut approach_limits_m_s = vec![0.0; problem.event_is_free.len()];
@@ -142,6 +143,7 @@ impl Lead {
                     approach_limits_m_s: self.approach_limits_m_s.clone(),
                     event_times_s: self.event_times_s.clone(),
                     event_sd_s: event_sd_s.map(|sd_s| sd_s * 10f64.powf(0.5 * loosened)),
+                    goal_weight_max: weight,
                     orientations_per_arc: self.orientations_per_arc,
                 }
             }

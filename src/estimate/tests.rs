@@ -21,6 +21,7 @@ use crate::optimise::{Program, Schedule, System};
 use crate::physics::{Body, Drag, Dynamics, Shape, State, contact, flow, impact};
 
 mod approach;
+pub(super) mod conditions;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 

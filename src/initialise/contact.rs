@@ -152,13 +152,14 @@ impl View<'_> {
     /// The pose that a goal requires of a link at the event.
     fn goal(&self, link: LinkIndex) -> Option<Frame> {
         let at = |goal: &&Goal| goal.event == self.event && goal.link == link;
-        match &self.scene.goals.iter().find(at)?.target {
+        let mut goals = self.scene.goals.iter().filter(at);
+        goals.find_map(|goal| match &goal.target {
             GoalTarget::Pose { world_from_body } => Some(Frame {
                 position_m: world_from_body.translation.vector,
                 orientation: world_from_body.rotation,
             }),
-            GoalTarget::PositionWithin { .. } => None,
-        }
+            GoalTarget::PositionWithin { .. } | GoalTarget::Condition(_) => None,
+        })
     }
 
     /// The state by the fit of an arc, a time after the event; moved through the pose of a goal

@@ -43,8 +43,9 @@ pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};
 pub use scene::{
-    Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, EventTime,
-    Feature, FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner,
+    Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
+    Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Link, Mechanism, Moment, Obstacle, Partner,
     Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track, Untold,
     VelocityGaps, Weighing, Weights,
 };

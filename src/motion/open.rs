@@ -157,17 +157,18 @@ impl Scene {
             time: self.events[event].time,
         });
         scene.events.splice(event..=event, copies);
-        for goal in scene.goals.iter_mut().filter(|goal| goal.event > event) {
-            goal.event = goal.event + count - 1;
+        let place = |other: usize| {
+            if other > event {
+                other + count - 1
+            } else {
+                other
+            }
+        };
+        for goal in &mut scene.goals {
+            goal.place_events(place);
         }
         for free in &mut scene.parameters {
-            free.quantity = free.quantity.at_event(|other| {
-                if other > event {
-                    other + count - 1
-                } else {
-                    other
-                }
-            });
+            free.quantity = free.quantity.at_event(place);
         }
         scene
     }

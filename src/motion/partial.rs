@@ -8,7 +8,9 @@ impl Scene {
     pub fn first_events(&self, count: usize) -> Scene {
         let mut scene = self.clone();
         scene.events.truncate(count);
-        scene.goals.retain(|goal| goal.event < count);
+        scene
+            .goals
+            .retain(|goal| goal.events().all(|event| event < count));
         let is_kept = |index: &usize| {
             let quantity = self.parameters[*index].quantity;
             let is_there = quantity.event().is_none_or(|event| event < count);

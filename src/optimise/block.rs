@@ -133,6 +133,44 @@ pub struct SecondDerivative {
     pub value: f64,
 }
 
+/// An entry of the constraints' curvature; its mirror is the same entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curvature {
+    /// Row of the Hessian.
+    pub row: usize,
+    /// Column, at most the row.
+    pub column: usize,
+    /// What it adds.
+    pub value: f64,
+}
+
+impl Curvature {
+    /// Whether it is on the diagonal and makes a matrix more positive.
+    pub fn is_convex(&self) -> bool {
+        self.row == self.column && self.value > 0.0
+    }
+
+    /// `y += K x`.
+    pub fn multiply_add(&self, x: &DVector<f64>, y: &mut DVector<f64>) {
+        y[self.row] += self.value * x[self.column];
+        if self.row != self.column {
+            y[self.column] += self.value * x[self.row];
+        }
+    }
+}
+
+impl SecondDerivative {
+    /// What it adds to a Hessian where its row pulls so much.
+    pub(crate) fn pulled(&self, pattern: &BlockPattern, pull: f64) -> Curvature {
+        let [a, b] = self.by.map(|place| pattern.unknowns(self.row)[place]);
+        Curvature {
+            row: a.max(b),
+            column: a.min(b),
+            value: self.value * pull,
+        }
+    }
+}
+
 /// Values of some rows and their derivatives by the unknowns they depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
@@ -164,6 +202,25 @@ impl Block {
     pub fn violation(&self, row: usize) -> f64 {
         let (lower, upper) = self.bounds[row];
         self.values[row] - self.values[row].clamp(lower, upper)
+    }
+
+    /// Whether a row is an equality or violates a bound.
+    pub fn acts(&self, row: usize) -> bool {
+        let (lower, upper) = self.bounds[row];
+        lower == upper || self.violation(row) != 0.0
+    }
+
+    /// What is convex of the rows' second derivatives in closed form, each times `pull(row)`.
+    pub fn convex(
+        &self,
+        pattern: &BlockPattern,
+        pull: impl Fn(usize) -> f64,
+    ) -> impl Iterator<Item = Curvature> {
+        let each = self
+            .second
+            .iter()
+            .map(move |of| of.pulled(pattern, pull(of.row)));
+        each.filter(Curvature::is_convex)
     }
 
     /// Largest violation among `rows`.

@@ -4,6 +4,7 @@
 
 use nalgebra::DVector;
 
+pub use super::block::Curvature;
 use super::block::{Block, BlockPattern};
 use super::envelope::{Envelope, Pattern};
 
@@ -22,32 +23,6 @@ impl Structure {
     /// Number of unknowns.
     pub fn size(&self) -> usize {
         self.pattern.size()
-    }
-}
-
-/// An entry of the constraints' curvature; its mirror is the same entry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Curvature {
-    /// Row of the Hessian.
-    pub row: usize,
-    /// Column, at most the row.
-    pub column: usize,
-    /// What it adds.
-    pub value: f64,
-}
-
-impl Curvature {
-    /// Whether it is on the diagonal and makes a matrix more positive.
-    pub fn is_convex(&self) -> bool {
-        self.row == self.column && self.value > 0.0
-    }
-
-    /// `y += K x`.
-    pub fn multiply_add(&self, x: &DVector<f64>, y: &mut DVector<f64>) {
-        y[self.row] += self.value * x[self.column];
-        if self.row != self.column {
-            y[self.column] += self.value * x[self.row];
-        }
     }
 }
 
@@ -157,14 +132,9 @@ impl System {
                 }
             }
             for second in &block.second {
-                let value = second.value * pull(offset + second.row);
-                if value != 0.0 {
-                    let [a, b] = second.by.map(|place| pattern.unknowns(second.row)[place]);
-                    all.push(Curvature {
-                        row: a.max(b),
-                        column: a.min(b),
-                        value,
-                    });
+                let curvature = second.pulled(pattern, pull(offset + second.row));
+                if curvature.value != 0.0 {
+                    all.push(curvature);
                 }
             }
             offset += block.values.len();
@@ -172,7 +142,8 @@ impl System {
         all
     }
 
-    /// Whether a row with second derivatives ([`Block::second`]) pulls.
+    /// Whether a row with second derivatives ([`Block::second`]) pulls; a priced one does where it is
+    /// violated.
     pub fn has_pulled_curvature(&self, multipliers: &[f64]) -> bool {
         let mut first = 0;
         let mut pulled = self.blocks.iter().map(|block| {
@@ -181,7 +152,9 @@ impl System {
             first += block.values.len();
             pulled
         });
-        pulled.any(|pulled| pulled)
+        let mut priced = self.priced.iter();
+        let priced = priced.any(|block| block.second.iter().any(|of| block.acts(of.row)));
+        pulled.any(|pulled| pulled) || priced
     }
 
     /// `J δ`, the linearised change of every row, into `change`.

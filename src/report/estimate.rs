@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::checks::CheckLine;
 use super::diagnoses::DiagnosisLine;
 use super::doubts::DoubtLine;
+use super::goals::{GoalLine, goal_lines};
 use super::motion::{
     DurationLine, EventLine, ParameterLine, SegmentLine, event_lines, parameter_lines,
     segment_lines, undetermined_names,
@@ -57,6 +58,8 @@ pub struct EstimateReport {
     pub duration: DurationLine,
     /// In order of time.
     pub events: Vec<EventLine>,
+    /// How far it is from the scene's goals at events.
+    pub goals: Vec<GoalLine>,
     /// Free parameters by name.
     pub parameters: Ordered<ParameterLine>,
     /// Root mean square distance over all samples.
@@ -105,6 +108,7 @@ impl EstimateReport {
             acted_s: acted_s(of.sketch),
             duration: DurationLine::new(&estimate.duration),
             events: event_lines(of),
+            goals: goal_lines(scene, estimate),
             parameters: parameter_lines(scene, estimate),
             residual_mm: position_m * 1e3,
             residual_deg: orientation_rad.to_degrees(),

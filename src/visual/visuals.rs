@@ -4,7 +4,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use typed_index_collections::TiSlice;
 
 use crate::math::Pose;
-use crate::motion::{GoalTarget, LinkIndex, PoseSample, Scene, Surface};
+use crate::motion::{GoalQuantity, GoalSet, GoalTarget, LinkIndex, PoseSample, Scene, Surface};
 use crate::physics::Shape;
 
 /// How thick a surface is drawn \[m\]; it lies below the plane. No side of a goal is drawn thinner.
@@ -76,7 +76,7 @@ pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
     links.chain(fixed).chain(goals).collect()
 }
 
-/// The link where it is to be, or the box in which its centre is to be.
+/// The link where it is to be, or the box or ball in which a point of it is to be.
 fn goal_visual(scene: &Scene, index: usize) -> Visual {
     let goal = &scene.goals[index];
     let (frame_from_shape, shape) = match &goal.target {
@@ -85,23 +85,38 @@ fn goal_visual(scene: &Scene, index: usize) -> Visual {
             let world_from_shape = world_from_body * link.link_from_shape();
             (world_from_shape, Some(link.shape.clone()))
         }
-        GoalTarget::PositionWithin { lower_m, upper_m } => {
-            let sides_m = upper_m - lower_m;
-            let centre = Translation3::from(0.5 * (upper_m + lower_m));
-            let is_finite = sides_m.iter().all(|side_m| side_m.is_finite());
-            // A side of no length would not be seen.
-            let seen_m = sides_m.map(|side_m| side_m.max(SURFACE_THICKNESS_M));
-            (
-                Pose::from_parts(centre, UnitQuaternion::identity()),
-                is_finite.then(|| cuboid(&seen_m)),
-            )
-        }
+        GoalTarget::PositionWithin { lower_m, upper_m } => within_box(lower_m, upper_m),
+        GoalTarget::Condition(condition) => match (&condition.quantity, &condition.set) {
+            // What is seen from another body moves with it.
+            (quantity, _) if quantity.seen_from().is_some() => (Pose::identity(), None),
+            (GoalQuantity::Position { .. }, GoalSet::Box { lower, upper }) => {
+                within_box(lower, upper)
+            }
+            (GoalQuantity::Position { .. }, GoalSet::Ball { centre, radius }) => (
+                Pose::from_parts((*centre).into(), UnitQuaternion::identity()),
+                Some(Shape::Sphere { radius_m: *radius }),
+            ),
+            _ => (Pose::identity(), None),
+        },
     };
     Visual {
         subject: Subject::Goal(index),
         frame_from_shape,
         shape,
     }
+}
+
+/// A box, unless it has no ends.
+fn within_box(lower_m: &Vector3<f64>, upper_m: &Vector3<f64>) -> (Pose, Option<Shape>) {
+    let sides_m = upper_m - lower_m;
+    let centre = Translation3::from(0.5 * (upper_m + lower_m));
+    let is_finite = sides_m.iter().all(|side_m| side_m.is_finite());
+    // A side of no length would not be seen.
+    let seen_m = sides_m.map(|side_m| side_m.max(SURFACE_THICKNESS_M));
+    (
+        Pose::from_parts(centre, UnitQuaternion::identity()),
+        is_finite.then(|| cuboid(&seen_m)),
+    )
 }
 
 fn cuboid(sides_m: &Vector3<f64>) -> Shape {

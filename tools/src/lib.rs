@@ -1,6 +1,6 @@
 //! What the tools and the tests of `enact` share.
 //!
-//! - performances with known truth: [`perform`], estimated as a [`case`]; [`hands`] that wander
+//! - performances with known truth: [`perform`], estimated as a [`case`]; [`goals`] near them; [`hands`] that wander
 //!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`],
 //!   [`mod@open`]); real [`tosses`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
@@ -19,6 +19,7 @@ pub mod dense;
 pub mod errors;
 pub mod export;
 pub mod front;
+pub mod goals;
 pub mod hands;
 pub mod methods;
 pub mod nonsense;

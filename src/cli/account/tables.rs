@@ -25,7 +25,35 @@ pub(super) fn events(report: &EstimateReport) -> String {
     }
     table("  ", &["event", "kind", "acted", "physical", ""], &rows)
         + &inferred(report)
+        + &goals(report)
         + &largest_gaps(report)
+}
+
+/// How many goals are met, and how far the motion is from the others.
+fn goals(report: &EstimateReport) -> String {
+    let met = report.goals.iter().filter(|goal| goal.is_met).count();
+    if report.goals.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("  goals     {met} of {} met\n", report.goals.len());
+    for goal in report.goals.iter().filter(|goal| !goal.is_met) {
+        let (factor, unit) = for_people(goal.unit);
+        let weight = goal.sd.map_or_else(String::new, |sd| {
+            format!(", which weighs {:.3} {unit}", factor * sd)
+        });
+        let body = goal
+            .body
+            .as_ref()
+            .map_or_else(String::new, |body| format!("{body}, "));
+        let _ = writeln!(
+            text,
+            "            {}: {body}{} {:.3} {unit} off{weight}",
+            goal.event,
+            goal.what,
+            factor * goal.distance
+        );
+    }
+    text
 }
 
 /// How certain an event's time is.

@@ -383,7 +383,7 @@ fn events_and_goals_refer_to_what_exists() {
             "unknown event",
         ),
         (
-            "orientation_wxyz = [1, 0, 0, 0]",
+            "position_mm = [300, 0, 99]\norientation_wxyz = [1, 0, 0, 0]",
             "",
             44,
             "",
@@ -415,14 +415,7 @@ fn events_and_goals_refer_to_what_exists() {
             "[[goal]]\nevent = \"landing\"\nbody = \"pencil\"\nposition_within_mm = [[0, 0, 0], [1, 1, 1]]\n[[free]]\nquantity = \"gravity.z\"",
             50,
             "",
-            "a second goal",
-        ),
-        (
-            "position_mm = [300, 0, 99]",
-            "within_deg = 5\nposition_mm = [300, 0, 99]",
-            47,
-            "5",
-            "within_deg needs face_up",
+            "an earlier goal for \"pencil\" at \"landing\" contradicts this",
         ),
     ] {
         refused(&with(from, to), line, at, message);

@@ -1,5 +1,6 @@
-//! Every flight by itself: the minimum of the objective without constraints. Times of events, which
-//! then depend on nothing but their marks, stay.
+//! Every flight by itself: the minimum of the objective without constraints and without goals that have
+//! a weight, which are wishes and no measurements. Times of events, which then depend on nothing but
+//! their marks, stay.
 
 use nalgebra::DVector;
 
@@ -37,7 +38,7 @@ pub(super) struct Alone {
 impl Alone {
     /// Releases all constraints at a solution; `None` where the Hessian cannot be factorised.
     pub(super) fn new(context: &SolveContext, point: &Point, system: &System) -> Option<Self> {
-        let (mut point, mut system) = (point.clone(), system.clone());
+        let (mut point, mut system) = (point.clone(), without_wishes(context, point, system));
         let pattern = &context.structure().pattern;
         let is_unseen = unseen(context, &system);
         let mut factor = damped(context, &system)?;
@@ -52,7 +53,7 @@ impl Alone {
             for _ in 0..=HALVINGS {
                 let mut there = point.clone();
                 context.retract(&point, &step, &mut there);
-                let of_there = context.evaluated(&Guidance::none(), &there);
+                let of_there = context.evaluated(&Guidance::without_wishes(), &there);
                 if of_there.cost < system.cost {
                     (point, system, is_lower) = (there, of_there, true);
                     break;
@@ -83,8 +84,9 @@ impl Alone {
         system: &System,
         errors: &[Residuals],
     ) -> Option<Self> {
-        let is_unseen = unseen(context, system);
-        let factor = damped(context, system)?;
+        let system = without_wishes(context, point, system);
+        let is_unseen = unseen(context, &system);
+        let factor = damped(context, &system)?;
         let mut step = -&system.gradient;
         solve((context, &factor, &is_unseen), &mut step);
         Some(Self {
@@ -92,7 +94,7 @@ impl Alone {
             is_unseen,
             errors: errors.to_vec(),
             point: point.clone(),
-            system: system.clone(),
+            system,
             factor,
         })
     }
@@ -110,6 +112,15 @@ impl Alone {
     /// `H⁻¹ b` in place, of what the objective depends on; zero for the rest.
     pub(super) fn solve(&self, context: &SolveContext, b: &mut DVector<f64>) {
         solve((context, &self.factor, &self.is_unseen), b);
+    }
+}
+
+/// The system at a point without goals that have a weight, given that with them.
+fn without_wishes(context: &SolveContext, point: &Point, system: &System) -> System {
+    if context.problem.conditions.iter().any(|of| of.is_soft()) {
+        context.evaluated(&Guidance::without_wishes(), point)
+    } else {
+        system.clone()
     }
 }
 

@@ -58,6 +58,12 @@ pub trait Constraint {
         Gap::default()
     }
 
+    /// Weight of the squared violations of its priced rows, per squared unit, at most `most` where it is
+    /// not the price of velocity gaps.
+    fn price(&self, problem: &Problem, _most: f64) -> f64 {
+        problem.velocity_gap_weight.unwrap_or(0.0)
+    }
+
     /// Hard rows that depend on poses only, not on velocities.
     fn places(&self, rows: &Block) -> Vec<Range<usize>> {
         std::iter::once(0..rows.values.len()).collect()
@@ -84,12 +90,14 @@ impl Problem {
     pub fn constraints(&self) -> impl Iterator<Item = &dyn Constraint> {
         let collisions = self.collisions.iter().map(|of| of as &dyn Constraint);
         let goals = self.goals.iter().map(|of| of as &dyn Constraint);
+        let conditions = self.conditions.iter().map(|of| of as &dyn Constraint);
         let bounded = self.bounded.iter().map(|of| of as &dyn Constraint);
         let ordered = self.ordered.iter().map(|of| of as &dyn Constraint);
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
         let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
         collisions
             .chain(goals)
+            .chain(conditions)
             .chain(times)
             .chain(bounded)
             .chain(cones)

@@ -1,12 +1,13 @@
 //! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](super::problem::unit), one kind
 //! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
-//! through the impact), a `goal` (§3.1), a bound of an event's `time`, the `bound` of a parameter, a
+//! through the impact), a `goal` (§3.1), any other `condition` that a goal is, a bound of an event's `time`, the `bound` of a parameter, a
 //! `cone` of two (§6), the `order` of two events (eq. 7).
 //!
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
 mod bound;
 pub mod collision;
+mod condition;
 mod cone;
 mod contact;
 mod continuity;
@@ -14,7 +15,9 @@ mod general;
 mod goal;
 mod kind;
 mod order;
+mod quantity;
 mod rows;
 mod time;
+mod within;
 
 pub use self::kind::{At, Constraint, Filled};

@@ -108,7 +108,7 @@ mod tests {
             assert!((between_s - 0.028).abs() < 1e-12, "{between_s}");
 
             // The rows against differences along the retraction.
-            let first = problem.collisions.len() + problem.goals.len();
+            let first = problem.collisions.len() + problem.goals.len() + problem.conditions.len();
             let value = |delta: &DVector<f64>, side: usize| {
                 let mut there = point.clone();
                 context.retract(&point, delta, &mut there);

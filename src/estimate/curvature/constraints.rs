@@ -41,8 +41,15 @@ pub fn add(
         if !constraint.is_curved() {
             continue;
         }
-        let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-        let gap_pulls: Vec<f64> = blocks.1.values.iter().map(|gap| weight * gap).collect();
+        let weight = constraint.price(problem, f64::INFINITY);
+        let priced_rows = 0..blocks.1.values.len();
+        let priced_pulls = priced_rows.map(|row| weight * blocks.1.violation(row));
+        let priced_pulls: Vec<f64> = priced_pulls.collect();
+        // Second derivatives by a time that are given are added by whoever minimises, and what is
+        // convex of those of priced rows is in the Hessian.
+        let convex = |row: usize| priced_pulls[row];
+        let is_given =
+            !blocks.0.second.is_empty() || blocks.1.convex(patterns.1, convex).next().is_some();
         let mut filled = [Block::default(), Block::default()];
         let pull = |point: &Point, sum: &mut [f64]| {
             let [rows, priced] = &mut filled;
@@ -52,9 +59,9 @@ pub fn add(
                 [(patterns.0, &mut *rows), (patterns.1, &mut *priced)],
             );
             add_pull(patterns.0, rows, pulls, sum);
-            add_pull(patterns.1, priced, &gap_pulls, sum);
+            add_pull(patterns.1, priced, &priced_pulls, sum);
         };
-        nudged.add_curvature(&[patterns.0, patterns.1], pull, matrix);
+        nudged.add_curvature(&[patterns.0, patterns.1], pull, is_given, matrix);
     }
 }
 
@@ -150,11 +157,13 @@ impl<'a> Nudged<'a> {
         }
     }
 
-    /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns.
+    /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns, but for
+    /// second derivatives by a time where these are given.
     fn add_curvature(
         &mut self,
         patterns: &[&BlockPattern],
         mut pull: impl FnMut(&Point, &mut [f64]),
+        is_given: bool,
         matrix: &mut Envelope,
     ) {
         let mut unknowns: Vec<usize> = patterns
@@ -175,7 +184,10 @@ impl<'a> Nudged<'a> {
                 let value = 0.5 * (after - before) / (2.0 * step);
                 // Half from (i, j) and half from (j, i); the diagonal entry counts in full.
                 let value = if other == unknown { 2.0 * value } else { value };
-                if value != 0.0 && value.is_finite() {
+                let is_left_out = is_given
+                    && other == unknown
+                    && matches!(self.owners[*unknown], Owner::Event(_));
+                if value != 0.0 && value.is_finite() && !is_left_out {
                     let (row, column) = (*unknown.max(other), *unknown.min(other));
                     matrix.add(&self.context.layout.structure.pattern, row, column, value);
                 }
@@ -192,6 +204,7 @@ mod tests {
 
     use super::*;
     use crate::estimate::context::Guidance;
+    use crate::estimate::tests::conditions::wished_cases;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 
@@ -216,11 +229,7 @@ mod tests {
     /// Against second differences of the values themselves.
     #[test]
     fn it_is_the_second_derivative_of_the_pull() {
-        each_case(1.0, |context, _, point, _| {
-            // The general form of a coordinate's rows has its curvature by the time alone.
-            if context.problem.arcs.iter().any(|arc| !arc.is_plain) {
-                return;
-            }
+        let check = |context: &SolveContext, point: &Point| {
             let problem = context.problem;
             let size = context.layout.size();
             let mut system = System::new(context.structure());
@@ -236,15 +245,26 @@ mod tests {
                 .enumerate()
                 .map(|(row, is_curved)| f64::from(is_curved) * (1.0 + row as f64).sin());
             let pulls: Vec<f64> = pulls.collect();
-            // Velocity gaps pull by what they cost, where they are priced.
-            let weight = problem.velocity_gap_weight.unwrap_or(0.0);
-            let gaps = system.priced.iter().flat_map(|gaps| &gaps.values);
-            let gap_pulls: Vec<f64> = gaps.map(|gap| weight * gap).collect();
+            // Priced rows pull by what they cost.
+            let priced = problem.constraints().zip(&system.priced);
+            let gap_pulls = priced.flat_map(|(constraint, block)| {
+                let weight = constraint.price(problem, f64::INFINITY);
+                (0..block.values.len()).map(move |row| weight * block.violation(row))
+            });
+            let gap_pulls: Vec<f64> = gap_pulls.collect();
             let mut matrix = Envelope::zeros(&context.layout.structure.pattern);
             add(context, &system, point, &pulls, &mut matrix);
             let pattern = &context.layout.structure.pattern;
             for of in system.curvature(context.structure(), |row| pulls[row]) {
                 matrix.add(pattern, of.row, of.column, of.value);
+            }
+            // What the Hessian has already of that of priced rows.
+            let mut first = 0;
+            for (block, rows) in system.priced.iter().zip(&context.structure().priced) {
+                for of in block.convex(rows, |row| gap_pulls[first + row]) {
+                    matrix.add(pattern, of.row, of.column, of.value);
+                }
+                first += block.values.len();
             }
             let at = Nudged::new(context, point);
             // A few pairs of every kind: all would take long.
@@ -268,6 +288,14 @@ mod tests {
                     );
                 }
             }
+        };
+        // The general form of a coordinate's rows has its curvature by the time alone.
+        let is_plain = |context: &SolveContext| context.problem.arcs.iter().all(|arc| arc.is_plain);
+        each_case(1.0, |context, _, point, _| {
+            if is_plain(context) {
+                check(context, point);
+            }
         });
+        wished_cases(check);
     }
 }

@@ -45,7 +45,7 @@ impl Scene {
     /// correction is zero again and every factor one.
     ///
     /// Where a centre of mass moves, the link's axes move with it: features, shape, trackers and
-    /// pose goals stay where they are on the object. A surface of an obstacle takes the obstacle and
+    /// goals of poses and points stay where they are on the object. A surface of an obstacle takes the obstacle and
     /// all of its surfaces along. Clocks are no part of a scene: their values change nothing. The
     /// list of parameters stays as it is.
     ///
@@ -127,9 +127,17 @@ impl Scene {
         for track in self.tracks.iter_mut().filter(|track| track.link == link) {
             track.link_from_tracker = new_from_old * track.link_from_tracker;
         }
-        for goal in self.goals.iter_mut().filter(|goal| goal.link == link) {
-            if let GoalTarget::Pose { world_from_body } = &mut goal.target {
-                *world_from_body *= old_from_new;
+        for goal in &mut self.goals {
+            match &mut goal.target {
+                GoalTarget::Pose { world_from_body } if goal.link == link => {
+                    *world_from_body *= old_from_new;
+                }
+                GoalTarget::Condition(condition) => {
+                    let is_seen_from = condition.quantity.seen_from() == Some(link);
+                    let sides = (goal.link == link, is_seen_from);
+                    *condition = condition.clone().with_centre_moved(sides, &by_m);
+                }
+                _ => {}
             }
         }
     }

@@ -2,12 +2,17 @@
 //!
 //! Plain validated data in SI units. `config` makes it from TOML; the stages do not check it again.
 
+mod attained;
+mod axes;
+mod condition;
 mod contact_law;
 mod contacts;
+mod contradiction;
 mod estimated;
 mod event;
 mod freedom;
 mod goal;
+mod goal_set;
 mod link;
 mod parameter;
 mod quantity;
@@ -17,10 +22,14 @@ mod weights;
 mod whole;
 mod world;
 
+pub use attained::GoalEstimate;
+pub use axes::Axes;
+pub use condition::{BodyPoint, Condition, GoalQuantity, GoalUnit, Moment};
 pub use contact_law::ContactLaw;
 pub use contacts::CollisionError;
 pub use event::{Collision, Event, EventKind, EventTime, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
+pub use goal_set::GoalSet;
 pub use link::{Feature, FreeBody, Link, Mechanism, Sees, Track};
 pub use parameter::{Cone, FreeParameter};
 pub use quantity::Quantity;

@@ -1,15 +1,17 @@
 //! Orders of quaternions: `w, x, y, z` or `x, y, z, w`, world from body or body from world.
 
 use super::facts::Facts;
-use crate::motion::{GoalTarget, QuaternionSlip, Remedy};
+use crate::motion::{GoalQuantity, GoalTarget, QuaternionSlip, Remedy};
 
 /// Other orders in streams and goals.
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
-    let has_pose = facts
-        .scene
-        .goals
-        .iter()
-        .any(|goal| matches!(goal.target, GoalTarget::Pose { .. }));
+    let has_pose = facts.scene.goals.iter().any(|goal| match &goal.target {
+        GoalTarget::Pose { .. } => true,
+        GoalTarget::Condition(condition) => {
+            matches!(condition.quantity, GoalQuantity::Turn { .. })
+        }
+        GoalTarget::PositionWithin { .. } => false,
+    });
     let streams = [
         QuaternionSlip::ScalarFirst,
         QuaternionSlip::ScalarLast,

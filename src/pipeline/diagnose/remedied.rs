@@ -4,8 +4,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::math::Pose;
 use crate::motion::{
-    GoalTarget, LengthUnit, PoseSample, QuaternionSlip, Remedy, Scene, SignedAxis, Stamp,
-    TakeEvent, Timing,
+    GoalQuantity, GoalTarget, LengthUnit, PoseSample, QuaternionSlip, Remedy, Scene, SignedAxis,
+    Stamp, TakeEvent, Timing,
 };
 use crate::physics::{Body, Shape, contact};
 
@@ -52,8 +52,16 @@ pub(super) fn remedied(
         }),
         Remedy::GoalQuaternions(slip) => {
             for goal in &mut scene.goals {
-                if let GoalTarget::Pose { world_from_body } = &mut goal.target {
-                    world_from_body.rotation = slip.corrected(&world_from_body.rotation);
+                match &mut goal.target {
+                    GoalTarget::Pose { world_from_body } => {
+                        world_from_body.rotation = slip.corrected(&world_from_body.rotation);
+                    }
+                    GoalTarget::Condition(condition) => {
+                        if let GoalQuantity::Turn { from, .. } = &mut condition.quantity {
+                            *from = slip.corrected(from);
+                        }
+                    }
+                    GoalTarget::PositionWithin { .. } => {}
                 }
             }
             snapped(&mut scene)?;
@@ -165,6 +173,9 @@ fn scaled(scene: &Scene, unit: LengthUnit) -> Option<Scene> {
             GoalTarget::PositionWithin { lower_m, upper_m } => {
                 *lower_m *= factor;
                 *upper_m *= factor;
+            }
+            GoalTarget::Condition(condition) => {
+                *condition = condition.clone().with_lengths_scaled(factor);
             }
         }
     }

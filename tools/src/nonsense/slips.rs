@@ -301,6 +301,9 @@ fn shrunk(scene: &Scene, factor: f64) -> Option<Scene> {
                 *lower_m *= factor;
                 *upper_m *= factor;
             }
+            GoalTarget::Condition(condition) => {
+                *condition = condition.clone().with_lengths_scaled(factor);
+            }
         }
     }
     Some(scene)

@@ -48,7 +48,7 @@ pub fn reference_in(scene: &Scene) -> Result<Truth, TruthError> {
         .iter()
         .filter_map(|goal| match goal.target {
             GoalTarget::Pose { world_from_body } => Some(world_from_body),
-            GoalTarget::PositionWithin { .. } => None,
+            GoalTarget::PositionWithin { .. } | GoalTarget::Condition(_) => None,
         })
         .collect();
     let (Some(first), Some(last), true) = (

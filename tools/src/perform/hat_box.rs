@@ -128,6 +128,6 @@ fn pose_goal(scene: &Scene, event: usize, link: LinkIndex) -> Option<Pose> {
     let goal = goals.find(|goal| goal.event == event && goal.link == link)?;
     match goal.target {
         GoalTarget::Pose { world_from_body } => Some(world_from_body),
-        GoalTarget::PositionWithin { .. } => None,
+        GoalTarget::PositionWithin { .. } | GoalTarget::Condition(_) => None,
     }
 }

@@ -92,7 +92,7 @@ impl Style {
         let lacks = |what| TruthError::Lacks { what };
         let goal = scene.goals.iter().find_map(|goal| match &goal.target {
             GoalTarget::Pose { world_from_body } => Some(*world_from_body),
-            GoalTarget::PositionWithin { .. } => None,
+            GoalTarget::PositionWithin { .. } | GoalTarget::Condition(_) => None,
         });
         let goal = goal.ok_or(lacks("a pose goal"))?;
         let parameters: Vec<f64> = scene.parameters.iter().map(|p| p.initial).collect();

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use enact::math::{Pose, so3};
-use enact::motion::{ArcEstimate, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Scene};
+use enact::motion::{
+    ArcEstimate, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Moment, Scene,
+};
 use enact::physics::{Body, State, flow};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -87,6 +89,20 @@ impl Truth {
         self.flown(arc, time_s)
     }
 
+    /// The state of a link at a side of an event.
+    pub fn state_at(&self, link: LinkIndex, (event, moment): (usize, Moment)) -> State {
+        let mechanism = self.scene.mechanism_of(link);
+        let time_s = self.event_times_s[event];
+        let arcs = self.arcs.iter().filter(|arc| arc.mechanism == mechanism);
+        let has_begun = |arc: &&ArcEstimate| match moment {
+            Moment::Before => arc.start_s < time_s,
+            Moment::After => arc.start_s <= time_s,
+        };
+        let arc = arcs.clone().filter(has_begun).last();
+        let arc = arc.or_else(|| arcs.clone().next());
+        self.flown(arc.expect("a truth has arcs for every mechanism"), time_s)
+    }
+
     /// Where a link is at a physical time.
     pub fn world_from_body(&self, link: LinkIndex, time_s: f64) -> Pose {
         self.state(link, time_s).world_from_body()
@@ -106,6 +122,14 @@ impl Truth {
                     .state(goal.link, self.event_times_s[goal.event])
                     .position_m;
                 (lower_m - x).sup(&(x - upper_m)).max().max(0.0)
+            }
+            GoalTarget::Condition(condition) => {
+                let time_of = |event: usize| self.event_times_s.get(event).copied();
+                let at = (goal.event, condition.moment);
+                let state_of = |link| Some(self.state_at(link, at));
+                let of = (goal, condition);
+                let distance = self.scene.condition_distance(of, &time_of, &state_of);
+                distance.map_or(f64::INFINITY, |distance| distance.max(0.0))
             }
         };
         self.scene.goals.iter().map(miss).fold(0.0, f64::max)

@@ -102,6 +102,13 @@ fn gap(scene: &Scene, estimate: &Estimate) -> Option<String> {
                 let x = state.position_m;
                 ((lower_m - x).sup(&(x - upper_m)).max().max(0.0), 0.0)
             }
+            GoalTarget::Condition(condition) => {
+                let time_of = |event: usize| times_s.get(event).copied();
+                let state_of = |_| Some(state);
+                let of = (goal, condition);
+                let miss = scene.condition_distance(of, &time_of, &state_of);
+                (miss.unwrap_or(f64::INFINITY), 0.0)
+            }
         };
         let met = miss_m <= GAP[0] && miss_rad <= GAP[1];
         (!met).then(|| format!("a goal is missed by {miss_m:.1e} m, {miss_rad:.1e} rad"))

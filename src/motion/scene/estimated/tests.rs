@@ -196,7 +196,7 @@ fn an_object_stays_where_it_is_when_its_centre_of_mass_moves() {
     assert_near(there.translation.vector, mount(&before).translation.vector);
     let goal = |scene: &Scene| match scene.goals[0].target {
         GoalTarget::Pose { world_from_body } => world_from_body,
-        GoalTarget::PositionWithin { .. } => panic!("a pose"),
+        _ => panic!("a pose"),
     };
     let centre = goal(&before) * Point3::from(by_m);
     assert_near(goal(&after).translation.vector, centre.coords);

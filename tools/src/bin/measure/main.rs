@@ -23,6 +23,7 @@ mod durations;
 mod failure;
 mod figure;
 mod flow;
+mod goals;
 mod ladder;
 mod methods;
 mod nonsense;
@@ -140,6 +141,11 @@ const SUBJECTS: &[Subject] = &[
         "clatter",
         "corners that hit within milliseconds, with few samples between",
         clatter::run
+    ),
+    subject!(
+        "goals",
+        "goals of every kind that a motion near the performed one meets",
+        goals::run
     ),
     subject!(
         "rest",
