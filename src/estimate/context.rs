@@ -106,6 +106,7 @@ mod tests {
             track: TrackIndex(0),
             start: None,
             end: None,
+            clock: None,
             acting: Vec::new(),
             is_plain: true,
             samples: (0..samples).map(sample).collect(),

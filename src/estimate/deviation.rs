@@ -21,7 +21,7 @@ pub fn fill(
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],
     };
-    let events = (0..scene.events.len()).map(|event| timing::event_moment(context, event));
+    let events = (0..scene.events.len()).map(|event| timing::event_moment(context, &solution.point, event));
     let parameters = context.layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
     let lasting = timing::duration(context, &solution.point).moment;
     let moments: Vec<Moment> = events.chain(parameters).chain([lasting]).collect();

@@ -3,6 +3,7 @@
 use super::ballistic;
 use super::between::{self, is_fitted};
 use super::clock;
+use super::keyed;
 use super::turn::{self, OrientationReading, TurnFit};
 use crate::motion::{ArcGuess, Guess, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
@@ -30,6 +31,12 @@ pub struct Guessed {
 /// time between two marks runs at the mean rate of the fits there, or of all. Segments with too few
 /// samples for a fit follow from their neighbours.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
+    if keyed::applies(scene, sketch) {
+        return Guessed {
+            guesses: keyed::guesses(scene, sketch, segments, GUESSES_MAX),
+            fit_iterations: 0,
+        };
+    }
     let known = match scene.timing {
         Timing::Known | Timing::Edited => Some(1.0),
         Timing::Unknown { .. } => None,

@@ -9,6 +9,7 @@ pub mod between;
 pub mod clock;
 pub mod contact;
 pub mod guess;
+mod keyed;
 pub mod turn;
 pub mod weigh;
 

@@ -12,6 +12,7 @@ pub mod fit;
 pub(crate) mod fixture;
 pub mod guess;
 pub mod index;
+pub mod keyframes;
 pub mod observe;
 pub mod open;
 pub mod partial;

@@ -160,7 +160,10 @@ impl<'a> Acted<'a> {
             })
             .collect();
         let mut each = segments.iter();
-        let is_enough = each.all(|s| s.samples.len() >= samples_min(self.scene, s.start_event));
+        let is_enough = each.all(|s| {
+            let least = samples_min(self.scene, self.sketch, s.track, s.start_event);
+            s.samples.len() >= least
+        });
         (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,

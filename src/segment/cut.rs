@@ -12,11 +12,20 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 /// numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Least number of samples of a segment. A flight that a collision begins needs none: the impact
-/// hands its state on.
-pub fn samples_min(scene: &Scene, start_event: Option<usize>) -> usize {
+/// Least number of samples of a track's segment. A flight that a collision begins needs none: the
+/// impact hands its state on. Of keyframes one is enough: those of other flights tell the rest.
+pub fn samples_min(
+    scene: &Scene,
+    sketch: &Sketch,
+    track: TrackIndex,
+    start_event: Option<usize>,
+) -> usize {
     let begins = start_event.and_then(|event| scene.events[event].kind.collision());
-    if begins.is_some() { 0 } else { SAMPLES_MIN }
+    match begins {
+        Some(_) => 0,
+        None if scene.has_keyframes(sketch, track) => 1,
+        None => SAMPLES_MIN,
+    }
 }
 
 /// Cuts every track's samples at the events it takes part in; all tracks take part in `start` and
@@ -39,12 +48,11 @@ fn cut_track(
     segments: &mut Vec<Segment>,
 ) -> Result<(), SegmentError> {
     let samples = &sketch.tracks[track].samples;
-    // In an edited sketch no sample belongs to either side.
-    let window_s = match scene.timing {
-        Timing::Edited => 0.0,
-        Timing::Known | Timing::Unknown { .. } => {
-            NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.tracks[track])
-        }
+    // In an edited sketch, and of keyframes, no sample may belong to either side.
+    let window_s = if scene.timing == Timing::Edited || scene.has_keyframes(sketch, track) {
+        0.0
+    } else {
+        NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.tracks[track])
     };
     let mut start_event = None;
     let mut first = 0;
@@ -68,7 +76,7 @@ fn cut_track(
         let is_start = end_event.is_some_and(|e| scene.events[e].kind == EventKind::Start);
         let past_end = start_event.is_some_and(|e: usize| scene.events[e].kind == EventKind::End);
         if !is_start && !past_end {
-            let expected = samples_min(scene, start_event);
+            let expected = samples_min(scene, sketch, track, start_event);
             if end - first < expected {
                 let name = |event: Option<usize>, otherwise: &str| {
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))
