@@ -19,7 +19,16 @@ fn truth(scene: &str, seed: u64) -> Option<Truth> {
                 state.velocity_m_s[a] += 0.15 * n();
                 state.angular_velocity_rad_s[a] += 1.0 * n();
             }
-            simulate(&scene, &[], &[state], base.duration_s).ok()?
+            let whole = simulate(&scene, &[], &[state], base.duration_s).ok()?;
+            let bounce_s = whole.event_times_s[0];
+            let low = |time_s: f64| {
+                let s = whole.state(LinkIndex(0), time_s);
+                let up = (s.orientation * nalgebra::Vector3::z()).z;
+                s.position_m.z - 0.095 * up.abs()
+            };
+            let lasts_s = base.duration_s - bounce_s;
+            let until = (30..=100).map(|p| bounce_s + lasts_s * p as f64 / 100.0).take_while(|t| low(*t) > 0.01).last()?;
+            simulate(&scene, &[], &[state], until).ok()?
         }
         "box1" => bounces(1, seed).ok()?,
         "box2" => bounces(2, seed).ok()?,

@@ -7,6 +7,7 @@ use crate::initialise::ballistic;
 use crate::initialise::turn::OrientationReading;
 use crate::math::so3;
 use crate::motion::{MechanismIndex, Partner, Sample, Scene, Segment, Sketch, Timing};
+use crate::physics::contact::Frame;
 use crate::physics::impact::{ContactSet, Law, Side};
 use crate::physics::{Dynamics, State};
 
@@ -29,6 +30,15 @@ const TOLERANCES: [f64; 4] = [0.02, 0.2, 0.3, 3.0];
 struct Hit {
     contacts: ContactSet,
     law: Law,
+}
+
+impl Hit {
+    /// Gap of the first contact \[m\].
+    fn gap_m(&self, state: &State) -> Option<f64> {
+        let contact = self.contacts.as_slice().first()?;
+        let touch = contact.touch(&Frame::of(state), &Frame::world()).ok()?;
+        Some(touch.gap_m)
+    }
 }
 
 /// The flights of one mechanism, with their keyframes.
@@ -155,13 +165,7 @@ impl<'a> Course<'a> {
     pub(super) fn gap_m(&self, flown: &Flown, time_s: f64) -> Option<f64> {
         let hit = self.hits.first()?.0.as_ref()?;
         let state = state_at(self.scene, self.mechanism, flown, time_s);
-        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
-        let side = Side {
-            body: &body,
-            state: &state,
-        };
-        let impact = hit.contacts.impact(&side, None, &hit.law).ok()?;
-        Some(impact.gaps_m[0])
+        hit.gap_m(&state)
     }
 
     /// Flights through the keyframes of one, if there are two or more.
@@ -370,16 +374,7 @@ impl<'a> Course<'a> {
         flown: &Flown,
         (from_s, to_s): (f64, f64),
     ) -> Option<(f64, f64)> {
-        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
-        let gap_m = |time_s: f64| {
-            let state = at(time_s);
-            let side = Side {
-                body: &body,
-                state: &state,
-            };
-            let impact = hit.contacts.impact(&side, None, &hit.law).ok()?;
-            Some(impact.gaps_m[0])
-        };
+        let gap_m = |time_s: f64| hit.gap_m(&at(time_s));
         let turning_s = SCAN_RAD / flown.state.angular_velocity_rad_s.norm();
         let steps = ((to_s - from_s) / SCAN_S.min(turning_s)).ceil().clamp(1.0, 400.0);
         let step_s = (to_s - from_s) / steps;

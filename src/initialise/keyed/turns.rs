@@ -3,18 +3,19 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::initialise::turn::{self, OrientationReading, TurnFit};
 use crate::math::so3;
 use crate::physics::Body;
 use crate::physics::body::Symmetry;
+use crate::physics::flow;
 
 /// Greatest number of whole turns more or less between two neighbours in time that are tried, across
 /// and about an axis of symmetry.
 const TURNS: i32 = 3;
 /// Greatest number of rotations kept.
-const MOST: usize = 48;
+const MOST: usize = 64;
 /// Of rotations whose root mean square angle is farther from the best, none is kept \[rad\].
 const WORSE_RAD: f64 = 0.15;
 
@@ -26,48 +27,45 @@ pub(super) fn turns(body: &Body, readings: &[OrientationReading]) -> Vec<TurnFit
         return Vec::new();
     };
     let lasts_s = to.0 - from.0;
-    let turn = so3::log(&(from.1.inverse() * to.1));
-    let rate = turn / lasts_s;
+    let turn = from.1.inverse() * to.1;
     let more = TAU / lasts_s;
-    let epoch = readings.iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    let orientation = epoch.map_or(from.1, |reading| reading.1);
+    let counts = -TURNS..=TURNS;
+    // In the body's axes at the first of the two.
     let mut starts: Vec<Vector3<f64>> = Vec::new();
-    let along = |vector: Vector3<f64>| vector.try_normalize(1e-9);
     match body.symmetry() {
-        Symmetry::Spherical => {
-            let axis = along(turn).unwrap_or_else(Vector3::x);
-            starts.extend((-TURNS..=TURNS).map(|n| rate + axis * (more * f64::from(n))));
-        }
         Symmetry::Axial { axis } => {
+            let (swing, twist_rad) = swing_and_twist(&turn, axis);
             let axis = Vector3::ith(axis, 1.0);
-            let spin = rate.dot(&axis);
-            let across = rate - axis * spin;
-            // Half a turn across and half a turn about the axis may be one and the same end.
-            for n in -2 * TURNS..=2 * TURNS {
-                for m in -2..=2 {
-                    let direction = along(across).unwrap_or_else(|| {
-                        axis.cross(&Vector3::new(0.3, 0.5, 0.8)).normalize()
-                    });
-                    let about = spin + 0.5 * more * f64::from(n);
-                    starts.push(axis * about + across + direction * (0.5 * more * f64::from(m)));
+            let direction = swing
+                .try_normalize(1e-9)
+                .unwrap_or_else(|| axis.cross(&Vector3::new(0.3, 0.5, 0.8)).normalize());
+            for across in counts.clone() {
+                for about in counts.clone() {
+                    let about_rad_s = twist_rad / lasts_s + more * f64::from(about);
+                    let across_rad_s = swing.norm() / lasts_s + more * f64::from(across);
+                    starts.push(axis * about_rad_s + direction * across_rad_s);
                 }
             }
         }
-        Symmetry::Asymmetric => {
-            let axis = along(turn).unwrap_or_else(Vector3::x);
-            starts.extend((-TURNS..=TURNS).map(|n| rate + axis * (more * f64::from(n))));
-            for axis in 0..3 {
-                for n in [-2, -1, 1, 2] {
-                    starts.push(rate + Vector3::ith(axis, 0.5 * more * f64::from(n)));
+        Symmetry::Spherical | Symmetry::Asymmetric => {
+            let turn = so3::log(&turn);
+            let direction = turn.try_normalize(1e-9).unwrap_or_else(Vector3::x);
+            let along = |n: i32| direction * (turn.norm() / lasts_s + more * f64::from(n));
+            starts.extend(counts.clone().map(along));
+            if body.symmetry() == Symmetry::Asymmetric {
+                for axis in 0..3 {
+                    let rate = Vector3::ith(axis, 0.5 * more);
+                    starts.extend(counts.clone().map(|n| along(0) + rate * f64::from(n)));
                 }
             }
         }
     }
     let mut found: Vec<TurnFit> = Vec::new();
     for start in starts {
+        let at_epoch = flow::turn(body, &from.1, &start, -from.0);
         let from = TurnFit {
-            orientation,
-            angular_velocity_rad_s: start,
+            orientation: at_epoch.orientation,
+            angular_velocity_rad_s: at_epoch.angular_velocity_rad_s,
             square_rad2: f64::INFINITY,
             iterations: 0,
         };
@@ -87,4 +85,11 @@ pub(super) fn turns(body: &Body, readings: &[OrientationReading]) -> Vec<TurnFit
     found.sort_by(|a, b| speed(a).total_cmp(&speed(b)));
     found.truncate(MOST);
     found
+}
+
+/// A turn as one across a body axis, then one about it: `Exp(swing)·Exp(twist·axis)`.
+fn swing_and_twist(turn: &UnitQuaternion<f64>, axis: usize) -> (Vector3<f64>, f64) {
+    let twist_rad = 2.0 * turn.imag()[axis].atan2(turn.w);
+    let twist = so3::exp(&Vector3::ith(axis, twist_rad));
+    (so3::log(&(turn * twist.inverse())), twist_rad)
 }
