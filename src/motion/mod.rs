@@ -33,7 +33,7 @@ pub use diagnosis::{
 };
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
-    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
+    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
     ParameterEstimate, SampleTime, SegmentResidual, Undetermined,
 };
 pub use fit::{EventFit, Fit, Fits, Tested};

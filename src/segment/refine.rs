@@ -263,7 +263,10 @@ fn refine_one(
         return false;
     };
     // Marks of keyframes are on the right side of each.
-    if stretches.iter().any(|stretch| scene.has_keyframes(sketch, stretch.track)) {
+    if stretches
+        .iter()
+        .any(|stretch| scene.has_keyframes(sketch, stretch.track))
+    {
         return false;
     }
     let now = cut_at(sketch, first, event).clamp(1, last_cut);

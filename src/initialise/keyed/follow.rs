@@ -1,5 +1,7 @@
 //! Flights of one mechanism, followed from collision to collision.
 
+use std::cmp::Ordering;
+
 use nalgebra::{SVector, Vector3};
 
 use super::{Flown, shoot, state_at, turns};
@@ -9,6 +11,7 @@ use crate::math::so3;
 use crate::motion::{MechanismIndex, Partner, Sample, Scene, Segment, Sketch, Timing};
 use crate::physics::contact::Frame;
 use crate::physics::impact::{ContactSet, Law, Side};
+use crate::physics::state::DIMENSION;
 use crate::physics::{Dynamics, State};
 
 /// Greatest number of ways that are followed.
@@ -21,6 +24,8 @@ const SCAN_S: f64 = 0.01;
 const SCAN_RAD: f64 = 0.15;
 /// Greatest number of steps to a contact's time.
 const REFINEMENTS: usize = 40;
+/// Sum of squares, in tolerances, below which keyframes are met.
+pub(super) const MET: f64 = 1e-9;
 /// Differences at a collision that cost as much as one another: of places \[m\], orientations
 /// \[rad\], velocities [m/s], angular velocities [rad/s].
 const TOLERANCES: [f64; 4] = [0.02, 0.2, 0.3, 3.0];
@@ -95,7 +100,9 @@ impl<'a> Course<'a> {
                 },
             })
         };
-        let joints = own.windows(2).filter_map(|pair| segments[pair[0]].end_event);
+        let joints = own
+            .windows(2)
+            .filter_map(|pair| segments[pair[0]].end_event);
         Self {
             scene,
             mechanism,
@@ -130,7 +137,7 @@ impl<'a> Course<'a> {
                 .iter()
                 .flat_map(|way| self.continued(way, &alone))
                 .collect();
-            ways.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            ways.sort_by(Way::order);
             ways.truncate(WAYS);
         }
         ways.truncate(most);
@@ -143,6 +150,19 @@ impl<'a> Course<'a> {
 
     pub(super) fn is_known(&self) -> bool {
         self.hits.iter().all(|(hit, _)| hit.is_some())
+    }
+
+    /// Number of numbers that the keyframes give.
+    pub(super) fn numbers(&self) -> usize {
+        let samples = self.samples.iter().map(|samples| samples.len());
+        6 * samples.sum::<usize>()
+    }
+
+    /// Number of unknowns that impacts leave: the first state, and a clock of each later flight
+    /// where no common one tells.
+    pub(super) fn unknowns(&self) -> usize {
+        let clocks = if self.is_edited() { self.hits.len() } else { 0 };
+        DIMENSION + clocks
     }
 
     /// Times from the first keyframe to the first collision to try \[s\]: to its mark, or `otherwise`
@@ -216,7 +236,7 @@ impl<'a> Course<'a> {
             let begin_s = if self.is_edited() {
                 let first_s = self.samples[next].first()?.acted_s;
                 let at = |s: f64| state_at(self.scene, self.mechanism, flown, first_s - s);
-                let off = |s: f64| (at(s).position_m - arrival.before.position_m).norm_squared();
+                let off = |s: f64| at(s).position_m - arrival.before.position_m;
                 first_s - least(off, REACH_S)
             } else {
                 arrival.time_s
@@ -247,7 +267,7 @@ impl<'a> Course<'a> {
         let at = |s: f64| state_at(self.scene, self.mechanism, &left, s);
         let (since_s, offset_s) = match samples.first() {
             Some(sample) if self.is_edited() => {
-                let since_s = least(|s| square(&self.off(sample, &at(s))), REACH_S);
+                let since_s = least(|s| self.off(sample, &at(s)), REACH_S);
                 (since_s, arrival.time_s + since_s - sample.acted_s)
             }
             Some(sample) => (sample.acted_s - arrival.time_s, 0.0),
@@ -259,7 +279,7 @@ impl<'a> Course<'a> {
         };
         let off = samples.iter().map(|sample| {
             let then = state_at(self.scene, self.mechanism, &flown, sample.acted_s);
-            square(&self.off(sample, &then))
+            self.off(sample, &then).norm_squared()
         });
         let cost = arrival.cost + off.sum::<f64>();
         way.with(flown, offset_s, arrival.time_s, cost)
@@ -284,11 +304,11 @@ impl<'a> Course<'a> {
     }
 
     /// Difference of a state from a keyframe, in tolerances.
-    pub(super) fn off(&self, sample: &Sample, state: &State) -> [f64; 6] {
+    pub(super) fn off(&self, sample: &Sample, state: &State) -> SVector<f64, 6> {
         let shift = (state.position_m - sample.position_m) / TOLERANCES[0];
         let turn = sample.orientation.inverse() * state.orientation;
         let turn = so3::log(&turn) / TOLERANCES[1];
-        [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
+        SVector::from([shift.x, shift.y, shift.z, turn.x, turn.y, turn.z])
     }
 
     /// Where the last flight of a way meets another on its own clock; physical times, or no known
@@ -302,7 +322,7 @@ impl<'a> Course<'a> {
         } else {
             let off = |s: f64| {
                 let there = state_at(self.scene, self.mechanism, next, from_s + s);
-                (there.position_m - at(s).position_m).norm_squared()
+                there.position_m - at(s).position_m
             };
             least(off, to_s - from_s)
         };
@@ -376,7 +396,9 @@ impl<'a> Course<'a> {
     ) -> Option<(f64, f64)> {
         let gap_m = |time_s: f64| hit.gap_m(&at(time_s));
         let turning_s = SCAN_RAD / flown.state.angular_velocity_rad_s.norm();
-        let steps = ((to_s - from_s) / SCAN_S.min(turning_s)).ceil().clamp(1.0, 400.0);
+        let steps = ((to_s - from_s) / SCAN_S.min(turning_s))
+            .ceil()
+            .clamp(1.0, 400.0);
         let step_s = (to_s - from_s) / steps;
         let mut open: Option<(f64, f64)> = None;
         let mut least: Option<(f64, f64)> = None;
@@ -400,6 +422,17 @@ impl<'a> Course<'a> {
 }
 
 impl Way {
+    /// The better first: of several that meet all keyframes, the one that turns least.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let speed_rad_s = |way: &Self| -> f64 {
+            let flights = way.flights.iter();
+            let speeds = flights.map(|flown| flown.state.angular_velocity_rad_s.norm());
+            speeds.sum()
+        };
+        let by_cost = self.cost.max(MET).total_cmp(&other.cost.max(MET));
+        by_cost.then(speed_rad_s(self).total_cmp(&speed_rad_s(other)))
+    }
+
     pub(super) fn last(&self) -> (Flown, f64) {
         let last = self.flights.len() - 1;
         (self.flights[last], self.offsets_s[last])
@@ -413,10 +446,6 @@ impl Way {
         way.cost += cost;
         way
     }
-}
-
-fn square(off: &[f64; 6]) -> f64 {
-    off.iter().map(|value| value * value).sum()
 }
 
 /// Regula falsi in the manner of Illinois, between times with an open and a closed gap.
@@ -450,24 +479,30 @@ fn illinois(
     Some(best)
 }
 
-/// Where a function of a time from 0 to `reach_s` is least: on a grid, then by golden section.
-fn least(of: impl Fn(f64) -> f64, reach_s: f64) -> f64 {
-    const GRID: usize = 150;
+/// Where the square of a function of a time from 0 to `reach_s` is least: on a grid, then by steps of
+/// Gauss and Newton.
+fn least<const N: usize>(of: impl Fn(f64) -> SVector<f64, N>, reach_s: f64) -> f64 {
+    const GRID: usize = 100;
+    const STEPS: usize = 6;
+    const NUDGE_S: f64 = 1e-6;
     let step_s = reach_s / GRID as f64;
     let on_grid = (0..=GRID).map(|step| step as f64 * step_s);
-    let best = on_grid.map(|s| (of(s), s)).min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, best_s)) = best else { return 0.0 };
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut from_s, mut to_s) = ((best_s - step_s).max(0.0), (best_s + step_s).min(reach_s));
-    for _ in 0..40 {
-        let [a_s, b_s] = [to_s - GOLDEN * (to_s - from_s), from_s + GOLDEN * (to_s - from_s)];
-        if of(a_s) < of(b_s) {
-            to_s = b_s;
-        } else {
-            from_s = a_s;
+    let tried = on_grid.map(|s| (of(s).norm_squared(), s));
+    let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, mut best_s)) = best else {
+        return 0.0;
+    };
+    let (from_s, to_s) = ((best_s - step_s).max(0.0), (best_s + step_s).min(reach_s));
+    for _ in 0..STEPS {
+        let off = of(best_s);
+        let slope = (of(best_s + NUDGE_S) - off) / NUDGE_S;
+        let step_s = off.dot(&slope) / slope.norm_squared();
+        if !step_s.is_finite() || step_s.abs() < 1e-15 {
+            break;
         }
+        best_s = (best_s - step_s).clamp(from_s, to_s);
     }
-    0.5 * (from_s + to_s)
+    best_s
 }
 
 /// Up, as seen by a mechanism.

@@ -1,14 +1,72 @@
 //! Keyframes of a true motion: a few poses of each flight, as somebody poses a body by hand.
 
 use enact::math::{Pose, so3};
-use enact::motion::{Estimate, Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex};
+use enact::motion::{
+    ArcEstimate, Estimate, LinkIndex, Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex,
+};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::acting::START;
-use super::truth::Truth;
+use super::bounces::{Polyhedron, Throw, bounces, thrown};
+use super::styles::Style;
+use super::truth::{Truth, TruthError, simulate};
+
+/// A motion of which keyframes are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keyframed {
+    /// A pencil that falls on its tip or its eraser, about as into the mug, without the mug.
+    Pencil(Style),
+    /// A box with so many bounces.
+    Box(usize),
+    /// A die with so many bounces.
+    Die(usize),
+}
+
+impl Keyframed {
+    /// A true motion; a pencil's ends before it hits again.
+    pub fn truth(self, seed: u64) -> Result<Truth, TruthError> {
+        match self {
+            Keyframed::Box(count) => bounces(count, seed),
+            Keyframed::Die(count) => thrown(Polyhedron::Cube, &Throw::DIE, count, seed),
+            Keyframed::Pencil(style) => pencil(style, seed),
+        }
+    }
+}
+
+/// Half of the pencil's length, and how near to the table its ends may come after the bounce \[m\].
+const HALF_M: f64 = 0.095;
+const CLEAR_M: f64 = 0.01;
+
+fn pencil(style: Style, seed: u64) -> Result<Truth, TruthError> {
+    let known = style.truth();
+    let mut scene = known.scene.clone();
+    scene.goals.clear();
+    scene.obstacles.clear();
+    scene.settle_s = None;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut state = known.arcs[0].state;
+    let mut any3 = || Vector3::from_fn(|_, _| 2.0 * random.random::<f64>() - 1.0);
+    state.velocity_m_s += any3() * 0.15;
+    state.angular_velocity_rad_s += any3();
+    let whole = simulate(&scene, &[], &[state], known.duration_s)?;
+    let bounce_s = whole.event_times_s[0];
+    let is_clear = |time_s: &f64| {
+        let state = whole.state(LinkIndex(0), *time_s);
+        let along = state.orientation * Vector3::z();
+        state.position_m.z - HALF_M * along.z.abs() > CLEAR_M
+    };
+    // From three tenths of the flight after the bounce on both ends are up.
+    let after_s = known.duration_s - bounce_s;
+    let times_s = (30..=100).map(|percent| bounce_s + 0.01 * f64::from(percent) * after_s);
+    let until_s = times_s.take_while(is_clear).last();
+    let until_s = until_s.ok_or(TruthError::Lacks {
+        what: "a second flight",
+    })?;
+    simulate(&scene, &[], &[state], until_s)
+}
 
 /// Which keyframes are made of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,9 +137,8 @@ impl Keyframing {
         (stamp, pose): (Stamp, Pose),
         random: &mut ChaCha8Rng,
     ) -> PoseSample {
-        let mut normal3 = || -> Vector3<f64> {
-            Vector3::from_fn(|_, _| StandardNormal.sample(random))
-        };
+        let mut normal3 =
+            || -> Vector3<f64> { Vector3::from_fn(|_, _| StandardNormal.sample(random)) };
         let position_m = pose.translation.vector + normal3() * self.position_sd_m;
         let orientation = pose.rotation * so3::exp(&(normal3() * self.orientation_sd_rad));
         let pose = Pose::from_parts(position_m.into(), orientation)
@@ -114,16 +171,23 @@ impl Off {
     /// Of an estimate from keyframes.
     pub fn of(truth: &Truth, events: &[TakeEvent], estimate: &Estimate) -> Self {
         let first = events.iter().filter_map(|event| match event {
-            TakeEvent::Pose { stream: 0, sample, .. } => Some(sample.stamp),
+            TakeEvent::Pose {
+                stream: 0, sample, ..
+            } => Some(sample.stamp),
             _ => None,
         });
         // Time zero is the first keyframe.
         let zero_s = first.min().map_or(0.0, |stamp| stamp.seconds_since(START));
         let mut off = Self::default();
-        let mut found: Vec<_> = estimate.arcs.iter().collect();
-        found.sort_by(|a, b| (a.mechanism, a.start_s).partial_cmp(&(b.mechanism, b.start_s)).unwrap());
-        let mut arcs: Vec<_> = truth.arcs.iter().collect();
-        arcs.sort_by(|a, b| (a.mechanism, a.start_s).partial_cmp(&(b.mechanism, b.start_s)).unwrap());
+        let in_order = |arcs: &[ArcEstimate]| -> Vec<ArcEstimate> {
+            let mut arcs = arcs.to_vec();
+            arcs.sort_by(|a, b| {
+                let by_mechanism = a.mechanism.cmp(&b.mechanism);
+                by_mechanism.then(a.start_s.total_cmp(&b.start_s))
+            });
+            arcs
+        };
+        let (arcs, found) = (in_order(&truth.arcs), in_order(&estimate.arcs));
         for (arc, found) in arcs.iter().zip(&found) {
             for share in [0.0, 0.5, 1.0] {
                 let time_s = arc.start_s + share * (arc.end_s - arc.start_s);

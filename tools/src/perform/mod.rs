@@ -28,7 +28,7 @@ pub use acting::{Acting, Outliers};
 pub use bounces::{Polyhedron, Throw, bounces, thrown};
 pub use clatter::clatter;
 pub use flips::flips;
-pub use keyframes::{Keyframing, Off};
+pub use keyframes::{Keyframed, Keyframing, Off};
 pub use performance::Performance;
 pub use rolls::Roll;
 pub use styles::Style;
