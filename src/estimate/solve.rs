@@ -208,7 +208,7 @@ pub fn best(
     let order = |a: &usize, b: &usize| rank(&found[*a]).partial_cmp(&rank(&found[*b]));
     let lowest = (0..starts).min_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
     let lowest = lowest.expect("at least one guess");
-    let alike = rivals::alike(problem, layout, &found, lowest);
+    let alike = rivals::alike(problem, layout, (&found, guesses), lowest);
     let guess = alike.first().copied().unwrap_or(lowest);
     let mut solution = found.swap_remove(guess);
     solution.work = work;

@@ -12,6 +12,7 @@ pub mod fit;
 pub(crate) mod fixture;
 pub mod guess;
 pub mod index;
+pub mod keyframe;
 pub mod keyframes;
 pub mod observe;
 pub mod open;
@@ -39,6 +40,7 @@ pub use estimate::{
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
+pub use keyframe::{Keyframe, KeyframeTime, SketchRow};
 pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};

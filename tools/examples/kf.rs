@@ -1,48 +1,18 @@
 use enact::motion::*;
 use enact::pipeline::Pipeline;
 use enact_tools::perform::*;
-use rand::{RngExt, SeedableRng};
 
 fn truth(scene: &str, seed: u64) -> Option<Truth> {
-    let t = match scene {
-        "tip" | "eraser" => {
-            let style = if scene == "tip" {
-                Style::Tip
-            } else {
-                Style::Eraser
-            };
-            let base = style.truth();
-            let mut scene = base.scene.clone();
-            scene.goals.clear();
-            scene.settle_s = None;
-            scene.obstacles = Default::default();
-            let mut r = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-            let mut n = || 2.0 * r.random::<f64>() - 1.0;
-            let mut state = base.arcs[0].state;
-            for a in 0..3 {
-                state.velocity_m_s[a] += 0.15 * n();
-                state.angular_velocity_rad_s[a] += 1.0 * n();
-            }
-            let whole = simulate(&scene, &[], &[state], base.duration_s).ok()?;
-            let bounce_s = whole.event_times_s[0];
-            let low = |time_s: f64| {
-                let s = whole.state(LinkIndex(0), time_s);
-                let up = (s.orientation * nalgebra::Vector3::z()).z;
-                s.position_m.z - 0.095 * up.abs()
-            };
-            let lasts_s = base.duration_s - bounce_s;
-            let until = (30..=100)
-                .map(|p| bounce_s + lasts_s * p as f64 / 100.0)
-                .take_while(|t| low(*t) > 0.01)
-                .last()?;
-            simulate(&scene, &[], &[state], until).ok()?
-        }
-        "box1" => bounces(1, seed).ok()?,
-        "box2" => bounces(2, seed).ok()?,
-        "box4" => bounces(4, seed).ok()?,
-        "die3" => thrown(Polyhedron::Cube, &Throw::DIE, 3, seed).ok()?,
+    let of = match scene {
+        "tip" => Keyframed::Pencil(Style::Tip),
+        "eraser" => Keyframed::Pencil(Style::Eraser),
+        "box1" => Keyframed::Box(1),
+        "box2" => Keyframed::Box(2),
+        "box4" => Keyframed::Box(4),
+        "die3" => Keyframed::Die(3),
         _ => panic!(),
     };
+    let t = of.truth(seed).ok()?;
     Some(t)
 }
 

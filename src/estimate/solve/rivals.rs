@@ -9,6 +9,7 @@ use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
 use crate::estimate::recipe::Solution;
+use crate::motion::Guess;
 
 /// Excess of the sum of squares that is no difference, in variances of a number.
 const EXCESS: f64 = 9.0;
@@ -22,7 +23,7 @@ const SAME: f64 = 1e-3;
 pub(super) fn alike(
     problem: &Problem,
     layout: &Layout,
-    found: &[Solution],
+    (found, guesses): (&[Solution], &[Guess]),
     lowest: usize,
 ) -> Vec<usize> {
     let least = &found[lowest];
@@ -38,7 +39,8 @@ pub(super) fn alike(
     let mut alike: Vec<usize> = Vec::new();
     for (index, solution) in found.iter().enumerate() {
         let is_near = solution.finished.converged && 2.0 * solution.system.cost <= most;
-        let differs = |other: &usize| are_different(&found[*other].point, &solution.point);
+        let motion = |index: usize| (&found[index].point, &guesses[index]);
+        let differs = |other: &usize| are_different(problem, motion(*other), motion(index));
         if is_near && alike.iter().all(differs) {
             alike.push(index);
         }
@@ -46,7 +48,13 @@ pub(super) fn alike(
     alike
 }
 
-fn are_different(one: &Point, other: &Point) -> bool {
-    let mut states = one.arcs.iter().zip(&other.arcs);
-    states.any(|(a, b)| a.minus(b).amax() > SAME)
+/// Whether states differ at the epochs of the first.
+fn are_different(problem: &Problem, one: (&Point, &Guess), other: (&Point, &Guess)) -> bool {
+    let gravity_m_s2 = problem.gravity(&one.0.parameters);
+    (0..problem.arcs.len()).any(|arc| {
+        let since_s = one.1.arcs[arc].epoch_s - other.1.arcs[arc].epoch_s;
+        let dynamics = problem.dynamics_of(arc);
+        let then = dynamics.advance(&gravity_m_s2, &other.0.arcs[arc], since_s);
+        one.0.arcs[arc].minus(&then).amax() > SAME
+    })
 }

@@ -29,7 +29,7 @@ pub struct MarkFormat(Marks);
 /// The schemas that [`PoseFormat::of`] accepts, for error messages.
 pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransform, \
      FrameTransforms (protobuf, json); geometry_msgs/msg/PoseStamped, \
-     PoseWithCovarianceStamped, nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr)";
+     PoseWithCovarianceStamped, nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr); enact.Keyframe (json)";
 
 /// The schemas that [`MarkFormat::of`] accepts, for error messages.
 pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";
