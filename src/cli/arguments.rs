@@ -38,6 +38,8 @@ pub(super) enum Command {
     Inspect(InspectArguments),
     /// Say where the marks of a recording would be
     Mark(MarkArguments),
+    /// Make a recording of keyframes in a file, or a file of keyframes of a recording
+    Sketch(SketchArguments),
     /// Write completions for a shell to stdout
     Completion {
         /// Which shell
@@ -209,6 +211,32 @@ pub(super) struct MarkArguments {
     #[arg(long, value_name = "FILE")]
     pub(super) scene: Option<PathBuf>,
     /// How the proposals on stdout are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Arguments of `sketch`.
+#[derive(Debug, Args)]
+pub(super) struct SketchArguments {
+    /// Keyframes (.csv, .toml) or a recording (.mcap)
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// The other of the two [default: IN with .mcap, or with .csv]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Scene file; it travels in the recording [default: scene.toml attached to a recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// So many keyframes of each flight [default: every sample]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), conflicts_with = "per_second")]
+    pub(super) per_flight: Option<u16>,
+    /// So many keyframes a second
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub(super) per_second: Option<f64>,
+    /// Keyframes of the motion that is estimated from the recording
+    #[arg(long)]
+    pub(super) estimated: bool,
+    /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
 }

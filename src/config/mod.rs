@@ -1,4 +1,4 @@
-//! TOML → checked scenes.
+//! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]).
 //!
 //! Scenes are read in two steps. First the text is parsed into [`serde`] structs: every key that
 //! may be left out is optional, unknown keys are refused, units are in the keys. Then a
@@ -10,8 +10,9 @@
 //! whose `"tempo"` is unknown; or `"edited"`, an edited sketch. In an edited sketch every body has
 //! one stream per flight, on its topic with `/1`, `/2`, … after it, one more than it has
 //! collisions. Each has physical times of its own, from any zero, and need not begin where another
-//! ends. They are joined one after the other, a median interval apart. An edited sketch needs no
-//! marks, and any that exist are not read.
+//! ends: when a flight begins after the one before is estimated, as `<body>.clock.flight.2`, relative
+//! to flights a sampling interval apart. An edited sketch needs no marks, and any that exist are not
+//! read.
 //!
 //! A body's corners are in `features_mm`, its flat faces in `[[body.face]]` (`name`, `point_mm`,
 //! `normal` out of the body).
@@ -126,6 +127,7 @@ mod error;
 mod event;
 mod goal;
 mod goal_keys;
+mod keyframes;
 mod keys;
 mod law;
 mod number;
@@ -141,6 +143,7 @@ mod unit;
 
 pub use capture::CaptureSettings;
 pub use error::SceneError;
+pub use keyframes::{sketch_from_csv, sketch_from_toml};
 pub use text::{capture_from_toml, scene_from_toml};
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::covariance::bins::Residuals;
 use super::covariance::{Covariance, Moment};
 use super::recipe::Solution;
 use super::timing;
-use crate::motion::{AtBound, Estimate, Scene, Undetermined};
+use crate::motion::{AtBound, Estimate, MotionPart, Scene, Undetermined};
 
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
 /// or undetermined ones, and lists what is undetermined. Where the matrix cannot be factorised,
@@ -22,7 +22,8 @@ pub fn fill(
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],
     };
-    let events = (0..scene.events.len()).map(|event| timing::event_moment(context, event));
+    let events =
+        (0..scene.events.len()).map(|event| timing::event_moment(context, &solution.point, event));
     let parameters = context.layout.parameters.iter().map(|at| vec![(*at, 1.0)]);
     let lasting = timing::duration(context, &solution.point).moment;
     let moments: Vec<Moment> = events.chain(parameters).chain([lasting]).collect();
@@ -51,6 +52,10 @@ pub fn fill(
         }
     }
     estimate.undetermined.extend(undetermined_times);
+    if context.problem.keeps_starts {
+        let open = undetermined_motion(context, sds);
+        estimate.undetermined.extend(open);
+    }
     let (lasting, own_s) = each.next().expect("the last moment is the duration's");
     // A fixed time line has no deviation.
     let own_s = if lasting.is_empty() { Some(0.0) } else { own_s };
@@ -61,4 +66,24 @@ pub fn fill(
     if !estimate.duration.is_determined() {
         estimate.undetermined.push(Undetermined::Duration);
     }
+}
+
+/// Parts of mechanisms' states that the performance does not determine, in whichever flight.
+fn undetermined_motion(
+    context: &SolveContext,
+    sds: impl Fn(&[Moment]) -> Vec<Option<f64>>,
+) -> Vec<Undetermined> {
+    let mut undetermined = Vec::new();
+    for (index, arc) in context.problem.arcs.iter().enumerate() {
+        let state = context.layout.state(context.problem, index);
+        let moments: Vec<Moment> = state.map(|at| vec![(at, 1.0)]).collect();
+        for (of_part, part) in sds(&moments).chunks(3).zip(MotionPart::ALL) {
+            let mechanism = arc.mechanism;
+            let open = Undetermined::Motion { mechanism, part };
+            if of_part.iter().any(Option::is_none) && !undetermined.contains(&open) {
+                undetermined.push(open);
+            }
+        }
+    }
+    undetermined
 }

@@ -11,6 +11,9 @@ use crate::physics::{Dynamics, State};
 /// Sets the states of arcs with few samples, in order of time, to those after the impacts with which
 /// they begin. Those whose contact recedes, or is degenerate, stay.
 pub fn hand_on(problem: &Problem, epochs_s: &[f64], point: &mut Point) {
+    if problem.keeps_starts {
+        return;
+    }
     for collision in &problem.collisions {
         let few = |arc: usize| !problem.arcs[arc].is_informed();
         if collision.sides.iter().any(|side| few(side.after))

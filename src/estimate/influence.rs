@@ -41,6 +41,8 @@ pub enum Owner {
     Link(LinkIndex, MechanismIndex),
     /// A track.
     Track(TrackIndex),
+    /// A flight of a track, counted from 0.
+    Flight(TrackIndex, usize),
     /// A surface (index into `Scene::surfaces`).
     Surface(usize),
 }
@@ -95,7 +97,7 @@ impl Quantity {
             Quantity::TrackerPosition { axis, .. } => Influence::TrackerPosition(axis),
             Quantity::TrackerOrientation { axis, .. } => Influence::TrackerOrientation(axis),
             Quantity::ClockRate { .. } => Influence::ClockRate,
-            Quantity::ClockOffset { .. } => Influence::ClockOffset,
+            Quantity::ClockOffset { .. } | Quantity::FlightClock { .. } => Influence::ClockOffset,
             Quantity::SurfaceHeight { .. } => Influence::SurfaceHeight,
             Quantity::SurfaceTilt { tangent, .. } => Influence::SurfaceTilt(tangent),
         })
@@ -110,7 +112,7 @@ impl Role {
             influence: self.influence,
             side,
             track: match self.owner {
-                Owner::Track(track) => Some(track),
+                Owner::Track(track) | Owner::Flight(track, _) => Some(track),
                 Owner::Link(..) | Owner::Surface(_) => None,
             },
         }
@@ -136,6 +138,7 @@ impl Role {
                 | Quantity::TrackerOrientation { track, .. }
                 | Quantity::ClockRate { track }
                 | Quantity::ClockOffset { track } => Owner::Track(track),
+                Quantity::FlightClock { track, flight } => Owner::Flight(track, flight),
                 Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                     Owner::Surface(surface)
                 }

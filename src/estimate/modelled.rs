@@ -91,7 +91,7 @@ impl Problem {
                 Influence::TrackerPosition(axis) => to_m[axis] += value,
                 Influence::TrackerOrientation(axis) => turn[axis] += value,
                 Influence::ClockRate => rate = value,
-                Influence::ClockOffset => offset_s = value,
+                Influence::ClockOffset => offset_s += value,
                 _ => {}
             }
         }

@@ -73,6 +73,7 @@ pub fn estimate(
             .collect(),
         fit: None,
         suspects: Vec::new(),
+        rivals: 0,
         undetermined: Vec::new(),
         counters,
     }

@@ -35,6 +35,7 @@ impl Problem {
             start: segment.start_event,
             end: segment.end_event,
             views: views(scene, sketch, segment, &nodes),
+            clock: None,
             acting: Vec::new(),
             is_plain: true,
         });
@@ -46,13 +47,27 @@ impl Problem {
                 .position(|free| free.quantity == quantity)
         };
         let gravity_parameters = [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis }));
-        for arc in &mut arcs {
+        let flights: Vec<usize> = (0..arcs.len())
+            .map(|index| {
+                let before = arcs[..index].iter();
+                before
+                    .filter(|arc| arc.mechanism == arcs[index].mechanism)
+                    .count()
+            })
+            .collect();
+        for (arc, flight) in arcs.iter_mut().zip(flights) {
             let acting = |role: &Role| match role.owner {
                 Owner::Link(_, mechanism) => mechanism == arc.mechanism,
                 Owner::Track(track) => arc.views.iter().any(|view| view.track == track),
+                Owner::Flight(track, of) => {
+                    of == flight && arc.views.iter().any(|view| view.track == track)
+                }
                 Owner::Surface(_) => false,
             };
             let acting = roles.iter().filter(|role| acting(role));
+            let mut of_flights = acting.clone();
+            let clock = of_flights.find(|role| matches!(role.owner, Owner::Flight(..)));
+            arc.clock = clock.map(|role| role.parameter);
             arc.acting = acting.map(|role| role.acting(None)).collect();
             let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
@@ -106,6 +121,10 @@ impl Problem {
             nodes_acted_s: nodes.acted_s,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
+            keeps_starts: {
+                let mut tracks = scene.tracks.keys();
+                tracks.all(|track| scene.has_keyframes(sketch, track))
+            },
             pulls: Vec::new(),
         }
     }
@@ -243,7 +262,7 @@ fn collisions(
                 Some(role.acting(Some(side)))
             }
             Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
-            Owner::Track(_) => None,
+            Owner::Track(_) | Owner::Flight(..) => None,
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {

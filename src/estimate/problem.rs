@@ -117,6 +117,8 @@ pub struct Arc {
     pub end: Option<usize>,
     /// What is seen of it.
     pub views: Vec<View>,
+    /// Parameter that holds its clock, where its stamps count from a zero of their own.
+    pub clock: Option<usize>,
     /// Parameters that act on it or on what is seen of it, where it is not plain; gravity among
     /// them.
     pub acting: Vec<Acting>,
@@ -338,6 +340,9 @@ pub struct Problem {
     pub position_unit_m: f64,
     /// One unit of orientation residual \[rad\].
     pub orientation_unit_rad: f64,
+    /// Whether flights of few samples start as guessed, and not as the impact before them hands
+    /// on.
+    pub keeps_starts: bool,
     /// Pulls on states of arcs.
     pub pulls: Vec<Pull>,
 }

@@ -2,6 +2,9 @@
 //! request.
 
 mod nearby;
+mod rivals;
+
+use std::cmp::Ordering;
 
 use super::adequacy;
 use super::context::{Guidance, SolveContext};
@@ -90,37 +93,43 @@ pub fn estimate(
     let mut work = Counters::default();
     let is_bent = may_bend && is_hopeless;
     let mut found = (!is_bent).then(|| {
-        let (best, solution, starts) = exact.best(guesses, recipe, observer);
-        add(&mut work, &solution.work, starts);
-        (best, solution)
+        let best = exact.best(guesses, recipe, observer);
+        add(&mut work, &best.solution.work, best.starts);
+        best
     });
     let is_final = |s: &Solution| s.finished.converged || s.stopped || !may_bend;
-    if !found
-        .as_ref()
-        .is_some_and(|(_, solution)| is_final(solution))
-    {
+    if !found.as_ref().is_some_and(|best| is_final(&best.solution)) {
         let relaxed = Posed::new(exact.problem.with_velocity_gaps());
-        let (best, solution, starts) = relaxed.best(guesses, recipe, observer);
-        add(&mut work, &solution.work, starts);
-        let closed = (!is_hopeless && !solution.stopped).then(|| {
-            let guess = solution.point.guess(&exact.problem, &guesses[best]);
+        let mut best = relaxed.best(guesses, recipe, observer);
+        add(&mut work, &best.solution.work, best.starts);
+        let closed = (!is_hopeless && !best.solution.stopped).then(|| {
+            let from = &guesses[best.guess];
+            let guess = best.solution.point.guess(&exact.problem, from);
             exact.solve(&guess, &recipe.without_sweep(), observer)
         });
-        (bent, found) = (Some(relaxed), Some((best, solution)));
+        bent = Some(relaxed);
         if let Some(closed) = closed {
             add(&mut work, &closed.work, 0);
             if closed.finished.converged {
-                (bent, found) = (None, Some((best, closed)));
+                (bent, best.solution) = (None, closed);
             }
         }
+        found = Some(best);
     }
-    let (best, solution) = found.expect("solved one way or the other");
+    let Best {
+        guess: best,
+        solution,
+        rivals,
+        ..
+    } = found.expect("solved one way or the other");
     let posed = bent.unwrap_or(exact);
     let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let ended = (&solution, errors.as_slice());
+    let mut estimate = outcome::estimate(scene, sketch, &context, ended, work);
+    estimate.rivals = rivals;
     Solved {
-        estimate: outcome::estimate(scene, sketch, &context, ended, work),
+        estimate,
         epochs_s: context.epochs_s,
         posed,
         solution,
@@ -145,12 +154,7 @@ impl Posed {
         SolveContext::new(&self.problem, &self.layout, epochs_s, point)
     }
 
-    fn best(
-        &self,
-        guesses: &[Guess],
-        recipe: &Recipe,
-        observer: &mut dyn Observer,
-    ) -> (usize, Solution, usize) {
+    fn best(&self, guesses: &[Guess], recipe: &Recipe, observer: &mut dyn Observer) -> Best {
         best(&self.problem, &self.layout, guesses, recipe, observer)
     }
 
@@ -167,36 +171,54 @@ pub(super) fn add(counters: &mut Counters, work: &Work, starts: usize) {
     counters.starts += starts;
 }
 
-/// The index of the guess that led to the best solution; that solution, with the work of all
-/// guesses; and the number of guesses tried.
+/// The best of the solutions from several guesses.
+#[derive(Clone, Debug)]
+pub struct Best {
+    /// Index of the guess that led to it.
+    pub guess: usize,
+    /// The solution, with the work of all guesses.
+    pub solution: Solution,
+    /// Number of guesses tried.
+    pub starts: usize,
+    /// Number of other motions that are as near to keyframes.
+    pub rivals: usize,
+}
+
+/// Solves from each guess. Of motions that are as near to keyframes as one another the first is the
+/// best.
 pub fn best(
     problem: &Problem,
     layout: &Layout,
     guesses: &[Guess],
     recipe: &Recipe,
     observer: &mut dyn Observer,
-) -> (usize, Solution, usize) {
-    let mut best: Option<(usize, Solution)> = None;
-    let (mut work, mut starts) = (Work::default(), 0);
-    for (index, guess) in guesses.iter().enumerate() {
+) -> Best {
+    let mut found: Vec<Solution> = Vec::new();
+    let mut work = Work::default();
+    for guess in guesses {
         let solution = recipe::solve(problem, layout, guess, recipe, observer);
         work.add(&solution.work);
-        starts += 1;
-        let is_better = best.as_ref().is_none_or(|(_, known)| {
-            let rank = |s: &Solution| (!s.finished.converged, s.system.cost);
-            rank(&solution) < rank(known)
-        });
         let stopped = solution.stopped;
-        if is_better {
-            best = Some((index, solution));
-        }
+        found.push(solution);
         if stopped {
             break;
         }
     }
-    let (index, mut solution) = best.expect("at least one guess");
+    let starts = found.len();
+    let rank = |solution: &Solution| (!solution.finished.converged, solution.system.cost);
+    let order = |a: &usize, b: &usize| rank(&found[*a]).partial_cmp(&rank(&found[*b]));
+    let lowest = (0..starts).min_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
+    let lowest = lowest.expect("at least one guess");
+    let alike = rivals::alike(problem, layout, (&found, guesses), lowest);
+    let guess = alike.first().copied().unwrap_or(lowest);
+    let mut solution = found.swap_remove(guess);
     solution.work = work;
-    (index, solution, starts)
+    Best {
+        guess,
+        solution,
+        starts,
+        rivals: alike.len().saturating_sub(1),
+    }
 }
 
 /// Half the sum of squared residuals of a guess, priors included, without regard to constraints.

@@ -20,7 +20,7 @@ use nalgebra::DVector;
 use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{Arc, Problem};
 use crate::optimise::System;
 use crate::optimise::kkt::DAMPING;
 
@@ -29,10 +29,33 @@ use crate::optimise::kkt::DAMPING;
 /// the distortion; every second one of 98 real tosses, with stamps stretched in time, exceeds it.
 const CONTRADICTION: f64 = 1.0;
 
-/// Physical time of an event \[s\]; for one that is no unknown, interpolated at its mark.
+/// The clock on which an event is that ends an arc: the arc's own, unless the event's time is an
+/// unknown of the common time line.
+pub(super) fn clock_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usize> {
+    arc.clock.filter(|_| !problem.event_is_free[event])
+}
+
+/// Physical time of an event at an arc \[s\], where sample times are known.
+pub(super) fn time_at_s(problem: &Problem, point: &Point, arc: &Arc, event: usize) -> f64 {
+    let clock = clock_at(problem, arc, event);
+    point.event_times_s[event] + clock.map_or(0.0, |clock| point.parameters[clock])
+}
+
+/// The arc at whose end an event is, of several the last.
+fn ended_by<'p>(problem: &'p Problem, point: &Point, event: usize) -> Option<&'p Arc> {
+    let ended = problem.arcs.iter().filter(|arc| arc.end == Some(event));
+    let time_s = |arc: &Arc| time_at_s(problem, point, arc, event);
+    ended.max_by(|a, b| time_s(a).total_cmp(&time_s(b)))
+}
+
+/// Physical time of an event \[s\]; for one that is no unknown, at its mark on the clock of the
+/// flight that it ends, or interpolated there.
 pub(super) fn event_time_s(problem: &Problem, point: &Point, event: usize) -> f64 {
     if problem.event_is_free[event] || !problem.times_are_unknown() {
-        return point.event_times_s[event];
+        return match ended_by(problem, point, event) {
+            Some(arc) => time_at_s(problem, point, arc, event),
+            None => point.event_times_s[event],
+        };
     }
     let times_s = &point.node_times_s;
     let (node, share) = place(problem, event);
@@ -65,9 +88,14 @@ pub(super) fn is_zero(problem: &Problem, event: usize) -> bool {
 }
 
 /// The time of an event as a linear combination of unknowns.
-pub(super) fn event_moment(context: &SolveContext, event: usize) -> Moment {
+pub(super) fn event_moment(context: &SolveContext, point: &Point, event: usize) -> Moment {
     if let Some(at) = context.layout.events[event] {
         return vec![(at, 1.0)];
+    }
+    if let Some(arc) = ended_by(context.problem, point, event)
+        && let Some(clock) = clock_at(context.problem, arc, event)
+    {
+        return vec![(context.layout.parameters[clock], 1.0)];
     }
     let (node, share) = place(context.problem, event);
     let part = |node: usize, share: f64| {
@@ -91,7 +119,7 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
     let (problem, layout) = (context.problem, context.layout);
     let at_event = |event: usize| {
         let time_s = event_time_s(problem, point, event);
-        (time_s, event_moment(context, event))
+        (time_s, event_moment(context, point, event))
     };
     let at_node = |node: usize| {
         let moment = layout.nodes[node].map(|at| (at, 1.0));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::wire::ContainerError;
+use crate::wire::{ContainerError, DecodeError};
 
 /// Why a recording cannot be used.
 #[derive(Debug, Error)]
@@ -90,6 +90,28 @@ pub enum IngestError {
         encoding: String,
         /// The schemas that can be read.
         supported: &'static str,
+    },
+    /// A message that is no keyframe, or no mark.
+    #[error("{}: topic {topic}: {source}", path.display())]
+    Keyframe {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// What is wrong with it.
+        source: DecodeError,
+    },
+    /// A keyframe that the estimation cannot use.
+    #[error("{}: topic {topic}: keyframe {number} {reason}", path.display())]
+    KeyframeNotEstimated {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// Its place among the topic's, from 1.
+        number: u64,
+        /// What it lacks, and what to do.
+        reason: &'static str,
     },
     /// A topic carries several frames or poses and the scene does not say which.
     #[error(

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::error::IngestError;
 use super::report::TakeReport;
-use super::route;
+use super::route::{self, Format};
 use super::source::{RecordingSource, Source};
-use crate::motion::{Scene, TakeEvent};
-use crate::wire::Container;
+use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
+use crate::wire::{Container, DecodeError, decode_keyframe};
 
 /// Name of the attachment that holds the scene.
 pub const SCENE_NAME: &str = "scene.toml";
@@ -96,6 +96,52 @@ impl Recording {
             feeds,
             report,
         ))
+    }
+
+    /// The rows of the written sketch that the recording was made of: its keyframes topic by topic,
+    /// with its marks among them in order of time; `None` where it has no keyframes.
+    pub fn sketch(&self, scene: &Scene) -> Result<Option<Vec<SketchRow>>, IngestError> {
+        let (routes, feeds) = route::routes(&self.path, &self.container, scene)?;
+        let mut rows: Vec<(usize, Stamp, SketchRow)> = Vec::new();
+        let mut walk = self.container.walk();
+        while let Some(message) = walk.next_message() {
+            let log_time = Stamp(i64::try_from(message.log_time).unwrap_or(i64::MAX));
+            let Some(feed) = feeds.get(&message.channel_id) else {
+                continue;
+            };
+            let failed = |source: DecodeError| IngestError::Keyframe {
+                path: self.path.clone(),
+                topic: routes[feed.routes[0]].topic.clone(),
+                source,
+            };
+            match feed.format {
+                Format::Poses(_) => {}
+                Format::Keyframes => {
+                    let keyframe = decode_keyframe(message.data).map_err(failed)?;
+                    for route in feed.routes.iter().map(|route| &routes[*route]) {
+                        if let Some(track) = route.track {
+                            let row = SketchRow::Keyframe {
+                                track,
+                                flight: route.stream,
+                                keyframe: keyframe.clone(),
+                            };
+                            rows.push((route.stream, log_time, row));
+                        }
+                    }
+                }
+                Format::Marks(format) => {
+                    let mark = format.decode(message.data).map_err(failed)?.mark(log_time);
+                    rows.push((0, log_time, SketchRow::Mark(mark)));
+                }
+            }
+        }
+        let is_keyframe =
+            |(.., row): &(usize, Stamp, SketchRow)| matches!(row, SketchRow::Keyframe { .. });
+        if !rows.iter().any(is_keyframe) {
+            return Ok(None);
+        }
+        rows.sort_by_key(|(flight, time, _)| (*flight, *time));
+        Ok(Some(rows.into_iter().map(|(.., row)| row).collect()))
     }
 
     /// All events on the scene's topics; fails as [`Recording::source`] does.

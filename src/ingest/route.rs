@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::IngestError;
-use crate::motion::{Scene, Timing, TrackIndex};
+use crate::motion::{Scene, Timing, Track, TrackIndex};
+use crate::wire::KEYFRAME_SCHEMA;
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 
@@ -22,6 +23,8 @@ pub(super) struct Feed {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Format {
     Poses(PoseFormat),
+    /// `enact.Keyframe`: what is known of the body itself.
+    Keyframes,
     Marks(MarkFormat),
 }
 
@@ -38,6 +41,8 @@ pub(super) struct Route {
     pub(super) child: Option<String>,
     /// The children that were seen.
     pub(super) seen: BTreeSet<String>,
+    /// How the track's tracker is mounted: a keyframe is a pose of the body.
+    pub(super) mount: Option<Track>,
 }
 
 /// The routes of a scene's tracks, stream by stream, then the one of its marks, and the feeds by
@@ -61,8 +66,10 @@ pub(super) fn routes(
                     topic: wanted.clone(),
                     present: present(),
                 })?;
-            let format =
-                |name: &str, encoding: &str| PoseFormat::of(name, encoding).map(Format::Poses);
+            let format = |name: &str, encoding: &str| match (name, encoding) {
+                (KEYFRAME_SCHEMA, "json") => Some(Format::Keyframes),
+                _ => PoseFormat::of(name, encoding).map(Format::Poses),
+            };
             for (id, format) in formats(path, container, topic, format, POSE_SCHEMAS)? {
                 let feed = feeds.entry(id).or_insert_with(|| Feed {
                     format,
@@ -76,6 +83,7 @@ pub(super) fn routes(
                 child: child.map(str::to_owned),
                 seen: BTreeSet::new(),
                 topic: wanted,
+                mount: Some(scene.tracks[index].clone()),
             });
         }
     }
@@ -118,6 +126,7 @@ pub(super) fn routes(
         topic: marks.to_owned(),
         child: None,
         seen: BTreeSet::new(),
+        mount: None,
     });
     Ok((routes, feeds))
 }

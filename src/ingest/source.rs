@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use super::error::IngestError;
 use super::report::{TakeReport, TopicReport};
 use super::route::{Feed, Format, Route};
-use crate::motion::{Stamp, TakeEvent};
-use crate::wire::FramedPose;
+use crate::motion::{Keyframe, Stamp, TakeEvent};
 use crate::wire::container::Walk;
+use crate::wire::{FramedPose, decode_keyframe};
 
 /// A source of the events of a take.
 pub trait Source {
@@ -93,6 +93,7 @@ impl RecordingSource {
         for &route in &feed.routes {
             self.report.topics[route].messages += 1;
         }
+        let mut keyframe = None;
         let decoded = match feed.format {
             Format::Marks(format) => format.decode(message.data).map(|mark| {
                 let topic = &mut self.report.topics[feed.routes[0]];
@@ -105,6 +106,7 @@ impl RecordingSource {
                 self.poses.clear();
                 format.decode(message.data, &mut self.poses)
             }
+            Format::Keyframes => decode_keyframe(message.data).map(|of| keyframe = Some(of)),
         };
         let routes = feed.routes.clone();
         if let Err(error) = decoded {
@@ -113,12 +115,54 @@ impl RecordingSource {
                 topic.undecodable += 1;
                 topic.first_error.get_or_insert_with(|| error.clone());
             }
+        } else if let Some(keyframe) = keyframe {
+            for route in routes {
+                self.route_keyframe(route, log_time, &keyframe)?;
+            }
         } else if matches!(feed.format, Format::Poses(_)) {
             for route in routes {
                 self.route_poses(route, log_time)?;
             }
         }
         Ok(true)
+    }
+
+    /// Hands a keyframe to a route's track. Fails where it cannot be estimated yet.
+    fn route_keyframe(
+        &mut self,
+        route: usize,
+        log_time: Stamp,
+        keyframe: &Keyframe,
+    ) -> Result<(), IngestError> {
+        let topic = &mut self.report.topics[route];
+        let route = &self.routes[route];
+        let (Some(track), Some(mount)) = (route.track, &route.mount) else {
+            return Ok(());
+        };
+        topic.events += 1;
+        let refused = |reason: &'static str| IngestError::KeyframeNotEstimated {
+            path: self.path.clone(),
+            topic: route.topic.clone(),
+            number: topic.events,
+            reason,
+        };
+        if let Some(reason) = keyframe.unsupported() {
+            return Err(refused(reason));
+        }
+        let Some(sample) = mount.reading_of(keyframe) else {
+            return Err(refused("has no full pose"));
+        };
+        let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
+        let least = self.report.log_offset_ns.get_or_insert(offset_ns);
+        *least = offset_ns.min(*least);
+        let stream = route.stream;
+        let event = TakeEvent::Pose {
+            track,
+            stream,
+            sample,
+        };
+        self.ready.push_back((log_time, event));
+        Ok(())
     }
 
     /// Hands the poses of the last message that belong to a route to its track's stream.

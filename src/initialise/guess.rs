@@ -5,9 +5,8 @@ use super::between::{self, FITTED_MIN, STILL, is_fitted};
 use super::clock;
 use super::fit::Fit;
 use super::readings::Readings;
-use super::swing;
 use super::turn::{self, OrientationReading};
-use super::unseen;
+use super::{keyed, swing, unseen};
 use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
@@ -34,6 +33,12 @@ pub struct Guessed {
 /// time between two marks runs at the mean rate of the fits there, or of all. Segments with too few
 /// samples for a fit follow from their neighbours.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
+    if keyed::applies(scene, sketch, segments) {
+        return Guessed {
+            guesses: keyed::guesses(scene, sketch, segments, GUESSES_MAX),
+            fit_iterations: 0,
+        };
+    }
     let known = match scene.timing {
         Timing::Known | Timing::Edited => Some(1.0),
         Timing::Unknown { .. } => None,

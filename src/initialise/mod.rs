@@ -10,6 +10,7 @@ pub mod clock;
 pub mod contact;
 mod fit;
 pub mod guess;
+mod keyed;
 pub mod readings;
 mod swing;
 pub mod turn;

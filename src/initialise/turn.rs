@@ -243,7 +243,7 @@ fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> Turn
     TurnTerms::of(body, start, readings)
 }
 
-fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {
+pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {
     let mut fit = from;
     let mut terms = evaluate(body, readings, &fit);
     let (mut damping, mut growth) = (1e-4, 2.0);

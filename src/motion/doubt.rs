@@ -62,6 +62,8 @@ pub enum About {
     /// Root mean square residual of the whole motion, in units of the scene's weights; beyond its
     /// bound several motions may fit.
     Ambiguity,
+    /// Number of other motions that are as near to the keyframes.
+    Rivals,
     /// Angle of a body's axis from where it should point at rest.
     Rest,
 }
@@ -90,6 +92,7 @@ impl About {
             About::Outside => "outside",
             About::AtBound => "at_bound",
             About::Ambiguity => "ambiguity",
+            About::Rivals => "rivals",
             About::Rest => "rest",
         }
     }
@@ -112,7 +115,8 @@ impl About {
             | About::Gravity
             | About::GravitySpread
             | About::AtBound
-            | About::Ambiguity => "",
+            | About::Ambiguity
+            | About::Rivals => "",
         }
     }
 
@@ -132,7 +136,8 @@ impl About {
             | About::AfterMark
             | About::BeforeMark
             | About::Gravity
-            | About::GravitySpread => Verdict::Plausible,
+            | About::GravitySpread
+            | About::Rivals => Verdict::Plausible,
             About::Speed
             | About::Spin
             | About::Way

@@ -150,6 +150,46 @@ pub enum Undetermined {
     EventTime(usize),
     /// How long the motion lasts.
     Duration,
+    /// A part of a mechanism's motion, in one of its flights or in all.
+    Motion {
+        /// What moves.
+        mechanism: MechanismIndex,
+        /// The part.
+        part: MotionPart,
+    },
+}
+
+/// A part of the state of a moving body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionPart {
+    /// Where its centre of mass is.
+    Position,
+    /// How it is turned.
+    Orientation,
+    /// How fast its centre of mass moves.
+    Velocity,
+    /// How fast it turns.
+    Spin,
+}
+
+impl MotionPart {
+    /// All, in the order of a state.
+    pub const ALL: [Self; 4] = [
+        Self::Position,
+        Self::Orientation,
+        Self::Velocity,
+        Self::Spin,
+    ];
+
+    /// Its name in reports.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Orientation => "orientation",
+            Self::Velocity => "velocity",
+            Self::Spin => "spin",
+        }
+    }
 }
 
 /// Counts of work by kind; tests hold golden values of them.
@@ -259,6 +299,9 @@ pub struct Estimate {
     pub fit: Option<Fit>,
     /// What may be wrong in the scene where it does not, the likeliest first.
     pub suspects: Vec<Suspect>,
+    /// Number of other motions that were found and are as near to the keyframes; zero where the
+    /// performance is a stream.
+    pub rivals: usize,
     /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<Undetermined>,
     /// Work done.

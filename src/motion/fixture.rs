@@ -139,6 +139,7 @@ pub(crate) fn estimate() -> Estimate {
             duration_s: 0.475,
             sd_s: Some(0.012),
         },
+        rivals: 0,
         undetermined: vec![Undetermined::Parameter(0)],
         counters: Counters::default(),
     }

@@ -12,6 +12,8 @@ pub mod fit;
 pub(crate) mod fixture;
 pub mod guess;
 pub mod index;
+pub mod keyframe;
+pub mod keyframes;
 pub mod observe;
 pub mod open;
 pub mod partial;
@@ -32,12 +34,13 @@ pub use diagnosis::{
 };
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
-    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap,
+    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
     ParameterEstimate, SampleTime, SegmentResidual, Undetermined,
 };
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
+pub use keyframe::{Keyframe, KeyframeTime, SketchRow};
 pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};

@@ -171,7 +171,10 @@ impl<'a> Acted<'a> {
             })
             .collect();
         let mut each = segments.iter();
-        let is_enough = each.all(|s| s.sample_count() >= samples_min(self.scene, s.start_event));
+        let is_enough = each.all(|s| {
+            let least = samples_min(self.scene, self.sketch, s.mechanism, s.start_event);
+            s.sample_count() >= least
+        });
         (is_enough && segments != self.segments).then(|| Assigned {
             sketch: self.sketch.clone(),
             segments,

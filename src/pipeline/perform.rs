@@ -55,7 +55,7 @@ impl Prepared {
         observer: &mut dyn Observer,
     ) -> Result<Self, PipelineError> {
         observer.phase(Phase::Clean);
-        let scene = scene.with_marks(marks(events));
+        let scene = scene.with_marks(marks(events)).with_flight_clocks();
         let (mut sketch, mut counts) = segment::clean::clean(&scene, events)?;
         let cut = cut(&scene, &mut sketch, &mut counts, observer)?;
         Ok(Self {

@@ -146,6 +146,16 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "the samples are {value:.1} times the scene's weights away on the whole: beyond {bound:.0} \
              another motion may fit better"
         ),
+        About::Rivals => {
+            let others = match value as usize {
+                1 => "another motion is".to_owned(),
+                count => format!("{count} other motions are"),
+            };
+            format!(
+                "{others} as near to the keyframes, and this is the one that turns least: one more \
+                 keyframe, or a goal, decides"
+            )
+        }
     }
 }
 

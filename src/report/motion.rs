@@ -175,6 +175,13 @@ pub(super) fn undetermined_names(scene: &Scene, estimate: &Estimate) -> Vec<Stri
         Undetermined::Parameter(parameter) => estimate.parameters[*parameter].name.clone(),
         Undetermined::EventTime(event) => format!("time of {}", scene.events[*event].name),
         Undetermined::Duration => "duration".to_owned(),
+        Undetermined::Motion { mechanism, part } => {
+            format!(
+                "{} of {}",
+                part.as_str(),
+                scene.name_of_mechanism(*mechanism)
+            )
+        }
     };
     estimate.undetermined.iter().map(name).collect()
 }

@@ -16,11 +16,25 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 /// numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Least number of samples of a segment. A flight that a collision begins needs none: the impact
-/// hands its state on.
-pub fn samples_min(scene: &Scene, start_event: Option<usize>) -> usize {
+/// Least number of samples of a mechanism's segment. A flight that a collision begins needs none: the
+/// impact hands its state on. Of keyframes one is enough: those of other flights tell the rest.
+pub fn samples_min(
+    scene: &Scene,
+    sketch: &Sketch,
+    mechanism: MechanismIndex,
+    start_event: Option<usize>,
+) -> usize {
     let begins = start_event.and_then(|event| scene.events[event].kind.collision());
-    if begins.is_some() { 0 } else { SAMPLES_MIN }
+    match begins {
+        Some(_) => 0,
+        None if scene
+            .tracks_of(mechanism)
+            .any(|track| scene.has_keyframes(sketch, track)) =>
+        {
+            1
+        }
+        None => SAMPLES_MIN,
+    }
 }
 
 /// Cuts the samples of every mechanism's tracks at the events that it takes part in; all take part in
@@ -42,12 +56,12 @@ fn cut_mechanism(
     mechanism: MechanismIndex,
     segments: &mut Vec<Segment>,
 ) -> Result<(), SegmentError> {
-    let tracks = scene.tracks.keys();
-    let tracks = tracks.filter(|track| scene.mechanism_seen_by(*track) == mechanism);
-    // In an edited sketch no sample belongs to either side of a collision.
-    let window_s = |track: TrackIndex| match scene.timing {
-        Timing::Edited => 0.0,
-        Timing::Known | Timing::Unknown { .. } => {
+    let tracks = scene.tracks_of(mechanism);
+    // In an edited sketch, and of keyframes, no sample may belong to either side of a collision.
+    let window_s = |track: TrackIndex| {
+        if scene.timing == Timing::Edited || scene.has_keyframes(sketch, track) {
+            0.0
+        } else {
             NEAR_COLLISION_INTERVALS * median_interval_s(&sketch.tracks[track])
         }
     };
@@ -69,7 +83,7 @@ fn cut_mechanism(
                 end_event,
                 views: views.collect(),
             };
-            let expected = samples_min(scene, start_event);
+            let expected = samples_min(scene, sketch, mechanism, start_event);
             if segment.sample_count() < expected {
                 let name = |event: Option<usize>, otherwise: &str| {
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))

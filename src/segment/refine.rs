@@ -262,6 +262,13 @@ fn refine_one(
     let Some(last_cut) = samples.len().checked_sub(1).filter(|last| *last > 0) else {
         return false;
     };
+    // Marks of keyframes are on the right side of each.
+    if stretches
+        .iter()
+        .any(|stretch| scene.has_keyframes(sketch, stretch.track))
+    {
+        return false;
+    }
     let now = cut_at(sketch, first, event).clamp(1, last_cut);
     let reach = REACH_SAMPLES.max((reach_s(scene) / interval_s).round() as usize);
     let cuts = stretches[0].cuts();

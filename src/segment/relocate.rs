@@ -35,6 +35,9 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     }
     let mut moved = Vec::new();
     for (index, track) in sketch.tracks.iter_enumerated() {
+        if scene.has_keyframes(sketch, index) {
+            continue;
+        }
         let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = collisions()
             .filter_map(|(event, collision)| {

@@ -57,6 +57,7 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),
+        rivals: 0,
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

@@ -93,6 +93,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),
+        rivals: 0,
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

@@ -7,6 +7,7 @@ use foxglove::messages::{
 };
 use thiserror::Error;
 
+use super::keyframe::keyframe_schema;
 use crate::motion::{Mark, PoseSample, Stamp};
 
 /// Key of the metadata pair of a `foxglove.Event` that names the scene's event.
@@ -36,7 +37,7 @@ pub struct SchemaRecord {
     pub data: Vec<u8>,
 }
 
-/// The kinds of foxglove messages that are written.
+/// The kinds of messages that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Encoded {
     /// `foxglove.PoseInFrame`.
@@ -47,12 +48,23 @@ pub enum Encoded {
     SceneUpdate,
     /// `foxglove.Event`.
     Event,
+    /// `enact.Keyframe`.
+    Keyframe,
 }
 
 impl Encoded {
-    /// The schema of the messages of this kind, all protobuf.
+    /// How its messages are encoded.
+    pub fn message_encoding(self) -> &'static str {
+        match self {
+            Encoded::Keyframe => "json",
+            _ => "protobuf",
+        }
+    }
+
+    /// The schema of the messages of this kind.
     pub fn schema(self) -> SchemaRecord {
         let schema = match self {
+            Encoded::Keyframe => return keyframe_schema(),
             Encoded::PoseInFrame => PoseInFrame::get_schema(),
             Encoded::FrameTransforms => FrameTransforms::get_schema(),
             Encoded::SceneUpdate => foxglove::messages::SceneUpdate::get_schema(),

@@ -1,13 +1,14 @@
 //! Bytes ↔ motion, shared by ingest and write; no files.
 //!
 //! [`container`] finds the messages in an MCAP file held in memory, [`decode`] turns them into
-//! motion, [`encode`] turns motion into foxglove messages, [`ros2`] into ROS 2 messages. `live`
+//! motion, [`encode`] turns motion into foxglove messages, [`mod@keyframe`] has our own for written sketches, [`ros2`] into ROS 2 messages. `live`
 //! is the contract over iceoryx2. Foxglove's message types come from the `foxglove` crate and are
 //! used in this room only.
 
 pub mod container;
 pub mod decode;
 pub mod encode;
+pub mod keyframe;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod ros2;
@@ -15,3 +16,4 @@ pub mod ros2;
 pub use container::{Container, ContainerError};
 pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat};
 pub use encode::{EncodeError, Encoded, Transform};
+pub use keyframe::{KEYFRAME_SCHEMA, decode_keyframe, encode_keyframe, keyframe_schema};

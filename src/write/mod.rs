@@ -3,7 +3,8 @@
 //! Every file is written under a temporary name beside its final one ([`atomic`]) and renamed
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
-//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording.
+//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording, [`keyframes`]
+//! writes sketches as text that people edit.
 //! `journal` keeps a live take as it comes, and [`mod@recover`] makes a recording of what a crash
 //! left of it; `live` publishes on iceoryx2, and `show` has the messages for viewers. Poses are those of
 //! [`sampling`](crate::sampling), drawings those of [`visual`](crate::visual), words and numbers those of
@@ -17,6 +18,7 @@ pub mod error;
 pub mod estimate;
 #[cfg(feature = "live")]
 pub mod journal;
+pub mod keyframes;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod marks;
@@ -35,6 +37,7 @@ pub use estimate::{
 };
 #[cfg(feature = "live")]
 pub use journal::Journal;
+pub use keyframes::{csv_of_sketch, toml_of_sketch};
 #[cfg(feature = "live")]
 pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;

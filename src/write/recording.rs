@@ -10,9 +10,9 @@ use mcap::{Attachment, Writer};
 use super::atomic::AtomicFile;
 use super::error::WriteError;
 use super::options;
-use crate::motion::{Mark, PoseSample, Stamp};
-use crate::wire::Encoded;
+use crate::motion::{Keyframe, Mark, PoseSample, Stamp};
 use crate::wire::encode;
+use crate::wire::{Encoded, encode_keyframe};
 
 /// Writes a recording: poses as `foxglove.PoseInFrame`, marks as `foxglove.Event`, scenes and
 /// the like as attachments, in the order given. Give them in order of log time: tools warn of
@@ -55,6 +55,17 @@ impl RecordingWriter {
     ) -> Result<(), WriteError> {
         let bytes = encode::pose_in_frame(frame_id, sample);
         self.message(topic, Encoded::PoseInFrame, log_time, bytes)
+    }
+
+    /// Adds a keyframe of a body.
+    pub fn keyframe(
+        &mut self,
+        topic: &str,
+        log_time: Stamp,
+        keyframe: &Keyframe,
+    ) -> Result<(), WriteError> {
+        let bytes = Ok(encode_keyframe(keyframe));
+        self.message(topic, Encoded::Keyframe, log_time, bytes)
     }
 
     /// Adds a performer's mark, on the scene's marks topic.
@@ -124,7 +135,7 @@ impl RecordingWriter {
             .add_schema(&schema.name, &schema.encoding, &schema.data)
             .and_then(|schema| {
                 self.writer
-                    .add_channel(schema, topic, "protobuf", &BTreeMap::new())
+                    .add_channel(schema, topic, kind.message_encoding(), &BTreeMap::new())
             })
             .map_err(WriteError::mcap(&self.path))?;
         let channel = OwnChannel { id, sequence: 0 };

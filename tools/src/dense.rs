@@ -35,7 +35,11 @@ impl Uncertainty {
     pub fn of(case: &Case, posed: &Posed, offset_s: f64) -> Option<Self> {
         let (problem, layout) = (&posed.problem, &posed.layout);
         let recipe = Recipe::default();
-        let (best, solution, _) = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
+        let solve::Best {
+            guess: best,
+            solution,
+            ..
+        } = solve::best(problem, layout, &posed.guesses, &recipe, &mut ());
         let guess = &posed.guesses[best];
         let (point, system) = (&solution.point, &solution.system);
         let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);

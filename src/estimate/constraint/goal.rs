@@ -12,6 +12,7 @@ use crate::estimate::arrival::{Arrival, ByStates};
 use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
 use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
+use crate::estimate::timing;
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
@@ -163,7 +164,8 @@ impl ArcGoal {
     fn fill_general(&self, at: &At, (pattern, block): Filled) -> Option<()> {
         let (problem, parameters) = (at.problem, &at.point.parameters);
         let of = &problem.arcs[self.arc];
-        let time_s = at.point.event_times_s[self.event];
+        let time_s = timing::time_at_s(problem, at.point, of, self.event);
+        let clock = timing::clock_at(problem, of, self.event);
         let arrival = Arrival::new(problem, at.point, (self.arc, at.epochs_s[self.arc]), time_s)?;
         let state = &arrival.end.state;
         block.reset(pattern);
@@ -238,6 +240,9 @@ impl ArcGoal {
             if let Influence::Centre(axis) = acting.influence {
                 let mut own = column.fixed_rows_mut::<6>(0);
                 own += by_centre.column(axis);
+            }
+            if clock == Some(acting.parameter) {
+                column += by * arrival.end.rate;
             }
             column
         }));

@@ -99,6 +99,9 @@ impl Scene {
             }
             Quantity::ClockRate { track } => format!("{}.clock.rate", seen(track)),
             Quantity::ClockOffset { track } => format!("{}.clock.offset", seen(track)),
+            Quantity::FlightClock { track, flight } => {
+                format!("{}.clock.flight.{}", seen(track), flight + 1)
+            }
             Quantity::SurfaceHeight { surface: of } => format!("{}.height", surface(of)),
             Quantity::SurfaceTilt {
                 surface: of,
@@ -154,6 +157,7 @@ impl Scene {
             | Quantity::TrackerOrientation { .. }
             | Quantity::ClockRate { .. }
             | Quantity::ClockOffset { .. }
+            | Quantity::FlightClock { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. } => 0.0,
         }

@@ -97,6 +97,14 @@ pub enum Quantity {
         /// The track.
         track: TrackIndex,
     },
+    /// What is to be added to the times of one flight of an edited sketch \[s\], whose stamps count
+    /// from a zero of their own, where each flight is put one sampling interval after the one before.
+    FlightClock {
+        /// The track.
+        track: TrackIndex,
+        /// The flight, counted from 0; the first has none.
+        flight: usize,
+    },
     /// How far a surface is from where the scene has it, along its normal there \[m\].
     SurfaceHeight {
         /// Index into `Scene::surfaces`.
@@ -166,7 +174,7 @@ impl Quantity {
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::SurfaceHeight { .. } => "m",
-            Quantity::ClockOffset { .. } => "s",
+            Quantity::ClockOffset { .. } | Quantity::FlightClock { .. } => "s",
         }
     }
 
@@ -187,6 +195,7 @@ impl Quantity {
             | Quantity::TrackerPosition { .. }
             | Quantity::TrackerOrientation { .. }
             | Quantity::ClockOffset { .. }
+            | Quantity::FlightClock { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. } => [f64::NEG_INFINITY, f64::INFINITY],
         }
@@ -202,7 +211,9 @@ impl Quantity {
             | Quantity::Force { .. }
             | Quantity::LinearDrag { .. } => 1.0,
             Quantity::QuadraticDrag { .. } | Quantity::Moment { .. } | Quantity::Mass { .. } => 0.3,
-            Quantity::TrackerOrientation { .. } | Quantity::SurfaceTilt { .. } => 0.1,
+            Quantity::TrackerOrientation { .. }
+            | Quantity::SurfaceTilt { .. }
+            | Quantity::FlightClock { .. } => 0.1,
             Quantity::ClockRate { .. } => 0.03,
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }

@@ -111,6 +111,7 @@ impl Scene {
             | Quantity::QuadraticDrag { .. }
             | Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
+            | Quantity::FlightClock { .. }
             | Quantity::ClockRate { .. } => None,
         }
     }

@@ -142,6 +142,12 @@ impl Scene {
         self.mechanism_of(self.tracks[track].link)
     }
 
+    /// The tracks that see a mechanism.
+    pub fn tracks_of(&self, mechanism: MechanismIndex) -> impl Iterator<Item = TrackIndex> + '_ {
+        let tracks = self.tracks.keys();
+        tracks.filter(move |track| self.mechanism_seen_by(*track) == mechanism)
+    }
+
     /// Whether a link of the mechanism touches in the collision.
     pub fn takes_part(&self, mechanism: MechanismIndex, collision: &Collision) -> bool {
         let mut links = collision.links();

@@ -2,7 +2,7 @@
 
 use super::flights::flights;
 use super::{fit, kinematics, marks, outside, parameters};
-use crate::motion::{Doubt, Estimate, Scene, Sketch};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch};
 
 /// All doubts about an estimated motion, except those from overlaps of its shapes.
 ///
@@ -21,5 +21,7 @@ pub fn doubts(
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(outside::doubts(scene, &flights));
     doubts.extend(parameters::doubts(given, estimate));
+    let rivals = estimate.rivals as f64;
+    doubts.extend(Doubt::beyond(About::Rivals, Place::Motion, rivals, 0.0));
     doubts
 }

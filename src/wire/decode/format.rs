@@ -30,7 +30,8 @@ pub struct MarkFormat(Marks);
 pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransform, \
      FrameTransforms, Point3InFrame, Odometry (protobuf, json); geometry_msgs/msg/PoseStamped, \
      PoseWithCovarianceStamped, PointStamped, QuaternionStamped, Vector3Stamped, \
-     nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr)";
+     nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr); \
+     enact.Keyframe (json)";
 
 /// The schemas that [`MarkFormat::of`] accepts, for error messages.
 pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";

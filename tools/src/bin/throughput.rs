@@ -72,6 +72,7 @@ fn estimate() -> Estimate {
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times: Vec::new(),
+        rivals: 0,
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

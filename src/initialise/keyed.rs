@@ -1,0 +1,144 @@
+//! Starts from keyframes: of a few poses per flight, whole motions through all of them.
+//!
+//! Two poses of a flight say where its centre of mass flies, but not how many turns the body makes
+//! between them; one pose says neither. What happens at the collisions decides: a flight arrives
+//! with its feature on the surface, in the pose in which the next one begins, and leaves with the
+//! velocities of the impact. So flights are followed one after the other ([`follow`]): every turn of
+//! a flight that its own poses allow ([`turns`]) is a way to go on, and the ways that join best are
+//! kept. The first flight of a single pose is found by shooting ([`shoot`]).
+
+mod follow;
+mod shoot;
+mod turns;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use self::follow::{Course, Way};
+use super::between::STILL;
+use crate::motion::{
+    ArcGuess, Guess, MechanismIndex, Quantity, Scene, Seen, Segment, Sketch, TrackIndex,
+};
+use crate::physics::State;
+
+/// A flight on its own clock: state at an epoch.
+#[derive(Clone, Copy, Debug)]
+struct Flown {
+    state: State,
+    epoch_s: f64,
+}
+
+/// A keyframe.
+#[derive(Clone, Copy, Debug)]
+struct Key {
+    acted_s: f64,
+    /// Centre of mass [m, world].
+    position_m: Vector3<f64>,
+    orientation: UnitQuaternion<f64>,
+}
+
+/// The keyframes of a flight that one track sees whole; `None` where several see it, or parts.
+fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
+    let [view] = segment.views.as_slice() else {
+        return None;
+    };
+    let samples = sketch.samples_of(view).iter();
+    let keys = samples.map(|sample| match sample.seen {
+        Seen::Pose {
+            position_m,
+            orientation,
+        } => Some(Key {
+            acted_s: sample.acted_s,
+            position_m,
+            orientation,
+        }),
+        _ => None,
+    });
+    keys.collect()
+}
+
+/// Whether the flights of a sketch start from keyframes: few poses of every flight.
+pub(super) fn applies(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> bool {
+    let mut tracks = scene.tracks.keys();
+    tracks.all(|track| scene.has_keyframes(sketch, track))
+        && segments
+            .iter()
+            .all(|segment| keys(sketch, segment).is_some())
+}
+
+/// The best motions through the keyframes, as guesses: one or more, no more than `most`.
+pub(super) fn guesses(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    most: usize,
+) -> Vec<Guess> {
+    let mut of_all: Vec<(Vec<usize>, Vec<Way>)> = Vec::new();
+    for mechanism in scene.mechanisms.keys() {
+        let own: Vec<usize> = (0..segments.len())
+            .filter(|index| segments[*index].mechanism == mechanism)
+            .collect();
+        let course = Course::new(scene, sketch, mechanism, &own, segments);
+        let ways = course.ways(most);
+        of_all.push((own, ways));
+    }
+    let count = of_all.iter().map(|(_, ways)| ways.len()).max().unwrap_or(0);
+    (0..count)
+        .map(|rank| {
+            let chosen = of_all
+                .iter()
+                .map(|(own, ways)| (own.as_slice(), &ways[rank.min(ways.len() - 1)]));
+            guess(scene, sketch, segments, chosen)
+        })
+        .collect()
+}
+
+/// A guess of all mechanisms, each with its flights and a way through them.
+fn guess<'w>(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    chosen: impl Iterator<Item = (&'w [usize], &'w Way)>,
+) -> Guess {
+    let mut guess = Guess {
+        arcs: segments
+            .iter()
+            .map(|segment| ArcGuess {
+                epoch_s: 0.0,
+                state: STILL,
+                sample_times_s: sketch.samples_in(segment).map(|of| of.acted_s).collect(),
+            })
+            .collect(),
+        event_times_s: sketch.marks_s.clone(),
+        parameters: scene.parameters.iter().map(|free| free.initial).collect(),
+    };
+    for (own, way) in chosen {
+        for (flight, (index, flown)) in own.iter().zip(&way.flights).enumerate() {
+            let offset_s = way.offsets_s[flight];
+            let arc = &mut guess.arcs[*index];
+            (arc.epoch_s, arc.state) = (flown.epoch_s + offset_s, flown.state);
+            let track = segments[*index].views[0].track;
+            if let Some(clock) = clock_of(scene, track, flight) {
+                guess.parameters[clock] = offset_s;
+            }
+            if let (Some(event), Some(time_s)) =
+                (segments[*index].end_event, way.ends_s.get(flight))
+            {
+                guess.event_times_s[event] = *time_s;
+            }
+        }
+    }
+    guess
+}
+
+/// The parameter that holds the clock of a track's flight.
+fn clock_of(scene: &Scene, track: TrackIndex, flight: usize) -> Option<usize> {
+    let clock = Quantity::FlightClock { track, flight };
+    let mut parameters = scene.parameters.iter();
+    parameters.position(|free| free.quantity == clock)
+}
+
+/// The state of a flight at a time on its own clock.
+fn state_at(scene: &Scene, mechanism: MechanismIndex, flown: &Flown, time_s: f64) -> State {
+    let dynamics = scene.dynamics(mechanism);
+    dynamics.advance(&scene.gravity_m_s2, &flown.state, time_s - flown.epoch_s)
+}

@@ -1,0 +1,516 @@
+//! Flights of one mechanism, followed from collision to collision.
+
+use std::cmp::Ordering;
+
+use nalgebra::{SVector, Vector3};
+
+use super::{Flown, Key, keys, shoot, state_at, turns};
+use crate::initialise::ballistic::{self, Place};
+use crate::initialise::turn::OrientationReading;
+use crate::math::so3;
+use crate::motion::{MechanismIndex, Partner, Scene, Segment, Sketch, Timing};
+use crate::physics::contact::Frame;
+use crate::physics::impact::{ContactSet, Law, Side};
+use crate::physics::state::DIMENSION;
+use crate::physics::{Dynamics, State};
+
+/// Greatest number of ways that are followed.
+const WAYS: usize = 64;
+/// Longest time from a keyframe to a collision where no clock tells \[s\].
+const REACH_S: f64 = 1.5;
+/// Contacts are looked for at this spacing \[s\], or at a finer one where the body turns by more
+/// than this in between \[rad\].
+const SCAN_S: f64 = 0.01;
+const SCAN_RAD: f64 = 0.15;
+/// Greatest number of steps to a contact's time.
+const REFINEMENTS: usize = 40;
+/// Sum of squares, in tolerances, below which keyframes are met.
+pub(super) const MET: f64 = 1e-9;
+/// Differences at a collision that cost as much as one another: of places \[m\], orientations
+/// \[rad\], velocities [m/s], angular velocities [rad/s].
+const TOLERANCES: [f64; 4] = [0.02, 0.2, 0.3, 3.0];
+
+/// What happens where two flights meet.
+#[derive(Clone, Debug)]
+struct Hit {
+    contacts: ContactSet,
+    law: Law,
+}
+
+impl Hit {
+    /// Gap of the first contact \[m\].
+    fn gap_m(&self, state: &State) -> Option<f64> {
+        let contact = self.contacts.as_slice().first()?;
+        let touch = contact.touch(&Frame::of(state), &Frame::world()).ok()?;
+        Some(touch.gap_m)
+    }
+}
+
+/// The flights of one mechanism, with their keyframes.
+pub(super) struct Course<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) mechanism: MechanismIndex,
+    /// Keyframes of each flight.
+    pub(super) samples: Vec<Vec<Key>>,
+    /// Between each flight and the next: what is known of the collision, and its mark \[s\].
+    hits: Vec<(Option<Hit>, f64)>,
+}
+
+/// A motion through the first flights of a course.
+#[derive(Clone, Debug)]
+pub(super) struct Way {
+    /// Flights on their own clocks.
+    pub(super) flights: Vec<Flown>,
+    /// What their clocks are behind the time line \[s\].
+    pub(super) offsets_s: Vec<f64>,
+    /// Ends of all flights but the last, on the time line \[s\].
+    pub(super) ends_s: Vec<f64>,
+    /// Sum of squared differences, in tolerances.
+    pub(super) cost: f64,
+}
+
+/// The end of a flight at a collision.
+struct Arrival {
+    /// On the time line \[s\].
+    time_s: f64,
+    before: State,
+    /// After the impact, if it is known.
+    after: Option<State>,
+    cost: f64,
+}
+
+impl<'a> Course<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        sketch: &'a Sketch,
+        mechanism: MechanismIndex,
+        own: &[usize],
+        segments: &[Segment],
+    ) -> Self {
+        let hit = |event: usize| {
+            let collision = scene.events[event].kind.collision()?;
+            let contacts = scene.contact_set(event).ok()??;
+            let given = scene.law_of(collision);
+            (collision.partner == Partner::World).then_some(Hit {
+                contacts,
+                law: Law {
+                    restitution: given.restitution,
+                    friction: given.friction,
+                    tilt_rad: collision.tilt_rad,
+                },
+            })
+        };
+        let joints = own
+            .windows(2)
+            .filter_map(|pair| segments[pair[0]].end_event);
+        Self {
+            scene,
+            mechanism,
+            samples: own
+                .iter()
+                .map(|index| keys(sketch, &segments[*index]).expect("flights of keyframes"))
+                .collect(),
+            hits: joints
+                .map(|event| (hit(event), sketch.marks_s[event]))
+                .collect(),
+        }
+    }
+
+    /// The best motions through all flights; none where a flight's keyframes and its neighbours
+    /// lead to none.
+    pub(super) fn ways(&self, most: usize) -> Vec<Way> {
+        let begins = |flown: Flown| Way {
+            flights: vec![flown],
+            offsets_s: vec![0.0],
+            ends_s: Vec::new(),
+            cost: 0.0,
+        };
+        let mut ways: Vec<Way> = match self.samples[0].len() {
+            0 => return Vec::new(),
+            1 if self.is_known() => return shoot::ways(self, most),
+            1 => vec![begins(shoot::flown(self, &SVector::zeros()))],
+            _ => self.alone(0).into_iter().map(begins).collect(),
+        };
+        for next in 1..self.samples.len() {
+            let alone = self.alone(next);
+            ways = ways
+                .iter()
+                .flat_map(|way| self.continued(way, &alone))
+                .collect();
+            ways.sort_by(Way::order);
+            ways.truncate(WAYS);
+        }
+        ways.truncate(most);
+        ways
+    }
+
+    fn is_edited(&self) -> bool {
+        self.scene.timing == Timing::Edited
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        self.hits.iter().all(|(hit, _)| hit.is_some())
+    }
+
+    /// Number of numbers that the keyframes give.
+    pub(super) fn numbers(&self) -> usize {
+        let samples = self.samples.iter().map(|samples| samples.len());
+        6 * samples.sum::<usize>()
+    }
+
+    /// Number of unknowns that impacts leave: the first state, and a clock of each later flight
+    /// where no common one tells.
+    pub(super) fn unknowns(&self) -> usize {
+        let clocks = if self.is_edited() { self.hits.len() } else { 0 };
+        DIMENSION + clocks
+    }
+
+    /// Times from the first keyframe to the first collision to try \[s\]: to its mark, or `otherwise`
+    /// where no clock tells.
+    pub(super) fn until_s(&self, otherwise: &[f64]) -> Vec<f64> {
+        match (self.hits.first(), self.samples[0].last()) {
+            (Some((_, mark_s)), Some(last)) if !self.is_edited() => vec![mark_s - last.acted_s],
+            _ => otherwise.to_vec(),
+        }
+    }
+
+    /// Time between the first keyframe and the next \[s\], where a clock tells.
+    pub(super) fn between_s(&self) -> Option<f64> {
+        let mut all = self.samples.iter().flat_map(|flight| flight.iter());
+        let (first, next) = (all.next()?, all.next()?);
+        (!self.is_edited()).then_some(next.acted_s - first.acted_s)
+    }
+
+    /// Gap of the first collision's contact in a flight at a time on its clock \[m\].
+    pub(super) fn gap_m(&self, flown: &Flown, time_s: f64) -> Option<f64> {
+        let hit = self.hits.first()?.0.as_ref()?;
+        let state = state_at(self.scene, self.mechanism, flown, time_s);
+        hit.gap_m(&state)
+    }
+
+    /// Flights through the keyframes of one, if there are two or more.
+    fn alone(&self, flight: usize) -> Vec<Flown> {
+        let samples = self.samples[flight].as_slice();
+        let [first, .., last] = samples else {
+            return Vec::new();
+        };
+        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
+        let epoch_s = 0.5 * (first.acted_s + last.acted_s);
+        let pull_m_s2 = body.pull_m_s2(&self.scene.gravity_m_s2);
+        let places: Vec<Place> = samples
+            .iter()
+            .map(|key| (key.acted_s, key.position_m))
+            .collect();
+        let fall = ballistic::fit(&places, epoch_s, &pull_m_s2, Some(1.0));
+        let readings: Vec<OrientationReading> = samples
+            .iter()
+            .map(|sample| (sample.acted_s - epoch_s, sample.orientation))
+            .collect();
+        let turns = turns::turns(&body, &readings).into_iter();
+        turns
+            .map(|turn| Flown {
+                epoch_s,
+                state: State {
+                    position_m: fall.position_m,
+                    orientation: turn.orientation,
+                    velocity_m_s: fall.acted_velocity_m_s,
+                    angular_velocity_rad_s: turn.angular_velocity_rad_s,
+                },
+            })
+            .collect()
+    }
+
+    /// A way with one more flight: every one through its own keyframes (`alone`), or that into
+    /// which the collision leads.
+    fn continued(&self, way: &Way, alone: &[Flown]) -> Vec<Way> {
+        let next = way.flights.len();
+        if alone.is_empty() {
+            return vec![self.handed_on(way)];
+        }
+        let arrival = self.arrival(way);
+        let joined = alone.iter().filter_map(|flown| {
+            let met;
+            let arrival = match &arrival {
+                Some(arrival) => arrival,
+                None => {
+                    met = self.meeting(way, flown);
+                    &met
+                }
+            };
+            let begin_s = if self.is_edited() {
+                let first_s = self.samples[next].first()?.acted_s;
+                let at = |s: f64| state_at(self.scene, self.mechanism, flown, first_s - s);
+                let off = |s: f64| at(s).position_m - arrival.before.position_m;
+                first_s - least(off, REACH_S)
+            } else {
+                arrival.time_s
+            };
+            let begun = state_at(self.scene, self.mechanism, flown, begin_s);
+            let to = arrival.after.as_ref().unwrap_or(&arrival.before);
+            let off = begun.minus(to);
+            let parts = if arrival.after.is_some() { 4 } else { 2 };
+            let cost = (0..parts).map(|part| {
+                let size = off.fixed_rows::<3>(3 * part).norm() / TOLERANCES[part];
+                size * size
+            });
+            let cost = arrival.cost + cost.sum::<f64>();
+            Some(way.with(*flown, arrival.time_s - begin_s, arrival.time_s, cost))
+        });
+        joined.collect()
+    }
+
+    /// The way with the flight into which the impact leads; straight on where that is unknown.
+    pub(super) fn handed_on(&self, way: &Way) -> Way {
+        let arrival = self.arrival(way).unwrap_or_else(|| self.at_the_mark(way));
+        let after = arrival.after.unwrap_or(arrival.before);
+        let samples = &self.samples[way.flights.len()];
+        let left = Flown {
+            state: after,
+            epoch_s: 0.0,
+        };
+        let at = |s: f64| state_at(self.scene, self.mechanism, &left, s);
+        let (since_s, offset_s) = match samples.first() {
+            Some(sample) if self.is_edited() => {
+                let since_s = least(|s| self.off(sample, &at(s)), REACH_S);
+                (since_s, arrival.time_s + since_s - sample.acted_s)
+            }
+            Some(sample) => (sample.acted_s - arrival.time_s, 0.0),
+            None => (0.0, 0.0),
+        };
+        let flown = Flown {
+            state: at(since_s),
+            epoch_s: arrival.time_s + since_s - offset_s,
+        };
+        let off = samples.iter().map(|sample| {
+            let then = state_at(self.scene, self.mechanism, &flown, sample.acted_s);
+            self.off(sample, &then).norm_squared()
+        });
+        let cost = arrival.cost + off.sum::<f64>();
+        way.with(flown, offset_s, arrival.time_s, cost)
+    }
+
+    /// The last flight of a way at its mark, or, where no clock tells, at its last keyframe.
+    fn at_the_mark(&self, way: &Way) -> Arrival {
+        let (flown, offset_s) = way.last();
+        let (from_s, to_s) = self.window_s(way);
+        let mark_s = self.hits[way.flights.len() - 1].1;
+        let time_s = if self.is_edited() {
+            from_s
+        } else {
+            mark_s.clamp(from_s, to_s)
+        };
+        Arrival {
+            time_s: time_s + offset_s,
+            before: state_at(self.scene, self.mechanism, &flown, time_s),
+            after: None,
+            cost: 0.0,
+        }
+    }
+
+    /// Difference of a state from a keyframe, in tolerances.
+    pub(super) fn off(&self, sample: &Key, state: &State) -> SVector<f64, 6> {
+        let shift = (state.position_m - sample.position_m) / TOLERANCES[0];
+        let turn = sample.orientation.inverse() * state.orientation;
+        let turn = so3::log(&turn) / TOLERANCES[1];
+        SVector::from([shift.x, shift.y, shift.z, turn.x, turn.y, turn.z])
+    }
+
+    /// Where the last flight of a way meets another on its own clock; physical times, or no known
+    /// contact.
+    fn meeting(&self, way: &Way, next: &Flown) -> Arrival {
+        let (flown, offset_s) = way.last();
+        let (from_s, to_s) = self.window_s(way);
+        let at = |s: f64| state_at(self.scene, self.mechanism, &flown, from_s + s);
+        let since_s = if self.is_edited() {
+            0.0
+        } else {
+            let off = |s: f64| {
+                let there = state_at(self.scene, self.mechanism, next, from_s + s);
+                there.position_m - at(s).position_m
+            };
+            least(off, to_s - from_s)
+        };
+        Arrival {
+            time_s: from_s + since_s + offset_s,
+            before: at(since_s),
+            after: None,
+            cost: 0.0,
+        }
+    }
+
+    /// The end of the last flight of a way, where the contact is known.
+    fn arrival(&self, way: &Way) -> Option<Arrival> {
+        let hit = self.hits[way.flights.len() - 1].0.as_ref()?;
+        let (flown, offset_s) = way.last();
+        let (from_s, to_s) = self.window_s(way);
+        let at = |time_s: f64| state_at(self.scene, self.mechanism, &flown, time_s);
+        let (time_s, gap_m) = self.touch(hit, &at, &flown, (from_s, to_s))?;
+        let before = at(time_s);
+        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
+        let side = Side {
+            body: &body,
+            state: &before,
+        };
+        let impact = hit.contacts.impact(&side, None, &hit.law).ok()?;
+        let mut cost = (gap_m / TOLERANCES[0]).powi(2);
+        // What recedes does not bounce.
+        let contacts = hit.contacts.as_slice().len();
+        for speed_m_s in &impact.speeds_m_s[..contacts] {
+            cost += (speed_m_s.max(0.0) / TOLERANCES[2]).powi(2);
+        }
+        let after = State {
+            velocity_m_s: impact.after[0].velocity_m_s,
+            angular_velocity_rad_s: impact.after[0].angular_velocity_rad_s,
+            ..before
+        };
+        Some(Arrival {
+            time_s: time_s + offset_s,
+            before,
+            after: after.is_finite().then_some(after),
+            cost,
+        })
+    }
+
+    /// From the last keyframe of the last flight of a way to the first one after it, on the flight's
+    /// own clock \[s\].
+    fn window_s(&self, way: &Way) -> (f64, f64) {
+        let flight = way.flights.len() - 1;
+        let (_, offset_s) = way.last();
+        let from_s = match self.samples[flight].last() {
+            Some(sample) => sample.acted_s,
+            None => way.ends_s.last().copied().unwrap_or(0.0) - offset_s,
+        };
+        if self.is_edited() {
+            return (from_s, from_s + REACH_S);
+        }
+        let mut after = self.samples[flight + 1..].iter();
+        let next = after.find_map(|samples| samples.first());
+        let to_s = next.map_or(self.hits[flight].1 + REACH_S, |sample| sample.acted_s);
+        (from_s, to_s.max(from_s))
+    }
+
+    /// The first time at which a gap closes, with what is left of it; where it does not, that at
+    /// which it is least.
+    fn touch(
+        &self,
+        hit: &Hit,
+        at: &impl Fn(f64) -> State,
+        flown: &Flown,
+        (from_s, to_s): (f64, f64),
+    ) -> Option<(f64, f64)> {
+        let gap_m = |time_s: f64| hit.gap_m(&at(time_s));
+        let turning_s = SCAN_RAD / flown.state.angular_velocity_rad_s.norm();
+        let steps = ((to_s - from_s) / SCAN_S.min(turning_s))
+            .ceil()
+            .clamp(1.0, 400.0);
+        let step_s = (to_s - from_s) / steps;
+        let mut open: Option<(f64, f64)> = None;
+        let mut least: Option<(f64, f64)> = None;
+        for step in 0..=steps as usize {
+            let time_s = from_s + step as f64 * step_s;
+            let gap = gap_m(time_s)?;
+            if let Some(open) = open
+                && gap <= 0.0
+            {
+                return illinois(gap_m, open, (time_s, gap));
+            }
+            if gap > 0.0 {
+                open = Some((time_s, gap));
+            }
+            if least.is_none_or(|(_, known)| gap.abs() < known.abs()) {
+                least = Some((time_s, gap));
+            }
+        }
+        least
+    }
+}
+
+impl Way {
+    /// The better first: of several that meet all keyframes, the one that turns least.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let speed_rad_s = |way: &Self| -> f64 {
+            let flights = way.flights.iter();
+            let speeds = flights.map(|flown| flown.state.angular_velocity_rad_s.norm());
+            speeds.sum()
+        };
+        let by_cost = self.cost.max(MET).total_cmp(&other.cost.max(MET));
+        by_cost.then(speed_rad_s(self).total_cmp(&speed_rad_s(other)))
+    }
+
+    pub(super) fn last(&self) -> (Flown, f64) {
+        let last = self.flights.len() - 1;
+        (self.flights[last], self.offsets_s[last])
+    }
+
+    fn with(&self, flown: Flown, offset_s: f64, end_s: f64, cost: f64) -> Self {
+        let mut way = self.clone();
+        way.flights.push(flown);
+        way.offsets_s.push(offset_s);
+        way.ends_s.push(end_s);
+        way.cost += cost;
+        way
+    }
+}
+
+/// Regula falsi in the manner of Illinois, between times with an open and a closed gap.
+fn illinois(
+    gap_m: impl Fn(f64) -> Option<f64>,
+    mut open: (f64, f64),
+    mut closed: (f64, f64),
+) -> Option<(f64, f64)> {
+    let mut best = if open.1 < -closed.1 { open } else { closed };
+    for _ in 0..REFINEMENTS {
+        let time_s = (open.0 * closed.1 - closed.0 * open.1) / (closed.1 - open.1);
+        if !time_s.is_finite() {
+            break;
+        }
+        let gap = gap_m(time_s)?;
+        if gap.abs() < best.1.abs() {
+            best = (time_s, gap);
+        }
+        if gap.abs() < 1e-13 {
+            break;
+        }
+        // The end that stays counts half.
+        if gap > 0.0 {
+            open = (time_s, gap);
+            closed.1 *= 0.5;
+        } else {
+            closed = (time_s, gap);
+            open.1 *= 0.5;
+        }
+    }
+    Some(best)
+}
+
+/// Where the square of a function of a time from 0 to `reach_s` is least: on a grid, then by steps of
+/// Gauss and Newton.
+fn least<const N: usize>(of: impl Fn(f64) -> SVector<f64, N>, reach_s: f64) -> f64 {
+    const GRID: usize = 100;
+    const STEPS: usize = 6;
+    const NUDGE_S: f64 = 1e-6;
+    let step_s = reach_s / GRID as f64;
+    let on_grid = (0..=GRID).map(|step| step as f64 * step_s);
+    let tried = on_grid.map(|s| (of(s).norm_squared(), s));
+    let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, mut best_s)) = best else {
+        return 0.0;
+    };
+    let (from_s, to_s) = ((best_s - step_s).max(0.0), (best_s + step_s).min(reach_s));
+    for _ in 0..STEPS {
+        let off = of(best_s);
+        let slope = (of(best_s + NUDGE_S) - off) / NUDGE_S;
+        let step_s = off.dot(&slope) / slope.norm_squared();
+        if !step_s.is_finite() || step_s.abs() < 1e-15 {
+            break;
+        }
+        best_s = (best_s - step_s).clamp(from_s, to_s);
+    }
+    best_s
+}
+
+/// Up, as seen by a mechanism.
+pub(super) fn up(scene: &Scene) -> Vector3<f64> {
+    let gravity = scene.gravity_m_s2.try_normalize(1e-9);
+    gravity.map_or_else(Vector3::z, |down| -down)
+}

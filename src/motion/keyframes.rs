@@ -1,0 +1,42 @@
+//! Sketches of a few poses.
+
+use super::index::TrackIndex;
+use super::scene::{Event, Quantity, Scene, Timing};
+use super::sketch::Sketch;
+
+/// Greatest number of samples of a flight, in the mean of a track, that are keyframes. Streams of
+/// 30 samples a second have more in a flight of a fifth of a second.
+const PER_FLIGHT_MAX: usize = 6;
+
+impl Scene {
+    /// Whether a track's samples are keyframes: poses with physical times of which each flight has a
+    /// few, chosen one by one by somebody who knows on which side of a collision each is.
+    ///
+    /// In a stream a sample beside a collision may belong to either side of it, since its mark is
+    /// right to about a sampling interval. Intervals of keyframes are as long as flights; marks that
+    /// were off by as much would say nothing.
+    pub fn has_keyframes(&self, sketch: &Sketch, track: TrackIndex) -> bool {
+        let mechanism = self.mechanism_seen_by(track);
+        let parts = |event: &&Event| {
+            let collision = event.kind.collision();
+            collision.is_some_and(|collision| self.takes_part(mechanism, collision))
+        };
+        let flights = 1 + self.events.iter().filter(parts).count();
+        let is_physical = matches!(self.timing, Timing::Known | Timing::Edited);
+        is_physical && sketch.tracks[track].samples.len() <= PER_FLIGHT_MAX * flights
+    }
+
+    /// The scene of an edited sketch with the clock of every flight but the first of each track
+    /// free; any other as it is.
+    pub fn with_flight_clocks(&self) -> Scene {
+        let clocks = self.tracks.keys().flat_map(|track| {
+            let flights = 1..self.streams(track);
+            flights.map(move |flight| (Quantity::FlightClock { track, flight }, 0.0))
+        });
+        let clocks: Vec<(Quantity, f64)> = clocks.collect();
+        if self.timing != Timing::Edited || clocks.iter().any(|(clock, _)| self.frees(*clock)) {
+            return self.clone();
+        }
+        self.with_free(&clocks)
+    }
+}

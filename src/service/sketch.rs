@@ -1,0 +1,243 @@
+//! Written sketches and recordings, one made of the other.
+
+mod keyframes;
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use serde::Serialize;
+
+use self::keyframes::Motion;
+use super::finish::{check_distinct, lost, open, warnings};
+use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
+use crate::ingest::SCENE_NAME;
+use crate::motion::{KeyframeTime, Scene, SketchRow, Stamp};
+use crate::write::atomic::AtomicFile;
+use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
+
+/// How many keyframes are made of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// Every sample.
+    All,
+    /// So many of every flight.
+    PerFlight(usize),
+    /// So many a second.
+    PerSecond(f64),
+}
+
+/// The input of [`sketch`].
+#[derive(Clone, Debug)]
+pub struct SketchJob {
+    /// A written sketch (`.csv`, `.toml`) or a recording (`.mcap`).
+    pub input: PathBuf,
+    /// The other; beside the input with the other's ending by default.
+    pub output: Option<PathBuf>,
+    /// Scene file; of a recording its own by default.
+    pub scene: Option<PathBuf>,
+    /// How many keyframes are made of a recording.
+    pub density: Density,
+    /// Whether they are of the motion that is estimated from it, instead of what was acted.
+    pub is_estimated: bool,
+}
+
+/// The result of [`sketch`].
+#[derive(Clone, Debug, Serialize)]
+pub struct Sketched {
+    /// The file that was read.
+    pub input: String,
+    /// The file that was written.
+    pub output: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Keyframes.
+    pub keyframes: usize,
+    /// Marks.
+    pub marks: usize,
+    /// Parts of the recording that could not be read.
+    pub lost: Vec<String>,
+    /// What to know.
+    pub warnings: Vec<String>,
+}
+
+/// The kinds of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Csv,
+    Toml,
+    Recording,
+}
+
+impl Kind {
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        match path.extension().and_then(OsStr::to_str) {
+            Some("csv") => Ok(Self::Csv),
+            Some("toml") => Ok(Self::Toml),
+            Some("mcap") => Ok(Self::Recording),
+            _ => bail!(
+                "{}: expected a name that ends in .csv or .toml, a written sketch, or in .mcap, a \
+                 recording",
+                path.display()
+            ),
+        }
+    }
+}
+
+/// Makes a recording of a written sketch, or a written sketch of a recording.
+pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
+    let from = Kind::of(&job.input)?;
+    let ending = if from == Kind::Recording {
+        "csv"
+    } else {
+        "mcap"
+    };
+    let output = job
+        .output
+        .clone()
+        .unwrap_or_else(|| job.input.with_extension(ending));
+    let to = Kind::of(&output)?;
+    check_distinct(&job.input, &output)?;
+    if (from == Kind::Recording) == (to == Kind::Recording) {
+        bail!(
+            "{} and {}: expected one recording (.mcap) and one written sketch (.csv, .toml)",
+            job.input.display(),
+            output.display()
+        );
+    }
+    if from == Kind::Recording {
+        read(job, &output, to)
+    } else {
+        write(job, &output, from)
+    }
+}
+
+/// A written sketch becomes a recording.
+fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
+    let path = job.input.display();
+    if job.is_estimated || job.density != Density::All {
+        bail!("{path}: is a written sketch, expected a recording to choose keyframes of");
+    }
+    let Some(scene_file) = &job.scene else {
+        bail!("{path}: expected --scene FILE, which says what the bodies and events are");
+    };
+    let scene_toml = std::fs::read_to_string(scene_file)
+        .with_context(|| format!("{}: cannot read the scene", scene_file.display()))?;
+    let scene = scene_from_toml(&scene_toml)
+        .map_err(|error| error.in_file(scene_file.display().to_string()))?;
+    let text =
+        std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
+    let rows = match kind {
+        Kind::Csv => sketch_from_csv(&text, &scene),
+        _ => sketch_from_toml(&text, &scene),
+    };
+    let rows = rows.map_err(|error| error.in_file(path.to_string()))?;
+    let mut recording = RecordingWriter::create(output)?;
+    recording.attach(SCENE_NAME, "application/toml", scene_toml.as_bytes())?;
+    for (log_time, row) in logged(&rows) {
+        match row {
+            SketchRow::Keyframe {
+                track,
+                flight,
+                keyframe,
+            } => {
+                let topic = scene.stream_topic(*track, *flight);
+                recording.keyframe(&topic, log_time, keyframe)?;
+            }
+            SketchRow::Mark(mark) => recording.mark(&scene.marks_topic, log_time, mark)?,
+        }
+    }
+    recording.finish()?;
+    let open = rows.iter().filter_map(|row| match row {
+        SketchRow::Keyframe { keyframe, .. } => keyframe.unsupported(),
+        SketchRow::Mark(_) => None,
+    });
+    let mut warnings: Vec<String> = Vec::new();
+    for reason in open {
+        let warning = format!("`replay` refuses the recording: a keyframe {reason}");
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
+    Ok(account(
+        job,
+        output,
+        (&scene, &rows),
+        (Vec::new(), warnings),
+    ))
+}
+
+/// The rows in order of log time: that of a row, or of the one before it where its time is unknown.
+fn logged(rows: &[SketchRow]) -> Vec<(Stamp, &SketchRow)> {
+    let mut last = Stamp(0);
+    let mut logged: Vec<(Stamp, &SketchRow)> = Vec::new();
+    for row in rows {
+        let time = match row {
+            SketchRow::Keyframe { keyframe, .. } => match keyframe.time {
+                KeyframeTime::Known(stamp) | KeyframeTime::Within(stamp, _) => stamp,
+                KeyframeTime::Unknown => last,
+            },
+            SketchRow::Mark(mark) => mark.stamp,
+        };
+        if matches!(row, SketchRow::Keyframe { .. }) {
+            last = time;
+        }
+        logged.push((time, row));
+    }
+    logged.sort_by_key(|(time, _)| *time);
+    logged
+}
+
+/// A recording becomes a written sketch.
+fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
+    let opened = open(&job.input, job.scene.as_deref())?;
+    let scene = &opened.scene;
+    let written = opened.recording.sketch(scene)?;
+    let (rows, notes) = match written {
+        Some(rows) if !job.is_estimated && job.density == Density::All => {
+            (rows, (Vec::new(), Vec::new()))
+        }
+        _ => {
+            let take = opened.recording.take(scene)?;
+            let mut notes = (lost(&take.report), warnings(&take.report));
+            let motion = if job.is_estimated {
+                let (motion, note) = Motion::estimated(scene, take.events)
+                    .with_context(|| job.input.display().to_string())?;
+                notes.1.extend(note);
+                motion
+            } else {
+                Motion::acted(scene, &take.events)
+            };
+            (motion.rows(scene, job.density)?, notes)
+        }
+    };
+    let text = match kind {
+        Kind::Csv => csv_of_sketch(&rows, scene),
+        _ => toml_of_sketch(&rows, scene),
+    };
+    let mut file = AtomicFile::create(output)?;
+    file.write_all(text.as_bytes())
+        .with_context(|| format!("{}: cannot write", output.display()))?;
+    file.commit()?;
+    Ok(account(job, output, (scene, &rows), notes))
+}
+
+fn account(
+    job: &SketchJob,
+    output: &Path,
+    (scene, rows): (&Scene, &[SketchRow]),
+    (lost, warnings): (Vec<String>, Vec<String>),
+) -> Sketched {
+    let is_mark = |row: &&SketchRow| matches!(row, SketchRow::Mark(_));
+    let marks = rows.iter().filter(is_mark).count();
+    Sketched {
+        input: job.input.display().to_string(),
+        output: output.display().to_string(),
+        scene: scene.name.clone(),
+        keyframes: rows.len() - marks,
+        marks,
+        lost,
+        warnings,
+    }
+}
