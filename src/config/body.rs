@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::held::held;
 use super::number::{
     direction, name, not_negative, pose, positive, topic, unique, vector, vector_from_mm,
 };
@@ -33,7 +34,10 @@ pub(super) fn body(spanned: &Spanned<RawBody>) -> Result<FreeBody, Fault> {
         None => format!("/tracker/{name}/pose"),
     };
     let shape = shape("the body", &raw.shape, &SIZE)?;
-    let body = in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?;
+    let body = match held(spanned)? {
+        Some(_) => Body::IMMOVABLE,
+        None => in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?,
+    };
     let body_from_tracker = match &raw.tracker {
         Some(tracker) => pose(
             "the tracker",

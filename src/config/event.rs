@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::held::{check_collision, check_goal};
 use super::law::{self, BodyLaws, Laws};
 use super::number::{finite, index_of, name, pose, positive, unique};
 use super::raw::{Number, RawCount, RawEvent, RawGoal, Text};
@@ -224,6 +225,11 @@ fn collision(
         .into_iter()
         .map(|feature| Touching { feature, other })
         .collect();
+    check_collision(
+        (event.body.as_ref().expect("it was read"), link),
+        event.other.as_ref().zip(collision_partner(partner)),
+        scene,
+    )?;
     let mut collision = Collision {
         link,
         partner,
@@ -233,6 +239,14 @@ fn collision(
     };
     collision.law = law::of_event(spanned, &collision, of_links, laws)?;
     Ok(collision)
+}
+
+/// The link that is hit.
+fn collision_partner(partner: Partner) -> Option<LinkIndex> {
+    match partner {
+        Partner::World => None,
+        Partner::Link(other) => Some(other),
+    }
 }
 
 /// The features of `link` that touch: one, several at once, or `None` for one to be inferred.
@@ -277,6 +291,7 @@ pub(super) fn goals(raw: &[&Spanned<RawGoal>], scene: &Scene) -> Result<Vec<Goal
         let goal = spanned.get_ref();
         let event = index_of("event", &goal.event, events.iter().map(|e| e.name.as_str()))?;
         let link = link_of(&goal.body, scene)?;
+        check_goal(&goal.body, link, scene)?;
         let target = target(spanned)?;
         if matches!(events[event].kind, EventKind::Collisions { .. }) {
             return fault(

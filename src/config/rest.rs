@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::event::link_of;
+use super::held::check_goal;
 use super::number::{direction, positive};
 use super::raw::{RawGoal, Text};
 use crate::motion::{Link, RestGoal, Scene};
@@ -89,6 +90,7 @@ fn rest_goal(goal: &RawGoal, face_up: &Text, scene: &Scene) -> Result<RestGoal, 
         );
     }
     let link = link_of(&goal.body, scene)?;
+    check_goal(&goal.body, link, scene)?;
     Ok(RestGoal {
         link,
         name: face_up.get_ref().clone(),

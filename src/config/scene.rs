@@ -6,6 +6,7 @@ use typed_index_collections::TiVec;
 use super::body::body;
 use super::error::{Fault, fault};
 use super::event::{events, goals};
+use super::held::hold;
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -70,6 +71,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     for body in bodies {
         scene.add(body);
     }
+    hold(raw, &mut scene)?;
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;

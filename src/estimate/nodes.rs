@@ -107,6 +107,7 @@ mod tests {
             origin: Stamp(0),
             tracks: [TrackSketch {
                 samples: flight(0.0).chain(flight(0.42)).collect(),
+                held: None,
             }]
             .into_iter()
             .collect(),

@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::held::HeldState;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
@@ -102,8 +103,10 @@ pub struct ArcPair {
 pub struct ArcCollision {
     /// Event at which it happens.
     pub event: usize,
-    /// The body, and the other one unless it hits the static world.
+    /// The body, and the other one unless it hits the static world or a held body.
     pub sides: Vec<ArcPair>,
+    /// The held body that it hits (index into [`Problem::held`]).
+    pub held: Option<usize>,
     /// Its contacts.
     pub contacts: ContactSet,
     /// Whether a goal fixes the body in contact, so that no row is needed for the gap.
@@ -246,6 +249,8 @@ pub struct Problem {
     pub marks: Vec<EventMark>,
     /// Collisions.
     pub collisions: Vec<ArcCollision>,
+    /// Held bodies at their collisions.
+    pub held: Vec<HeldState>,
     /// Goals.
     pub goals: Vec<ArcGoal>,
     /// Events about flights that have few samples.

@@ -72,7 +72,12 @@ pub(crate) fn sketch() -> Sketch {
         .collect();
     Sketch {
         origin: Stamp(FIRST_NS),
-        tracks: [TrackSketch { samples }].into_iter().collect(),
+        tracks: [TrackSketch {
+            samples,
+            held: None,
+        }]
+        .into_iter()
+        .collect(),
         marks_s: vec![0.8, 1.9],
         marks: vec![None; 2],
     }
@@ -107,6 +112,7 @@ pub(crate) fn estimate() -> Estimate {
             arc(0.1, state(0.35, -1.0), 0.0, 0.2),
             arc(0.2, state(0.2, 2.0), 0.2, 0.475),
         ],
+        held: Vec::new(),
         events: vec![event(0, 0.2, 0.8, Some(0.001)), event(1, 0.475, 1.9, None)],
         parameters: vec![ParameterEstimate {
             name: "bounce.restitution".to_owned(),

@@ -11,6 +11,7 @@ pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod guess;
+pub mod held;
 pub mod index;
 pub mod observe;
 pub mod open;
@@ -37,6 +38,7 @@ pub use estimate::{
 };
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
+pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
@@ -44,7 +46,7 @@ pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};
 pub use scene::{
     Against, Collision, CollisionError, Combination, Cone, ContactLaw, Event, EventKind, EventTime,
-    Feature, FreeBody, FreeParameter, Goal, GoalTarget, Link, Mechanism, Obstacle, Partner,
+    Feature, FreeBody, FreeParameter, Goal, GoalTarget, Held, Link, Mechanism, Obstacle, Partner,
     Quantity, RestGoal, Scene, Surface, Timing, Together, Touching, Track, Untold, VelocityGaps,
     Weights,
 };

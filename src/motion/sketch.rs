@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::held::HeldMotion;
 use super::index::{MechanismIndex, TrackIndex};
 use super::scene::Scene;
 use super::take::Stamp;
@@ -28,6 +29,8 @@ pub struct Sample {
 pub struct TrackSketch {
     /// Samples in order of time.
     pub samples: Vec<Sample>,
+    /// The motion that they show of a body in the hand.
+    pub held: Option<HeldMotion>,
 }
 
 /// A whole performance.

@@ -14,6 +14,7 @@ pub mod checks;
 pub mod diagnoses;
 pub mod doubts;
 pub mod estimate;
+pub mod held;
 pub mod message;
 pub mod motion;
 pub mod reason;
@@ -30,6 +31,7 @@ pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, T
 pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};
 pub use estimate::{EstimateReport, residual_rms};
+pub use held::HeldLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};

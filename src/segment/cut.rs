@@ -1,4 +1,4 @@
-//! Cuts each track's stream into segments at the marks.
+//! Cuts the stream of each track of a flying body into segments at the marks.
 
 use super::error::SegmentError;
 use crate::motion::{EventKind, Scene, Segment, Sketch, Timing, TrackIndex, TrackSketch};
@@ -19,13 +19,14 @@ pub fn samples_min(scene: &Scene, start_event: Option<usize>) -> usize {
     if begins.is_some() { 0 } else { SAMPLES_MIN }
 }
 
-/// Cuts every track's samples at the events it takes part in; all tracks take part in `start` and
-/// `end`. Fails where a segment has fewer samples than [`samples_min`].
+/// Cuts the samples of every track of a flying body at the events it takes part in; all tracks take
+/// part in `start` and `end`. Fails where a segment has fewer samples than [`samples_min`].
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
     let mut segments = Vec::new();
-    for track in scene.tracks.keys() {
+    // What is held does not fly.
+    for track in scene.tracks.keys().filter(|track| !scene.sees_held(*track)) {
         cut_track(scene, sketch, track, &mut segments)?;
     }
     segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));

@@ -70,6 +70,7 @@ mod tests {
             shape_at_m: Vector3::zeros(),
             features: Vec::new(),
             mechanism: MechanismIndex(0),
+            held: None,
         }
     }
 

@@ -20,7 +20,7 @@ pub use contact_law::ContactLaw;
 pub use contacts::CollisionError;
 pub use event::{Collision, Event, EventKind, EventTime, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
-pub use link::{Feature, FreeBody, Link, Mechanism, Track};
+pub use link::{Feature, FreeBody, Held, Link, Mechanism, Track};
 pub use parameter::{Cone, FreeParameter};
 pub use quantity::Quantity;
 pub use rest::RestGoal;

@@ -20,6 +20,7 @@ fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> TrackSk
     };
     TrackSketch {
         samples: (0..10).map(sample).collect(),
+        held: None,
     }
 }
 

@@ -64,7 +64,12 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
 fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
     Sketch {
         origin: Stamp(0),
-        tracks: [TrackSketch { samples }].into_iter().collect(),
+        tracks: [TrackSketch {
+            samples,
+            held: None,
+        }]
+        .into_iter()
+        .collect(),
         marks_s: vec![0.0; bounces],
         marks: vec![None; bounces],
     }

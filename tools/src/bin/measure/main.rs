@@ -23,6 +23,7 @@ mod durations;
 mod failure;
 mod figure;
 mod flow;
+mod held;
 mod ladder;
 mod methods;
 mod nonsense;
@@ -140,6 +141,11 @@ const SUBJECTS: &[Subject] = &[
         "clatter",
         "corners that hit within milliseconds, with few samples between",
         clatter::run
+    ),
+    subject!(
+        "held",
+        "bodies in the hand: how often intervals of their states hold, and what bounces off them",
+        held::run
     ),
     subject!(
         "rest",
