@@ -74,6 +74,9 @@
 //!   equations between its collisions: one link in free flight.
 //! - A *track* ([`motion::TrackIndex`]) is what one tracker on a link delivers.
 //!
+//! A link that somebody holds ([`motion::Held`]) does not fly: its track, smoothed, is its motion
+//! ([`motion::held`]).
+//!
 //! # Symbols
 //!
 //! | symbol | in the code | meaning |
@@ -89,7 +92,8 @@
 //!
 //! # Limits
 //!
-//! Free rigid bodies that collide with the static world or with each other; no joints. Contacts are
+//! Free rigid bodies that collide with the static world, with each other or with bodies in the hand; no
+//! joints. Contacts are
 //! between features: points, lines, rims and faces, sharp or rounded, in the pairs that
 //! [`physics::contact`] knows. Friction is for one contact at a time.
 

@@ -2,7 +2,8 @@
 //! until it rests (paper §6.2.3: the pencil skitters in the mug). The only module that imports
 //! rapier.
 //!
-//! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed.
+//! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed. Held
+//! bodies are moved as they were tracked, and stand still where their tracks end.
 //! Contacts are
 //! rapier's: with friction, softened over millimetres, first order in the step. That suffices to
 //! bring bodies to rest; it is no estimate of how they come to rest, since none of it was
@@ -74,7 +75,10 @@ fn simulated(
     let from_s = estimate.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
     let states = scene.links.iter();
     let states = states.map(|link| last_state(scene, estimate, link.mechanism, from_s));
-    let states: TiVec<LinkIndex, Option<State>> = states.collect();
+    let mut states: TiVec<LinkIndex, Option<State>> = states.collect();
+    for held in &estimate.held {
+        states[held.link] = Some(held.state(from_s));
+    }
     let mut simulation = Simulation::new(scene, estimate, &states)?;
     let steps = (limit_s / INTERVAL_S).floor() as usize;
     let mut settled = Settled {
@@ -95,6 +99,7 @@ fn simulated(
     };
     let mut slow = 0;
     for _ in 0..steps {
+        simulation.lead(estimate, from_s);
         simulation.step();
         slow = if simulation.is_slow() { slow + 1 } else { 0 };
         for (link, moving) in settled.links.iter_mut().zip(&simulation.links) {
@@ -134,6 +139,8 @@ struct Simulation {
     world: PhysicsWorld,
     links: TiVec<LinkIndex, Option<RigidBodyHandle>>,
     bodies: TiVec<LinkIndex, Body>,
+    /// Number of steps so far.
+    steps: usize,
     /// Radii of the spheres about the links' centres \[m\].
     radii_m: TiVec<LinkIndex, f64>,
     /// Least prediction distance of contacts \[m\].
@@ -179,22 +186,41 @@ impl Simulation {
         }
         let links = scene.links.iter().zip(states).map(|(link, state)| {
             let state = (*state)?;
+            let body = if link.held.is_some() {
+                let pose = to_rapier_pose(&state.world_from_body());
+                RigidBodyBuilder::kinematic_position_based().pose(pose)
+            } else {
+                moving(&link.body, &state)
+            };
             let solid = link.solid();
             let (shape, solid_from_shape) = solid.parts();
             let collider = surfaced(ColliderBuilder::new(shape.clone()))
                 .density(0.0)
                 .position(*solid_from_shape);
-            Some(world.insert(moving(&link.body, &state), collider).0)
+            Some(world.insert(body, collider).0)
         });
         let links = links.collect();
         let radii = scene.links.iter().map(|link| link.radius_m());
         Some(Self {
             world,
             links,
+            steps: 0,
             bodies: scene.links.iter().map(|link| link.body).collect(),
             radii_m: radii.collect(),
             least_prediction_m,
         })
+    }
+
+    /// Moves held bodies to where they are after the next step.
+    fn lead(&mut self, estimate: &Estimate, from_s: f64) {
+        self.steps += 1;
+        let time_s = from_s + self.steps as f64 * INTERVAL_S;
+        for held in &estimate.held {
+            if let Some(handle) = self.links[held.link] {
+                let pose = to_rapier_pose(&held.state(time_s).world_from_body());
+                self.world.bodies[handle].set_next_kinematic_position(pose);
+            }
+        }
     }
 
     fn step(&mut self) {
@@ -246,7 +272,10 @@ impl Simulation {
 
     fn is_at_rest(&self) -> bool {
         let mut links = self.links.iter().flatten();
-        links.all(|handle| self.world.bodies[*handle].is_sleeping())
+        links.all(|handle| {
+            let body = &self.world.bodies[*handle];
+            body.is_sleeping() || body.is_kinematic() && body.linvel().length() == 0.0
+        })
     }
 }
 

@@ -7,7 +7,7 @@ mod units;
 use std::fmt::Write;
 
 use checks::checks;
-use tables::{events, parameters, segments};
+use tables::{events, held, parameters, segments};
 use units::{deviation_ms, duration, for_people, seconds};
 
 use crate::report::{EstimateReport, RecordingReport, SuspectLine};
@@ -95,6 +95,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     for block in [
         events(estimate),
         segments(estimate),
+        held(estimate),
         parameters(estimate),
         summary(report, style),
     ] {

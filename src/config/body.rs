@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::held::held;
 use super::number::{direction, name, not_negative, positive, unique, vector, vector_from_mm};
 use super::raw::{Number, RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
@@ -30,7 +31,10 @@ pub(super) fn body(
     let raw = spanned.get_ref();
     let name = name("body", &raw.name)?;
     let shape = shape("the body", &raw.shape, &SIZE)?;
-    let body = in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?;
+    let body = match held(spanned)? {
+        Some(_) => Body::IMMOVABLE,
+        None => in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?,
+    };
     let mut features = features(raw)?;
     add_own(&shape, &mut features);
     let tracks = tracks(raw, (&name, &features), weights)?;

@@ -3,6 +3,7 @@
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::held::check_collision;
 use super::law::{self, BodyLaws, Laws};
 use super::number::{finite, index_of, name, positive, unique};
 use super::raw::{Number, RawCount, RawEvent, Text};
@@ -221,6 +222,11 @@ fn collision(
         .into_iter()
         .map(|feature| Touching { feature, other })
         .collect();
+    check_collision(
+        (event.body.as_ref().expect("it was read"), link),
+        event.other.as_ref().zip(collision_partner(partner)),
+        scene,
+    )?;
     let mut collision = Collision {
         link,
         partner,
@@ -230,6 +236,14 @@ fn collision(
     };
     collision.law = law::of_event(spanned, &collision, of_links, laws)?;
     Ok(collision)
+}
+
+/// The link that is hit.
+fn collision_partner(partner: Partner) -> Option<LinkIndex> {
+    match partner {
+        Partner::World => None,
+        Partner::Link(other) => Some(other),
+    }
 }
 
 /// The features of `link` that touch: one, several at once, or `None` for one to be inferred.

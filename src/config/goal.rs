@@ -8,6 +8,7 @@ use toml::Spanned;
 use super::error::{Fault, fault};
 use super::event::{feature_of, link_of};
 use super::goal_keys::{ABOUT, Used};
+use super::held::check_goal;
 use super::number::{direction, finite, index_of, orientation, positive, vector};
 use super::raw::{Corners, Number, RawAxis, RawGoal, Triple};
 use super::rest::axis;
@@ -68,6 +69,7 @@ impl<'a> Table<'a> {
         match &self.raw.body {
             Some(body) => {
                 let link = link_of(body, self.scene)?;
+                check_goal(body, link, self.scene)?;
                 let of_body = self.of_body(link)?;
                 if of_body.is_empty() && !goals.is_empty() {
                     self.used.check(self.raw)?;
@@ -302,6 +304,7 @@ impl<'a> Table<'a> {
             return Ok(None);
         };
         let other = link_of(text, self.scene)?;
+        check_goal(text, other, self.scene)?;
         if other == link {
             return fault(
                 text.span(),

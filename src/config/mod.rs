@@ -29,6 +29,17 @@
 //! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
 //! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
 //!
+//! # Bodies in the hand
+//!
+//! `held = true` in a `[[body]]` says that somebody holds it: a racket, a paddle, a ramp that is
+//! carried. It does not fly but moves as it was tracked, and what hits it bounces off without
+//! deflecting it: the hand is stronger than the impact. It has a shape, features and a tracker, and no
+//! mass. Its collisions are those of the bodies that it deflects, with `other = "racket"`. Its stream
+//! is smoothed; `tracker_sd_mm` and `tracker_sd_deg` are the standard deviations of the tracker's noise
+//! per axis, where they are known. See `docs/held.md`.
+//!
+//! # Times of events
+//!
 //! The time of an event is that of its mark, or it is estimated. `time = "fixed"` or `"free"` in an
 //! `[[event]]` says which; left out, collisions are free, a start is fixed, and an end is free only
 //! where a goal holds there and the stamps are those of a tempo. The mark is a measurement of a free
@@ -107,6 +118,8 @@
 //! | `timing.mark_sd_ms`, the standard deviation of marks | half a sample's interval where stamps are physical times, as annotators mark; 50 ms where they are not, as people press a button |
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
 //! | `body.topic` | `"/tracker/<name>/pose"` |
+//! | `body.held` | `false` |
+//! | `body.tracker_sd_mm`, `body.tracker_sd_deg`, of a held body | as its stream shows, at least 0.01 mm and 0.003° |
 //! | `velocity_gaps` | `"when needed"` |
 //! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
 //! | `event.feature`, `event.surface`, `event.other_feature` | inferred from the performance |
@@ -127,6 +140,7 @@ mod error;
 mod event;
 mod goal;
 mod goal_keys;
+mod held;
 mod keyframes;
 mod keys;
 mod law;

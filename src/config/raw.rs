@@ -65,6 +65,9 @@ pub(super) struct RawBody {
     pub(super) tracker: Option<Spanned<RawTracker>>,
     #[serde(default)]
     pub(super) track: Vec<Spanned<RawTrack>>,
+    pub(super) held: Option<Spanned<bool>>,
+    pub(super) tracker_sd_mm: Option<Number>,
+    pub(super) tracker_sd_deg: Option<Number>,
     pub(super) restitution: Option<Number>,
     pub(super) friction: Option<Number>,
     pub(super) force_m_s2: Option<Triple>,

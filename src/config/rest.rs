@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::error::{Fault, fault};
 use super::event::link_of;
+use super::held::check_goal;
 use super::number::{direction, positive};
 use super::raw::{RawGoal, Text};
 use crate::motion::{Link, RestGoal, Scene};
@@ -71,6 +72,7 @@ fn rest_goal(goal: &RawGoal, face_up: &Text, scene: &Scene) -> Result<RestGoal, 
         return fault(face_up.span(), "missing key `body`: whose face is up");
     };
     let link = link_of(body, scene)?;
+    check_goal(body, link, scene)?;
     Ok(RestGoal {
         link,
         name: face_up.get_ref().clone(),

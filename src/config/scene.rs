@@ -7,6 +7,7 @@ use super::body::body;
 use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
+use super::held::hold;
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -75,6 +76,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         let of_link = tracks.into_iter().map(|track| Track { link, ..track });
         scene.tracks.extend(of_link);
     }
+    hold(raw, &mut scene)?;
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;

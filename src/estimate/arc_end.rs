@@ -91,6 +91,18 @@ impl ArcEnd {
         }
     }
 
+    /// A state that is itself the unknown, whatever the time: of a held body.
+    pub(super) fn given(state: &State) -> Self {
+        Self {
+            state: *state,
+            duration_s: 0.0,
+            by_orientation: Matrix3::identity(),
+            turn_by_spin: Matrix3::zeros(),
+            spin_by_spin: Matrix3::identity(),
+            rate: StateTangent::zeros(),
+        }
+    }
+
     /// Chains derivatives by the arriving state to those by the state at the epoch.
     pub(super) fn chain<const R: usize>(&self, rows: &ByState<R>) -> ByState<R> {
         ByState {

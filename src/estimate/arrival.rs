@@ -1,7 +1,7 @@
 //! An arc's state at an event with all derivatives, for arcs on which parameters act and for bodies
 //! with drag: the general form of [`ArcEnd`](super::arc_end).
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, Matrix3x2, SMatrix};
 
 use super::arc_end::ArcEnd;
 use super::influence::{Acting, Influence, drag_is_free};
@@ -52,6 +52,24 @@ impl Arrival {
             by_moments,
             end,
         })
+    }
+
+    /// A state that is itself the unknown, whatever the time: of a held body.
+    pub(super) fn given(state: &State) -> Self {
+        Self {
+            end: ArcEnd::given(state),
+            fallen: Fallen {
+                position_m: state.position_m,
+                velocity_m_s: state.velocity_m_s,
+                position_by_velocity: Matrix3::zeros(),
+                position_by_pull: Matrix3::zeros(),
+                position_by_drag: Matrix3x2::zeros(),
+                velocity_by_velocity: Matrix3::identity(),
+                velocity_by_pull: Matrix3::zeros(),
+                velocity_by_drag: Matrix3x2::zeros(),
+            },
+            by_moments: [Matrix3::zeros(); 2],
+        }
     }
 
     /// Derivative of a component of the velocity by itself at the epoch.

@@ -23,8 +23,13 @@ mod length {
     /// Of every direction in which the state of a mechanism may change.
     pub fn of_state(dynamics: &Dynamics) -> impl Iterator<Item = f64> {
         match dynamics {
-            Dynamics::Free(_) => FREE.into_iter().flat_map(|length| [length; 3]),
+            Dynamics::Free(_) => of_free(),
         }
+    }
+
+    /// Of every direction in which the state of a free body may change.
+    pub fn of_free() -> impl Iterator<Item = f64> {
+        FREE.into_iter().flat_map(|length| [length; 3])
     }
 }
 
@@ -41,6 +46,7 @@ impl Program for SolveContext<'_> {
         objective.add_samples();
         objective.add_priors();
         objective.add_pulls();
+        objective.add_held();
         self.fill_constraints(guidance, point, system);
         self.add_priced(guidance.goal_weight_max, system);
     }
@@ -59,6 +65,11 @@ impl Program for SolveContext<'_> {
             let lengths = length::of_state(problem.dynamics_of(arc));
             for (at, length) in layout.state(problem, arc).zip(lengths) {
                 scale[at] = weight(length);
+            }
+        }
+        for at in &layout.held {
+            for (entry, length) in length::of_free().enumerate() {
+                scale[at + entry] = weight(length);
             }
         }
         for (at, free) in layout.parameters.iter().zip(&problem.parameters) {

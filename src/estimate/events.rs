@@ -37,6 +37,7 @@ pub fn align(context: &SolveContext, point: &mut Point) {
             let reach_s = REACH_SAMPLES * interval_s;
             let steps = (REACH_SAMPLES * turned_rad / STEP_RAD).ceil();
             point.event_times_s[event] = nearest_s(context, point, event, (reach_s, steps as i32));
+            context.problem.hold(point, Some(event));
         }
     }
 }
@@ -78,6 +79,7 @@ fn nearest_s(
     let step_s = reach_s / f64::from(steps);
     let mut misses = |time_s: f64| {
         point.event_times_s[event] = time_s;
+        context.problem.hold(&mut point, Some(event));
         miss(context, &point, event)
     };
     let times_s = (-steps..=steps).map(|step| around_s + f64::from(step) * step_s);

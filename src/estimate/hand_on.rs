@@ -6,7 +6,7 @@
 use super::point::Point;
 use super::problem::{ArcCollision, Problem};
 use crate::physics::impact::Side;
-use crate::physics::{Dynamics, State};
+use crate::physics::{Body, Dynamics, State};
 
 /// Sets the states of arcs with few samples, in order of time, to those after the impacts with which
 /// they begin. Those whose contact recedes, or is degenerate, stay.
@@ -45,10 +45,18 @@ fn after(
         dynamics.advance(&gravity, &point.arcs[arc], time_s - epochs_s[arc])
     };
     let sides = collision.sides.iter();
-    let before: Vec<State> = sides.map(|side| arrive(side.before)).collect();
+    let before = sides.map(|side| arrive(side.before));
+    let held = collision.held.map(|held| point.held[held]);
+    let before: Vec<State> = before.chain(held).collect();
     let side = |index: usize| {
-        let Dynamics::Free(body) = &problem.dynamics[collision.sides.get(index)?.mechanism];
-        let state = &before[index];
+        let state = before.get(index)?;
+        let body = match collision.sides.get(index) {
+            Some(side) => {
+                let Dynamics::Free(body) = &problem.dynamics[side.mechanism];
+                body
+            }
+            None => &Body::IMMOVABLE,
+        };
         Some(Side { body, state })
     };
     let law = collision.law(&point.parameters);

@@ -1,7 +1,7 @@
 //! Order of the unknowns: along time, so that the normal matrix has a narrow envelope.
 //!
 //! Between two events come the sample times (where they are unknown), then the states of the
-//! arcs that end at the next event, then that event's time; parameters, which everything may
+//! arcs that end at the next event, those of held bodies at it, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet are not coupled and come one after the other.
 
 use std::ops::Range;
@@ -12,12 +12,15 @@ use super::problem::{Arc, EventMark, Problem};
 use crate::motion::MechanismIndex;
 use crate::optimise::Structure;
 use crate::optimise::envelope::Pattern;
+use crate::physics::state;
 
 /// Indices of the unknowns: the first of every part.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// Index of each arc's state: as many unknowns as the arc's dynamics has dimensions.
     pub arcs: Vec<usize>,
+    /// Index of each held body's state at a collision.
+    pub held: Vec<usize>,
     /// Index of each event's time, where it is free.
     pub events: Vec<Option<usize>>,
     /// Index of each node's time, where it is unknown. The first node is fixed: it is the zero of
@@ -39,6 +42,7 @@ impl Layout {
             next - count
         };
         let mut arcs = vec![0; problem.arcs.len()];
+        let mut held = vec![0; problem.held.len()];
         let mut events = vec![None; problem.event_is_free.len()];
         let mut nodes = vec![None; problem.nodes_acted_s.len()];
         let mut next_node = 1;
@@ -71,6 +75,11 @@ impl Layout {
             for arc in here {
                 arcs[arc] = take(problem.dimension(arc));
             }
+            for (at, of) in held.iter_mut().zip(&problem.held) {
+                if event == Some(of.event) && group == owner(of.event) {
+                    *at = take(state::DIMENSION);
+                }
+            }
             if let Some(event) = event
                 && problem.event_is_free[event]
                 && group == owner(event)
@@ -81,6 +90,7 @@ impl Layout {
         let parameters: Vec<usize> = problem.parameters.iter().map(|_| take(1)).collect();
         let mut layout = Self {
             arcs,
+            held,
             events,
             nodes,
             parameters,
@@ -164,6 +174,11 @@ impl Layout {
         }
         for mark in &problem.marks {
             clique(&self.of_mark(mark).into_iter().flatten().collect::<Vec<_>>());
+        }
+        for (of, at) in problem.held.iter().zip(&self.held) {
+            let others = of.others(self).into_iter().flatten();
+            let all = (*at..*at + state::DIMENSION).chain(others);
+            clique(&all.collect::<Vec<_>>());
         }
         // The tempo prior compares neighbouring rates: three times in a row.
         for three in self.nodes.windows(3) {

@@ -8,6 +8,7 @@
 //!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
 //! - The way to the solution: [`events`] gives the first event times, `hand_on` the first states of
 //!   flights without samples, [`recipe`] the schedule.
+//! - Bodies in the hand have no flights, but a state at each of their collisions ([`held`]).
 //! - Parameters beside gravity and laws have roles ([`influence`]); where one acts, residuals
 //!   (`observed`) and arrivals (`arrival`) take their general form.
 //! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`; whether it explains the
@@ -29,6 +30,8 @@ mod deviation;
 mod evaluate;
 pub mod events;
 mod hand_on;
+pub mod held;
+mod held_motion;
 pub mod influence;
 pub mod layout;
 pub mod mark;

@@ -16,7 +16,7 @@ use super::tempo;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::physics::Dynamics;
-use crate::physics::state::part;
+use crate::physics::state::{StateTangent, part};
 
 /// The objective while its terms are being added: value, gradient and Gauss–Newton Hessian.
 pub(super) struct Objective<'a> {
@@ -256,6 +256,27 @@ impl<'a> Objective<'a> {
                 for column in 0..=row {
                     let value = square[(row, column)];
                     self.hessian.add(self.pattern, at + row, at + column, value);
+                }
+            }
+        }
+    }
+
+    /// Adds the residuals of held bodies.
+    pub(super) fn add_held(&mut self) {
+        let (problem, layout) = (self.context.problem, self.context.layout);
+        for ((of, at), state) in problem.held.iter().zip(&layout.held).zip(&self.point.held) {
+            let term = of.term(problem, self.point, state);
+            *self.cost += 0.5 * term.residual.norm_squared();
+            let by_state = term.by_state.column_iter().map(|by| by.into_owned());
+            let by_state = by_state.enumerate().map(|(entry, by)| (at + entry, by));
+            let others = of.others(layout).into_iter().zip(term.by_others);
+            let others = others.filter_map(|(unknown, by)| Some((unknown?, by)));
+            let columns: Vec<(usize, StateTangent)> = by_state.chain(others).collect();
+            for (i, (row, by)) in columns.iter().enumerate() {
+                self.gradient[*row] += by.dot(&term.residual);
+                for (column, other) in &columns[..=i] {
+                    let (row, column) = (*row.max(column), *row.min(column));
+                    self.hessian.add(self.pattern, row, column, by.dot(other));
                 }
             }
         }

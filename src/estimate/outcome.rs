@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::context::SolveContext;
 use super::covariance::bins::Residuals;
+use super::held_motion;
 use super::observed::Observer;
 use super::point::Point;
 use super::problem::{Problem, TimeSide, View, unit};
@@ -14,7 +15,7 @@ use crate::motion::{
     ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch, Verdict,
 };
 use crate::optimise::System;
-use crate::physics::Dynamics;
+use crate::physics::{Dynamics, State};
 
 /// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
@@ -46,6 +47,8 @@ pub fn estimate(
     let arcs = arcs(problem, context, point, &events);
     let (verdict, end) = judge(problem, solution, (&events, &arcs));
     let parameters = problem.parameters.iter().zip(&point.parameters);
+    let sample_times = sample_times(problem, point);
+    let held = held_motion::estimates((scene, sketch), problem, point, &sample_times);
     Estimate {
         verdict,
         reason: Reason::from(end),
@@ -54,7 +57,8 @@ pub fn estimate(
         gravity_m_s2: problem.gravity(&point.parameters),
         arcs,
         residuals: residuals(problem, errors),
-        sample_times: sample_times(problem, point),
+        held,
+        sample_times,
         events,
         duration: DurationEstimate {
             duration_s: timing::duration(context, point).duration_s,
@@ -171,7 +175,8 @@ fn judge(
         (false, true) => End::Stopped(progress),
         (false, false) => End::NoProgress(progress),
     };
-    let finite = solution.point.arcs.iter().all(|state| state.is_finite());
+    let mut states = solution.point.arcs.iter().chain(&solution.point.held);
+    let finite = states.all(State::is_finite);
     if !finite || !solution.system.cost.is_finite() {
         return (Verdict::Failed, End::NotFinite);
     }

@@ -6,12 +6,15 @@ use super::layout::Layout;
 use super::problem::Problem;
 use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
+use crate::physics::state;
 
 /// Values of all unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// States of the arcs at their epochs.
     pub arcs: Vec<State>,
+    /// States of held bodies at their collisions.
+    pub held: Vec<State>,
     /// Physical times of the scene's events \[s\].
     pub event_times_s: Vec<f64>,
     /// Physical times of the nodes \[s\].
@@ -31,12 +34,15 @@ impl Point {
                 }
             }
         }
-        Self {
+        let mut point = Self {
             arcs: guess.arcs.iter().map(|arc| arc.state).collect(),
+            held: vec![State::at_rest(); problem.held.len()],
             event_times_s: guess.event_times_s.clone(),
             node_times_s,
             parameters: guess.parameters.clone(),
-        }
+        };
+        problem.hold(&mut point, None);
+        point
     }
 
     /// The point as a guess, with the epochs and the initial parameters of the guess it came from.
@@ -74,6 +80,10 @@ impl Point {
         for (arc, (state, from)) in self.arcs.iter_mut().zip(&origin.arcs).enumerate() {
             let delta = &delta.as_slice()[layout.state(problem, arc)];
             *state = problem.dynamics_of(arc).retract(from, delta);
+        }
+        let held = self.held.iter_mut().zip(&origin.held);
+        for ((state, from), at) in held.zip(&layout.held) {
+            *state = from.retract(&delta.fixed_rows::<{ state::DIMENSION }>(*at).into());
         }
         let change = |at: Option<usize>| at.map_or(0.0, |at| delta[at]);
         for (event, time_s) in self.event_times_s.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
 use super::conditions::{conditions, flight_at};
+use super::held::HeldState;
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
@@ -84,7 +85,19 @@ impl Problem {
             .map(|(event, e)| e.kind.collision().is_some() || scene.time_is_free(event))
             .collect();
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
-        let collisions = collisions(scene, &arcs, (&roles, &gravity_parameters), &parameter);
+        let mut held = Vec::new();
+        let hold = |event| {
+            let of = hold(scene, sketch, (&roles, &nodes.acted_s), event)?;
+            held.push(of);
+            Some(held.len() - 1)
+        };
+        let collisions = collisions(
+            scene,
+            &arcs,
+            (&roles, &gravity_parameters),
+            &parameter,
+            hold,
+        );
         Self {
             conditions: conditions(scene, (&arcs, &collisions), &gravity_parameters),
             dynamics: scene
@@ -94,6 +107,7 @@ impl Problem {
                 .collect(),
             gravity_m_s2: scene.gravity_m_s2,
             collisions,
+            held,
             gravity_parameters,
             mounts: scene
                 .tracks
@@ -224,6 +238,7 @@ fn collisions(
     arcs: &[Arc],
     (roles, gravity_parameters): (&[Role], &[Option<usize>; 3]),
     parameter: &impl Fn(Quantity) -> Option<usize>,
+    mut hold: impl FnMut(usize) -> Option<usize>,
 ) -> Vec<ArcCollision> {
     let events = scene.events.iter().enumerate();
     let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
@@ -248,7 +263,8 @@ fn collisions(
                 && goal.link == collision.link
                 && matches!(goal.target, GoalTarget::Pose { .. })
         };
-        let sides: Vec<ArcPair> = collision.links().map(side).collect::<Option<_>>()?;
+        let free = collision.links().filter(|link| !scene.is_held(*link));
+        let sides: Vec<ArcPair> = free.map(side).collect::<Option<_>>()?;
         let surface = match collision.partner {
             Partner::World => collision
                 .contacts
@@ -276,6 +292,7 @@ fn collisions(
         Some(ArcCollision {
             event,
             sides,
+            held: hold(event),
             acting,
             is_plain,
             contacts: scene
@@ -298,6 +315,39 @@ fn collisions(
         })
     })
     .collect()
+}
+
+/// The held body at a collision with one.
+fn hold(
+    scene: &Scene,
+    sketch: &Sketch,
+    (roles, nodes_acted_s): (&[Role], &[f64]),
+    event: usize,
+) -> Option<HeldState> {
+    let collision = scene.events[event].kind.collision()?;
+    let link = collision.links().find(|link| scene.is_held(*link))?;
+    let track = scene
+        .tracks
+        .keys()
+        .find(|track| scene.tracks[*track].link == link)?;
+    let motion = sketch.tracks[track].held.as_ref();
+    let motion = motion.expect("a motion that an earlier stage found");
+    let acting = roles
+        .iter()
+        .filter(|role| role.owner == Owner::Track(track));
+    let nodes = match scene.timing {
+        Timing::Unknown { .. } => EventMark::nodes_about(nodes_acted_s, sketch.marks_s[event]),
+        Timing::Known | Timing::Edited => None,
+    };
+    Some(HeldState::new(
+        (track, motion),
+        &scene.tracks[track].link_from_tracker,
+        motion
+            .meeting(event)
+            .expect("a meeting at each of its collisions"),
+        acting.map(|role| role.acting(None)).collect(),
+        nodes,
+    ))
 }
 
 fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {

@@ -6,6 +6,7 @@ use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
 use super::conditions::ArcCondition;
+use super::held::HeldState;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
@@ -169,8 +170,10 @@ pub struct ArcPair {
 pub struct ArcCollision {
     /// Event at which it happens.
     pub event: usize,
-    /// The body, and the other one unless it hits the static world.
+    /// The body, and the other one unless it hits the static world or a held body.
     pub sides: Vec<ArcPair>,
+    /// The held body that it hits (index into [`Problem::held`]).
+    pub held: Option<usize>,
     /// Its contacts.
     pub contacts: ContactSet,
     /// Whether a goal fixes the body in contact, so that no row is needed for the gap.
@@ -313,6 +316,8 @@ pub struct Problem {
     pub marks: Vec<EventMark>,
     /// Collisions.
     pub collisions: Vec<ArcCollision>,
+    /// Held bodies at their collisions.
+    pub held: Vec<HeldState>,
     /// Goals that are poses or coordinates.
     pub goals: Vec<ArcGoal>,
     /// All other goals.

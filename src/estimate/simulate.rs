@@ -4,7 +4,7 @@
 use super::point::Point;
 use super::problem::{ArcCollision, Problem};
 use crate::physics::impact::{Impact, Side};
-use crate::physics::{Dynamics, State};
+use crate::physics::{Body, Dynamics, State};
 
 /// Steps of the scan for a contact, in the time from the last event to this one in the motion from
 /// which it starts; and how many of these times are scanned.
@@ -43,6 +43,7 @@ pub(super) fn simulate(problem: &Problem, epochs_s: &[f64], mut point: Point) ->
             return None;
         }
         point.event_times_s[of.event] = time_s;
+        problem.hold(&mut point, Some(of.event));
         for ((side, before), after) in of.sides.iter().zip(&before).zip(&impact.after) {
             let state = State {
                 velocity_m_s: after.velocity_m_s,
@@ -88,9 +89,16 @@ impl Approach<'_> {
             let state = &self.point.arcs[side.before];
             self.problem.dynamics[side.mechanism].advance(&gravity, state, since_s)
         });
-        let states: Vec<State> = states.collect();
-        let sides = self.of.sides.iter().zip(&states).map(|(side, state)| {
-            let Dynamics::Free(body) = &self.problem.dynamics[side.mechanism];
+        let held = self.of.held.map(|held| self.held_at(held, time_s));
+        let states: Vec<State> = states.chain(held).collect();
+        let sides = states.iter().enumerate().map(|(index, state)| {
+            let body = match self.of.sides.get(index) {
+                Some(side) => {
+                    let Dynamics::Free(body) = &self.problem.dynamics[side.mechanism];
+                    body
+                }
+                None => &Body::IMMOVABLE,
+            };
             Side { body, state }
         });
         let sides: Vec<Side> = sides.collect();
@@ -101,6 +109,13 @@ impl Approach<'_> {
             .impact(&sides[0], sides.get(1), &law)
             .ok()?;
         Some((states, impact))
+    }
+
+    /// The smoothed state of a held body, were the collision at a time.
+    fn held_at(&self, held: usize, time_s: f64) -> State {
+        let mut point = self.point.clone();
+        point.event_times_s[self.of.event] = time_s;
+        self.problem.held[held].expected(self.problem, &point)
     }
 
     fn gap_m(&self, time_s: f64) -> Option<f64> {

@@ -22,6 +22,7 @@ use crate::physics::{Body, Drag, Dynamics, Shape, State, contact, flow, impact};
 
 mod approach;
 pub(super) mod conditions;
+mod held;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
@@ -280,6 +281,10 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
     let mut arcs = Vec::new();
     for track in scene.tracks.keys() {
         let link = scene.link_seen_by(track);
+        if link.held.is_some() {
+            tracks.push(held::track(1.0));
+            continue;
+        }
         let mut samples = Vec::new();
         for (arc, mut state) in states().into_iter().enumerate() {
             // The second body flies below the first and turns otherwise.
@@ -321,7 +326,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
     }
     // Segments come in order of their ends, and so do the guesses of their arcs.
     let order = |arc: usize| {
-        if scene.links.len() == 1 {
+        if segments.len() == 2 {
             arc
         } else {
             [0, 2, 1, 3][arc]
@@ -458,6 +463,8 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             meeting(timing, 0.0),
             meeting(timing, 0.05),
             meeting(timing, 9.0),
+            held::held(timing, 0.0),
+            held::held(timing, 9.0),
             landing(timing),
         ];
         let paces: &[f64] = if timing == Timing::Known {
@@ -466,7 +473,11 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             &[1.0, 0.1]
         };
         let at = |scene: Scene| paces.iter().map(move |pace| (scene.clone(), *pace));
-        let modelled = [modelled(scene(timing)), modelled(meeting(timing, 9.0))];
+        let modelled = [
+            modelled(scene(timing)),
+            modelled(meeting(timing, 9.0)),
+            held::modelled_held(timing),
+        ];
         let modelled = modelled.into_iter().map(|scene| (scene, 1.0));
         let whole = scenes.into_iter().flat_map(at).chain(modelled);
         let whole = whole.map(|(scene, pace)| (scene, pace, false));
@@ -493,10 +504,20 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         if is_in_parts {
             see_in_parts(&mut scene, &mut sketch, &mut segments, &mut guess);
         }
+        for track in sketch
+            .tracks
+            .iter_mut()
+            .filter(|track| track.held.is_some())
+        {
+            *track = held::track(pace);
+        }
         let mut problem = Problem::new(&scene, &sketch, &segments);
         let mut shares = problem.arcs.iter().flat_map(|arc| arc.samples());
         assert_eq!(shares.any(|sample| sample.share > 0.0), pace < 1.0);
-        let point = Point::new(&problem, &guess);
+        let mut point = Point::new(&problem, &guess);
+        for state in &mut point.held {
+            *state = held::moved_off(state, offset);
+        }
         for velocity_gap_weight in [None, (offset > 0.0).then_some(0.3)] {
             problem.velocity_gap_weight = velocity_gap_weight;
             let layout = Layout::new(&problem);

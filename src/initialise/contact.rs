@@ -8,9 +8,10 @@
 use nalgebra::Vector3;
 
 use crate::math::{Pose, so3};
+use crate::motion::held::Mounted;
 use crate::motion::{
-    Contacts, Goal, GoalTarget, Guess, LinkIndex, Mechanism, Partner, Scene, Seen, Segment, Sketch,
-    Touching,
+    Contacts, Goal, GoalTarget, Guess, HeldMotion, LinkIndex, Mechanism, Partner, Scene, Seen,
+    Segment, Sketch, Touching,
 };
 use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::shape::Solid;
@@ -305,8 +306,10 @@ struct Solids<'a> {
     shapes: [&'a Shape; 2],
     solids: [Solid; 2],
     point: Solid,
-    /// Arc of the first, and of the second if it moves.
+    /// Arc of the first, and of the second if it flies.
     arcs: (usize, Option<usize>),
+    /// The second, if it is held.
+    held: Option<HeldSolid<'a>>,
     /// Where the second stands otherwise.
     standing: Pose,
 }
@@ -316,6 +319,7 @@ impl<'a> Solids<'a> {
         let links = view.links();
         let first = *links.first()?;
         let scene = view.scene;
+        let mut held = None;
         let (shape, arc, standing) = match obstacle {
             Some(obstacle) => {
                 let obstacle = &scene.obstacles[obstacle];
@@ -323,8 +327,13 @@ impl<'a> Solids<'a> {
             }
             None => {
                 let second = *links.get(1)?;
-                let arc = view.arc(second, true)?;
-                (&scene.links[second].shape, Some(arc), Pose::identity())
+                let arc = if scene.is_held(second) {
+                    held = Some(HeldSolid::new(view, second)?);
+                    None
+                } else {
+                    Some(view.arc(second, true)?)
+                };
+                (&scene.links[second].shape, arc, Pose::identity())
             }
         };
         let shapes = [&scene.links[first].shape, shape];
@@ -335,12 +344,14 @@ impl<'a> Solids<'a> {
             solids: [shapes[0].solid().ok()?, shape.solid().ok()?],
             point: point.solid().ok()?,
             arcs: (view.arc(first, true)?, arc),
+            held,
             standing,
         })
     }
 
     fn states(&self, after_s: f64) -> (State, Option<State>) {
         let second = self.arcs.1.map(|arc| self.view.state(arc, after_s));
+        let second = second.or(self.held.as_ref().map(|held| held.state(after_s)));
         (self.view.state(self.arcs.0, after_s), second)
     }
 
@@ -398,6 +409,46 @@ impl<'a> Solids<'a> {
         // Excludes the far sides of fixed solids; one of two bodies may recede before the other.
         let meets = second.is_some() || speed_m_s < 0.0;
         meets.then_some(touch.gap_m.abs() + beside_m)
+    }
+}
+
+/// A held body near an event.
+struct HeldSolid<'a> {
+    motion: &'a HeldMotion,
+    link_from_tracker: Pose,
+    /// Acted time of the event \[s\].
+    acted_s: f64,
+    /// Acted time that passes in a second, in the mean over the flight before the event.
+    rate: f64,
+}
+
+impl<'a> HeldSolid<'a> {
+    fn new(view: &View<'a>, link: LinkIndex) -> Option<Self> {
+        let mut tracks = view.scene.tracks.iter_enumerated();
+        let (track, of) = tracks.find(|(_, track)| track.link == link)?;
+        let before = view.arc(*view.links().first()?, true)?;
+        let flight = &view.segments[before];
+        let shown = flight.views.first().map(|of| view.sketch.samples_of(of));
+        let times_s = &view.guess.arcs[before].sample_times_s;
+        let rate = match shown {
+            Some(samples @ [first, .., last]) => {
+                let lasts_s = times_s[samples.len() - 1] - times_s[0];
+                (last.acted_s - first.acted_s) / lasts_s
+            }
+            _ => 1.0,
+        };
+        Some(Self {
+            motion: view.sketch.tracks[track].held.as_ref()?,
+            link_from_tracker: of.link_from_tracker,
+            acted_s: view.sketch.marks_s[view.event],
+            rate,
+        })
+    }
+
+    fn state(&self, after_s: f64) -> State {
+        let tracker = self.motion.at(self.acted_s + after_s * self.rate);
+        let mounted = Mounted::new(&tracker, &self.link_from_tracker);
+        mounted.driven.at_rate(self.rate).state
     }
 }
 

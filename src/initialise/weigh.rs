@@ -3,7 +3,7 @@
 //! In the objective samples count one by one, in the scene's unit `u`. But a hand wanders about as
 //! slowly as flights last: the `n` samples of a flight are together worth one, with the hand's
 //! error `e`. They count `n/u²` instead of `1/e²`, too often by `n e²/u²`, and marks are made to
-//! count as much too often. The error is estimated where flights meet: from the distance between
+//! count as much too often, and so are the smoothed states of bodies in the hand. The error is estimated where flights meet: from the distance between
 //! two that are fitted alone, and between one and a goal. For a performance close to a motion it is
 //! small.
 
@@ -11,6 +11,9 @@ use nalgebra::Vector3;
 
 use super::between::is_fitted;
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
+
+/// Least square error of flights that is believed, in squared units of positions.
+const LEAST_SQUARE: f64 = 1e-6;
 
 /// Sets how often marks count ([`MarkTime::counted`](crate::motion::MarkTime::counted)) to how
 /// often the samples of the flights in `guess` do.
@@ -24,6 +27,13 @@ pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &G
     for mark in sketch.marks.iter_mut().flatten() {
         mark.counted = counted;
     }
+    // What is known of a held body keeps some weight beside flights without errors.
+    let counted = counted.max(per_flight * LEAST_SQUARE);
+    let held = sketch
+        .tracks
+        .iter_mut()
+        .filter_map(|track| track.held.as_mut());
+    held.for_each(|motion| motion.counted = counted);
 }
 
 /// Mean square error of flights' positions per axis, from their distances at events \[m²\].

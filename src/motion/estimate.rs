@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 
 use super::doubt::Doubt;
 use super::fit::Fit;
-use super::index::{MechanismIndex, TrackIndex};
+use super::held::HeldEstimate;
+use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::reason::Reason;
 use super::suspect::Suspect;
 use super::take::Stamp;
@@ -237,6 +238,24 @@ impl Estimate {
         )
     }
 
+    /// The motion of a link in the hand.
+    pub fn held_motion(&self, link: LinkIndex) -> Option<&HeldEstimate> {
+        self.held.iter().find(|held| held.link == link)
+    }
+
+    /// Physical times of all used samples: of flights, and of bodies in the hand.
+    pub fn all_sample_times(&self) -> impl Iterator<Item = &SampleTime> {
+        let held = self.held.iter().flat_map(|held| &held.sample_times);
+        self.sample_times.iter().chain(held)
+    }
+
+    /// First and last time of the motion \[s\]: of its flights; `None` where there are none.
+    pub fn extent_s(&self) -> Option<[f64; 2]> {
+        let start_s = self.arcs.iter().map(|arc| arc.start_s).reduce(f64::min)?;
+        let end_s = self.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
+        Some([start_s, end_s])
+    }
+
     /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));
@@ -284,6 +303,8 @@ pub struct Estimate {
     pub gravity_m_s2: Vector3<f64>,
     /// The motion: arcs mechanism by mechanism, in order of time.
     pub arcs: Vec<ArcEstimate>,
+    /// The motions of bodies in the hand.
+    pub held: Vec<HeldEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
     /// The duration of the motion.
@@ -292,7 +313,7 @@ pub struct Estimate {
     pub parameters: Vec<ParameterEstimate>,
     /// One per arc, in the order of `arcs`.
     pub residuals: Vec<SegmentResidual>,
-    /// Physical time of every used sample, track by track.
+    /// Physical time of every used sample of a flight, track by track.
     pub sample_times: Vec<SampleTime>,
     /// How well the motion explains the performance; `None` where the performance does not tell, or
     /// checks were not asked for.

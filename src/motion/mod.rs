@@ -11,6 +11,7 @@ pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod guess;
+pub mod held;
 pub mod index;
 pub mod keyframe;
 pub mod keyframes;
@@ -39,6 +40,7 @@ pub use estimate::{
 };
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
+pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use keyframe::{Keyframe, KeyframeTime, SketchRow};
 pub use observe::{Observer, Phase, Quiet};
@@ -48,7 +50,7 @@ pub use rest::{Lie, Rest, RestWork};
 pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
-    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Link, Mechanism, Moment, Obstacle, Partner,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Link, Mechanism, Moment, Obstacle, Partner,
     Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track, Untold,
     VelocityGaps, Weighing, Weights,
 };

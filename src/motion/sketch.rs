@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::{Matrix6, UnitQuaternion, UnitVector3, Vector3};
 use typed_index_collections::TiVec;
 
+use super::held::HeldMotion;
 use super::index::{MechanismIndex, TrackIndex};
 use super::scene::Scene;
 use super::take::Stamp;
@@ -88,6 +89,8 @@ pub struct TrackSketch {
     /// position and of its orientation's rotation vector, both in world axes \[m², m rad, rad²\];
     /// empty otherwise.
     pub covariances: Vec<Matrix6<f64>>,
+    /// The motion that they show of a body in the hand.
+    pub held: Option<HeldMotion>,
 }
 
 /// A whole performance.
@@ -109,6 +112,7 @@ impl TrackSketch {
         Self {
             samples,
             covariances: Vec::new(),
+            held: None,
         }
     }
 }

@@ -82,6 +82,18 @@ pub enum BodyError {
 }
 
 impl Body {
+    /// What no impact deflects: a body in the hand. Its mass and moments are infinite.
+    pub const IMMOVABLE: Self = Self {
+        mass_kg: f64::INFINITY,
+        moments_kg_m2: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        symmetry: Symmetry::Spherical,
+        force_m_s2: Vector3::new(0.0, 0.0, 0.0),
+        drag: Drag {
+            linear_per_s: 0.0,
+            quadratic_per_m: 0.0,
+        },
+    };
+
     /// A body from its mass \[kg\] and principal moments [kg m²] about body axes 0, 1, 2.
     ///
     /// Fails where no distribution of mass has these moments.

@@ -37,6 +37,16 @@ pub struct State {
 }
 
 impl State {
+    /// At rest at the origin.
+    pub fn at_rest() -> Self {
+        Self {
+            position_m: Vector3::zeros(),
+            orientation: UnitQuaternion::identity(),
+            velocity_m_s: Vector3::zeros(),
+            angular_velocity_rad_s: Vector3::zeros(),
+        }
+    }
+
     /// `q ⊞ δ = (x + δx, R·Exp(δθ), v + δv, ω + δω)`.
     pub fn retract(&self, delta: &StateTangent) -> State {
         State {

@@ -118,6 +118,12 @@ impl Preview {
         let warm = last.and_then(|last| {
             // Marks keep their weights.
             sketch.marks.clone_from(&last.outcome.sketch.marks);
+            let tracks = sketch.tracks.iter_mut().zip(&last.outcome.sketch.tracks);
+            for (track, last) in tracks {
+                if let (Some(held), Some(last)) = (&mut track.held, &last.held) {
+                    held.counted = last.counted;
+                }
+            }
             let solved = last.next(&sketch, &cut.segments, observer)?;
             Some((last.begun, last.continued(solved)))
         });

@@ -42,6 +42,7 @@ pub(super) fn cut(
         rounds += segment::refine(scene, sketch);
     }
     segment::loosen(scene, sketch);
+    segment::hold(scene, sketch)?;
     let segments = segment::cut(scene, sketch)?;
     Ok(Cut {
         segments,
@@ -72,10 +73,14 @@ pub(super) fn solve(
     Ok(inferred)
 }
 
-/// Counts the samples that segments use; those between a track's segments are near a collision.
+/// Counts the samples that segments use, and all of held bodies; those between a track's segments are near a collision.
 pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
     counts.used = segments.iter().map(Segment::sample_count).sum();
     for (index, track) in sketch.tracks.iter_enumerated() {
+        if track.held.is_some() {
+            counts.used += track.samples.len();
+            continue;
+        }
         let of_track = || {
             let views = segments.iter().flat_map(|segment| &segment.views);
             views.filter(move |view| view.track == index)

@@ -6,6 +6,7 @@ use super::checks::CheckLine;
 use super::diagnoses::DiagnosisLine;
 use super::doubts::DoubtLine;
 use super::goals::{GoalLine, goal_lines};
+use super::held::{HeldLine, held_lines};
 use super::motion::{
     DurationLine, EventLine, ParameterLine, SegmentLine, event_lines, parameter_lines,
     segment_lines, undetermined_names,
@@ -68,6 +69,8 @@ pub struct EstimateReport {
     pub residual_deg: f64,
     /// How well each arc fits.
     pub segments: Vec<SegmentLine>,
+    /// Bodies in the hand.
+    pub held: Vec<HeldLine>,
     /// Names of what the performance does not determine.
     pub undetermined: Vec<String>,
     /// What independent checks say; none where the estimation failed or nobody asked.
@@ -113,6 +116,7 @@ impl EstimateReport {
             residual_mm: position_m * 1e3,
             residual_deg: orientation_rad.to_degrees(),
             segments: segment_lines(scene, estimate),
+            held: held_lines(of),
             undetermined: undetermined_names(scene, estimate),
             verification: of.verification.map(|found| CheckLine::new(scene, found)),
             settled: of.settled.map(SettledLine::new),

@@ -51,8 +51,7 @@ impl TimeMapMessage {
     pub fn new(scene: &Scene, sketch: &Sketch, estimate: &Estimate, zero: Stamp) -> Self {
         let bodies = scene.tracks.keys().map(|track| {
             let times = estimate
-                .sample_times
-                .iter()
+                .all_sample_times()
                 .filter(|time| time.track == track);
             let (acted_s, physical_s) = times
                 .map(|time| (time.stamp.seconds_since(sketch.origin), time.time_s))

@@ -6,6 +6,7 @@ use nalgebra::UnitQuaternion;
 
 use super::error::SamplingError;
 use crate::math::Pose;
+use crate::motion::held::HeldEstimate;
 use crate::motion::{
     ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Seen, Settled, Sketch, Stamp,
 };
@@ -22,8 +23,7 @@ const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 /// Physical time zero: the stamp of the first sample used.
 pub fn zero(estimate: &Estimate, sketch: &Sketch) -> Stamp {
     estimate
-        .sample_times
-        .iter()
+        .all_sample_times()
         .map(|sample| sample.stamp)
         .min()
         .unwrap_or(sketch.origin)
@@ -50,6 +50,9 @@ pub fn estimate_frames(
     if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
         return Err(SamplingError::FrameRate { frame_rate_hz });
     }
+    if let Some(held) = estimate.held_motion(link) {
+        return held_frames(scene, estimate, held, (zero, frame_rate_hz));
+    }
     let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
@@ -60,6 +63,40 @@ pub fn estimate_frames(
         return Ok(Vec::new());
     };
     let (start_s, end_s) = (first.start_s, last.end_s);
+    let ends = arcs.iter().flat_map(|arc| [arc.start_s, arc.end_s]);
+    let times_s = times_s(
+        (scene, link),
+        (estimate, [start_s, end_s]),
+        ends,
+        (zero, frame_rate_hz),
+    )?;
+    let Dynamics::Free(body) = scene.dynamics(mechanism);
+    let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
+        .into_iter()
+        .map(|arc| {
+            let fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
+            let spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
+            (arc, fall, spin)
+        })
+        .collect();
+    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let mut samples = poses
+        .map(|(stamp, time_s)| {
+            let pose = pose_at(&mut flights, time_s);
+            PoseSample::from_pose(stamp, &pose)
+        })
+        .collect();
+    make_signs_continuous(&mut samples);
+    Ok(samples)
+}
+
+/// Times of frames and events within a motion, and of its ends, by their stamps.
+fn times_s(
+    (scene, link): (&Scene, LinkIndex),
+    (estimate, [start_s, end_s]): (&Estimate, [f64; 2]),
+    ends: impl Iterator<Item = f64>,
+    (zero, frame_rate_hz): (Stamp, f64),
+) -> Result<BTreeMap<Stamp, f64>, SamplingError> {
     let frames = (end_s - start_s) * frame_rate_hz;
     let farthest = start_s.abs().max(end_s.abs()) * frame_rate_hz;
     // Not so of numbers that are not finite either.
@@ -82,28 +119,34 @@ pub fn estimate_frames(
     }
     // After the frames, so that where both fall on one nanosecond the exact time stays.
     let events = estimate.events.iter().map(|event| event.time_s);
-    let ends = arcs.iter().flat_map(|arc| [arc.start_s, arc.end_s]);
     for time_s in events.chain(ends) {
         if (start_s..=end_s).contains(&time_s) {
             times_s.insert(stamp(zero, time_s), time_s);
         }
     }
-    let Dynamics::Free(body) = scene.dynamics(mechanism);
-    let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
-        .into_iter()
-        .map(|arc| {
-            let fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
-            let spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
-            (arc, fall, spin)
-        })
-        .collect();
+    Ok(times_s)
+}
+
+/// The poses of a held link, over the time of all flights.
+fn held_frames(
+    scene: &Scene,
+    estimate: &Estimate,
+    held: &HeldEstimate,
+    at: (Stamp, f64),
+) -> Result<Vec<PoseSample>, SamplingError> {
+    let Some(extent_s) = estimate.extent_s() else {
+        return Ok(Vec::new());
+    };
+    let times_s = times_s(
+        (scene, held.link),
+        (estimate, extent_s),
+        extent_s.into_iter(),
+        at,
+    )?;
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
-    let mut samples = poses
-        .map(|(stamp, time_s)| {
-            let pose = pose_at(&mut flights, time_s);
-            PoseSample::from_pose(stamp, &pose)
-        })
-        .collect();
+    let poses = poses
+        .map(|(stamp, time_s)| PoseSample::from_pose(stamp, &held.state(time_s).world_from_body()));
+    let mut samples = poses.collect();
     make_signs_continuous(&mut samples);
     Ok(samples)
 }
@@ -138,8 +181,7 @@ pub fn sketch_frames(
     zero: Stamp,
 ) -> Vec<PoseSample> {
     let mut samples: Vec<PoseSample> = estimate
-        .sample_times
-        .iter()
+        .all_sample_times()
         .filter(|time| scene.tracks[time.track].link == link)
         .filter_map(|time| {
             let samples = &sketch.tracks.get(time.track)?.samples;

@@ -103,7 +103,7 @@ fn clean_edited(
         for (number, stream) in segments.iter_mut().enumerate() {
             let read = stream.len();
             let mut dropped = SampleCounts::default();
-            drop_unusable(stream, &scene.tracks[track], &mut dropped);
+            drop_unusable(stream, &scene.tracks[track], false, &mut dropped);
             if stream.is_empty() {
                 return Err(no_samples_of(scene, (track, number), read, &dropped));
             }
@@ -147,7 +147,8 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         let extent = extent(&scene.tracks[track], stream);
-        drop_unusable(stream, &scene.tracks[track], &mut dropped);
+        let may_stand = scene.sees_held(track);
+        drop_unusable(stream, &scene.tracks[track], may_stand, &mut dropped);
         extents.push(extent.ok_or_else(|| no_samples_of(scene, (track, 0), read, &dropped))?);
         merge(&mut counts, &dropped);
     }
@@ -253,15 +254,21 @@ fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
     })
 }
 
-/// Drops readings that are no pose, repeat a stamp, or repeat the pose before them bit for bit.
-fn drop_unusable(stream: &mut Vec<PoseSample>, track: &Track, counts: &mut SampleCounts) {
+/// Drops readings that are no pose, repeat a stamp, or repeat the pose before them bit for bit, unless
+/// what they show may stand still.
+fn drop_unusable(
+    stream: &mut Vec<PoseSample>,
+    track: &Track,
+    may_stand: bool,
+    counts: &mut SampleCounts,
+) {
     let mut previous: Option<PoseSample> = None;
     stream.retain_mut(|sample| {
         let reason = unusable(track, sample).or_else(|| {
             let previous = previous.as_ref()?;
             if previous.stamp == sample.stamp {
                 Some(DropReason::Duplicate)
-            } else if same_bits(previous, sample) {
+            } else if !may_stand && same_bits(previous, sample) {
                 Some(DropReason::Frozen)
             } else {
                 None
@@ -427,6 +434,7 @@ fn sketch(
         tracks.push(TrackSketch {
             samples,
             covariances,
+            held: None,
         });
     }
     Sketch {

@@ -1,4 +1,4 @@
-//! Cuts each track's stream into segments at the marks.
+//! Cuts the stream of each track of a flying body into segments at the marks.
 
 use std::ops::Range;
 
@@ -37,13 +37,18 @@ pub fn samples_min(
     }
 }
 
-/// Cuts the samples of every mechanism's tracks at the events that it takes part in; all take part in
+/// Cuts the samples of every flying mechanism's tracks at the events that it takes part in; all take part in
 /// `start` and `end`. Fails where a segment has fewer samples than [`samples_min`].
 ///
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
     let mut segments = Vec::new();
-    for mechanism in scene.mechanisms.keys() {
+    // What is held does not fly.
+    for mechanism in scene
+        .mechanisms
+        .keys()
+        .filter(|of| !scene.is_held_mechanism(*of))
+    {
         cut_mechanism(scene, sketch, mechanism, &mut segments)?;
     }
     segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));

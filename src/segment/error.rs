@@ -23,6 +23,39 @@ pub enum SegmentError {
         /// Why they were left out: `, 3 not_finite`.
         dropped: String,
     },
+    /// Too few samples of a body in the hand to smooth.
+    #[error(
+        "body {body:?} is held and has {samples} usable samples, expected at least {expected}: it moves \
+         as it was tracked"
+    )]
+    HeldSamples {
+        /// Name of the body.
+        body: String,
+        /// Number of its samples.
+        samples: usize,
+        /// At least.
+        expected: usize,
+    },
+    /// A body in the hand that was not tracked when it hit something.
+    #[error(
+        "body {body:?} is held and was not tracked at {event:?}, at {time_s:.3} s: {}, expected samples \
+         within {within_s} s before and after it; move the mark, or record the body there",
+        apart(*before_s, *after_s)
+    )]
+    HeldUnseen {
+        /// Name of the body.
+        body: String,
+        /// Name of the event.
+        event: String,
+        /// When it happens.
+        time_s: f64,
+        /// How long before it the nearest sample is \[s\], if there is one.
+        before_s: Option<f64>,
+        /// How long after it the nearest sample is \[s\], if there is one.
+        after_s: Option<f64>,
+        /// At most.
+        within_s: f64,
+    },
     /// A sample of a track that the scene does not have.
     #[error("a sample of track number {track}, expected one of {tracks}")]
     NoSuchTrack {
@@ -141,4 +174,13 @@ pub enum SegmentError {
         /// Event at its end, or "the end of the data".
         to: String,
     },
+}
+
+/// How far the nearest samples are from an event, in words.
+fn apart(before_s: Option<f64>, after_s: Option<f64>) -> String {
+    let side = |apart_s: Option<f64>, word: &str| match apart_s {
+        Some(apart_s) => format!("the nearest sample {word} it is {apart_s:.3} s away"),
+        None => format!("there is no sample {word} it"),
+    };
+    format!("{}, {}", side(before_s, "before"), side(after_s, "after"))
 }

@@ -7,12 +7,14 @@
 //! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream.
 //! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
 //! that are far from any kink, and [`cut()`] makes the segments.
+//! [`hold()`] smooths the streams of bodies in the hand, which have no flights.
 
 pub mod clean;
 mod complete;
 pub mod cut;
 mod edited;
 pub mod error;
+pub mod hold;
 mod marks;
 mod outliers;
 mod prefix;
@@ -20,10 +22,12 @@ pub mod propose;
 pub mod refine;
 pub mod relocate;
 mod seen;
+pub mod smooth;
 mod units;
 
 pub use cut::cut;
 pub use error::SegmentError;
+pub use hold::hold;
 pub use propose::{Proposal, propose};
 pub use refine::{loosen, refine};
 pub use relocate::relocate_marks;

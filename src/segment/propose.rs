@@ -56,7 +56,9 @@ impl Proposal {
 /// Empty where a stream is too short, or where there are more than sixty collisions.
 pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Proposal> {
     let mut proposals = Vec::new();
-    for (index, track) in sketch.tracks.iter_enumerated() {
+    let tracks = sketch.tracks.iter_enumerated();
+    // What is held has no flights to be fitted.
+    for (index, track) in tracks.filter(|(index, _)| !scene.sees_held(*index)) {
         let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = (0..scene.events.len())
             .filter(|event| {

@@ -25,7 +25,10 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         let events = scene.events.iter().enumerate();
         events.filter_map(|(index, event)| Some((index, event.kind.collision()?)))
     };
-    let is_between_links = collisions().any(|(_, c)| c.partner != Partner::World);
+    let is_between_links = collisions().any(|(_, collision)| match collision.partner {
+        Partner::World => false,
+        Partner::Link(other) => !scene.is_held(other),
+    });
     // A mark that fixes or bounds a time is trusted, and proposals are for all marks or none.
     let is_trusted = |(event, _): (usize, &Collision)| {
         !scene.time_is_free(event) || scene.events[event].time.is_bounded()
@@ -34,7 +37,8 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         return Vec::new();
     }
     let mut moved = Vec::new();
-    for (index, track) in sketch.tracks.iter_enumerated() {
+    let tracks = sketch.tracks.iter_enumerated();
+    for (index, track) in tracks.filter(|(index, _)| !scene.sees_held(*index)) {
         if scene.has_keyframes(sketch, index) {
             continue;
         }

@@ -78,6 +78,7 @@ mod tests {
             shape_at_m: Vector3::zeros(),
             features: Vec::new(),
             mechanism: MechanismIndex(0),
+            held: None,
         }
     }
 

@@ -49,6 +49,7 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
             start_s: 0.2,
             end_s: 0.8,
         }],
+        held: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {
             duration_s: 0.6,

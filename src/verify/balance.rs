@@ -6,6 +6,9 @@
 //!
 //! - two bodies together keep their momentum; without friction, a body keeps the part of its
 //!   momentum perpendicular to the contacts' normals;
+//! - a held body is not deflected, and its momentum is not looked at: the hand has as much as it
+//!   takes. What the hand does is the impulses on the other body times the speeds of the held one's
+//!   points of contact, and is no loss or gain of the impact;
 //! - each body keeps its angular momentum about a single point of contact, whatever the impulse
 //!   there; with several contacts, it keeps the part about the first that the impulses along the
 //!   others' normals cannot change;
@@ -30,7 +33,7 @@ const PARALLEL: f64 = 1e-9;
 
 pub(super) fn balance(world: &World) -> Balance {
     let mut balance = Balance::default();
-    for link in &world.links {
+    for link in world.links.iter().filter(|link| link.held.is_none()) {
         for arc in &link.arcs {
             let ends = [arc.start_s, arc.end_s].map(|time_s| link.state(arc, time_s));
             flight(world, link, &ends, arc.end_s - arc.start_s, &mut balance);
@@ -48,6 +51,7 @@ pub(super) fn balance(world: &World) -> Balance {
             ];
             Some(BeforeAfter {
                 body: &link.of_scene.body,
+                is_held: link.held.is_some(),
                 states: arcs.map(|arc| link.state(arc, event.time_s)),
             })
         };
@@ -127,6 +131,7 @@ impl DragSum {
 /// A body just before an impact and just after.
 struct BeforeAfter<'a> {
     body: &'a Body,
+    is_held: bool,
     states: [State; 2],
 }
 
@@ -174,7 +179,7 @@ impl<'a> EstimatedImpact<'a> {
         let momentum =
             |side: &BeforeAfter, at: usize| side.states[at].velocity_m_s * side.body.mass_kg();
         let (mut sum, mut size) = (Vector3::zeros(), 0.0);
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.deflected() {
             let change = momentum(side, 1) - momentum(side, 0);
             let own = momentum(side, 0).norm().max(momentum(side, 1).norm());
             if is_smooth {
@@ -186,20 +191,62 @@ impl<'a> EstimatedImpact<'a> {
             let turned = self.turned(index);
             balance.impact_angular_momentum = balance.impact_angular_momentum.max(turned);
         }
-        if self.sides.len() > 1 {
+        if self.deflected().count() > 1 {
             balance.impact_momentum = balance.impact_momentum.max(relative(sum.norm(), size));
         }
         let energy_j = |at: usize| -> f64 {
-            let sides = self.sides.iter();
+            let sides = self.deflected();
             sides
-                .map(|side| kinetic_j(side.body, &side.states[at]))
+                .map(|(_, side)| kinetic_j(side.body, &side.states[at]))
                 .sum()
         };
-        let lost_j = energy_j(0) - energy_j(1);
+        let done_j = self.done_j();
+        let lost_j = energy_j(0) + done_j - energy_j(1);
         let off_j = self.taken_j(law).map_or(0.0, |[least_j, most_j]| {
             (least_j - lost_j).max(lost_j - most_j).max(0.0)
         });
-        balance.impact_energy = balance.impact_energy.max(relative(off_j, energy_j(0)));
+        balance.impact_energy = balance
+            .impact_energy
+            .max(relative(off_j, energy_j(0).max(done_j.abs())));
+    }
+
+    /// The sides that an impact deflects, with their places.
+    fn deflected(&self) -> impl Iterator<Item = (usize, &BeforeAfter<'a>)> {
+        let sides = self.sides.iter().enumerate();
+        sides.filter(|(_, side)| !side.is_held)
+    }
+
+    /// Work of the hand that holds the second side \[J\]; zero where none does.
+    fn done_j(&self) -> f64 {
+        let [hit, held] = self.sides.as_slice() else {
+            return 0.0;
+        };
+        if !held.is_held {
+            return 0.0;
+        }
+        let [before, after] = &hit.states;
+        let pushed = (after.velocity_m_s - before.velocity_m_s) * hit.body.mass_kg();
+        let holds = &held.states[0];
+        let spin = holds.orientation * holds.angular_velocity_rad_s;
+        let speed = |at: usize| holds.velocity_m_s + spin.cross(&self.arms_m[1][at]);
+        if self.normals.len() == 1 {
+            return pushed.dot(&speed(0));
+        }
+        // Impulses along the normals, from the changes of momentum and of angular momentum.
+        let turned = spin_of(hit.body, after) - spin_of(hit.body, before);
+        let mut by = DMatrix::zeros(6, self.normals.len());
+        for (at, normal) in self.normals.iter().enumerate() {
+            by.fixed_view_mut::<3, 1>(0, at).copy_from(normal);
+            let moment = self.arms_m[0][at].cross(normal);
+            by.fixed_view_mut::<3, 1>(3, at).copy_from(&moment);
+        }
+        let change = pushed.iter().chain(&turned).copied();
+        let change = DVector::from_iterator(6, change);
+        let impulses = by.svd(true, true).solve(&change, PARALLEL);
+        let impulses = impulses.expect("both factors were computed");
+        let each = self.normals.iter().enumerate();
+        each.map(|(at, normal)| impulses[at] * normal.dot(&speed(at)))
+            .sum()
     }
 
     /// Relative change of a side's angular momentum about its first contact, without the directions

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::motion::held::HeldEstimate;
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
 use crate::physics::{Body, Dynamics, State};
@@ -14,7 +15,10 @@ pub(super) struct MovingLink<'a> {
     pub(super) of_scene: &'a Link,
     pub(super) solid: Solid,
     pub(super) radius_m: f64,
-    pub(super) arcs: Vec<&'a ArcEstimate>,
+    /// Of a held link, what of its motion lies between its collisions.
+    pub(super) arcs: Vec<ArcEstimate>,
+    /// Its motion, if it is held.
+    pub(super) held: Option<&'a HeldEstimate>,
     dynamics: Dynamics,
     gravity_m_s2: Vector3<f64>,
 }
@@ -24,11 +28,17 @@ impl<'a> MovingLink<'a> {
         let of_scene = &scene.links[index];
         let mechanism = of_scene.mechanism;
         let is_its = |arc: &&ArcEstimate| arc.mechanism == mechanism && arc.end_s >= arc.start_s;
+        let held = estimate.held_motion(index);
+        let arcs = match held {
+            Some(held) => between_collisions(held, (scene, index), estimate),
+            None => estimate.arcs.iter().filter(is_its).cloned().collect(),
+        };
         Self {
             of_scene,
             solid: of_scene.solid(),
             radius_m: of_scene.radius_m(),
-            arcs: estimate.arcs.iter().filter(is_its).collect(),
+            arcs,
+            held,
             dynamics: scene.dynamics(mechanism),
             gravity_m_s2: estimate.gravity_m_s2,
         }
@@ -36,29 +46,59 @@ impl<'a> MovingLink<'a> {
 
     /// The state on an arc.
     pub(super) fn state(&self, arc: &ArcEstimate, time_s: f64) -> State {
+        if let Some(held) = self.held {
+            return held.state(time_s);
+        }
         let since_s = time_s - arc.epoch_s;
         self.dynamics
             .advance(&self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.
-    pub(super) fn ending_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
-        self.arcs.iter().copied().find(|arc| arc.end_s == time_s)
+    pub(super) fn ending_at(&self, time_s: f64) -> Option<&ArcEstimate> {
+        self.arcs.iter().find(|arc| arc.end_s == time_s)
     }
 
     /// The arc that begins at a time.
-    pub(super) fn starting_at(&self, time_s: f64) -> Option<&'a ArcEstimate> {
-        self.arcs.iter().copied().find(|arc| arc.start_s == time_s)
+    pub(super) fn starting_at(&self, time_s: f64) -> Option<&ArcEstimate> {
+        self.arcs.iter().find(|arc| arc.start_s == time_s)
     }
 
     /// Upper bound of the speed of all points of the link on a part of an arc [m/s]: `|v| + |ω| r`.
     pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
+        if let Some(held) = self.held {
+            let [speed, spin] = held.curve.speed_bounds(from_s, to_s);
+            return speed + spin * self.radius_m;
+        }
         // |v| is largest at an end: where it stands still its second derivative is positive, as
         // |p|² > (p·v)²/v² there, with drag as without.
         let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
         let spin = spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s);
         speed_at(from_s).max(speed_at(to_s)) + spin * self.radius_m
     }
+}
+
+/// The motion of a held link as pieces between its collisions, over the time of all flights.
+fn between_collisions(
+    held: &HeldEstimate,
+    (scene, link): (&Scene, LinkIndex),
+    estimate: &Estimate,
+) -> Vec<ArcEstimate> {
+    let Some([start_s, end_s]) = estimate.extent_s() else {
+        return Vec::new();
+    };
+    let hits = held.passed.iter().map(|passed| passed.time_s);
+    let hits = hits.filter(|time_s| (start_s..=end_s).contains(time_s));
+    let mut ends_s: Vec<f64> = [start_s].into_iter().chain(hits).chain([end_s]).collect();
+    ends_s.sort_by(f64::total_cmp);
+    let pieces = ends_s.windows(2).map(|pair| ArcEstimate {
+        mechanism: scene.mechanism_of(link),
+        epoch_s: pair[0],
+        state: held.state(pair[0]),
+        start_s: pair[0],
+        end_s: pair[1],
+    });
+    pieces.collect()
 }
 
 /// Largest `|ω|` of the free rotation through a given `ω`.

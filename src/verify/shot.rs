@@ -46,6 +46,7 @@ struct Shot<'w> {
 pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
     let flights = world.links.iter().map(|link| {
         let first = link.arcs.first()?;
+        // A held body follows its own motion; nothing is simulated of it.
         Some(SimulatedFlight {
             time_s: first.start_s,
             state: link.state(first, first.start_s),
@@ -122,15 +123,21 @@ impl Shot<'_> {
     }
 
     fn advance(&mut self, link: LinkIndex, time_s: f64) {
-        if let Some(flight) = &mut self.flights[link] {
-            flight.state = series::advance(
-                &self.world.scene.links[link].body,
-                &self.world.estimate.gravity_m_s2,
-                &flight.state,
-                time_s - flight.time_s,
-            );
-            flight.time_s = time_s;
+        if let Some(state) = self.state_at(link, time_s) {
+            self.flights[link] = Some(SimulatedFlight { time_s, state });
         }
+    }
+
+    /// The state to which a flight leads; of a held body, that of its motion.
+    fn state_at(&self, link: LinkIndex, time_s: f64) -> Option<State> {
+        let flight = self.flights[link]?;
+        if let Some(held) = self.world.links[link].held {
+            return Some(held.state(time_s));
+        }
+        let body = &self.world.scene.links[link].body;
+        let gravity = &self.world.estimate.gravity_m_s2;
+        let since_s = time_s - flight.time_s;
+        Some(series::advance(body, gravity, &flight.state, since_s))
     }
 
     fn restart(&mut self, index: LinkIndex, time_s: f64) {
@@ -144,10 +151,8 @@ impl Shot<'_> {
     /// Time of contact of the expected features less the flights' current time \[s\].
     fn contact_offset_s(&self, event: &EventEstimate, law: &Law) -> Option<f64> {
         let pose = |link: LinkIndex, offset_s: f64| {
-            let flight = self.flights[link]?;
-            let body = &self.world.scene.links[link].body;
-            let gravity = &self.world.estimate.gravity_m_s2;
-            let state = series::advance(body, gravity, &flight.state, offset_s);
+            let now_s = self.flights[link]?.time_s;
+            let state = self.state_at(link, now_s + offset_s)?;
             Some(state.world_from_body())
         };
         let poses = |offset_s: f64| {
@@ -210,6 +215,9 @@ impl Shot<'_> {
     /// Compares a flight with the estimate's state at the end of an arc.
     fn compare(&mut self, index: LinkIndex, event: Option<usize>, time_s: f64) {
         let link = &self.world.links[index];
+        if link.held.is_some() {
+            return;
+        }
         let (Some(flight), Some(arc)) = (self.flights[index], link.ending_at(time_s)) else {
             return;
         };

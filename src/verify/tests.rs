@@ -85,6 +85,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
         arcs,
+        held: Vec::new(),
         events: events_s.iter().enumerate().map(event).collect(),
         duration: DurationEstimate {
             duration_s: 1.0,

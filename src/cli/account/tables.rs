@@ -135,6 +135,38 @@ pub(super) fn segments(report: &EstimateReport) -> String {
     )
 }
 
+/// The bodies in the hand.
+pub(super) fn held(report: &EstimateReport) -> String {
+    let rows: Vec<Vec<String>> = report
+        .held
+        .iter()
+        .map(|held| {
+            vec![
+                format!("{}, held", held.body),
+                held.samples.to_string(),
+                format!("{:.2} mm", held.noise_mm),
+                format!("{:.2}°", held.noise_deg),
+                held.collisions.to_string(),
+                format!("{:.2} mm", held.moved_mm),
+                format!("{:.2}°", held.moved_deg),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let columns = [
+        "in the hand",
+        "samples",
+        "noise",
+        "",
+        "collisions",
+        "moved",
+        "",
+    ];
+    table("  ", &columns, &rows)
+}
+
 pub(super) fn parameters(report: &EstimateReport) -> String {
     let rows: Vec<Vec<String>> = report
         .parameters

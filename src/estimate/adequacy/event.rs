@@ -28,8 +28,10 @@ use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
+use crate::estimate::held;
 use crate::math::span::Span;
 use crate::motion::{EventFit, Tested};
+use crate::physics::state::StateTangent;
 
 /// A pivot below this share of the largest diagonal entry belongs to a row that depends on others.
 const DEPENDENT: f64 = 1e-12;
@@ -207,11 +209,22 @@ impl Products {
         let changes: Vec<Vec<Six>> = changes.collect();
         let mut squares = [0, 1].map(|_| DMatrix::zeros(rows.len(), rows.len()));
         let mut priors = DMatrix::zeros(rows.len(), rows.len());
+        // What residuals of held bodies have beyond the variance of a prior.
+        let of_held = answers.iter().map(|answer| {
+            let changes = held::changes(context, &alone.point, answer);
+            changes
+                .map(|(of, change)| (of.counted() - 1.0, change))
+                .collect()
+        });
+        let of_held: Vec<Vec<(f64, StateTangent)>> = of_held.collect();
         for i in 0..rows.len() {
             for j in 0..=i {
                 let products = bins::products(&changes[i], &changes[j]);
                 let left = rows[i].derivative.dot(&answers[j]) - products[0] - products[1];
                 let left = if i == j { left.max(0.0) } else { left };
+                let both = of_held[i].iter().zip(&of_held[j]);
+                let beyond: f64 = both.map(|((beyond, a), (_, b))| beyond * a.dot(b)).sum();
+                let left = left + beyond;
                 for at in [(i, j), (j, i)] {
                     squares[0][at] = products[0];
                     squares[1][at] = products[1];

@@ -1,4 +1,5 @@
-//! A collision of one body with the static world, or of two bodies with each other (paper eq. 3, 8, §5.2).
+//! A collision of one body with the static world or a held body, or of two bodies with each other
+//! (paper eq. 3, 8, §5.2).
 //!
 //! Rows come in this order: gaps of the contacts, their approach speeds (`contact`), then for every
 //! body the differences of position, orientation, velocity and angular velocity after it from the
@@ -20,7 +21,7 @@ use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::impact;
 use crate::physics::state::part;
-use crate::physics::{Dynamics, State};
+use crate::physics::{Body, Dynamics, State};
 
 impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
@@ -38,6 +39,7 @@ impl Constraint for ArcCollision {
         };
         let before = |first_part: usize| -> Vec<usize> {
             let arcs = self.sides.iter().map(|side| layout.arcs[side.before]);
+            let arcs = arcs.chain(self.held.map(|held| layout.held[held]));
             let states = arcs.flat_map(|at| at + first_part..at + STATE);
             states.chain(time).collect()
         };
@@ -90,7 +92,7 @@ impl Constraint for ArcCollision {
         }
 
         let arrive = arrivals(problem, self, at.point, at.epochs_s);
-        let before = before(self, &arrive);
+        let before = before(self, at.point, &arrive);
         let [a, b] = sides(problem, self, &before);
         let a = a.expect("a first side");
         let law = self.law(&at.point.parameters);
@@ -110,10 +112,8 @@ impl Constraint for ArcCollision {
         let limits_m_s = at.approach_limits_m_s.get(self.event);
         rows.fill_contacts(&impact, limits_m_s.copied().unwrap_or(0.0));
         rows.fill_contact_derivatives(derivative, &before);
-        for (index, side) in self.sides.iter().enumerate() {
-            let Some(arrival) = &before[index] else {
-                continue;
-            };
+        for (index, (side, arrival)) in self.sides.iter().zip(&before).enumerate() {
+            let Some(arrival) = arrival else { continue };
             let after = arrive(side.after);
             let bounced = State {
                 velocity_m_s: impact.after[index].velocity_m_s,
@@ -194,11 +194,18 @@ fn arrivals<'a>(
     }
 }
 
-/// The states of all bodies before the collision.
-fn before(collision: &ArcCollision, arrive: &impl Fn(usize) -> ArcEnd) -> [Option<ArcEnd>; 2] {
-    [0, 1].map(|side| {
-        let side = collision.sides.get(side);
-        side.map(|side| arrive(side.before))
+/// The states of all bodies before the collision, a held one last.
+fn before(
+    collision: &ArcCollision,
+    point: &Point,
+    arrive: &impl Fn(usize) -> ArcEnd,
+) -> [Option<ArcEnd>; 2] {
+    [0, 1].map(|index| match collision.sides.get(index) {
+        Some(side) => Some(arrive(side.before)),
+        None => {
+            let held = collision.held.filter(|_| index > 0)?;
+            Some(ArcEnd::given(&point.held[held]))
+        }
     })
 }
 
@@ -209,7 +216,13 @@ fn sides<'a>(
 ) -> [Option<impact::Side<'a>>; 2] {
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
-        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+        let body = match collision.sides.get(side) {
+            Some(side) => {
+                let Dynamics::Free(body) = &problem.dynamics[side.mechanism];
+                body
+            }
+            None => &Body::IMMOVABLE,
+        };
         Some(impact::Side { body, state })
     })
 }
@@ -223,7 +236,7 @@ pub fn fastest_approach_m_s(
     epochs_s: &[f64],
 ) -> f64 {
     let arrive = arrivals(problem, collision, point, epochs_s);
-    let before = before(collision, &arrive);
+    let before = before(collision, point, &arrive);
     let [a, b] = sides(problem, collision, &before);
     let a = a.expect("a first side");
     let law = collision.law(&point.parameters);

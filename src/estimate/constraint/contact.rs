@@ -37,7 +37,7 @@ impl CollisionRows<'_> {
             let (pattern, block) = &mut self.block;
             let (states, rest) = block
                 .derivatives_mut(pattern, row)
-                .split_at_mut(STATE * self.places.sides);
+                .split_at_mut(STATE * self.places.states);
             rest.fill(0.0);
             for (side, arrival) in before.iter().enumerate() {
                 let Some(arrival) = arrival else { continue };

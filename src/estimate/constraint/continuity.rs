@@ -118,7 +118,7 @@ impl CollisionRows<'_> {
         for axis in 0..3 {
             block.values[row + axis] = gap[axis] * scale;
             let to = block.derivatives_mut(pattern, row + axis);
-            let states = (STATE - from) * self.places.sides;
+            let states = (STATE - from) * self.places.states;
             let by_law = by_law(self.collision, derivative, side, first + axis);
             let gravity = self.problem.free_gravity();
             let rest = std::iter::once(by_time[axis])

@@ -23,7 +23,7 @@ use crate::motion::MechanismIndex;
 use crate::optimise::block::BlockPattern;
 use crate::physics::impact::{self, ImpactByModel};
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Dynamics, State};
+use crate::physics::{Body, Dynamics, State};
 
 /// The unknowns of all rows: states before, the event's time; for those of a side also the state
 /// after and the law's parameters; acting parameters last.
@@ -36,7 +36,12 @@ pub(super) fn patterns(
     let (mut block, mut gaps) = (BlockPattern::default(), BlockPattern::default());
     let before = collision.sides.iter().map(|side| side.before);
     let before = before.flat_map(|arc| layout.state(problem, arc));
-    let arriving: Vec<usize> = before.chain(layout.events[collision.event]).collect();
+    let held = collision.held.map(|held| layout.held[held]);
+    let held = held.into_iter().flat_map(|at| at..at + STATE);
+    let arriving: Vec<usize> = before
+        .chain(held)
+        .chain(layout.events[collision.event])
+        .collect();
     let acting = collision.acting.iter();
     let acting: Vec<usize> = acting.map(|a| layout.parameters[a.parameter]).collect();
     let touching = [arriving.clone(), acting.clone()].concat();
@@ -77,10 +82,14 @@ pub(super) fn fill(
     let places = Places::new(problem, collision);
     let time_s = at.point.event_times_s[collision.event];
     let arrive = |arc: usize| Arrival::new(problem, at.point, (arc, at.epochs_s[arc]), time_s);
+    let held = collision
+        .held
+        .map(|held| Arrival::given(&at.point.held[held]));
     let before: Vec<Arrival> = collision
         .sides
         .iter()
         .map(|side| arrive(side.before))
+        .chain(held.map(Some))
         .collect::<Option<_>>()?;
     let by_state: Vec<ByStates> = before.iter().map(Arrival::by_state).collect();
     let dynamics = problem.dynamics_at(parameters)?;
@@ -89,10 +98,10 @@ pub(super) fn fill(
         body
     };
     let side = |index: usize| {
-        let of = collision.sides.get(index)?;
+        let of = collision.sides.get(index);
         Some(impact::Side {
-            body: body(of.mechanism),
-            state: &before[index].end.state,
+            body: of.map_or(&Body::IMMOVABLE, |of| body(of.mechanism)),
+            state: &before.get(index)?.end.state,
         })
     };
     let (a, b) = (side(0)?, side(1));

@@ -18,6 +18,8 @@ pub(super) struct Places {
     /// Number of hard rows of every body.
     pub(super) rows_per_side: usize,
     pub(super) sides: usize,
+    /// Number of states before it: of the bodies that it deflects, and of a held one.
+    pub(super) states: usize,
     /// The first part of the states before on which the velocities after depend: the bounce of one
     /// body off a face does not depend on its position.
     pub(super) first_part: usize,
@@ -28,7 +30,8 @@ impl Places {
         let sides = collision.sides.len();
         let contacts = collision.contacts.as_slice();
         let is_face = |feature: &Feature| matches!(feature, Feature::Face { .. });
-        let is_alike = sides == 1 && contacts.iter().all(|contact| is_face(contact.b()));
+        let states = sides + usize::from(collision.held.is_some());
+        let is_alike = states == 1 && contacts.iter().all(|contact| is_face(contact.b()));
         Self {
             contacts: if collision.touches_by_goal {
                 0
@@ -42,6 +45,7 @@ impl Places {
                 STATE
             },
             sides,
+            states,
             first_part: if is_alike {
                 part::ORIENTATION
             } else {

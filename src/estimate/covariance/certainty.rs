@@ -6,6 +6,7 @@ use super::bins::{Bins, Residuals, Six};
 use super::noise::Noise;
 use super::trace::Design;
 use crate::estimate::context::SolveContext;
+use crate::estimate::held;
 use crate::estimate::point::Point;
 use crate::math::random::Random;
 use crate::math::span::Span;
@@ -13,6 +14,7 @@ use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
+use crate::physics::state;
 
 /// Greatest share of an unknown's information from the damping; above it, it is undetermined.
 const DAMPING_SHARE_MAX: f64 = 0.1;
@@ -69,8 +71,10 @@ impl<'a> Covariance<'a> {
             noise: Noise::stated(),
         };
         let nodes = context.layout.nodes.iter().flatten().count();
-        let held = equalities(system) + nodes;
-        let free = context.layout.size().saturating_sub(held) + DIRECTIONS_MORE;
+        // Of held bodies' states, the priors say more than the samples of what hits them.
+        let of_held = state::DIMENSION * context.layout.held.len();
+        let told = equalities(system) + nodes + of_held;
+        let free = context.layout.size().saturating_sub(told) + DIRECTIONS_MORE;
         if free <= DIRECTIONS_MAX {
             let absorbed = covariance.absorbed(&bins, free);
             covariance.noise = Noise::of(&bins, residuals, &absorbed);
@@ -179,8 +183,8 @@ impl<'a> Covariance<'a> {
         x
     }
 
-    /// Information of marks about an answer, `Σ (J_mark x)²`, and what it adds to the variance
-    /// beyond that of a prior: `Σ (counted − 1)(J_mark x)²`, since residuals of marks have the
+    /// Information of marks and held bodies about an answer, `Σ (J_mark x)²`, and what it adds to the
+    /// variance beyond that of a prior: `Σ (counted − 1)(J_mark x)²`, since their residuals have the
     /// variance `counted`.
     fn marks(&self, answer: &DVector<f64>) -> (f64, f64) {
         let (problem, layout) = (self.context.problem, self.context.layout);
@@ -191,6 +195,11 @@ impl<'a> Covariance<'a> {
             let seen: f64 = by.filter_map(|(at, by)| Some(by * answer[at?])).sum();
             squares += seen * seen;
             beyond += (mark.counted - 1.0) * seen * seen;
+        }
+        for (of, change) in held::changes(self.context, self.point, answer) {
+            let square = change.norm_squared();
+            squares += square;
+            beyond += (of.counted() - 1.0) * square;
         }
         (squares, beyond)
     }

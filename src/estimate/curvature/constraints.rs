@@ -11,7 +11,8 @@ use crate::estimate::point::Point;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::optimise::envelope::Envelope;
-use crate::physics::state::StateTangent;
+use crate::physics::State;
+use crate::physics::state::{self, StateTangent};
 
 /// Steps of the differences: position [m], orientation [rad], velocity [m/s], angular velocity
 /// [rad/s].
@@ -82,6 +83,11 @@ enum Owner {
         arc: usize,
         entry: usize,
     },
+    /// Of a held body at a collision.
+    Held {
+        index: usize,
+        entry: usize,
+    },
     Event(usize),
     Parameter(usize),
     /// The time of a node, on which no constraint depends.
@@ -107,6 +113,11 @@ impl<'a> Nudged<'a> {
                 owners[at + entry] = Owner::State { arc, entry };
             }
         }
+        for (index, at) in layout.held.iter().enumerate() {
+            for entry in 0..state::DIMENSION {
+                owners[at + entry] = Owner::Held { index, entry };
+            }
+        }
         for (event, at) in layout.events.iter().enumerate() {
             if let Some(at) = at {
                 owners[*at] = Owner::Event(event);
@@ -126,7 +137,7 @@ impl<'a> Nudged<'a> {
 
     fn step(&self, unknown: usize) -> f64 {
         match self.owners[unknown] {
-            Owner::State { entry, .. } => STEPS[entry / 3],
+            Owner::State { entry, .. } | Owner::Held { entry, .. } => STEPS[entry / 3],
             Owner::Event(_) | Owner::Node => TIME_STEP_S,
             Owner::Parameter(index) => {
                 PARAMETER_STEP * self.context.problem.parameters[index].length()
@@ -138,14 +149,10 @@ impl<'a> Nudged<'a> {
     fn nudge(&mut self, unknown: usize, by: f64) {
         match self.owners[unknown] {
             Owner::State { arc, entry } => {
-                let mut delta = StateTangent::zeros();
-                delta[entry] = by;
-                let origin = &self.origin.arcs[arc];
-                self.point.arcs[arc] = if by == 0.0 {
-                    *origin
-                } else {
-                    origin.retract(&delta)
-                };
+                self.point.arcs[arc] = nudged(&self.origin.arcs[arc], entry, by);
+            }
+            Owner::Held { index, entry } => {
+                self.point.held[index] = nudged(&self.origin.held[index], entry, by);
             }
             Owner::Event(event) => {
                 self.point.event_times_s[event] = self.origin.event_times_s[event] + by;
@@ -195,6 +202,17 @@ impl<'a> Nudged<'a> {
                 self.pulls[1][*other] = 0.0;
             }
         }
+    }
+}
+
+/// A state displaced along one entry of its tangent.
+fn nudged(origin: &State, entry: usize, by: f64) -> State {
+    let mut delta = StateTangent::zeros();
+    delta[entry] = by;
+    if by == 0.0 {
+        *origin
+    } else {
+        origin.retract(&delta)
     }
 }
 

@@ -91,6 +91,9 @@ impl Scene {
 
     fn body_with(&self, link: LinkIndex, values: &Values) -> Result<Body, BodyError> {
         let of = &self.links[link];
+        if of.held.is_some() {
+            return Ok(of.body);
+        }
         let factor = |quantity| values.of(quantity).unwrap_or(1.0);
         let moments = Vector3::from_fn(|axis, _| {
             let axis = of.moment_axis(axis);

@@ -25,6 +25,18 @@ pub struct Link {
     pub features: Vec<Feature>,
     /// What it moves with.
     pub mechanism: MechanismIndex,
+    /// Whether somebody holds it, and what is known of its tracker then: it does not fly, but moves
+    /// as it was tracked, and what hits it does not deflect it.
+    pub held: Option<Held>,
+}
+
+/// What is known of the tracker on a body in the hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Held {
+    /// Standard deviation of its positions per axis \[m\]; `None`: as the stream shows.
+    pub position_sd_m: Option<f64>,
+    /// Standard deviation of its orientations per axis \[rad\]; `None`: as the stream shows.
+    pub orientation_sd_rad: Option<f64>,
 }
 
 impl Link {
@@ -51,7 +63,7 @@ impl Link {
 /// What moves as one system of ordinary differential equations between its collisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mechanism {
-    /// One rigid body in free flight.
+    /// One rigid body by itself: in free flight, unless it is held ([`Link::held`]).
     Free(LinkIndex),
 }
 
@@ -100,7 +112,7 @@ pub enum Sees {
     Direction(UnitVector3<f64>),
 }
 
-/// A rigid body that flies freely with a tracker on it: a link, a mechanism and a track in one.
+/// A rigid body by itself with a tracker on it: a link, a mechanism and a track in one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeBody {
     /// Unique name.

@@ -33,6 +33,14 @@ pub enum Untold {
     /// The offset of the only track.
     #[error("the only tracker's clock is the time itself: there is no other to tell its offset")]
     OnlyClock,
+    /// Mass, moments, centre, force or drag of a body in the hand.
+    #[error(
+        "a held body moves as it was tracked: neither its inertia nor what pulls at it changes that"
+    )]
+    Held,
+    /// The tracker of a body in the hand that nothing hits.
+    #[error("nothing hits this held body, so that nothing tells of its tracker")]
+    HeldApart,
     /// A surface without a collision.
     #[error("nothing touches this surface")]
     Untouched,
@@ -79,6 +87,9 @@ impl Scene {
     /// Why no performance of the scene can tell the quantity, where that is known beforehand.
     pub fn untold(&self, quantity: Quantity) -> Option<Untold> {
         let unless = |is_told: bool, why| (!is_told).then_some(why);
+        if let Some(why) = self.held_untold(quantity) {
+            return Some(why);
+        }
         match quantity {
             Quantity::Restitution { law } | Quantity::Friction { law } => {
                 unless(self.uses(law), Untold::UnusedLaw)
@@ -91,7 +102,7 @@ impl Scene {
             Quantity::TrackerOrientation { track, .. } => {
                 let link = self.tracks[track].link;
                 unless(
-                    self.is_held(link) || !self.is_round(link),
+                    self.has_own_axes(link) || !self.is_round(link),
                     Untold::TurnCancels,
                 )
             }
@@ -113,6 +124,26 @@ impl Scene {
             | Quantity::TrackerPosition { .. }
             | Quantity::FlightClock { .. }
             | Quantity::ClockRate { .. } => None,
+        }
+    }
+
+    /// Why no performance can tell a quantity of a held body.
+    fn held_untold(&self, quantity: Quantity) -> Option<Untold> {
+        match quantity {
+            Quantity::Force { link, .. }
+            | Quantity::LinearDrag { link }
+            | Quantity::QuadraticDrag { link }
+            | Quantity::Moment { link, .. }
+            | Quantity::Mass { link }
+            | Quantity::Centre { link, .. } => self.is_held(link).then_some(Untold::Held),
+            Quantity::TrackerPosition { track, .. }
+            | Quantity::TrackerOrientation { track, .. }
+            | Quantity::ClockRate { track }
+            | Quantity::ClockOffset { track } => {
+                let link = self.tracks[track].link;
+                (self.is_held(link) && !self.collides(link)).then_some(Untold::HeldApart)
+            }
+            _ => None,
         }
     }
 
@@ -153,7 +184,8 @@ impl Scene {
             (all.collect(), Together::Masses)
         });
         let pulls = (0..3).map(|axis| {
-            let forces = self.links.keys().map(|link| Quantity::Force { link, axis });
+            let flying = self.links.keys().filter(|link| !self.is_held(*link));
+            let forces = flying.map(|link| Quantity::Force { link, axis });
             let all = [Quantity::Gravity { axis }].into_iter().chain(forces);
             (all.collect(), Together::Pull)
         });
@@ -163,7 +195,7 @@ impl Scene {
         let rates = tracks().map(|track| Quantity::ClockRate { track });
         let rates = (rates.chain(self.accelerations()).collect(), Together::Rates);
         let mounts = tracks().flat_map(|track| (0..3).map(move |axis| (track, axis)));
-        let mounts = mounts.filter(|(track, _)| !self.is_held(self.tracks[*track].link));
+        let mounts = mounts.filter(|(track, _)| !self.has_own_axes(self.tracks[*track].link));
         let mounts = mounts.map(|(track, axis)| {
             let link = self.tracks[track].link;
             let centre = Quantity::Centre { link, axis };
@@ -217,7 +249,7 @@ impl Scene {
     }
 
     /// Whether something fixes the link's own axes: what it touches, or a goal of its pose.
-    fn is_held(&self, link: LinkIndex) -> bool {
+    fn has_own_axes(&self, link: LinkIndex) -> bool {
         let mut goals = self.goals.iter();
         let has_goal =
             goals.any(|goal| goal.link == link && matches!(goal.target, GoalTarget::Pose { .. }));
@@ -228,13 +260,14 @@ impl Scene {
         self.links[link].body.symmetry() == Symmetry::Spherical
     }
 
-    /// The links that a link meets, directly or by way of others, and itself.
+    /// The links that a link meets, directly or by way of others that an impact deflects, and itself.
     fn met_by(&self, link: LinkIndex) -> Vec<LinkIndex> {
         let mut met = vec![link];
         let mut next = 0;
         while next < met.len() {
             for collision in self.collisions() {
-                let links: Vec<LinkIndex> = collision.links().collect();
+                let links = collision.links().filter(|link| !self.is_held(*link));
+                let links: Vec<LinkIndex> = links.collect();
                 if links.contains(&met[next]) {
                     let new = links.into_iter().filter(|other| !met.contains(other));
                     met.extend(new.collect::<Vec<_>>());

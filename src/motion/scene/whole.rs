@@ -88,7 +88,7 @@ pub enum VelocityGaps {
 }
 
 impl Scene {
-    /// Adds a body that flies freely.
+    /// Adds a body.
     pub fn add(&mut self, body: FreeBody) -> LinkIndex {
         let mechanism = self.mechanisms.next_key();
         let link = self.links.push_and_get_key(Link {
@@ -98,6 +98,7 @@ impl Scene {
             shape_at_m: Vector3::zeros(),
             features: body.features,
             mechanism,
+            held: None,
         });
         self.mechanisms.push(Mechanism::Free(link));
         self.tracks.push(Track {
@@ -137,6 +138,22 @@ impl Scene {
         &self.links[self.tracks[track].link]
     }
 
+    /// Whether a link is in the hand ([`Link::held`]).
+    pub fn is_held(&self, link: LinkIndex) -> bool {
+        self.links[link].held.is_some()
+    }
+
+    /// Whether a mechanism is a link in the hand.
+    pub fn is_held_mechanism(&self, mechanism: MechanismIndex) -> bool {
+        let mut links = self.mechanisms[mechanism].links();
+        links.any(|link| self.is_held(link))
+    }
+
+    /// Whether the tracker is mounted on a link in the hand.
+    pub fn sees_held(&self, track: TrackIndex) -> bool {
+        self.is_held(self.tracks[track].link)
+    }
+
     /// The mechanism that the tracker is mounted on.
     pub fn mechanism_seen_by(&self, track: TrackIndex) -> MechanismIndex {
         self.mechanism_of(self.tracks[track].link)
@@ -161,11 +178,13 @@ impl Scene {
         collision.is_none_or(|collision| self.takes_part(mechanism, collision))
     }
 
-    /// The tracks that see what takes part in a collision, those of what hits first.
+    /// The tracks that see what takes part in a collision and flies, those of what hits first.
     pub fn tracks_in(&self, collision: &Collision) -> impl Iterator<Item = TrackIndex> + use<'_> {
         let mechanisms = collision.links().map(|link| self.mechanism_of(link));
         mechanisms.flat_map(move |mechanism| {
-            let is_its = move |track: &TrackIndex| self.mechanism_seen_by(*track) == mechanism;
+            let is_its = move |track: &TrackIndex| {
+                self.mechanism_seen_by(*track) == mechanism && !self.sees_held(*track)
+            };
             self.tracks.keys().filter(is_its)
         })
     }

@@ -9,6 +9,7 @@ use crate::physics::contact::{Contact, Feature, Frame, Touch};
 use crate::physics::state::{State, StateTangent};
 
 mod derivatives;
+mod held;
 mod model;
 
 /// Number of random draws after which a suitable case must have occurred.

@@ -51,6 +51,14 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
         else {
             continue;
         };
+        // What is held does not fall.
+        if scene
+            .tracks
+            .get(*track)
+            .is_some_and(|of| scene.is_held(of.link))
+        {
+            continue;
+        }
         let of = (*track, *stream);
         match streams.iter_mut().find(|(other, _)| *other == of) {
             Some((_, samples)) => samples.push(*sample),

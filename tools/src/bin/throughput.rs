@@ -64,6 +64,7 @@ fn estimate() -> Estimate {
             start_s: 0.0,
             end_s: 1.0,
         }],
+        held: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {
             duration_s: 1.0,

@@ -144,11 +144,7 @@ impl Keyframing {
         let pose = Pose::from_parts(position_m.into(), orientation)
             * truth.scene.tracks[track].link_from_tracker;
         let [x, y, z, w]: [f64; 4] = pose.rotation.coords.into();
-        PoseSample {
-            stamp,
-            position_m: pose.translation.vector,
-            quaternion_xyzw: [x, y, z, w],
-        }
+        PoseSample::new(stamp, pose.translation.vector, [x, y, z, w])
     }
 }
 

@@ -13,6 +13,7 @@ pub mod die;
 pub mod encounter;
 pub mod flips;
 pub mod hat_box;
+pub mod held;
 pub mod keyframes;
 pub mod performance;
 pub mod recording;

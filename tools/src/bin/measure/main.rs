@@ -24,6 +24,7 @@ mod failure;
 mod figure;
 mod flow;
 mod goals;
+mod held;
 mod ladder;
 mod methods;
 mod nonsense;
@@ -146,6 +147,11 @@ const SUBJECTS: &[Subject] = &[
         "goals",
         "goals of every kind that a motion near the performed one meets",
         goals::run
+    ),
+    subject!(
+        "held",
+        "bodies in the hand: how often intervals of their states hold, and what bounces off them",
+        held::run
     ),
     subject!(
         "rest",

@@ -113,8 +113,10 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
     let problem = Problem::new(given, &sketch, &segments);
     let layout = Layout::new(&problem);
     let estimate = &outcome.estimate;
+    // Throws of the ladder have nothing in the hand.
     let point = Point {
         arcs: estimate.arcs.iter().map(|arc| arc.state).collect(),
+        held: Vec::new(),
         event_times_s: estimate.events.iter().map(|event| event.time_s).collect(),
         node_times_s: problem.nodes_acted_s.clone(),
         parameters: values(outcome),

@@ -1,0 +1,48 @@
+//! Bodies in the hand.
+
+use serde::Serialize;
+
+use super::reported::Reported;
+
+/// A body in the hand: its motion is what its tracker saw, smoothed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HeldLine {
+    /// Name of the body.
+    pub body: String,
+    /// Samples that were smoothed.
+    pub samples: usize,
+    /// Standard deviation of the tracker's positions per axis, as given or as the stream shows.
+    pub noise_mm: f64,
+    /// Standard deviation of its orientations per axis.
+    pub noise_deg: f64,
+    /// Number of collisions with it.
+    pub collisions: usize,
+    /// Greatest distance of the motion from the smoothed one at a collision.
+    pub moved_mm: f64,
+    /// Greatest angle between both.
+    pub moved_deg: f64,
+}
+
+/// The bodies in the hand.
+pub(super) fn held_lines(of: &Reported) -> Vec<HeldLine> {
+    let lines = of.estimate.held.iter().map(|held| {
+        let tracks = of.scene.tracks.iter().zip(&of.sketch.tracks);
+        let mut own = tracks.filter(|(track, _)| track.link == held.link);
+        let motion = own.find_map(|(_, seen)| seen.held.as_ref());
+        let noise_sd = motion.map_or([f64::NAN; 2], |motion| motion.noise_sd);
+        let largest = |kind: usize| {
+            let passed = held.passed.iter().map(|passed| passed.off[kind]);
+            passed.fold(0.0, f64::max)
+        };
+        HeldLine {
+            body: of.scene.links[held.link].name.clone(),
+            samples: held.sample_times.len(),
+            noise_mm: noise_sd[0] * 1e3,
+            noise_deg: noise_sd[1].to_degrees(),
+            collisions: held.passed.len(),
+            moved_mm: largest(0) * 1e3,
+            moved_deg: largest(1).to_degrees(),
+        }
+    });
+    lines.collect()
+}

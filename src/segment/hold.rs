@@ -1,0 +1,69 @@
+//! The motions of the bodies in the hand, from their samples.
+
+use super::error::SegmentError;
+use super::smooth::{SAMPLES_MIN, smoothed};
+use crate::motion::{Held, HeldMotion, Scene, Sketch, TrackIndex};
+
+/// A collision is seen if samples before and after it are nearer than this \[s\].
+const SEEN_S: f64 = 0.1;
+
+/// Sets the motions of the bodies in the hand from their samples.
+///
+/// Fails where a body has too few samples, or none near one of its collisions.
+pub fn hold(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
+    for track in scene.tracks.keys() {
+        if let Some(held) = &scene.link_seen_by(track).held {
+            let motion = motion(scene, sketch, track, held)?;
+            sketch.tracks[track].held = Some(motion);
+        }
+    }
+    Ok(())
+}
+
+fn motion(
+    scene: &Scene,
+    sketch: &Sketch,
+    track: TrackIndex,
+    held: &Held,
+) -> Result<HeldMotion, SegmentError> {
+    let of = &sketch.tracks[track];
+    let body = || scene.link_seen_by(track).name.clone();
+    if of.samples.len() < SAMPLES_MIN {
+        return Err(SegmentError::HeldSamples {
+            body: body(),
+            samples: of.samples.len(),
+            expected: SAMPLES_MIN,
+        });
+    }
+    let link = scene.tracks[track].link;
+    let hits = (0..scene.events.len()).filter(|event| {
+        let collision = scene.events[*event].kind.collision();
+        collision.is_some_and(|collision| collision.links().any(|other| other == link))
+    });
+    let hits: Vec<(usize, f64)> = hits.map(|event| (event, sketch.marks_s[event])).collect();
+    for (event, time_s) in &hits {
+        let after = of.samples.partition_point(|s| s.acted_s <= *time_s);
+        let before_s = after
+            .checked_sub(1)
+            .map(|at| time_s - of.samples[at].acted_s);
+        let after_s = of.samples.get(after).map(|s| s.acted_s - time_s);
+        let is_seen = |apart_s: Option<f64>| apart_s.is_some_and(|apart_s| apart_s <= SEEN_S);
+        // One at the last sample is seen from before.
+        let is_last = before_s == Some(0.0);
+        if !(is_seen(before_s) && (is_seen(after_s) || is_last)) {
+            return Err(SegmentError::HeldUnseen {
+                body: body(),
+                event: scene.events[*event].name.clone(),
+                time_s: *time_s,
+                before_s,
+                after_s,
+                within_s: SEEN_S,
+            });
+        }
+    }
+    Ok(smoothed(
+        of,
+        &scene.tracks[track].link_from_tracker,
+        (held, &hits),
+    ))
+}
