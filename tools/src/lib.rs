@@ -24,6 +24,7 @@ pub mod hands;
 pub mod methods;
 pub mod nonsense;
 pub mod open;
+pub mod parts;
 pub mod perform;
 pub mod reference;
 pub mod replay;

@@ -25,6 +25,7 @@ mod figure;
 mod flow;
 mod goals;
 mod held;
+mod parts;
 mod ladder;
 mod methods;
 mod nonsense;
@@ -147,6 +148,11 @@ const SUBJECTS: &[Subject] = &[
         "goals",
         "goals of every kind that a motion near the performed one meets",
         goals::run
+    ),
+    subject!(
+        "parts",
+        "trackers that see points, directions, orientations: what is found and what is said to be open",
+        parts::run
     ),
     subject!(
         "held",

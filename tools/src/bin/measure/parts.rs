@@ -1,0 +1,145 @@
+//! Performances of which trackers see parts: whether there is a motion, whether what is not seen is said,
+//! and how near the truth what is seen is.
+
+use anyhow::Result;
+use enact::motion::{Undetermined, Verdict};
+use enact_tools::apart::{Apart, apart};
+use enact_tools::case::{Case, estimated};
+use enact_tools::parts::{LATE_S, Part};
+use enact_tools::perform::{Acting, Style, bounces};
+use serde::Serialize;
+
+use crate::options::Options;
+use crate::record::Record;
+use crate::statistics::median;
+use crate::table::{Table, number, percent};
+
+/// Performances of each row.
+const SEEDS: u64 = 100;
+
+/// One performance as its trackers see it.
+#[derive(Serialize)]
+struct Seen {
+    seed: u64,
+    verdict: String,
+    apart: Option<Apart>,
+    iterations: usize,
+    objective: f64,
+    /// Estimated offset of the second clock and its deviation \[s\].
+    late: Option<[f64; 2]>,
+    /// Whether something of the motion is said to be open.
+    is_open: bool,
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let ways = [
+        ("physical stamps", Acting::timing_known()),
+        ("acted slowly", Acting::default()),
+    ];
+    type Make = fn(&Acting, u64) -> Option<Case>;
+    let scenes: [(&str, Make); 3] = [
+        ("pencil, tip first", |acting, seed| {
+            Some(Case::pencil(Style::Tip, acting, seed))
+        }),
+        ("pencil, eraser first", |acting, seed| {
+            Some(Case::pencil(Style::Eraser, acting, seed))
+        }),
+        ("cube, two bounces", |acting, seed| {
+            Some(Case::new(&bounces::bounces(2, seed).ok()?, acting, seed))
+        }),
+    ];
+    for (way, acting) in ways {
+        for (scene, make) in scenes {
+            let title = format!("{scene}, {way}");
+            let mut table = Table::new(
+                &title.replace([' ', ','], "_"),
+                &title,
+                &[
+                    "seen",
+                    "physical",
+                    "plausible",
+                    "failed or refused",
+                    "path off the truth",
+                    "turn off the truth",
+                    "iterations",
+                    "clock",
+                ],
+            );
+            for part in Part::ALL {
+                let row = format!("{title}: {}", part.as_str());
+                if !options.wants(&row) {
+                    continue;
+                }
+                let all: Vec<Seen> = options
+                    .seeds(SEEDS)
+                    .filter_map(|seed| Some(one(&make(&acting, seed)?, part, seed)))
+                    .collect();
+                let with = |verdict: Verdict| {
+                    all.iter().filter(|one| one.verdict == verdict.as_str()).count()
+                };
+                let (physical, plausible) = (with(Verdict::Physical), with(Verdict::Plausible));
+                let of = |value: fn(&Apart) -> f64| {
+                    let values = all.iter().filter_map(|one| one.apart.as_ref());
+                    median(&values.map(value).collect::<Vec<_>>())
+                };
+                let iterations: Vec<f64> = all.iter().map(|one| one.iterations as f64).collect();
+                let late: Vec<[f64; 2]> = all.iter().filter_map(|one| one.late).collect();
+                let held = late
+                    .iter()
+                    .filter(|[value_s, sd_s]| (value_s + LATE_S).abs() <= 1.96 * sd_s)
+                    .count();
+                table.row([
+                    part.as_str().to_owned(),
+                    percent(physical, all.len()),
+                    plausible.to_string(),
+                    (all.len() - physical - plausible).to_string(),
+                    format!("{} mm", number(1e3 * of(|apart| apart.position_m))),
+                    format!("{}°", number(of(|apart| apart.orientation_rad).to_degrees())),
+                    number(median(&iterations)),
+                    if late.is_empty() {
+                        String::new()
+                    } else {
+                        format!("{} of {} within", held, late.len())
+                    },
+                ]);
+                record.numbers(&row, &all)?;
+            }
+            record.table(table);
+        }
+    }
+    Ok(())
+}
+
+fn one(case: &Case, part: Part, seed: u64) -> Seen {
+    let (scene, events) = part.seen(case);
+    match estimated(&scene, &events, &mut ()) {
+        Ok(outcome) => {
+            let estimate = &outcome.estimate;
+            let until_s = case.performance.truth.duration_s;
+            let is_of_motion = |of: &Undetermined| !matches!(of, Undetermined::Parameter(_));
+            Seen {
+                seed,
+                verdict: estimate.verdict.as_str().to_owned(),
+                apart: apart(case, &outcome.scene, estimate, until_s),
+                iterations: estimate.counters.iterations,
+                objective: estimate.objective,
+                late: estimate
+                    .parameters
+                    .iter()
+                    .find(|parameter| parameter.name == "late")
+                    .and_then(|parameter| Some([parameter.value, parameter.sd?])),
+                is_open: estimate.undetermined.iter().any(is_of_motion),
+            }
+        }
+        Err(error) => Seen {
+            seed,
+            verdict: error.to_string(),
+            apart: None,
+            iterations: 0,
+            objective: f64::NAN,
+            late: None,
+            is_open: true,
+        },
+    }
+}
