@@ -560,9 +560,22 @@ fn event_of(text: &Spanned<String>, scene: &Scene) -> Result<usize, Fault> {
     Ok(event)
 }
 
+/// Least standard deviation of a wish: a thousandth of its key's unit.
+const SD_MIN: f64 = 1e-3;
+
+/// A standard deviation, in SI units.
 fn sd(key: &str, number: &Option<Number>, unit: f64) -> Result<Option<f64>, Fault> {
-    let sd = number.as_ref().map(|number| positive(key, number));
-    Ok(sd.transpose()?.map(|sd| sd * unit))
+    let Some(number) = number else {
+        return Ok(None);
+    };
+    let sd = positive(key, number)?;
+    if sd < SD_MIN {
+        return fault(
+            number.span(),
+            format!("{key} is {sd}, expected {SD_MIN} or more: without it the goal is hard"),
+        );
+    }
+    Ok(Some(sd * unit))
 }
 
 /// A box between two corners.

@@ -222,8 +222,8 @@ impl ArcCondition {
         let (problem, point) = (at.problem, at.point);
         let free_times = || self.events().map(|event| problem.event_is_free[event]);
         if let GoalQuantity::Time { since } = self.condition.quantity {
-            let since_s = since.map_or(0.0, |event| point.event_times_s[event]);
-            let value = Vector3::new(point.event_times_s[self.event] - since_s, 0.0, 0.0);
+            let since_s = since.map_or(0.0, |event| at.event_time_s(event));
+            let value = Vector3::new(at.event_time_s(self.event) - since_s, 0.0, 0.0);
             for (row, of) in self.rows_of(&value).into_iter().enumerate() {
                 self.put(&of, row, block);
                 let signs = [1.0, -1.0].into_iter().zip(free_times());
@@ -236,7 +236,7 @@ impl ArcCondition {
             return Some(());
         }
         let gravity_m_s2 = problem.gravity(&point.parameters);
-        let time_s = point.event_times_s[self.event];
+        let time_s = at.event_time_s(self.event);
         let reached = self.arcs.iter().map(|arc| {
             let flight = (&point.arcs[*arc], at.epochs_s[*arc]);
             let (end, body) = if problem.arcs[*arc].is_plain {

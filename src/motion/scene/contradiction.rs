@@ -84,24 +84,30 @@ fn contradiction(first: &Goal, second: &Goal) -> Option<String> {
         return None;
     }
     let (firsts, seconds) = (first.target.conditions(), second.target.conditions());
+    if same_link {
+        let off = off_pose(&first.target, &seconds).or_else(|| off_pose(&second.target, &firsts));
+        if off.is_some() {
+            return off;
+        }
+    }
+    // A pose leaves nothing to do for what agrees with it.
+    let is_pose = |goal: &Goal| matches!(goal.target, GoalTarget::Pose { .. });
+    let may_repeat = is_pose(first) || is_pose(second);
     for a in firsts.iter().filter(|a| a.sd.is_none()) {
         for b in seconds.iter().filter(|b| b.sd.is_none()) {
             if !same_link && !(is_time(a) && is_time(b)) {
                 continue;
             }
-            if let Some(message) = apart(a, b) {
+            if let Some(message) = apart(a, b, may_repeat) {
                 return Some(message);
             }
         }
     }
-    if !same_link {
-        return None;
-    }
-    off_pose(&first.target, &seconds).or_else(|| off_pose(&second.target, &firsts))
+    None
 }
 
-/// Why two hard conditions cannot both hold.
-fn apart(a: &Condition, b: &Condition) -> Option<String> {
+/// Why two hard conditions cannot both hold; unless they may, equalities must not fix the same twice.
+fn apart(a: &Condition, b: &Condition, may_repeat: bool) -> Option<String> {
     use GoalQuantity::{Direction, Position, Turn};
     if a.moment != b.moment && !a.quantity.is_of_pose() {
         return None;
@@ -143,7 +149,8 @@ fn apart(a: &Condition, b: &Condition) -> Option<String> {
     if gap > if is_digits { DIGITS } else { ROUNDING } {
         return Some(format!("their sets are {gap:.6} {unit} apart"));
     }
-    let are_equalities = a.is_equality() && b.is_equality() && a.quantity != b.quantity;
+    let are_equalities =
+        !may_repeat && a.is_equality() && b.is_equality() && a.quantity != b.quantity;
     match (&a.quantity, &b.quantity) {
         (Position { .. }, Position { .. }) if are_equalities => Some(
             "two exact points fix their distance twice, expected one with within_mm or sd_mm".into(),
