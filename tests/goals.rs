@@ -194,7 +194,10 @@ fn every_example_of_the_page_is_met() {
                 asked["goals"][0]["distance"].as_f64().unwrap()
             };
             let [none, some, all] = [1e4, 1.0, 1e-2].map(distance);
-            assert!(none > 1.2 * some && some > 20.0 * all, "{example}: {none} {some} {all}");
+            assert!(
+                none > 1.2 * some && some > 20.0 * all,
+                "{example}: {none} {some} {all}"
+            );
         }
     }
 }

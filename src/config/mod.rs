@@ -139,7 +139,6 @@ mod capture;
 mod error;
 mod event;
 mod goal;
-mod goal_keys;
 mod keys;
 mod law;
 mod number;

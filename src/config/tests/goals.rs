@@ -178,6 +178,12 @@ fn misuses_are_refused_with_what_is_expected() {
             "expected a positive number",
         ),
         (
+            "position_mm = [0, 0, 0]\nsd_mm = 0.0009",
+            48,
+            "0.0009",
+            "without it the goal is hard",
+        ),
+        (
             "position_mm = [0, 0, 0]\nsd_deg = 1",
             48,
             "1",
