@@ -335,12 +335,7 @@ fn misuses_are_refused_with_what_is_expected() {
     let both = at_bounce("position_mm = [0, 0, 10]\ncontact = true\npoint_mm = [0, 0, 0]");
     refused(&both, 49, "[0, 0, 0]", "expected one of contact, point_mm");
     let off = at_bounce("position_mm = [0, 0, 30]\ncontact = true");
-    refused(
-        &off,
-        44,
-        "",
-        "the contact is on \"table\", 20.000 mm from there",
-    );
+    refused(&off, 44, "", "on a face 20.000 mm from there");
     let fixed = goal("time_ms = 300")
         .replace("body = \"pencil\"\ntime", "time")
         .replace("stamps = \"tempo\"", "stamps = \"physical\"");

@@ -110,6 +110,10 @@ impl Constraint for ArcCondition {
         }
     }
 
+    fn is_wish(&self) -> bool {
+        self.is_soft()
+    }
+
     fn price(&self, _: &Problem, most: f64) -> f64 {
         let sd = self.condition.sd.unwrap_or(f64::INFINITY);
         (self.unit() / sd).powi(2).min(most)

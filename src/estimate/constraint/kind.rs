@@ -78,6 +78,11 @@ pub trait Constraint {
         problem.velocity_gap_weight.unwrap_or(0.0)
     }
 
+    /// Whether its priced rows are a goal that has a weight.
+    fn is_wish(&self) -> bool {
+        false
+    }
+
     /// Hard rows that depend on poses only, not on velocities.
     fn places(&self, rows: &Block) -> Vec<Range<usize>> {
         std::iter::once(0..rows.values.len()).collect()
