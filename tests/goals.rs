@@ -1,9 +1,15 @@
-//! Goals on a coordinate, through the program: a height above the acted apex can only be met at a
-//! stationary point of the flight, where nothing but the constraint's curvature tells the time.
+//! Goals through the program. A height above the acted apex can only be met at a stationary point of the
+//! flight, where nothing but the constraint's curvature tells the time. The examples of the page of goals
+//! are met.
 
+use std::path::Path;
+
+use enact::config::scene_from_toml;
+use enact::physics::State;
 use enact_tools::case::Case;
-use enact_tools::perform::{Acting, Style, bounces, recording};
+use enact_tools::perform::{Acting, Style, bounces, perform, recording, simulate};
 use enact_tools::replay::Program;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -116,5 +122,82 @@ fn what_no_throw_like_it_reaches_is_no_motion_of_it() {
         let case = Case::new(&truth, &acting(timing), 6000);
         let said = said(&case, &scene_toml, timing, 5.0);
         assert_ne!(said["verdict"], "physical", "{timing}: {}", said["reason"]);
+    }
+}
+
+/// The blocks of TOML on a page.
+fn examples(page: &str) -> Vec<&str> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("docs")
+        .join(page);
+    let text: &'static str = std::fs::read_to_string(path).unwrap().leak();
+    let blocks = text.split("```toml\n").skip(1);
+    blocks
+        .map(|block| block.split("```").next().unwrap())
+        .collect()
+}
+
+#[test]
+fn every_example_of_the_page_is_met() {
+    let examples = examples("goals.md");
+    let (scene_toml, goals) = examples.split_first().expect("a scene");
+    let scene = scene_from_toml(scene_toml).unwrap();
+    let state = |position_m: [f64; 3], turn: [f64; 4], velocity_m_s: [f64; 3], spin: [f64; 3]| {
+        let [w, x, y, z] = turn;
+        State {
+            position_m: Vector3::from(position_m),
+            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+            velocity_m_s: Vector3::from(velocity_m_s),
+            angular_velocity_rad_s: Vector3::from(spin),
+        }
+    };
+    let turn = [0.99445, 0.02834, 0.05552, -0.08472];
+    let spin = [2.57135, -4.59538, 0.84827];
+    let first = [
+        state([-0.075, -0.005, 0.27084], turn, [0.5, 0.1, 0.45166], spin),
+        state(
+            [0.3, 0.2, 0.6],
+            [1.0, 0.0, 0.0, 0.0],
+            [-0.3, 0.0, 1.6],
+            [1.0, 2.0, 0.0],
+        ),
+    ];
+    let truth = simulate(&scene, &[], &first, 0.45).unwrap();
+    let performance = perform(&truth, &Acting::timing_known(), 6000);
+    let said = |scene_toml: &str| {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("take.mcap");
+        recording::write(&performance, scene_toml, &path).unwrap();
+        let replayed = ENACT.report(&path, &[]);
+        let is_estimate = matches!(replayed.code, Some(0 | 3));
+        assert!(is_estimate, "{scene_toml}\n{}", replayed.errors);
+        replayed.said
+    };
+    assert_met(&said(scene_toml), "without goals");
+    assert!(goals.len() > 20, "{}", goals.len());
+    for example in goals {
+        let asked = said(&format!("{scene_toml}\n{example}"));
+        assert_met(&asked, example);
+        let lines = asked["goals"].as_array().unwrap();
+        assert!(!lines.is_empty(), "{example}");
+        for line in lines.iter().filter(|line| line["sd"].is_null()) {
+            assert_eq!(line["is_met"], true, "{example}: {line}");
+        }
+        if let Some((rest, sd)) = example.trim_end().rsplit_once("sd_") {
+            // The more a wish weighs, the nearer the motion comes to it.
+            let (unit, value) = sd.split_once(" = ").unwrap();
+            let value: f64 = value.parse().unwrap();
+            let distance = |share: f64| {
+                let example = format!("{rest}sd_{unit} = {:?}", value * share);
+                let asked = said(&format!("{scene_toml}\n{example}"));
+                assert_met(&asked, &example);
+                asked["goals"][0]["distance"].as_f64().unwrap()
+            };
+            let [none, some, all] = [1e4, 1.0, 1e-2].map(distance);
+            assert!(
+                none > 1.2 * some && some > 20.0 * all,
+                "{example}: {none} {some} {all}"
+            );
+        }
     }
 }

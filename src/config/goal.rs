@@ -1,23 +1,27 @@
 //! Goals at events: `[[goal]]` tables become conditions, each of one quantity.
 
+mod keys;
+mod point;
+mod set;
+mod turn;
+
 use std::ops::Range;
 
 use nalgebra::Vector3;
 use toml::Spanned;
 
+use self::keys::{ABOUT, Used};
+use self::set::{VectorKeys, sd};
 use super::error::{Fault, fault};
-use super::event::{feature_of, link_of};
-use super::goal_keys::{ABOUT, Used};
+use super::event::link_of;
 use super::held::check_goal;
-use super::number::{direction, finite, index_of, orientation, positive, vector};
-use super::raw::{Corners, Number, RawAxis, RawGoal, Triple};
-use super::rest::axis;
+use super::number::{finite, index_of, positive};
+use super::raw::{Number, RawGoal};
 use crate::math::Pose;
 use crate::motion::{
     Axes, BodyPoint, Condition, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget, LinkIndex,
     Moment, Scene,
 };
-use crate::physics::contact::Feature;
 
 /// Millimetres, degrees and milliseconds in SI units.
 const MM: f64 = 1e-3;
@@ -220,183 +224,6 @@ impl<'a> Table<'a> {
         }))
     }
 
-    /// The point of the body that is meant.
-    fn point(&self, link: LinkIndex) -> Result<BodyPoint, Fault> {
-        let raw = self.raw;
-        if let Some(contact) = raw.contact.as_ref().filter(|contact| *contact.get_ref()) {
-            if let Some(point) = &raw.point_mm {
-                return fault(point.span(), "expected one of contact, point_mm");
-            }
-            return Ok(BodyPoint::Contact(self.contact(link, contact.span())?));
-        }
-        match (&raw.point_mm, &raw.feature) {
-            (None, None) => Ok(BodyPoint::Centre),
-            (Some(point), None) => Ok(BodyPoint::Fixed(vector("point_mm", point)? * MM)),
-            (Some(_), Some(feature)) => fault(feature.span(), "expected one of point_mm, feature"),
-            (None, Some(text)) => {
-                let link = &self.scene.links[link];
-                let feature = &link.features[feature_of(link, text)?];
-                match feature.geometry {
-                    Feature::Point { point_m, .. } => Ok(BodyPoint::Fixed(point_m)),
-                    Feature::Rim { centre_m, .. } => Ok(BodyPoint::Fixed(centre_m)),
-                    Feature::Line { .. } | Feature::Face { .. } => fault(
-                        text.span(),
-                        format!(
-                            "{:?} is no one point, expected a corner, or point_mm",
-                            feature.name
-                        ),
-                    ),
-                }
-            }
-        }
-    }
-
-    /// Which of the collision's contacts is meant.
-    fn contact(&self, link: LinkIndex, span: Range<usize>) -> Result<usize, Fault> {
-        let event = &self.scene.events[self.event];
-        let collision = event.kind.collision();
-        let Some(collision) = collision.filter(|of| of.links().any(|other| other == link)) else {
-            return fault(
-                span,
-                format!(
-                    "{:?} touches nothing at {:?}, expected a collision of it",
-                    self.scene.links[link].name, event.name
-                ),
-            );
-        };
-        let touching = &collision.contacts;
-        let Some(text) = &self.raw.feature else {
-            return if touching.len() == 1 {
-                Ok(0)
-            } else {
-                fault(
-                    span,
-                    format!(
-                        "{} features touch at {:?}, expected feature to say which",
-                        touching.len(),
-                        event.name
-                    ),
-                )
-            };
-        };
-        let feature = feature_of(&self.scene.links[link], text)?;
-        let is_it = |touching: &crate::motion::Touching| {
-            let own = if collision.link == link {
-                touching.feature
-            } else {
-                touching.other
-            };
-            own == Some(feature)
-        };
-        touching.iter().position(is_it).ok_or_else(|| Fault {
-            span: text.span(),
-            message: format!(
-                "{:?} does not touch at {:?}, expected a feature that the event names",
-                text.get_ref(),
-                event.name
-            ),
-        })
-    }
-
-    /// The body in whose axes positions, orientations and directions are given.
-    fn seen_from(&self, link: LinkIndex) -> Result<Option<LinkIndex>, Fault> {
-        let Some(text) = &self.raw.relative_to else {
-            return Ok(None);
-        };
-        let other = link_of(text, self.scene)?;
-        check_goal(text, other, self.scene)?;
-        if other == link {
-            return fault(
-                text.span(),
-                "a body is not seen from itself, expected another",
-            );
-        }
-        Ok(Some(other))
-    }
-
-    /// An orientation, exactly or within an angle.
-    fn turn(&mut self, seen_from: Option<LinkIndex>) -> Result<Option<Condition>, Fault> {
-        let raw = self.raw;
-        let Some(wxyz) = &raw.orientation_wxyz else {
-            return Ok(None);
-        };
-        if let Some(axis) = &raw.axis {
-            return fault(
-                axis.span(),
-                "expected one of orientation_wxyz, axis: each in a goal of its own",
-            );
-        }
-        let keys = ["orientation_wxyz", "relative_to", "within_deg", "sd_deg"];
-        self.used.add(&keys);
-        Ok(Some(Condition {
-            quantity: GoalQuantity::Turn {
-                from: orientation("orientation of the goal", wxyz)?,
-                seen_from,
-            },
-            set: GoalSet::about_zero(self.angle()?),
-            moment: Moment::Before,
-            sd: sd("sd_deg", &raw.sd_deg, DEG)?,
-        }))
-    }
-
-    /// An axis of the body along a direction, exactly or within a cone.
-    fn direction(
-        &mut self,
-        link: LinkIndex,
-        seen_from: Option<LinkIndex>,
-    ) -> Result<Option<GoalTarget>, Fault> {
-        let raw = self.raw;
-        let Some(given) = &raw.axis else {
-            return Ok(None);
-        };
-        let axis = match given.get_ref() {
-            RawAxis::Name(name) => axis("axis", &self.scene.links[link], (name, given.span()))?,
-            RawAxis::Vector(numbers) => {
-                let triple: Triple = Spanned::new(given.span(), *numbers);
-                direction("axis", &triple)?
-            }
-        };
-        let towards = match (&raw.direction, seen_from) {
-            (Some(triple), _) => direction("direction", triple)?,
-            (None, None) => {
-                let up = self.scene.gravity_m_s2.try_normalize(0.0).map(|down| -down);
-                up.ok_or_else(|| Fault {
-                    span: given.span(),
-                    message: "without gravity nothing is up, expected direction beside axis".into(),
-                })?
-            }
-            (None, Some(_)) => {
-                return fault(
-                    given.span(),
-                    "an axis seen from another body needs a direction in its axes",
-                );
-            }
-        };
-        let keys = ["axis", "direction", "relative_to", "within_deg", "sd_deg"];
-        self.used.add(&keys);
-        let quantity = GoalQuantity::Direction {
-            axis,
-            towards,
-            seen_from,
-        };
-        let set = GoalSet::about_zero(self.angle()?);
-        Ok(Some(target(quantity, set, sd("sd_deg", &raw.sd_deg, DEG)?)))
-    }
-
-    fn angle(&self) -> Result<Option<f64>, Fault> {
-        let Some(number) = &self.raw.within_deg else {
-            return Ok(None);
-        };
-        let within_deg = positive("within_deg", number)?;
-        if within_deg >= 180.0 {
-            return fault(
-                number.span(),
-                format!("within_deg is {within_deg}, expected less than 180"),
-            );
-        }
-        Ok(Some(within_deg * DEG))
-    }
-
     /// In which axes a spin is.
     fn axes(&self) -> Result<Axes, Fault> {
         match self
@@ -480,71 +307,6 @@ impl<'a> Table<'a> {
             ),
         ])
     }
-
-    /// The set of a vector, with its weight; `None` where the goal is not about it.
-    fn set(&mut self, keys: &VectorKeys) -> Result<Option<(GoalSet, Option<f64>)>, Fault> {
-        let (exact, within) = (keys.exact.1.as_ref(), keys.within.1.as_ref());
-        let set = match (exact, within) {
-            (None, None) => return Ok(None),
-            (Some(_), Some(within)) => {
-                return fault(
-                    within.span(),
-                    format!("expected one of {}, {}", keys.exact.0, keys.within.0),
-                );
-            }
-            (None, Some(within)) => corners(keys.within.0, within, keys.unit)?,
-            (Some(exact), None) => {
-                self.used.add(&[keys.radius.0, "normal"]);
-                let at = vector(keys.exact.0, exact)? * keys.unit;
-                match (keys.radius.1, &self.raw.normal) {
-                    (None, None) => GoalSet::point(at),
-                    (Some(radius), None) => GoalSet::Ball {
-                        centre: at,
-                        radius: positive(keys.radius.0, radius)? * keys.unit,
-                    },
-                    (None, Some(triple)) => {
-                        let normal = direction("normal", triple)?;
-                        GoalSet::HalfSpace {
-                            normal,
-                            least: normal.dot(&at),
-                        }
-                    }
-                    (Some(_), Some(normal)) => {
-                        return fault(
-                            normal.span(),
-                            format!("expected one of {}, normal", keys.radius.0),
-                        );
-                    }
-                }
-            }
-        };
-        self.used.add(&[keys.exact.0, keys.within.0, keys.sd.0]);
-        Ok(Some((set, sd(keys.sd.0, keys.sd.1, keys.unit)?)))
-    }
-
-    /// A normal is of one vector.
-    fn one_half_space(&self) -> Result<(), Fault> {
-        let raw = self.raw;
-        let exact = [&raw.position_mm, &raw.velocity_m_s, &raw.spin_rad_s];
-        let count = exact.into_iter().flatten().count();
-        match &raw.normal {
-            Some(normal) if count > 1 => fault(
-                normal.span(),
-                format!("normal is of {count} vectors, expected a goal for each"),
-            ),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// The keys of a vector.
-struct VectorKeys<'a> {
-    exact: (&'static str, &'a Option<Triple>),
-    within: (&'static str, &'a Option<Corners>),
-    radius: (&'static str, &'a Option<Number>),
-    sd: (&'static str, &'a Option<Number>),
-    /// Their unit in SI units.
-    unit: f64,
 }
 
 /// An event of which a goal may be: one, not several.
@@ -561,39 +323,6 @@ fn event_of(text: &Spanned<String>, scene: &Scene) -> Result<usize, Fault> {
         );
     }
     Ok(event)
-}
-
-fn sd(key: &str, number: &Option<Number>, unit: f64) -> Result<Option<f64>, Fault> {
-    let sd = number.as_ref().map(|number| positive(key, number));
-    Ok(sd.transpose()?.map(|sd| sd * unit))
-}
-
-/// A box between two corners.
-fn corners(key: &str, given: &Corners, unit: f64) -> Result<GoalSet, Fault> {
-    let [lower, upper] = given.get_ref();
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let (low, high) = (lower[axis], upper[axis]);
-        // `low <= high` is false for NaN too.
-        let some_room = low <= high && low < f64::INFINITY && high > f64::NEG_INFINITY;
-        if !some_room {
-            return fault(
-                given.span(),
-                format!(
-                    "{key} allows {name} from {low} to {high}, expected a lower bound and one not below it"
-                ),
-            );
-        }
-    }
-    if lower.iter().chain(upper).all(|bound| bound.is_infinite()) {
-        return fault(
-            given.span(),
-            format!("{key} bounds nothing, expected at least one finite bound"),
-        );
-    }
-    Ok(GoalSet::Box {
-        lower: Vector3::from(*lower) * unit,
-        upper: Vector3::from(*upper) * unit,
-    })
 }
 
 /// A condition on poses; a hard box for the centre of mass in its short form.

@@ -47,6 +47,13 @@
 //! `earliest_ms` and `latest_ms` are bounds that hold exactly, in acted time after the mark,
 //! negative before it. Each of the three makes the time free.
 //!
+//! # Goals
+//!
+//! What must hold at an event, for a body or for the time of the event: positions of points and contacts,
+//! orientations, directions, velocities, spins and times, exactly or in boxes, balls, half-spaces, cones,
+//! hard or with a weight, relative to the world or to another body. Every key has its example in
+//! `docs/goals.md`.
+//!
 //! # Goals at rest
 //!
 //! A goal at rest is about what follows the last event, until all rests (`settle_s`): `event =
@@ -126,6 +133,13 @@
 //! | `event.restitution`, `event.friction` | the body's |
 //! | `body.restitution`, `body.friction` | each event has its own; no friction |
 //! | `event.count` | one collision |
+//! | `goal.point_mm`, `goal.feature`, `goal.contact` | the centre of mass |
+//! | `goal.relative_to`, `goal.axes` | the world's axes |
+//! | `goal.direction` of an `axis` | against gravity |
+//! | `goal.after` | just before the event |
+//! | `goal.within_mm`, `goal.within_deg`, `goal.within_m_s`, `goal.within_rad_s`, `goal.normal` | exactly |
+//! | `goal.sd_mm`, `goal.sd_deg`, `goal.sd_m_s`, `goal.sd_rad_s`, `goal.sd_ms` | hard |
+//! | `goal.since` | the first sample |
 //! | `goal.within_deg`, `goal.direction`, `goal.labels`, at rest | 10, against gravity, `"fixed"` |
 //! | `event.time` | `"free"` for collisions, and for an end with a goal where stamps are a tempo; else `"fixed"` |
 //! | `event.time_sd_ms` | `timing.mark_sd_ms` |
@@ -139,7 +153,6 @@ mod capture;
 mod error;
 mod event;
 mod goal;
-mod goal_keys;
 mod held;
 mod keyframes;
 mod keys;

@@ -156,13 +156,8 @@ fn posed(
                 links.push(other);
             }
         }
-        let face = collisions[collision].contacts.as_slice().get(contact)?.b();
-        let is_in_its_axes = match of_scene.partner {
-            Partner::World => condition.quantity.seen_from().is_none(),
-            Partner::Link(other) => condition.quantity.seen_from() == Some(other),
-        };
-        if let (true, Feature::Face { normal, .. }) = (is_in_its_axes, face) {
-            rows = on_face(rows, condition, normal);
+        if let Some((_, normal)) = scene.face_touched(goal, condition) {
+            rows = on_face(rows, condition, &normal);
         }
     }
     let arcs_of: Vec<usize> = links

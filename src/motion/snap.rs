@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::scene::{Goal, GoalTarget, Partner, Scene};
+use super::scene::{Condition, Goal, GoalSet, GoalTarget, Partner, Scene};
 use crate::physics::contact::{Degenerate, Frame};
 
 /// Largest gap of a goal's pose at a collision that is corrected \[m\].
@@ -34,10 +34,25 @@ pub enum SnapError {
 }
 
 impl Scene {
-    /// Moves the pose of a goal at a collision into contact: typed digits leave a gap that no
-    /// motion could close. Other goals and those at open collisions are unchanged. Fails where the
+    /// Moves the pose of a goal at a collision into contact, and the place of a contact onto the face that it
+    /// is on: typed digits leave a gap that no motion could close. Other goals and those at open collisions are unchanged. Fails where the
     /// gap is too large or a contact is degenerate.
     pub fn snap_to_contact(&mut self, goal: usize) -> Result<(), SnapError> {
+        if let GoalTarget::Condition(condition) = &self.goals[goal].target
+            && let Some((point_m, normal)) = self.face_touched(&self.goals[goal], condition)
+            && let GoalSet::Box { lower, .. } = condition.set
+            && condition.set.is_point(3)
+        {
+            let on_face = lower - normal * normal.dot(&(lower - point_m));
+            let condition = Condition {
+                set: GoalSet::point(on_face),
+                ..condition.clone()
+            };
+            if condition.sd.is_none() && (on_face - lower).norm() <= SNAP_M {
+                self.goals[goal].target = GoalTarget::Condition(condition);
+            }
+            return Ok(());
+        }
         let Goal {
             event,
             link,

@@ -151,6 +151,7 @@ pub fn surface_side_m(scene: &Scene, estimates: &TiSlice<LinkIndex, Vec<PoseSamp
 mod tests {
     use super::*;
     use crate::motion::fixture::scene;
+    use crate::motion::{BodyPoint, Condition, Moment};
 
     #[test]
     fn everything_is_listed_and_slabs_lie_below_their_planes() {
@@ -171,6 +172,32 @@ mod tests {
         let half_extents_m = Vector3::new(1.0, 1.0, 0.5 * SURFACE_THICKNESS_M);
         assert_eq!(slab.shape, Some(Shape::Cuboid { half_extents_m }));
         assert_eq!(visuals[3].frame_from_shape.translation.z, 0.1);
+    }
+
+    #[test]
+    fn a_point_within_a_ball_is_drawn_as_one_unless_the_ball_moves() {
+        let mut scene = scene();
+        let centre = Vector3::new(0.1, 0.2, 0.3);
+        let within = |seen_from| {
+            GoalTarget::Condition(Condition {
+                quantity: GoalQuantity::Position {
+                    point: BodyPoint::Centre,
+                    seen_from,
+                },
+                set: GoalSet::Ball {
+                    centre,
+                    radius: 0.05,
+                },
+                moment: Moment::Before,
+                sd: Some(0.01),
+            })
+        };
+        scene.goals[0].target = within(None);
+        let drawn = goal_visual(&scene, 0);
+        assert_eq!(drawn.shape, Some(Shape::Sphere { radius_m: 0.05 }));
+        assert_eq!(drawn.frame_from_shape.translation.vector, centre);
+        scene.goals[0].target = within(Some(LinkIndex(0)));
+        assert_eq!(goal_visual(&scene, 0).shape, None);
     }
 
     #[test]

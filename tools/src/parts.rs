@@ -114,10 +114,7 @@ impl Part {
                 name: format!("{}.{number}", scene.links[link].name),
                 topic: format!("/part/{number}"),
                 link,
-                link_from_tracker: Pose::from_parts(
-                    (*place_m).into(),
-                    UnitQuaternion::identity(),
-                ),
+                link_from_tracker: Pose::from_parts((*place_m).into(), UnitQuaternion::identity()),
                 sees: *sees,
                 weighing: *weighing,
             })

@@ -29,13 +29,9 @@ pub(super) fn events(report: &EstimateReport) -> String {
         + &largest_gaps(report)
 }
 
-/// How many goals are met, and how far the motion is from the others.
+/// How far the motion is from the goals that it does not meet.
 fn goals(report: &EstimateReport) -> String {
-    let met = report.goals.iter().filter(|goal| goal.is_met).count();
-    if report.goals.is_empty() {
-        return String::new();
-    }
-    let mut text = format!("  goals     {met} of {} met\n", report.goals.len());
+    let mut text = String::new();
     for goal in report.goals.iter().filter(|goal| !goal.is_met) {
         let (factor, unit) = for_people(goal.unit);
         let weight = goal.sd.map_or_else(String::new, |sd| {
@@ -47,7 +43,7 @@ fn goals(report: &EstimateReport) -> String {
             .map_or_else(String::new, |body| format!("{body}, "));
         let _ = writeln!(
             text,
-            "            {}: {body}{} {:.3} {unit} off{weight}",
+            "  goal      {}: {body}{} {:.3} {unit} off{weight}",
             goal.event,
             goal.what,
             factor * goal.distance

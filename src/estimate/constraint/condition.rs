@@ -11,16 +11,21 @@
 //! time (a height near an apex), its second derivative by the event's time is given: nothing else
 //! says where it is.
 
+mod reached;
+mod touched;
+
 use std::ops::Range;
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::Vector3;
 
+use self::reached::{End, Reached};
+use self::touched::TouchedPoint;
 use super::kind::{At, Constraint, Filled};
-use super::quantity::{self, Valued};
+use super::quantity::{self, ByState, Valued};
 use super::within::{self, WithinRow};
-use crate::estimate::arc_end::{self, ArcEnd};
+use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::arrival::Arrival;
-use crate::estimate::conditions::{ArcCondition, Rows, Touched};
+use crate::estimate::conditions::{ArcCondition, Rows};
 use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
 use crate::estimate::modelled::Touching;
@@ -28,17 +33,13 @@ use crate::estimate::problem::{Problem, unit};
 use crate::math::so3;
 use crate::motion::{BodyPoint, Gap, GoalQuantity, GoalUnit};
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
-use crate::physics::contact::{Contact, Feature, Frame, Touch, TouchDerivative};
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Body, Dynamics, State, flow};
+use crate::physics::{Dynamics, State};
 
 /// A row is nearly stationary where its slope changes sign within this time \[s\].
 const STATIONARY_S: f64 = 0.02;
 /// Step of the difference that gives second derivatives by the time \[s\].
 const STEP_S: f64 = 1e-5;
-
-/// Derivatives of a quantity by a state.
-type ByState = SMatrix<f64, 3, 12>;
 
 /// Numbers of unknowns of a state.
 const STATE: usize = 12;
@@ -109,110 +110,13 @@ impl Constraint for ArcCondition {
         }
     }
 
+    fn is_wish(&self) -> bool {
+        self.is_soft()
+    }
+
     fn price(&self, _: &Problem, most: f64) -> f64 {
         let sd = self.condition.sd.unwrap_or(f64::INFINITY);
         (self.unit() / sd).powi(2).min(most)
-    }
-}
-
-/// An arc's state at the event with its derivatives.
-struct Reached<'a> {
-    end: End,
-    body: Body,
-    gravity_m_s2: &'a Vector3<f64>,
-}
-
-enum End {
-    Plain(ArcEnd),
-    General(Arrival),
-}
-
-impl Reached<'_> {
-    fn end(&self) -> &ArcEnd {
-        match &self.end {
-            End::Plain(end) => end,
-            End::General(arrival) => &arrival.end,
-        }
-    }
-
-    /// Derivatives by the arriving state, chained to those by the state at the epoch.
-    fn chain(&self, by: &ByState) -> ByState {
-        match &self.end {
-            End::Plain(end) => {
-                let chained = end.chain(&arc_end::ByState::<3>::of(by, 0));
-                let mut all = ByState::zeros();
-                for (at, block) in [
-                    (part::POSITION, chained.position),
-                    (part::ORIENTATION, chained.orientation),
-                    (part::VELOCITY, chained.velocity),
-                    (part::ANGULAR_VELOCITY, chained.spin),
-                ] {
-                    all.fixed_view_mut::<3, 3>(0, at).copy_from(&block);
-                }
-                all
-            }
-            End::General(arrival) => by * arrival.by_state(),
-        }
-    }
-
-    /// The same by a parameter that acts on the flight.
-    fn by(&self, by: &ByState, influence: Influence, value: f64) -> Vector3<f64> {
-        match (&self.end, influence) {
-            (End::Plain(end), Influence::Pull(axis)) => {
-                end.by_gravity(&arc_end::ByState::<3>::of(by, 0), axis)
-            }
-            (End::Plain(_), _) => Vector3::zeros(),
-            (End::General(arrival), influence) => by * arrival.by(influence, value),
-        }
-    }
-
-    /// The state moved along its flight by a short time, to first order.
-    fn moved(&self, by_s: f64) -> State {
-        let end = self.end();
-        end.state.retract(&(end.rate * by_s))
-    }
-
-    fn rate(&self, state: &State) -> StateTangent {
-        flow::rate(&self.body, self.gravity_m_s2, state)
-    }
-}
-
-/// A touch with its derivatives, as to the body that is meant.
-struct TouchedPoint {
-    /// [m, body axes].
-    point_m: Vector3<f64>,
-    /// Derivative by the pose of the body, and of what it touches.
-    by: [SMatrix<f64, 3, 6>; 2],
-    /// The point of the face that is touched [m, axes of what it touches].
-    face_m: Vector3<f64>,
-}
-
-impl TouchedPoint {
-    fn new((contact, touched): (&Contact, &Touched), states: &[State]) -> Option<Self> {
-        let frame = |index: usize| states.get(index).map_or_else(Frame::world, Frame::of);
-        let other = 1 - touched.side;
-        let [a, b] = if touched.side == 0 {
-            [frame(0), frame(1)]
-        } else {
-            [frame(1), frame(0)]
-        };
-        let (touch, derivative): (Touch, TouchDerivative) =
-            contact.touch_derivative(&a, &b).ok()?;
-        let (point_m, by) = if touched.side == 0 {
-            (touch.on_a_m, derivative.on_a)
-        } else {
-            (touch.on_b_m, derivative.on_b)
-        };
-        let side = |side: usize| by.fixed_columns::<6>(6 * side).into_owned();
-        let face_m = match contact.b() {
-            Feature::Face { point_m, .. } => *point_m,
-            _ => Vector3::zeros(),
-        };
-        Some(Self {
-            point_m,
-            by: [side(touched.side), side(other)],
-            face_m,
-        })
     }
 }
 
@@ -222,8 +126,8 @@ impl ArcCondition {
         let (problem, point) = (at.problem, at.point);
         let free_times = || self.events().map(|event| problem.event_is_free[event]);
         if let GoalQuantity::Time { since } = self.condition.quantity {
-            let since_s = since.map_or(0.0, |event| point.event_times_s[event]);
-            let value = Vector3::new(point.event_times_s[self.event] - since_s, 0.0, 0.0);
+            let since_s = since.map_or(0.0, |event| at.event_time_s(event));
+            let value = Vector3::new(at.event_time_s(self.event) - since_s, 0.0, 0.0);
             for (row, of) in self.rows_of(&value).into_iter().enumerate() {
                 self.put(&of, row, block);
                 let signs = [1.0, -1.0].into_iter().zip(free_times());
@@ -236,7 +140,7 @@ impl ArcCondition {
             return Some(());
         }
         let gravity_m_s2 = problem.gravity(&point.parameters);
-        let time_s = point.event_times_s[self.event];
+        let time_s = at.event_time_s(self.event);
         let reached = self.arcs.iter().map(|arc| {
             let flight = (&point.arcs[*arc], at.epochs_s[*arc]);
             let (end, body) = if problem.arcs[*arc].is_plain {

@@ -68,7 +68,7 @@ impl Constraint for ArcGoal {
         let Dynamics::Free(body) = problem.dynamics_of(self.arc);
         let gravity = problem.gravity(&at.point.parameters);
         let flight = (&at.point.arcs[self.arc], at.epochs_s[self.arc]);
-        let time_s = at.point.event_times_s[self.event];
+        let time_s = at.event_time_s(self.event);
         let arrival = ArcEnd::new(body, &gravity, flight, time_s);
         block.reset(pattern);
         // Columns after the state: time, then gravity.
@@ -164,8 +164,8 @@ impl ArcGoal {
     fn fill_general(&self, at: &At, (pattern, block): Filled) -> Option<()> {
         let (problem, parameters) = (at.problem, &at.point.parameters);
         let of = &problem.arcs[self.arc];
-        let time_s = timing::time_at_s(problem, at.point, of, self.event);
         let clock = timing::clock_at(problem, of, self.event);
+        let time_s = at.event_time_s(self.event) + clock.map_or(0.0, |clock| parameters[clock]);
         let arrival = Arrival::new(problem, at.point, (self.arc, at.epochs_s[self.arc]), time_s)?;
         let state = &arrival.end.state;
         block.reset(pattern);

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
+use crate::estimate::timing;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::impact::ImpactDerivative;
@@ -37,6 +38,19 @@ impl<'a> At<'a> {
     }
 }
 
+impl At<'_> {
+    /// Physical time of an event \[s\]; a start that is given is the zero of time.
+    pub(super) fn event_time_s(&self, event: usize) -> f64 {
+        let problem = self.problem;
+        let is_given = problem.times_are_unknown() && !problem.event_is_free[event];
+        if is_given && timing::is_zero(problem, event) {
+            self.point.node_times_s.first().copied().unwrap_or(0.0)
+        } else {
+            self.point.event_times_s[event]
+        }
+    }
+}
+
 /// Rows to fill, with the unknowns that they depend on.
 pub type Filled<'a> = (&'a BlockPattern, &'a mut Block);
 
@@ -62,6 +76,11 @@ pub trait Constraint {
     /// not the price of velocity gaps.
     fn price(&self, problem: &Problem, _most: f64) -> f64 {
         problem.velocity_gap_weight.unwrap_or(0.0)
+    }
+
+    /// Whether its priced rows are a goal that has a weight.
+    fn is_wish(&self) -> bool {
+        false
     }
 
     /// Hard rows that depend on poses only, not on velocities.

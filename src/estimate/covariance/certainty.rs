@@ -151,7 +151,8 @@ impl<'a> Covariance<'a> {
         let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
         // Curvature leads errors on to what it holds; it is not known better for that.
         let known = own - self.curvature(answer);
-        if is_damped || seen + marks < SEEN_SHARE_MIN * known {
+        let wished = self.wished(answer);
+        if is_damped || seen + marks + wished < SEEN_SHARE_MIN * known {
             return None;
         }
         let priors = (known - seen + beyond).max(0.0);
@@ -171,6 +172,26 @@ impl<'a> Covariance<'a> {
             .as_ref()
             .map_or(0.0, |curved| square(curved) - square(&self.system.hessian));
         added + self.kkt.curved(x)
+    }
+
+    /// Information of goals that have a weight about an answer: what they determine is not undetermined.
+    fn wished(&self, answer: &DVector<f64>) -> f64 {
+        let problem = self.context.problem;
+        let priced = self.system.priced.iter();
+        let blocks = priced.zip(&self.context.structure().priced);
+        let wishes = problem.constraints().zip(blocks);
+        let wishes = wishes.filter(|(constraint, _)| constraint.is_wish());
+        let each = wishes.map(|(constraint, (block, pattern))| {
+            let mut change = vec![0.0; block.values.len()];
+            block.along(pattern, answer, &mut change);
+            let acting = change
+                .iter()
+                .enumerate()
+                .filter(|(row, _)| block.acts(*row));
+            let square: f64 = acting.map(|(_, change)| change * change).sum();
+            constraint.price(problem, f64::INFINITY) * square
+        });
+        each.sum()
     }
 
     /// `P m` for a linear combination `m`.

@@ -14,6 +14,10 @@
 //! (`curvature`): through it alone the time of a goal at an apex responds to errors. It counts
 //! neither as samples nor as a prior.
 //!
+//! A goal that has a weight is a prior too, as if its quantity were known to be in its set to that
+//! standard deviation: between none and a hard goal, which is taken as exact, as the deviation goes from
+//! large to small.
+//!
 //! This is the sandwich estimator (Huber 1967; White 1982). The weights in `H` determine how errors
 //! propagate, although they are not the inverse of the errors' covariance `Σ`; `Σ` determines their
 //! size. `H_p` is the part of `H` from priors (tempo, parameters, priced velocity gaps), whose

@@ -86,8 +86,8 @@ fn sets(dimension: usize, about: Vector3<f64>, apart: f64) -> Vec<GoalSet> {
 }
 
 /// A scene with conditions in place of its goals: every quantity in sets about where it is in the guess
-/// of its flights, hard and with a weight in turn.
-pub(super) fn wished(mut scene: Scene) -> Scene {
+/// of its flights, hard and with a weight in turn; one in so many of them.
+pub(super) fn wished(mut scene: Scene, one_in: usize) -> Scene {
     let is_meeting = scene.links.len() > 1;
     scene.goals.clear();
     let (_, segments, guess) = sketch(&scene, 0.0);
@@ -115,7 +115,9 @@ pub(super) fn wished(mut scene: Scene) -> Scene {
             // A hard orientation would leave nothing to do for the others.
             let is_turn = matches!(quantity, GoalQuantity::Turn { .. }) && set.is_point(3);
             let sd = (number % 3 == 0 || is_turn).then_some(0.02);
-            scene.goals.push(goal(set, sd));
+            if number % one_in == 0 {
+                scene.goals.push(goal(set, sd));
+            }
         }
     }
     scene
@@ -150,7 +152,7 @@ fn distance(scene: &Scene, (segments, guess): (&[Segment], &Guess), goal: &Goal)
 
 /// Runs `check` on context, point and the blocks of conditions: for one body and for two, with and
 /// without parameters that act on flights, bodies and surfaces, with known and unknown times.
-pub(in crate::estimate) fn wished_cases(check: impl Fn(&SolveContext, &Point)) {
+pub(in crate::estimate) fn wished_cases(one_in: usize, check: impl Fn(&SolveContext, &Point)) {
     let unknown = Timing::Unknown {
         tempo_sd_per_sqrt_s: 0.5,
     };
@@ -160,7 +162,7 @@ pub(in crate::estimate) fn wished_cases(check: impl Fn(&SolveContext, &Point)) {
         modelled(scene(Timing::Known)),
         modelled(meeting(Timing::Known, 0.05)),
     ] {
-        let scene = wished(of);
+        let scene = wished(of, one_in);
         let (sketch, segments, guess) = sketch(&scene, 1.0);
         let problem = Problem::new(&scene, &sketch, &segments);
         assert_eq!(problem.conditions.len(), scene.goals.len());
@@ -192,7 +194,7 @@ fn filled<'a>(context: &'a SolveContext, point: &Point) -> Vec<(Block, &'a Block
 
 #[test]
 fn rows_of_conditions_have_exact_derivatives() {
-    wished_cases(|context, point| {
+    wished_cases(1, |context, point| {
         let size = context.layout.size();
         let lengths: Vec<f64> = lengths(context.layout).iter().map(|l| 0.1 * l).collect();
         let at = |d: &[f64]| {
@@ -232,7 +234,7 @@ fn rows_of_conditions_have_exact_derivatives() {
 /// What goals with a weight cost has the gradient that is said.
 #[test]
 fn wishes_pull_as_their_cost_falls() {
-    wished_cases(|context, point| {
+    wished_cases(9, |context, point| {
         let size = context.layout.size();
         let lengths: Vec<f64> = lengths(context.layout).iter().map(|l| 0.1 * l).collect();
         let cost = |d: &[f64], guidance: &Guidance| {
@@ -262,12 +264,12 @@ fn wishes_pull_as_their_cost_falls() {
 fn rows_that_time_leaves_say_how_it_bends_them() {
     let mut bent = 0;
     let bent = std::cell::RefCell::new(&mut bent);
-    wished_cases(|context, point| {
+    wished_cases(1, |context, point| {
         let time = context.layout.events[1].expect("a free end");
         let mut point = point.clone();
         // The bodies rise and fall: somewhere each row turns back.
-        for step in 0..60 {
-            point.event_times_s[1] = 0.3 + 0.005 * f64::from(step);
+        for step in 0..12 {
+            point.event_times_s[1] = 0.3 + 0.025 * f64::from(step);
             let slopes = |d: &[f64]| -> Vec<f64> {
                 let mut there = point.clone();
                 there.event_times_s[1] += 1e-3 * d[0];
@@ -291,7 +293,7 @@ fn rows_that_time_leaves_say_how_it_bends_them() {
                     let scale = 1.0 + expected.abs();
                     // Where a ball's row is flattened, its second derivative jumps.
                     let is_single = matches!(of.rows, Rows::Single);
-                    if !is_single {
+                    if !is_single && of.event == 1 {
                         let error = (second.value - expected).abs();
                         assert!(error < 1e-4 * scale, "{of:?}: {} {expected}", second.value);
                         **bent.borrow_mut() += 1;
@@ -301,13 +303,13 @@ fn rows_that_time_leaves_say_how_it_bends_them() {
             }
         }
     });
-    assert!(**bent.borrow() > 100, "{}", bent.borrow());
+    assert!(**bent.borrow() > 20, "{}", bent.borrow());
 }
 
 #[test]
 fn rows_are_as_far_from_their_bounds_as_the_scene_says() {
     for of in [scene(Timing::Known), meeting(Timing::Known, 0.05)] {
-        let mut scene = wished(of);
+        let mut scene = wished(of, 1);
         // The guess's values of what is free are those of the scene.
         scene.parameters.clear();
         scene.cones.clear();

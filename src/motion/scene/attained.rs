@@ -141,6 +141,32 @@ impl Scene {
         }
     }
 
+    /// The face on which a contact lies whose place is asked, a point of it and its normal in the axes in
+    /// which that is seen; `None` where it lies on none, is seen from elsewhere or is open.
+    pub fn face_touched(
+        &self,
+        goal: &Goal,
+        condition: &Condition,
+    ) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let Some(BodyPoint::Contact(index)) = condition.quantity.point() else {
+            return None;
+        };
+        let collision = self.events[goal.event].kind.collision()?;
+        let set = self.contact_set(goal.event).ok()??;
+        let contact = set.as_slice().get(index)?;
+        let (other, feature) = match collision.partner {
+            Partner::World => (None, contact.b()),
+            Partner::Link(other) if collision.link == goal.link => (Some(other), contact.b()),
+            Partner::Link(_) => (Some(collision.link), contact.a()),
+        };
+        match feature {
+            Feature::Face { point_m, normal } if condition.quantity.seen_from() == other => {
+                Some((*point_m, *normal))
+            }
+            _ => None,
+        }
+    }
+
     /// How far an estimate of this scene, whose quantities are in their places
     /// ([`Scene::as_estimated`]), is from each goal; goals that no flight meets are left out.
     pub fn goals_attained(&self, estimate: &Estimate) -> Vec<GoalEstimate> {

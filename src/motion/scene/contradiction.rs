@@ -1,16 +1,20 @@
 //! Goals that cannot hold, as far as a scene tells it: those that contradict others, and times that are
 //! given.
 
+use nalgebra::Vector3;
+
 use super::condition::{BodyPoint, Condition, GoalQuantity};
 use super::goal::{Goal, GoalTarget};
+use super::goal_set::GoalSet;
 use super::whole::Scene;
 use crate::physics::State;
-use nalgebra::Vector3;
 
 /// Greatest distance between goals that agree: what typed digits leave, in SI units.
 const DIGITS: f64 = 1e-5;
 /// The same of sets of one quantity, which need not be rounded.
 const ROUNDING: f64 = 1e-9;
+/// Greatest distance of a contact's place from the face that it is on \[m\].
+const OFF_M: f64 = 1e-3;
 
 impl Scene {
     /// The first goal that cannot hold, with the reason.
@@ -40,36 +44,23 @@ impl Scene {
         })
     }
 
-    /// What is wrong with a goal for the place of a contact that is on a face of the world.
+    /// What is wrong with a hard goal for the place of a contact that is on a face.
     fn off_its_face(&self, goal: &Goal) -> Option<String> {
-        /// Greatest distance of such a goal from the face \[m\].
-        const OFF_M: f64 = 1e-3;
         let GoalTarget::Condition(condition) = &goal.target else {
             return None;
         };
-        let Some(BodyPoint::Contact(contact)) = condition.quantity.point() else {
-            return None;
-        };
-        let collision = self.events[goal.event].kind.collision()?;
-        if collision.partner != super::event::Partner::World || condition.sd.is_some() {
-            return None;
-        }
-        let surface = &self.surfaces[collision.contacts.get(contact)?.other?];
-        let (point_m, normal) = surface.plane()?;
-        let height = normal.dot(&point_m);
-        let plane = super::goal_set::GoalSet::HalfSpace {
-            normal: -normal,
-            least: -height - OFF_M,
-        };
-        let below = super::goal_set::GoalSet::HalfSpace {
-            normal,
-            least: height - OFF_M,
-        };
-        let off_m = condition.set.gap(&plane).max(condition.set.gap(&below));
-        (off_m > 0.0).then(|| {
+        let (point_m, normal) = self.face_touched(goal, condition)?;
+        let height_m = normal.dot(&point_m);
+        let side = |normal: Vector3<f64>, least: f64| GoalSet::HalfSpace { normal, least };
+        let sides = [
+            side(normal, height_m - OFF_M),
+            side(-normal, -height_m - OFF_M),
+        ];
+        let off_m = sides.map(|side| condition.set.gap(&side));
+        let off_m = off_m[0].max(off_m[1]);
+        (off_m > 0.0 && condition.sd.is_none()).then(|| {
             format!(
-                "the contact is on {:?}, {:.3} mm from there, expected a place on it",
-                surface.name,
+                "the contact is on a face {:.3} mm from there, expected a place on it",
                 1e3 * (off_m + OFF_M)
             )
         })
@@ -84,24 +75,30 @@ fn contradiction(first: &Goal, second: &Goal) -> Option<String> {
         return None;
     }
     let (firsts, seconds) = (first.target.conditions(), second.target.conditions());
+    if same_link {
+        let off = off_pose(&first.target, &seconds).or_else(|| off_pose(&second.target, &firsts));
+        if off.is_some() {
+            return off;
+        }
+    }
+    // A pose leaves nothing to do for what agrees with it.
+    let is_pose = |goal: &Goal| matches!(goal.target, GoalTarget::Pose { .. });
+    let may_repeat = is_pose(first) || is_pose(second);
     for a in firsts.iter().filter(|a| a.sd.is_none()) {
         for b in seconds.iter().filter(|b| b.sd.is_none()) {
             if !same_link && !(is_time(a) && is_time(b)) {
                 continue;
             }
-            if let Some(message) = apart(a, b) {
+            if let Some(message) = apart(a, b, may_repeat) {
                 return Some(message);
             }
         }
     }
-    if !same_link {
-        return None;
-    }
-    off_pose(&first.target, &seconds).or_else(|| off_pose(&second.target, &firsts))
+    None
 }
 
-/// Why two hard conditions cannot both hold.
-fn apart(a: &Condition, b: &Condition) -> Option<String> {
+/// Why two hard conditions cannot both hold; unless they may, equalities must not fix the same twice.
+fn apart(a: &Condition, b: &Condition, may_repeat: bool) -> Option<String> {
     use GoalQuantity::{Direction, Position, Turn};
     if a.moment != b.moment && !a.quantity.is_of_pose() {
         return None;
@@ -110,7 +107,7 @@ fn apart(a: &Condition, b: &Condition) -> Option<String> {
         return None;
     }
     let radius = |of: &Condition| match of.set {
-        super::goal_set::GoalSet::Ball { radius, .. } => radius,
+        GoalSet::Ball { radius, .. } => radius,
         _ => 0.0,
     };
     let unit = a.quantity.unit().as_str();
@@ -143,7 +140,8 @@ fn apart(a: &Condition, b: &Condition) -> Option<String> {
     if gap > if is_digits { DIGITS } else { ROUNDING } {
         return Some(format!("their sets are {gap:.6} {unit} apart"));
     }
-    let are_equalities = a.is_equality() && b.is_equality() && a.quantity != b.quantity;
+    let are_equalities =
+        !may_repeat && a.is_equality() && b.is_equality() && a.quantity != b.quantity;
     match (&a.quantity, &b.quantity) {
         (Position { .. }, Position { .. }) if are_equalities => Some(
             "two exact points fix their distance twice, expected one with within_mm or sd_mm".into(),

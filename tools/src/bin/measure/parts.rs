@@ -76,7 +76,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                     .filter_map(|seed| Some(one(&make(&acting, seed)?, part, seed)))
                     .collect();
                 let with = |verdict: Verdict| {
-                    all.iter().filter(|one| one.verdict == verdict.as_str()).count()
+                    all.iter()
+                        .filter(|one| one.verdict == verdict.as_str())
+                        .count()
                 };
                 let (physical, plausible) = (with(Verdict::Physical), with(Verdict::Plausible));
                 let of = |value: fn(&Apart) -> f64| {
@@ -95,7 +97,10 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                     plausible.to_string(),
                     (all.len() - physical - plausible).to_string(),
                     format!("{} mm", number(1e3 * of(|apart| apart.position_m))),
-                    format!("{}°", number(of(|apart| apart.orientation_rad).to_degrees())),
+                    format!(
+                        "{}°",
+                        number(of(|apart| apart.orientation_rad).to_degrees())
+                    ),
                     number(median(&iterations)),
                     if late.is_empty() {
                         String::new()

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::error::{Fault, fault};
-use super::raw::RawGoal;
+use crate::config::error::{Fault, fault};
+use crate::config::raw::RawGoal;
 
 /// Keys that say nothing alone, with what they need.
 const NEEDS: &[(&str, &str)] = &[
@@ -60,7 +60,7 @@ pub(super) const ABOUT: &str = "position_mm, position_within_mm, orientation_wxy
 
 impl RawGoal {
     /// The keys that are given, but for `event` and `body`, with their places.
-    pub(super) fn given(&self) -> impl Iterator<Item = (&'static str, Range<usize>)> {
+    pub(in crate::config) fn given(&self) -> impl Iterator<Item = (&'static str, Range<usize>)> {
         fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
             value.as_ref().map(Spanned::span)
         }

@@ -1,0 +1,73 @@
+//! An arc's state at a condition's event, with derivatives in whichever form serves.
+
+use nalgebra::Vector3;
+
+use crate::estimate::arc_end::{self, ArcEnd};
+use crate::estimate::arrival::Arrival;
+use crate::estimate::constraint::quantity::ByState;
+use crate::estimate::influence::Influence;
+use crate::physics::state::{StateTangent, part};
+use crate::physics::{Body, State, flow};
+
+/// An arc's state at the event with its derivatives.
+pub(super) struct Reached<'a> {
+    pub(super) end: End,
+    pub(super) body: Body,
+    pub(super) gravity_m_s2: &'a Vector3<f64>,
+}
+
+/// The state, by the short form where that serves.
+pub(super) enum End {
+    Plain(ArcEnd),
+    General(Arrival),
+}
+
+impl Reached<'_> {
+    pub(super) fn end(&self) -> &ArcEnd {
+        match &self.end {
+            End::Plain(end) => end,
+            End::General(arrival) => &arrival.end,
+        }
+    }
+
+    /// Derivatives by the arriving state, chained to those by the state at the epoch.
+    pub(super) fn chain(&self, by: &ByState) -> ByState {
+        match &self.end {
+            End::Plain(end) => {
+                let chained = end.chain(&arc_end::ByState::<3>::of(by, 0));
+                let mut all = ByState::zeros();
+                for (at, block) in [
+                    (part::POSITION, chained.position),
+                    (part::ORIENTATION, chained.orientation),
+                    (part::VELOCITY, chained.velocity),
+                    (part::ANGULAR_VELOCITY, chained.spin),
+                ] {
+                    all.fixed_view_mut::<3, 3>(0, at).copy_from(&block);
+                }
+                all
+            }
+            End::General(arrival) => by * arrival.by_state(),
+        }
+    }
+
+    /// The same by a parameter that acts on the flight.
+    pub(super) fn by(&self, by: &ByState, influence: Influence, value: f64) -> Vector3<f64> {
+        match (&self.end, influence) {
+            (End::Plain(end), Influence::Pull(axis)) => {
+                end.by_gravity(&arc_end::ByState::<3>::of(by, 0), axis)
+            }
+            (End::Plain(_), _) => Vector3::zeros(),
+            (End::General(arrival), influence) => by * arrival.by(influence, value),
+        }
+    }
+
+    /// The state moved along its flight by a short time, to first order.
+    pub(super) fn moved(&self, by_s: f64) -> State {
+        let end = self.end();
+        end.state.retract(&(end.rate * by_s))
+    }
+
+    pub(super) fn rate(&self, state: &State) -> StateTangent {
+        flow::rate(&self.body, self.gravity_m_s2, state)
+    }
+}
