@@ -158,7 +158,7 @@ fn keyframe_table(
         let _ = writeln!(text, "body = {:?}", scene.link_seen_by(track).name);
     }
     if parts.flight {
-        let _ = writeln!(text, "flight = {}.0", flight + 1);
+        let _ = writeln!(text, "flight = {}", flight + 1);
     }
     match keyframe.time {
         KeyframeTime::Known(stamp) => {
