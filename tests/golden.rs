@@ -78,14 +78,14 @@ fn golden() -> [Golden; 4] {
             verdict: Verdict::Plausible,
             counters: Counters {
                 iterations: 10,
-                evaluations: 16,
+                evaluations: 14,
                 factorisations: 10,
                 fit_iterations: 32,
                 assignment_rounds: 0,
                 starts: 1,
             },
             event_times_s: &[
-                0.2172622, 0.3945496, 0.5605390, 0.7333414, 0.9067459, 1.0504556,
+                0.2145406, 0.3942213, 0.5588448, 0.7211546, 0.8796053, 1.0096242,
             ],
         },
     ]

@@ -135,10 +135,7 @@ impl Problem {
             nodes_acted_s: nodes.acted_s,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
-            keeps_starts: {
-                let mut tracks = scene.tracks.keys();
-                tracks.all(|track| scene.has_keyframes(sketch, track))
-            },
+            keeps_starts: scene.is_keyframed(sketch),
             pulls: Vec::new(),
         }
     }

@@ -7,59 +7,19 @@
 //! a flight that its own poses allow ([`turns`]) is a way to go on, and the ways that join best are
 //! kept. The first flight of a single pose is found by shooting ([`shoot`]).
 
+mod flown;
 mod follow;
 mod shoot;
 mod turns;
 
-use nalgebra::{UnitQuaternion, Vector3};
-
+use self::flown::keys;
 use self::follow::{Course, Way};
 use super::between::STILL;
-use crate::motion::{
-    ArcGuess, Guess, MechanismIndex, Quantity, Scene, Seen, Segment, Sketch, TrackIndex,
-};
-use crate::physics::State;
-
-/// A flight on its own clock: state at an epoch.
-#[derive(Clone, Copy, Debug)]
-struct Flown {
-    state: State,
-    epoch_s: f64,
-}
-
-/// A keyframe.
-#[derive(Clone, Copy, Debug)]
-struct Key {
-    acted_s: f64,
-    /// Centre of mass [m, world].
-    position_m: Vector3<f64>,
-    orientation: UnitQuaternion<f64>,
-}
-
-/// The keyframes of a flight that one track sees whole; `None` where several see it, or parts.
-fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
-    let [view] = segment.views.as_slice() else {
-        return None;
-    };
-    let samples = sketch.samples_of(view).iter();
-    let keys = samples.map(|sample| match sample.seen {
-        Seen::Pose {
-            position_m,
-            orientation,
-        } => Some(Key {
-            acted_s: sample.acted_s,
-            position_m,
-            orientation,
-        }),
-        _ => None,
-    });
-    keys.collect()
-}
+use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch, TrackIndex};
 
 /// Whether the flights of a sketch start from keyframes: few poses of every flight.
 pub(super) fn applies(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> bool {
-    let mut tracks = scene.tracks.keys();
-    tracks.all(|track| scene.has_keyframes(sketch, track))
+    scene.is_keyframed(sketch)
         && segments
             .iter()
             .all(|segment| keys(sketch, segment).is_some())
@@ -78,7 +38,12 @@ pub(super) fn guesses(
             .filter(|index| segments[*index].mechanism == mechanism)
             .collect();
         let course = Course::new(scene, sketch, mechanism, &own, segments);
-        let ways = course.ways(most);
+        // The first flight of a single pose is found by shooting, where all impacts are known.
+        let ways = if course.samples[0].len() == 1 && course.is_known() {
+            shoot::ways(&course, most)
+        } else {
+            course.ways(most)
+        };
         of_all.push((own, ways));
     }
     let count = of_all.iter().map(|(_, ways)| ways.len()).max().unwrap_or(0);
@@ -135,10 +100,4 @@ fn clock_of(scene: &Scene, track: TrackIndex, flight: usize) -> Option<usize> {
     let clock = Quantity::FlightClock { track, flight };
     let mut parameters = scene.parameters.iter();
     parameters.position(|free| free.quantity == clock)
-}
-
-/// The state of a flight at a time on its own clock.
-fn state_at(scene: &Scene, mechanism: MechanismIndex, flown: &Flown, time_s: f64) -> State {
-    let dynamics = scene.dynamics(mechanism);
-    dynamics.advance(&scene.gravity_m_s2, &flown.state, time_s - flown.epoch_s)
 }

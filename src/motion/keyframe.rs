@@ -1,10 +1,10 @@
 //! A keyframe as somebody writes it down: what of a body is known, and when.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 
 use super::index::TrackIndex;
 use super::scene::Track;
-use super::take::{Mark, PoseSample, Stamp};
+use super::take::{Covariance, Mark, PoseSample, Stamp};
 use crate::math::Pose;
 
 /// What of a body is known at one instant, in the body's own axes at its centre of mass.
@@ -51,7 +51,7 @@ pub enum SketchRow {
 
 impl Keyframe {
     /// What of it cannot be estimated, in words, with what to do instead; `None` where it is a full
-    /// pose at a known time, in the scene's weights.
+    /// pose at a known time, with both standard deviations or neither.
     pub fn unsupported(&self) -> Option<&'static str> {
         match self {
             Self {
@@ -65,14 +65,10 @@ impl Keyframe {
                 orientation_wxyz: None,
                 ..
             } => Some("has no orientation; write qw, qx, qy and qz"),
-            Self {
-                position_sd_m: None,
-                orientation_sd_deg: None,
-                ..
-            } => None,
-            _ => Some(
-                "has a standard deviation of its own; leave it out and set the scene's [weights]",
-            ),
+            _ if self.position_sd_m.is_some() != self.orientation_sd_deg.is_some() => {
+                Some("has one standard deviation; write both, or neither")
+            }
+            _ => None,
         }
     }
 }
@@ -88,7 +84,12 @@ impl Track {
         let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
         let world_from_link = Pose::from_parts(keyframe.position_m?.into(), orientation);
         let world_from_tracker = world_from_link * self.link_from_tracker;
-        Some(PoseSample::from_pose(stamp, &world_from_tracker))
+        let mut sample = PoseSample::from_pose(stamp, &world_from_tracker);
+        if let (Some(sd_m), Some(sd_deg)) = (keyframe.position_sd_m, keyframe.orientation_sd_deg) {
+            let lever_m = world_from_link.rotation * self.link_from_tracker.translation.vector;
+            sample.covariance = Some(covariance(sd_m, sd_deg.to_radians(), &lever_m));
+        }
+        Some(sample)
     }
 
     /// The keyframe that a tracker's reading shows; `None` where that is no pose.
@@ -119,5 +120,41 @@ impl Keyframe {
         let place = self.position_m.iter().flat_map(|p| p.iter());
         let turn = self.orientation_wxyz.iter().flatten();
         place.chain(turn).all(|number| number.is_finite())
+    }
+}
+
+/// The covariance of a tracker's pose on a body whose position and orientation are uncertain by so
+/// much per axis: the tracker, on its lever from the centre of mass, moves as the body turns.
+fn covariance(sd_m: f64, sd_rad: f64, lever_m: &Vector3<f64>) -> Covariance {
+    let mut by_body = Matrix6::<f64>::identity();
+    let by_turn = -lever_m.cross_matrix();
+    by_body.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_turn);
+    let sds = Vector6::new(sd_m, sd_m, sd_m, sd_rad, sd_rad, sd_rad);
+    let variances = Matrix6::from_diagonal(&sds.component_mul(&sds));
+    let of_tracker = by_body * variances * by_body.transpose();
+    let mut rows = [0.0; 36];
+    for (at, entry) in rows.iter_mut().enumerate() {
+        *entry = of_tracker[(at / 6, at % 6)];
+    }
+    Covariance::of_rows(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tracker_on_a_lever_is_as_uncertain_as_the_turn_makes_it() {
+        let of = covariance(0.001, 0.02, &Vector3::new(0.0, 0.0, 0.1)).matrix();
+        // One millimetre, and a tenth of a metre times 0.02 rad across the lever.
+        for (axis, expected) in [(0, 5e-6), (1, 5e-6), (2, 1e-6), (3, 4e-4)] {
+            let variance: f64 = of[(axis, axis)];
+            assert!(
+                (variance - expected).abs() < 1e-5 * expected,
+                "{axis}: {variance}"
+            );
+        }
+        // A turn about y moves it along x.
+        assert!((of[(0, 4)] - 0.1 * 4e-4).abs() < 1e-9);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::index::TrackIndex;
 use super::scene::{Event, Quantity, Scene, Timing};
-use super::sketch::Sketch;
+use super::sketch::{Seen, Sketch};
 
 /// Greatest number of samples of a flight, in the mean of a track, that are keyframes. Streams of
 /// 30 samples a second have more in a flight of a fifth of a second.
@@ -23,7 +23,23 @@ impl Scene {
         };
         let flights = 1 + self.events.iter().filter(parts).count();
         let is_physical = matches!(self.timing, Timing::Known | Timing::Edited);
-        is_physical && sketch.tracks[track].samples.len() <= PER_FLIGHT_MAX * flights
+        let samples = &sketch.tracks[track].samples;
+        is_physical
+            && samples.len() <= PER_FLIGHT_MAX * flights
+            && self.tracks_of(mechanism).count() == 1
+            && samples
+                .iter()
+                .all(|sample| matches!(sample.seen, Seen::Pose { .. }))
+    }
+
+    /// Whether a whole sketch is of keyframes: every track's samples are, and all that is seen
+    /// flies.
+    pub fn is_keyframed(&self, sketch: &Sketch) -> bool {
+        let mut tracks = self.tracks.keys();
+        tracks.all(|track| {
+            let mechanism = self.mechanism_seen_by(track);
+            self.has_keyframes(sketch, track) && !self.is_held_mechanism(mechanism)
+        })
     }
 
     /// The scene of an edited sketch with the clock of every flight but the first of each track

@@ -24,7 +24,9 @@ use self::fall::falls;
 use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{Diagnosis, Observer, Phase, Quiet, Remedy, Scene, TakeEvent, Timing, Verdict};
+use crate::motion::{
+    About, Diagnosis, Observer, Phase, Quiet, Remedy, Scene, TakeEvent, Timing, Verdict,
+};
 use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
@@ -121,7 +123,9 @@ pub(super) fn diagnose(
 fn is_well(outcome: &Outcome, farthest: f64) -> bool {
     let estimate = &outcome.estimate;
     let mut doubts = estimate.doubts.iter();
-    let is_doubted = doubts.any(|doubt| doubt.about.best() != Verdict::Physical);
+    // Of other motions that are as near no mistake is to blame.
+    let is_doubted =
+        doubts.any(|doubt| doubt.about != About::Rivals && doubt.about.best() != Verdict::Physical);
     is_motion(outcome)
         && !is_doubted
         && misfit(&outcome.scene, &motion::distance(estimate)) <= farthest

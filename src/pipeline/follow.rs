@@ -172,7 +172,7 @@ impl<'a> Acted<'a> {
             .collect();
         let mut each = segments.iter();
         let is_enough = each.all(|s| {
-            let least = samples_min(self.scene, self.sketch, s.mechanism, s.start_event);
+            let least = samples_min(self.scene, self.sketch, s.start_event);
             s.sample_count() >= least
         });
         (is_enough && segments != self.segments).then(|| Assigned {

@@ -16,23 +16,13 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 /// numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Least number of samples of a mechanism's segment. A flight that a collision begins needs none: the
+/// Least number of samples of a segment. A flight that a collision begins needs none: the
 /// impact hands its state on. Of keyframes one is enough: those of other flights tell the rest.
-pub fn samples_min(
-    scene: &Scene,
-    sketch: &Sketch,
-    mechanism: MechanismIndex,
-    start_event: Option<usize>,
-) -> usize {
+pub fn samples_min(scene: &Scene, sketch: &Sketch, start_event: Option<usize>) -> usize {
     let begins = start_event.and_then(|event| scene.events[event].kind.collision());
     match begins {
         Some(_) => 0,
-        None if scene
-            .tracks_of(mechanism)
-            .any(|track| scene.has_keyframes(sketch, track)) =>
-        {
-            1
-        }
+        None if scene.is_keyframed(sketch) => 1,
         None => SAMPLES_MIN,
     }
 }
@@ -88,7 +78,7 @@ fn cut_mechanism(
                 end_event,
                 views: views.collect(),
             };
-            let expected = samples_min(scene, sketch, mechanism, start_event);
+            let expected = samples_min(scene, sketch, start_event);
             if segment.sample_count() < expected {
                 let name = |event: Option<usize>, otherwise: &str| {
                     event.map_or(otherwise.into(), |e| format!("`{}`", scene.events[e].name))

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde::Serialize;
 
+pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use super::finish::{check_distinct, lost, open, warnings};
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
@@ -16,17 +17,6 @@ use crate::ingest::SCENE_NAME;
 use crate::motion::{KeyframeTime, Scene, SketchRow, Stamp};
 use crate::write::atomic::AtomicFile;
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
-
-/// How many keyframes are made of a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Density {
-    /// Every sample.
-    All,
-    /// So many of every flight.
-    PerFlight(usize),
-    /// So many a second.
-    PerSecond(f64),
-}
 
 /// The input of [`sketch`].
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use foxglove::messages::{
 };
 use thiserror::Error;
 
-use super::keyframe::keyframe_schema;
+use super::keyframe;
 use crate::motion::{Mark, PoseSample, Stamp};
 
 /// Key of the metadata pair of a `foxglove.Event` that names the scene's event.
@@ -64,7 +64,13 @@ impl Encoded {
     /// The schema of the messages of this kind.
     pub fn schema(self) -> SchemaRecord {
         let schema = match self {
-            Encoded::Keyframe => return keyframe_schema(),
+            Encoded::Keyframe => {
+                return SchemaRecord {
+                    name: keyframe::KEYFRAME_SCHEMA.to_owned(),
+                    encoding: "jsonschema".to_owned(),
+                    data: keyframe::SCHEMA.as_bytes().to_vec(),
+                };
+            }
             Encoded::PoseInFrame => PoseInFrame::get_schema(),
             Encoded::FrameTransforms => FrameTransforms::get_schema(),
             Encoded::SceneUpdate => foxglove::messages::SceneUpdate::get_schema(),

@@ -7,14 +7,13 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::decode::DecodeError;
-use super::encode::SchemaRecord;
 use crate::motion::{Keyframe, KeyframeTime, Stamp};
 
 /// Name of the schema.
 pub const KEYFRAME_SCHEMA: &str = "enact.Keyframe";
 
 /// The schema, `jsonschema`.
-const SCHEMA: &str = r#"{
+pub(super) const SCHEMA: &str = r#"{
  "title": "enact.Keyframe",
  "description": "What of a body is known at one instant. Its time is stamp_ns, or between earliest_ns and latest_ns, or unknown where all are null.",
  "type": "object",
@@ -41,15 +40,6 @@ struct Message {
     orientation_wxyz: Option<[f64; 4]>,
     position_sd_m: Option<f64>,
     orientation_sd_deg: Option<f64>,
-}
-
-/// The schema as MCAP stores it.
-pub fn keyframe_schema() -> SchemaRecord {
-    SchemaRecord {
-        name: KEYFRAME_SCHEMA.to_owned(),
-        encoding: "jsonschema".to_owned(),
-        data: SCHEMA.as_bytes().to_vec(),
-    }
 }
 
 /// A keyframe as a message.

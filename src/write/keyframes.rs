@@ -158,7 +158,7 @@ fn keyframe_table(
         let _ = writeln!(text, "body = {:?}", scene.link_seen_by(track).name);
     }
     if parts.flight {
-        let _ = writeln!(text, "flight = {}.0", flight + 1);
+        let _ = writeln!(text, "flight = {}", flight + 1);
     }
     match keyframe.time {
         KeyframeTime::Known(stamp) => {
@@ -210,14 +210,23 @@ fn seconds(stamp: Stamp) -> String {
     format!("{sign}{}.{fraction}", ns / 1_000_000_000)
 }
 
-/// A length in millimetres that is the same length in metres when its point is moved back.
+/// A positive length in millimetres, with the digits of the length in metres: it is the same length
+/// when its point is moved back.
 fn millimetres(length_m: f64) -> String {
-    let scientific = format!("{length_m:e}");
-    let moved = scientific.split_once('e').and_then(|(digits, exponent)| {
-        let exponent: i32 = exponent.parse().ok()?;
-        format!("{digits}e{}", exponent + 3).parse::<f64>().ok()
-    });
-    moved.unwrap_or(length_m * 1e3).to_string()
+    let text = length_m.to_string();
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let fraction = format!("{fraction:0<3}");
+    let (moved, rest) = fraction.split_at(3);
+    let whole = format!("{whole}{moved}");
+    let whole = match whole.trim_start_matches('0') {
+        "" => "0",
+        digits => digits,
+    };
+    if rest.is_empty() {
+        whole.to_owned()
+    } else {
+        format!("{whole}.{rest}")
+    }
 }
 
 #[cfg(test)]

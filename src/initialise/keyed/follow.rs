@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 
 use nalgebra::{SVector, Vector3};
 
-use super::{Flown, Key, keys, shoot, state_at, turns};
+use super::flown::{Flown, Key, keys};
+use super::turns;
 use crate::initialise::ballistic::{self, Place};
 use crate::initialise::turn::OrientationReading;
 use crate::math::so3;
@@ -127,8 +128,7 @@ impl<'a> Course<'a> {
         };
         let mut ways: Vec<Way> = match self.samples[0].len() {
             0 => return Vec::new(),
-            1 if self.is_known() => return shoot::ways(self, most),
-            1 => vec![begins(shoot::flown(self, &SVector::zeros()))],
+            1 => vec![begins(self.begun(&SVector::zeros()))],
             _ => self.alone(0).into_iter().map(begins).collect(),
         };
         for next in 1..self.samples.len() {
@@ -142,6 +142,20 @@ impl<'a> Course<'a> {
         }
         ways.truncate(most);
         ways
+    }
+
+    /// The first flight, from its first keyframe with these velocities.
+    pub(super) fn begun(&self, velocities: &SVector<f64, 6>) -> Flown {
+        let sample = &self.samples[0][0];
+        Flown {
+            epoch_s: sample.acted_s,
+            state: State {
+                position_m: sample.position_m,
+                orientation: sample.orientation,
+                velocity_m_s: velocities.fixed_rows::<3>(0).into(),
+                angular_velocity_rad_s: velocities.fixed_rows::<3>(3).into(),
+            },
+        }
     }
 
     fn is_edited(&self) -> bool {
@@ -184,7 +198,7 @@ impl<'a> Course<'a> {
     /// Gap of the first collision's contact in a flight at a time on its clock \[m\].
     pub(super) fn gap_m(&self, flown: &Flown, time_s: f64) -> Option<f64> {
         let hit = self.hits.first()?.0.as_ref()?;
-        let state = state_at(self.scene, self.mechanism, flown, time_s);
+        let state = flown.at(self.scene, self.mechanism, time_s);
         hit.gap_m(&state)
     }
 
@@ -239,13 +253,13 @@ impl<'a> Course<'a> {
             };
             let begin_s = if self.is_edited() {
                 let first_s = self.samples[next].first()?.acted_s;
-                let at = |s: f64| state_at(self.scene, self.mechanism, flown, first_s - s);
+                let at = |s: f64| flown.at(self.scene, self.mechanism, first_s - s);
                 let off = |s: f64| at(s).position_m - arrival.before.position_m;
                 first_s - least(off, REACH_S)
             } else {
                 arrival.time_s
             };
-            let begun = state_at(self.scene, self.mechanism, flown, begin_s);
+            let begun = flown.at(self.scene, self.mechanism, begin_s);
             let to = arrival.after.as_ref().unwrap_or(&arrival.before);
             let off = begun.minus(to);
             let parts = if arrival.after.is_some() { 4 } else { 2 };
@@ -268,7 +282,7 @@ impl<'a> Course<'a> {
             state: after,
             epoch_s: 0.0,
         };
-        let at = |s: f64| state_at(self.scene, self.mechanism, &left, s);
+        let at = |s: f64| left.at(self.scene, self.mechanism, s);
         let (since_s, offset_s) = match samples.first() {
             Some(sample) if self.is_edited() => {
                 let since_s = least(|s| self.off(sample, &at(s)), REACH_S);
@@ -282,7 +296,7 @@ impl<'a> Course<'a> {
             epoch_s: arrival.time_s + since_s - offset_s,
         };
         let off = samples.iter().map(|sample| {
-            let then = state_at(self.scene, self.mechanism, &flown, sample.acted_s);
+            let then = flown.at(self.scene, self.mechanism, sample.acted_s);
             self.off(sample, &then).norm_squared()
         });
         let cost = arrival.cost + off.sum::<f64>();
@@ -301,7 +315,7 @@ impl<'a> Course<'a> {
         };
         Arrival {
             time_s: time_s + offset_s,
-            before: state_at(self.scene, self.mechanism, &flown, time_s),
+            before: flown.at(self.scene, self.mechanism, time_s),
             after: None,
             cost: 0.0,
         }
@@ -320,12 +334,12 @@ impl<'a> Course<'a> {
     fn meeting(&self, way: &Way, next: &Flown) -> Arrival {
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
-        let at = |s: f64| state_at(self.scene, self.mechanism, &flown, from_s + s);
+        let at = |s: f64| flown.at(self.scene, self.mechanism, from_s + s);
         let since_s = if self.is_edited() {
             0.0
         } else {
             let off = |s: f64| {
-                let there = state_at(self.scene, self.mechanism, next, from_s + s);
+                let there = next.at(self.scene, self.mechanism, from_s + s);
                 there.position_m - at(s).position_m
             };
             least(off, to_s - from_s)
@@ -343,7 +357,7 @@ impl<'a> Course<'a> {
         let hit = self.hits[way.flights.len() - 1].0.as_ref()?;
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
-        let at = |time_s: f64| state_at(self.scene, self.mechanism, &flown, time_s);
+        let at = |time_s: f64| flown.at(self.scene, self.mechanism, time_s);
         let (time_s, gap_m) = self.touch(hit, &at, &flown, (from_s, to_s))?;
         let before = at(time_s);
         let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);

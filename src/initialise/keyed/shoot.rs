@@ -3,9 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
+use super::flown::Key;
 use super::follow::{Course, Way, up};
-use super::{Flown, Key};
-use crate::physics::State;
 
 /// Angular speeds of the starts [rad/s], about the axes and diagonals of the body.
 const SPEEDS_RAD_S: [f64; 3] = [4.0, 9.0, 16.0];
@@ -88,19 +87,6 @@ fn first<'a>(course: &'a Course) -> &'a Key {
     &course.samples[0][0]
 }
 
-pub(super) fn flown(course: &Course, velocities: &Six) -> Flown {
-    let sample = first(course);
-    Flown {
-        epoch_s: sample.acted_s,
-        state: State {
-            position_m: sample.position_m,
-            orientation: sample.orientation,
-            velocity_m_s: velocities.fixed_rows::<3>(0).into(),
-            angular_velocity_rad_s: velocities.fixed_rows::<3>(3).into(),
-        },
-    }
-}
-
 fn starts(course: &Course) -> Vec<Six> {
     let sample = first(course);
     let later = course.samples[1..].iter().find_map(|flight| flight.first());
@@ -130,7 +116,7 @@ fn starts(course: &Course) -> Vec<Six> {
                 velocities
                     .fixed_rows_mut::<3>(0)
                     .copy_from(&(along + up * climb_m_s));
-                course.gap_m(&flown(course, &velocities), sample.acted_s + until_s)
+                course.gap_m(&course.begun(&velocities), sample.acted_s + until_s)
             };
             let (Some(level_m), Some(climbing_m)) = (gap_m(0.0), gap_m(1.0)) else {
                 continue;
@@ -162,7 +148,7 @@ fn shot(course: &Course, velocities: Six, flights: usize) -> Option<Shot> {
 /// the first.
 fn simulated(course: &Course, velocities: &Six, flights: usize) -> Option<(Way, DVector<f64>)> {
     let mut way = Way {
-        flights: vec![flown(course, velocities)],
+        flights: vec![course.begun(velocities)],
         offsets_s: vec![0.0],
         ends_s: Vec::new(),
         cost: 0.0,
@@ -172,7 +158,7 @@ fn simulated(course: &Course, velocities: &Six, flights: usize) -> Option<(Way, 
         way = course.handed_on(&way);
         let (flown, _) = way.last();
         for sample in samples {
-            let state = super::state_at(course.scene, course.mechanism, &flown, sample.acted_s);
+            let state = flown.at(course.scene, course.mechanism, sample.acted_s);
             off.extend(course.off(sample, &state).iter());
         }
     }

@@ -2,12 +2,22 @@
 
 use anyhow::bail;
 
-use super::Density;
 use crate::motion::{
     ArcEstimate, EventKind, Keyframe, Mark, Scene, SketchRow, Stamp, TakeEvent, Timing, TrackIndex,
     Verdict,
 };
 use crate::pipeline::Pipeline;
+
+/// How many keyframes are made of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// Every sample.
+    All,
+    /// So many of every flight.
+    PerFlight(usize),
+    /// So many a second.
+    PerSecond(f64),
+}
 
 /// The keyframes that there may be of one flight, in order of time.
 struct Flight {

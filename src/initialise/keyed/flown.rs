@@ -1,0 +1,50 @@
+//! Keyframes of a flight, and the flight on its own clock.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::motion::{MechanismIndex, Scene, Seen, Segment, Sketch};
+use crate::physics::State;
+
+/// A flight on its own clock: state at an epoch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flown {
+    pub(super) state: State,
+    pub(super) epoch_s: f64,
+}
+
+impl Flown {
+    /// The state at a time on its clock.
+    pub(super) fn at(&self, scene: &Scene, mechanism: MechanismIndex, time_s: f64) -> State {
+        let dynamics = scene.dynamics(mechanism);
+        dynamics.advance(&scene.gravity_m_s2, &self.state, time_s - self.epoch_s)
+    }
+}
+
+/// A keyframe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Key {
+    pub(super) acted_s: f64,
+    /// Centre of mass [m, world].
+    pub(super) position_m: Vector3<f64>,
+    pub(super) orientation: UnitQuaternion<f64>,
+}
+
+/// The keyframes of a flight that one track sees whole; `None` where several see it, or parts.
+pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
+    let [view] = segment.views.as_slice() else {
+        return None;
+    };
+    let samples = sketch.samples_of(view).iter();
+    let keys = samples.map(|sample| match sample.seen {
+        Seen::Pose {
+            position_m,
+            orientation,
+        } => Some(Key {
+            acted_s: sample.acted_s,
+            position_m,
+            orientation,
+        }),
+        _ => None,
+    });
+    keys.collect()
+}
