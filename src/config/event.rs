@@ -192,7 +192,11 @@ fn collision(
         span: spanned.span(),
         message: format!("missing key `{key}`: a collision needs body and restitution"),
     };
-    let link = link_of(event.body.as_ref().ok_or_else(|| missing("body"))?, scene)?;
+    let body = event.body.as_ref().ok_or_else(|| missing("body"))?;
+    let link = link_of(body, scene)?;
+    let other = event.other.as_ref();
+    let other = other.map(|text| Ok((text, link_of(text, scene)?)));
+    check_collision((body, link), other.transpose()?, scene)?;
     let (partner, other) = match (&event.surface, &event.other) {
         (Some(_), Some(other)) => {
             return fault(
@@ -222,11 +226,6 @@ fn collision(
         .into_iter()
         .map(|feature| Touching { feature, other })
         .collect();
-    check_collision(
-        (event.body.as_ref().expect("it was read"), link),
-        event.other.as_ref().zip(collision_partner(partner)),
-        scene,
-    )?;
     let mut collision = Collision {
         link,
         partner,
@@ -236,14 +235,6 @@ fn collision(
     };
     collision.law = law::of_event(spanned, &collision, of_links, laws)?;
     Ok(collision)
-}
-
-/// The link that is hit.
-fn collision_partner(partner: Partner) -> Option<LinkIndex> {
-    match partner {
-        Partner::World => None,
-        Partner::Link(other) => Some(other),
-    }
 }
 
 /// The features of `link` that touch: one, several at once, or `None` for one to be inferred.

@@ -11,6 +11,7 @@ use crate::physics::{Shape, contact};
 
 mod free;
 mod goals;
+mod held;
 mod laws;
 mod refusals;
 

@@ -300,16 +300,22 @@ pub fn changes<'a>(
     })
 }
 
+/// Shares of its variances that are added to a covariance, the first that makes it positive.
+const ROUNDING: [f64; 4] = [0.0, 1e-12, 1e-9, 1e-6];
+
 /// `L⁻¹` of a covariance `L Lᵀ`.
 ///
 /// # Panics
-/// Where the covariance is not positive: that of a smoother is.
+/// Where variances are not above zero: those of a held motion are.
 fn inverse_root(covariance: &Twelve) -> Twelve {
     let scale = covariance
         .diagonal()
         .map(|variance| variance.sqrt().recip());
     let scaled = Twelve::from_fn(|i, j| covariance[(i, j)] * scale[i] * scale[j]);
-    let factor = Cholesky::new(scaled).expect("a positive covariance");
+    // Rounding may leave a direction of nearly no variance with less than none.
+    let mut rounded = ROUNDING.into_iter();
+    let factor = rounded.find_map(|more| Cholesky::new(scaled + Twelve::identity() * more));
+    let factor = factor.expect("a covariance with variances above zero");
     let inverse = factor
         .l()
         .solve_lower_triangular(&Twelve::identity())

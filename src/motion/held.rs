@@ -157,6 +157,18 @@ impl HeldMotion {
         self.curve.at(acted_s)
     }
 
+    /// Whether every number in it is finite, and every variance above zero.
+    pub fn is_finite(&self) -> bool {
+        let mut knots = self.curve.knots.iter().map(|knot| &knot.driven);
+        let mut covariances = self.meetings.iter().map(|meeting| &meeting.covariance);
+        knots.all(|driven| {
+            let rates = [driven.acceleration_m_s2, driven.angular_acceleration_rad_s2];
+            driven.state.is_finite() && rates.iter().flatten().all(|x| x.is_finite())
+        }) && covariances.all(|covariance| {
+            covariance.iter().all(|x| x.is_finite()) && covariance.diagonal().min() > 0.0
+        })
+    }
+
     /// The meeting at an event.
     pub fn meeting(&self, event: usize) -> Option<&Meeting> {
         self.meetings.iter().find(|meeting| meeting.event == event)

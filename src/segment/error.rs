@@ -36,6 +36,15 @@ pub enum SegmentError {
         /// At least.
         expected: usize,
     },
+    /// The samples of a body in the hand are so far apart that their motion cannot be computed.
+    #[error(
+        "body {body:?} is held and its samples are too far apart to be smoothed: are the positions in \
+         metres?"
+    )]
+    HeldNotFinite {
+        /// Name of the body.
+        body: String,
+    },
     /// A body in the hand that was not tracked when it hit something.
     #[error(
         "body {body:?} is held and was not tracked at {event:?}, at {time_s:.3} s: {}, expected samples \

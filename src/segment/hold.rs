@@ -9,11 +9,17 @@ const SEEN_S: f64 = 0.1;
 
 /// Sets the motions of the bodies in the hand from their samples.
 ///
-/// Fails where a body has too few samples, or none near one of its collisions.
+/// Fails where a body has too few samples, none near one of its collisions, or such that no number is
+/// large enough for their motion.
 pub fn hold(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
     for track in scene.tracks.keys() {
         if let Some(held) = &scene.link_seen_by(track).held {
             let motion = motion(scene, sketch, track, held)?;
+            if !motion.is_finite() {
+                return Err(SegmentError::HeldNotFinite {
+                    body: scene.link_seen_by(track).name.clone(),
+                });
+            }
             sketch.tracks[track].held = Some(motion);
         }
     }

@@ -324,6 +324,10 @@ mod tests {
                 problem: &problem,
                 ..context.clone()
             };
+            // Held bodies make do with them too, which lack nothing where no residual is left.
+            let mut point = point.clone();
+            problem.hold(&mut point, None);
+            let point = &point;
             let size = context.layout.size();
             let guidance = Guidance::none();
             let system = context.evaluated(&guidance, point);

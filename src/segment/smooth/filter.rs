@@ -190,7 +190,10 @@ fn update<C: Chain>(
     for axis in 0..3 {
         spread[(axis, axis)] += noises.reading;
     }
-    let factor = Cholesky::new(spread).expect("a variance above zero");
+    // Only of numbers beyond all measure, which the caller refuses afterwards.
+    let Some(factor) = Cholesky::new(spread) else {
+        return predicted.clone();
+    };
     if let Some(surprise) = counted {
         surprise.readings += 1;
         surprise.square += miss.dot(&factor.solve(&miss));

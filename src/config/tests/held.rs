@@ -1,0 +1,132 @@
+//! Bodies in the hand.
+
+use super::error_of;
+use super::refusals::refused;
+use crate::config::scene_from_toml;
+use crate::motion::{LinkIndex, Quantity, Untold};
+use crate::physics::Body;
+
+const RACKET: &str = include_str!("../../../config/racket.toml");
+
+fn with(old: &str, new: &str) -> String {
+    assert!(RACKET.contains(old), "{old}");
+    RACKET.replacen(old, new, 1)
+}
+
+/// Line of the first occurrence of a text, and that line from its place on.
+fn line_of(text: &str, at: &str) -> usize {
+    let before = text.split_once(at).expect("it is there").0;
+    before.matches('\n').count() + 1
+}
+
+fn is_refused(text: &str, at: &str, message: &str) {
+    refused(text, line_of(text, at), at, message);
+}
+
+#[test]
+fn a_held_body_has_no_inertia_and_what_is_known_of_its_tracker() {
+    let scene = scene_from_toml(RACKET).expect("valid");
+    let [ball, racket] = [0, 1].map(|link| &scene.links[LinkIndex(link)]);
+    assert!(ball.held.is_none() && racket.held.is_some());
+    assert_eq!(racket.body, Body::IMMOVABLE);
+    let known = with(
+        "held = true",
+        "held = true\ntracker_sd_mm = 2\ntracker_sd_deg = 90",
+    );
+    let scene = scene_from_toml(&known).expect("valid");
+    let held = scene.links[LinkIndex(1)].held.expect("held");
+    assert_eq!(held.position_sd_m, Some(2e-3));
+    let sd = held.orientation_sd_rad.expect("given");
+    assert!((sd - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    for config in ["paddle", "ramp"] {
+        let path = format!("{}/config/{config}.toml", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a scene");
+        assert!(scene_from_toml(&text).is_ok(), "{config}");
+    }
+}
+
+#[test]
+fn what_means_nothing_for_a_held_body_is_refused_by_name() {
+    for (key, number) in [
+        ("mass_g", "100"),
+        ("moments_kg_m2", "[1, 1, 1]"),
+        ("force_m_s2", "[0, 0, 1]"),
+        ("drag_linear_per_s", "1"),
+    ] {
+        let text = with("held = true", &format!("held = true\n{key} = {number}"));
+        is_refused(
+            &text,
+            number,
+            &format!("{key} does not apply to a held body"),
+        );
+    }
+    let text = with("mass_g = 2.7", "mass_g = 2.7\ntracker_sd_mm = 0.5");
+    is_refused(&text, "0.5", "expected held = true");
+    let text = with("held = true", "held = true\ntracker_sd_mm = -0.5");
+    is_refused(&text, "-0.5", "expected a positive number");
+    let text = with("\"physical\"", "\"edited\"");
+    assert!(
+        error_of(&text)
+            .message
+            .contains("which edited stamps do not tell")
+    );
+    let text = with("mass_g = 2.7", "held = true");
+    assert!(error_of(&text).message.contains("at least one that flies"));
+    let goal = "\n[[goal]]\nevent = \"caught\"\nbody = \"racket\"\nposition_within_mm = [[0, 0, 0], [1, 1, 1]]\n";
+    let text = format!("{RACKET}{goal}");
+    assert!(
+        error_of(&text)
+            .message
+            .contains("a goal of \"racket\", which is held")
+    );
+}
+
+#[test]
+fn what_is_deflected_comes_first() {
+    let text = with(
+        "body = \"ball\"\nother = \"racket\"",
+        "body = \"racket\"\nother = \"ball\"",
+    );
+    let error = error_of(&text).message;
+    assert!(
+        error.contains("body = \"ball\", other = \"racket\""),
+        "{error}"
+    );
+    let table =
+        "[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n\n[[event]]";
+    let text = with("[[event]]", table);
+    let text = text.replace(
+        "body = \"ball\"\nother = \"racket\"\nfeature = \"ball\"\nother_feature = \"end +z\"",
+        "body = \"racket\"\nsurface = \"table\"",
+    );
+    let error = error_of(&text).message;
+    assert!(
+        error.contains("what it hits does not deflect it"),
+        "{error}"
+    );
+}
+
+#[test]
+fn only_its_tracker_may_be_free() {
+    let scene = scene_from_toml(RACKET).expect("valid");
+    for quantity in scene.quantities() {
+        let name = scene.name_of_quantity(quantity);
+        let untold = scene.untold(quantity);
+        if let Some(of_racket) = name.strip_prefix("racket.") {
+            let is_of_tracker = of_racket.starts_with("tracker") || of_racket.starts_with("clock");
+            assert_eq!(untold != Some(Untold::Held), is_of_tracker, "{name}");
+            assert!(!is_of_tracker || untold.is_none(), "{name}: {untold:?}");
+        }
+    }
+    // Of the ball that only a hand deflects, the mass cancels.
+    let mass = Quantity::Mass { link: LinkIndex(0) };
+    assert_eq!(scene.untold(mass), Some(Untold::MassCancels));
+    let free = |name: &str| format!("{RACKET}\n[[free]]\nquantity = \"{name}\"\n");
+    let error = error_of(&free("racket.mass")).message;
+    assert!(
+        error.contains("a held body moves as it was tracked"),
+        "{error}"
+    );
+    assert!(scene_from_toml(&free("racket.tracker.z")).is_ok());
+    assert!(scene_from_toml(&free("racket.clock.offset")).is_ok());
+}
