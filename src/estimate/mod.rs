@@ -21,6 +21,7 @@ pub mod adequacy;
 mod arc_end;
 mod arrival;
 pub mod bound;
+mod calm;
 pub mod conditions;
 pub mod constraint;
 pub mod context;

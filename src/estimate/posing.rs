@@ -1,5 +1,6 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
+use super::calm::Calm;
 use super::conditions::{conditions, flight_at};
 use super::held::HeldState;
 use super::influence::{Acting, Influence, Owner, Role};
@@ -118,6 +119,7 @@ impl Problem {
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
             time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
+            calm: Calm::on(&arcs),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),

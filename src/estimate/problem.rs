@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::calm::Calm;
 use super::conditions::ArcCondition;
 use super::held::HeldState;
 use super::influence::{Acting, Role};
@@ -348,6 +349,8 @@ pub struct Problem {
     /// Whether flights of few samples start as guessed, and not as the impact before them hands
     /// on.
     pub keeps_starts: bool,
+    /// Pulls to rest on arcs that are not seen whole.
+    pub calm: Vec<Calm>,
     /// Pulls on states of arcs.
     pub pulls: Vec<Pull>,
 }

@@ -6,8 +6,6 @@
 //! time; after the last impact they are those of the flight before. The impacts correct them once
 //! it is known what touches.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
 use crate::motion::{ArcGuess, MechanismIndex, Scene, Segment};
 use crate::physics::State;
 
@@ -23,18 +21,10 @@ pub fn is_fitted(segment: &Segment) -> bool {
 pub(super) fn open(epoch_s: f64, sample_times_s: Vec<f64>) -> ArcGuess {
     ArcGuess {
         epoch_s,
-        state: STILL,
+        state: State::at_rest(),
         sample_times_s,
     }
 }
-
-/// At rest at the origin.
-pub(super) const STILL: State = State {
-    position_m: Vector3::new(0.0, 0.0, 0.0),
-    orientation: UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
-    velocity_m_s: Vector3::new(0.0, 0.0, 0.0),
-    angular_velocity_rad_s: Vector3::new(0.0, 0.0, 0.0),
-};
 
 /// Sets the states of the flights that are not fitted, at their epochs. A flight before them is
 /// always fitted, since only an impact leads to one with few samples.

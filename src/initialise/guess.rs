@@ -1,7 +1,7 @@
 //! Fits all segments and places the fits on one time line (paper §6.2.1).
 
 use super::ballistic::{self, Place};
-use super::between::{self, FITTED_MIN, STILL, is_fitted};
+use super::between::{self, FITTED_MIN, is_fitted};
 use super::clock;
 use super::fit::Fit;
 use super::readings::Readings;
@@ -76,10 +76,10 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             State {
                 position_m: flight.position_m,
                 velocity_m_s: flight.acted_velocity_m_s / *rate,
-                ..STILL
+                ..State::at_rest()
             }
         };
-        let mut state = STILL;
+        let mut state = State::at_rest();
         if !readings.places.is_empty() {
             state = fall(&readings.places);
         }

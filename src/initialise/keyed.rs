@@ -14,8 +14,8 @@ mod turns;
 
 use self::flown::keys;
 use self::follow::{Course, Way};
-use super::between::STILL;
 use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch, TrackIndex};
+use crate::physics::State;
 
 /// Whether the flights of a sketch start from keyframes: few poses of every flight.
 pub(super) fn applies(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> bool {
@@ -69,7 +69,7 @@ fn guess<'w>(
             .iter()
             .map(|segment| ArcGuess {
                 epoch_s: 0.0,
-                state: STILL,
+                state: State::at_rest(),
                 sample_times_s: sketch.samples_in(segment).map(|of| of.acted_s).collect(),
             })
             .collect(),

@@ -34,26 +34,26 @@ struct Seen {
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let ways = [
-        ("physical stamps", Acting::timing_known()),
-        ("acted slowly", Acting::default()),
+        ("physical", "physical stamps", Acting::timing_known()),
+        ("tempo", "acted slowly", Acting::default()),
     ];
     type Make = fn(&Acting, u64) -> Option<Case>;
-    let scenes: [(&str, Make); 3] = [
-        ("pencil, tip first", |acting, seed| {
+    let scenes: [(&str, &str, Make); 3] = [
+        ("tip", "pencil, tip first", |acting, seed| {
             Some(Case::pencil(Style::Tip, acting, seed))
         }),
-        ("pencil, eraser first", |acting, seed| {
+        ("eraser", "pencil, eraser first", |acting, seed| {
             Some(Case::pencil(Style::Eraser, acting, seed))
         }),
-        ("cube, two bounces", |acting, seed| {
+        ("cube", "cube, two bounces", |acting, seed| {
             Some(Case::new(&bounces::bounces(2, seed).ok()?, acting, seed))
         }),
     ];
-    for (way, acting) in ways {
-        for (scene, make) in scenes {
+    for (way_id, way, acting) in ways {
+        for (id, scene, make) in scenes {
             let title = format!("{scene}, {way}");
             let mut table = Table::new(
-                &title.replace([' ', ','], "_"),
+                &format!("{id}_{way_id}"),
                 &title,
                 &[
                     "seen",
