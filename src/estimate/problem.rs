@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
-use super::conditions::ArcCondition;
+use super::arc_condition::ArcCondition;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
