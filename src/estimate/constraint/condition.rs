@@ -153,7 +153,7 @@ impl ArcCondition {
                 let dynamics = problem.dynamics_at(&point.parameters)?;
                 let Dynamics::Free(body) = dynamics[problem.arcs[*arc].mechanism];
                 let arrival = Arrival::new(problem, point, (*arc, flight.1), time_s)?;
-                (End::General(arrival), body)
+                (End::General(Box::new(arrival)), body)
             };
             Some(Reached {
                 end,

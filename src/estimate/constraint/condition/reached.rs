@@ -19,7 +19,7 @@ pub(super) struct Reached<'a> {
 /// The state, by the short form where that serves.
 pub(super) enum End {
     Plain(ArcEnd),
-    General(Arrival),
+    General(Box<Arrival>),
 }
 
 impl Reached<'_> {
