@@ -146,7 +146,7 @@ impl ArcCondition {
             let (end, body) = if problem.arcs[*arc].is_plain {
                 let Dynamics::Free(body) = problem.dynamics_of(*arc);
                 (
-                    End::Plain(ArcEnd::new(body, &gravity_m_s2, flight, time_s)),
+                    End::Plain(Box::new(ArcEnd::new(body, &gravity_m_s2, flight, time_s))),
                     *body,
                 )
             } else {

@@ -18,7 +18,7 @@ pub(super) struct Reached<'a> {
 
 /// The state, by the short form where that serves.
 pub(super) enum End {
-    Plain(ArcEnd),
+    Plain(Box<ArcEnd>),
     General(Box<Arrival>),
 }
 
