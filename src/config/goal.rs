@@ -4,6 +4,7 @@ mod keys;
 mod point;
 mod set;
 mod turn;
+mod vector;
 
 use std::ops::Range;
 
@@ -11,7 +12,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 use self::keys::{ABOUT, Used};
-use self::set::{VectorKeys, sd};
+use self::vector::{VectorKeys, sd};
 use super::error::{Fault, fault};
 use super::event::link_of;
 use super::held::check_goal;

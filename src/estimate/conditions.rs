@@ -2,72 +2,14 @@
 
 use nalgebra::Vector3;
 
+use super::arc_condition::{ActingParameter, ArcCondition, Rows, Touched};
 use super::influence::{Acting, Influence};
-use super::problem::{Arc, ArcCollision, Problem};
+use super::problem::{Arc, ArcCollision, Problem, unit};
 use crate::motion::{
     BodyPoint, Condition, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget, GoalUnit, LinkIndex,
     MechanismIndex, Moment, Partner, Scene,
 };
 use crate::physics::contact::Feature;
-
-/// A condition on arcs at an event.
-#[derive(Clone, Debug)]
-pub struct ArcCondition {
-    /// Event at which it holds.
-    pub event: usize,
-    /// What must hold.
-    pub condition: Condition,
-    /// Arcs of the body and, where the quantity depends on it, of another; none of a time.
-    pub arcs: Vec<usize>,
-    /// Where the point it is about touches.
-    pub touched: Option<Touched>,
-    /// How its set becomes rows.
-    pub rows: Rows,
-    /// Parameters that act on it.
-    pub acting: Vec<ActingParameter>,
-}
-
-/// The contact whose place is meant.
-#[derive(Clone, Copy, Debug)]
-pub struct Touched {
-    /// Index into [`Problem::collisions`].
-    pub collision: usize,
-    /// Which of its contacts.
-    pub contact: usize,
-    /// The side of the collision that the body is.
-    pub side: usize,
-}
-
-/// The rows of a condition.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Rows {
-    /// One for each of these numbers, which a box bounds.
-    Axes(Vec<usize>),
-    /// Equality along two tangents of the face that is touched: the contact holds it on the face.
-    OnFace([Vector3<f64>; 2]),
-    /// One for the way into a half-space, or for the distance from a ball's centre.
-    Single,
-}
-
-/// A parameter with what it does to a condition's bodies or to what they touch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ActingParameter {
-    /// Index into [`Problem::parameters`].
-    pub parameter: usize,
-    /// Its influences, each on one of the condition's arcs, or on the surface (`None`).
-    pub on: Vec<(Option<usize>, Influence)>,
-}
-
-impl Rows {
-    /// Their number.
-    pub fn count(&self) -> usize {
-        match self {
-            Rows::Axes(axes) => axes.len(),
-            Rows::OnFace(_) => 2,
-            Rows::Single => 1,
-        }
-    }
-}
 
 /// The conditions whose arcs are all there.
 pub(super) fn conditions(
@@ -294,7 +236,6 @@ fn acting(
 impl ArcCondition {
     /// One unit of its rows, in the unit of its quantity.
     pub fn unit(&self) -> f64 {
-        use super::problem::unit;
         match self.condition.quantity.unit() {
             GoalUnit::Metre => unit::POSITION_M,
             GoalUnit::Radian => unit::ORIENTATION_RAD,
@@ -302,18 +243,6 @@ impl ArcCondition {
             GoalUnit::RadianPerSecond => unit::ANGULAR_VELOCITY_RAD_S,
             GoalUnit::Second => unit::TIME_S,
         }
-    }
-
-    /// Whether it is a wish with a weight.
-    pub fn is_soft(&self) -> bool {
-        self.condition.sd.is_some()
-    }
-
-    /// The events whose times it depends on.
-    pub fn events(&self) -> impl Iterator<Item = usize> {
-        [self.event]
-            .into_iter()
-            .chain(self.condition.quantity.since())
     }
 }
 

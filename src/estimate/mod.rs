@@ -1,7 +1,7 @@
 //! Stage 4: the estimation (paper eq. 1, 3, 6 to 8): a constrained least-squares problem over
 //! states of arcs, event times, sample times and parameters.
 //!
-//! - The problem: [`problem`], made of a scene and a sketch by `posing`, with [`conditions`] apart, with the indices of the unknowns in [`layout`], the `nodes` at which
+//! - The problem: [`problem`], made of a scene and a sketch by `posing`, goals in general ([`arc_condition`]) by `conditions`, with the indices of the unknowns in [`layout`], the `nodes` at which
 //!   sample times are unknowns, and their values in a [`point`].
 //! - Its terms: [`samples`], [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
 //!   for each hard condition. `evaluate` joins them for the [optimiser](crate::optimise), with a
@@ -18,11 +18,12 @@
 //! collision sequences.
 
 pub mod adequacy;
+pub mod arc_condition;
 mod arc_end;
 mod arrival;
 pub mod bound;
 mod calm;
-pub mod conditions;
+mod conditions;
 pub mod constraint;
 pub mod context;
 pub mod covariance;

@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
+use super::arc_condition::ArcCondition;
 use super::calm::Calm;
-use super::conditions::ArcCondition;
 use super::held::HeldState;
 use super::influence::{Acting, Role};
 use super::pull::Pull;

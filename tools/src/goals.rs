@@ -134,7 +134,7 @@ pub struct Pair {
 /// Relative standard deviation of the neighbour's first velocities, and that of its orientation \[rad\].
 const APART: f64 = 0.03;
 /// Draws of a neighbour before giving up.
-const TRIES: usize = 60;
+const TRIES: usize = 300;
 /// Share of the distance between both motions' values that a tight set reaches, and a wide one.
 const TIGHT: f64 = 0.3;
 const WIDE: f64 = 4.0;
@@ -158,7 +158,7 @@ impl Pair {
         let mut truth = hat_box::truth();
         truth.scene.goals.clear();
         // Both begin where they must to meet: the neighbour is nearer.
-        Self::of(truth, seed, 0.1 * APART)
+        Self::of(truth, seed, 0.03 * APART)
     }
 
     fn of(truth: Truth, seed: u64, apart: f64) -> Option<Self> {

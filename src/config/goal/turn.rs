@@ -2,7 +2,7 @@
 
 use toml::Spanned;
 
-use super::set::sd;
+use super::vector::sd;
 use super::{DEG, Table, target};
 use crate::config::error::{Fault, fault};
 use crate::config::number::{direction, orientation, positive};

@@ -23,9 +23,9 @@ use self::touched::TouchedPoint;
 use super::kind::{At, Constraint, Filled};
 use super::quantity::{self, ByState, Valued};
 use super::within::{self, WithinRow};
+use crate::estimate::arc_condition::{ArcCondition, Rows};
 use crate::estimate::arc_end::ArcEnd;
 use crate::estimate::arrival::Arrival;
-use crate::estimate::conditions::{ArcCondition, Rows};
 use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
 use crate::estimate::modelled::Touching;
@@ -146,14 +146,14 @@ impl ArcCondition {
             let (end, body) = if problem.arcs[*arc].is_plain {
                 let Dynamics::Free(body) = problem.dynamics_of(*arc);
                 (
-                    End::Plain(ArcEnd::new(body, &gravity_m_s2, flight, time_s)),
+                    End::Plain(Box::new(ArcEnd::new(body, &gravity_m_s2, flight, time_s))),
                     *body,
                 )
             } else {
                 let dynamics = problem.dynamics_at(&point.parameters)?;
                 let Dynamics::Free(body) = dynamics[problem.arcs[*arc].mechanism];
                 let arrival = Arrival::new(problem, point, (*arc, flight.1), time_s)?;
-                (End::General(arrival), body)
+                (End::General(Box::new(arrival)), body)
             };
             Some(Reached {
                 end,

@@ -86,7 +86,8 @@ fn contradiction(first: &Goal, second: &Goal) -> Option<String> {
     let may_repeat = is_pose(first) || is_pose(second);
     for a in firsts.iter().filter(|a| a.sd.is_none()) {
         for b in seconds.iter().filter(|b| b.sd.is_none()) {
-            if !same_link && !(is_time(a) && is_time(b)) {
+            let are_times = is_time(a) && is_time(b);
+            if !(same_link || are_times) {
                 continue;
             }
             if let Some(message) = apart(a, b, may_repeat) {

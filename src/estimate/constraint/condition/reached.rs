@@ -18,8 +18,8 @@ pub(super) struct Reached<'a> {
 
 /// The state, by the short form where that serves.
 pub(super) enum End {
-    Plain(ArcEnd),
-    General(Arrival),
+    Plain(Box<ArcEnd>),
+    General(Box<Arrival>),
 }
 
 impl Reached<'_> {
