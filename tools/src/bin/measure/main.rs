@@ -25,6 +25,7 @@ mod figure;
 mod flow;
 mod goals;
 mod held;
+mod keyframes;
 mod ladder;
 mod methods;
 mod nonsense;
@@ -158,6 +159,11 @@ const SUBJECTS: &[Subject] = &[
         "held",
         "bodies in the hand: how often intervals of their states hold, and what bounces off them",
         held::run
+    ),
+    subject!(
+        "keyframes",
+        "sketches of a few poses, exact and imprecise",
+        keyframes::run
     ),
     subject!(
         "rest",
