@@ -20,7 +20,7 @@ use super::context::SolveContext;
 use super::influence::{Acting, Influence};
 use super::layout::Layout;
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{HeldState, Problem};
 use crate::math::{Pose, so3};
 use crate::motion::held::{Meeting, Mounted};
 use crate::motion::{HeldMotion, TrackIndex};
@@ -29,25 +29,6 @@ use crate::physics::state::{self, StateTangent, part};
 
 /// Derivatives of twelve residuals by a state.
 type Twelve = SMatrix<f64, 12, 12>;
-
-/// A held body at one of its collisions.
-#[derive(Clone, Debug)]
-pub struct HeldState {
-    /// The collision (index into `Scene::events`).
-    pub event: usize,
-    /// Its tracker.
-    pub track: TrackIndex,
-    /// How its tracker moves.
-    motion: HeldMotion,
-    /// Link from tracker.
-    mount: Pose,
-    /// `c^½ L⁻¹`.
-    root: Twelve,
-    /// Parameters of the tracker.
-    pub acting: Vec<Acting>,
-    /// The nodes of the time map about the event, where sample times are unknown.
-    pub nodes: Option<[usize; 2]>,
-}
 
 /// Residuals with their derivatives.
 pub struct HeldTerm {

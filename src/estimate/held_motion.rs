@@ -2,9 +2,8 @@
 
 use typed_index_collections::TiSlice;
 
-use super::held::HeldState;
 use super::point::Point;
-use super::problem::Problem;
+use super::problem::{HeldState, Problem};
 use crate::motion::held::{HeldEstimate, Knot, Mounted, Passed};
 use crate::motion::{
     HeldMotion, SampleTime, Scene, Sketch, TimeMap, Timing, TrackIndex, TrackSketch,

@@ -2,12 +2,11 @@
 
 use super::calm::Calm;
 use super::conditions::{conditions, flight_at};
-use super::held::HeldState;
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, Ordered, Problem,
-    TimeBound, TimeSide,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, HeldState, Ordered,
+    Problem, TimeBound, TimeSide,
 };
 use super::seen::views;
 use crate::motion::{

@@ -7,11 +7,11 @@ use typed_index_collections::TiVec;
 
 use super::arc_condition::ArcCondition;
 use super::calm::Calm;
-use super::held::HeldState;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
-use crate::motion::{Cone, FreeParameter, MechanismIndex, Stamp, TrackIndex};
+use crate::motion::held::StateCovariance;
+use crate::motion::{Cone, FreeParameter, HeldMotion, MechanismIndex, Stamp, TrackIndex};
 use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
 
@@ -209,6 +209,25 @@ impl ArcCollision {
             tilt_rad,
         }
     }
+}
+
+/// A held body at one of its collisions.
+#[derive(Clone, Debug)]
+pub struct HeldState {
+    /// The collision (index into `Scene::events`).
+    pub event: usize,
+    /// Its tracker.
+    pub track: TrackIndex,
+    /// How its tracker moves.
+    pub motion: HeldMotion,
+    /// Link from tracker.
+    pub mount: Pose,
+    /// `c^½ L⁻¹`.
+    pub root: StateCovariance,
+    /// Parameters of the tracker.
+    pub acting: Vec<Acting>,
+    /// The nodes of the time map about the event, where sample times are unknown.
+    pub nodes: Option<[usize; 2]>,
 }
 
 /// The mark of an event whose time is an unknown.

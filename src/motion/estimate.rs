@@ -7,8 +7,8 @@ use super::fit::Fit;
 use super::held::HeldEstimate;
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::reason::Reason;
+use super::sample_time::SampleTime;
 use super::suspect::Suspect;
-use super::take::Stamp;
 use super::verdict::Verdict;
 use crate::physics::State;
 
@@ -129,17 +129,6 @@ pub struct SegmentResidual {
     pub position_rms_m: Option<f64>,
     /// Root mean square angle \[rad\]; `None` where neither orientation nor direction is seen.
     pub orientation_rms_rad: Option<f64>,
-}
-
-/// The physical time of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleTime {
-    /// The track that the sample is of.
-    pub track: TrackIndex,
-    /// Stamp of the sample.
-    pub stamp: Stamp,
-    /// Its physical time [s since the first sample].
-    pub time_s: f64,
 }
 
 /// A quantity that the performance does not determine.

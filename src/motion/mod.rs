@@ -20,6 +20,7 @@ pub mod open;
 pub mod partial;
 pub mod reason;
 pub mod rest;
+pub mod sample_time;
 pub mod scene;
 pub mod settled;
 pub mod sketch;
@@ -36,7 +37,7 @@ pub use diagnosis::{
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
     ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
-    ParameterEstimate, SampleTime, SegmentResidual, Undetermined,
+    ParameterEstimate, SegmentResidual, Undetermined,
 };
 pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
@@ -47,6 +48,7 @@ pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};
+pub use sample_time::SampleTime;
 pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,

@@ -1,6 +1,6 @@
 //! The map between acted and physical time.
 
-use super::estimate::SampleTime;
+use super::sample_time::SampleTime;
 use super::take::Stamp;
 
 /// Number of samples at each end from which the tempo beyond them is computed.

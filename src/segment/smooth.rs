@@ -15,7 +15,7 @@ mod tests;
 use std::ops::Range;
 
 use self::chain::{Chain, Nines, Place, Turn};
-use self::filter::{Believed, Instant, Noises};
+use self::filter::{Believed, Noises, Timed};
 use super::cut::median_interval_s;
 use crate::math::Pose;
 use crate::motion::held::{Curve, Driven, HeldMotion, Knot, Meeting, StateCovariance};
@@ -61,7 +61,7 @@ pub fn smoothed(
     let of_turn = |pose: &Pose| pose.rotation;
     let places = tracked.believed::<Place>(of_place, (held.position_sd_m, LEAST_SD[0]));
     let turns = tracked.believed::<Turn>(of_turn, (held.orientation_sd_rad, LEAST_SD[1]));
-    let times_s = instants(&tracked.poses, &tracked.marks_s, |_| ())
+    let times_s = timed(&tracked.poses, &tracked.marks_s, |_| ())
         .into_iter()
         .map(|one| one.time_s);
     let times_s: Vec<f64> = times_s.collect();
@@ -118,21 +118,21 @@ impl Tracked {
         sd: (Option<f64>, f64),
     ) -> Smoothed<C> {
         let near = self.near.iter();
-        let stretches = near.map(|range| instants(&self.poses[range.clone()], &[], of));
+        let stretches = near.map(|range| timed(&self.poses[range.clone()], &[], of));
         let stretches: Vec<_> = stretches.collect();
         let noises = likelihood::credible::<C>(&stretches, self.interval_s, sd);
-        let states = filter::smooth::<C>(&instants(&self.poses, &self.marks_s, of), &noises);
+        let states = filter::smooth::<C>(&timed(&self.poses, &self.marks_s, of), &noises);
         Smoothed { states, noises }
     }
 }
 
 /// Times of poses and marks, in order, with what the poses show.
-fn instants<R>(poses: &[(f64, Pose)], marks_s: &[f64], of: impl Fn(&Pose) -> R) -> Vec<Instant<R>> {
-    let read = poses.iter().map(|(time_s, pose)| Instant {
+fn timed<R>(poses: &[(f64, Pose)], marks_s: &[f64], of: impl Fn(&Pose) -> R) -> Vec<Timed<R>> {
+    let read = poses.iter().map(|(time_s, pose)| Timed {
         time_s: *time_s,
         reading: Some(of(pose)),
     });
-    let mut all: Vec<Instant<R>> = read.collect();
+    let mut all: Vec<Timed<R>> = read.collect();
     for time_s in marks_s {
         let at = all.partition_point(|one| one.time_s < *time_s);
         // The filter begins with a reading.
@@ -140,7 +140,7 @@ fn instants<R>(poses: &[(f64, Pose)], marks_s: &[f64], of: impl Fn(&Pose) -> R) 
         if at > 0 && is_new {
             all.insert(
                 at,
-                Instant {
+                Timed {
                     time_s: *time_s,
                     reading: None,
                 },

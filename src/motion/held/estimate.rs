@@ -6,10 +6,11 @@
 
 use nalgebra::Vector3;
 
-use super::{Curve, Driven, Knot};
+use super::curve::Curve;
+use super::knot::{Driven, Knot};
 use crate::math::so3;
-use crate::motion::estimate::SampleTime;
 use crate::motion::index::LinkIndex;
+use crate::motion::sample_time::SampleTime;
 use crate::physics::State;
 
 /// The estimated motion of a body in the hand.

@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::{Driven, StateCovariance};
+use super::knot::{Driven, StateCovariance};
 use crate::math::{Pose, so3};
 use crate::physics::State;
 use crate::physics::state::{StateTangent, part};

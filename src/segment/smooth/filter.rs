@@ -17,7 +17,7 @@ pub(super) struct Noises {
 
 /// A time of the smoother, with what was read there, if anything.
 #[derive(Clone, Debug)]
-pub(super) struct Instant<R> {
+pub(super) struct Timed<R> {
     pub(super) time_s: f64,
     pub(super) reading: Option<R>,
 }
@@ -70,12 +70,9 @@ const BEGINNING: usize = 3;
 const VAGUE: f64 = 10.0;
 
 /// Filters and smooths; the states at all times. The first has a reading, and there are at least two.
-pub(super) fn smooth<C: Chain>(
-    instants: &[Instant<C::Reading>],
-    noises: &Noises,
-) -> Vec<Believed<C>> {
+pub(super) fn smooth<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Vec<Believed<C>> {
     let mut surprise = Surprise::default();
-    let steps: Vec<Step<C>> = filter(instants, noises, &mut surprise);
+    let steps: Vec<Step<C>> = filter(timed, noises, &mut surprise);
     let mut smoothed: Vec<Believed<C>> = Vec::with_capacity(steps.len());
     let mut after: Option<&Step<C>> = None;
     for step in steps.iter().rev() {
@@ -91,28 +88,28 @@ pub(super) fn smooth<C: Chain>(
 }
 
 /// How surprising the readings are under these noises.
-pub(super) fn surprise<C: Chain>(instants: &[Instant<C::Reading>], noises: &Noises) -> Surprise {
+pub(super) fn surprise<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Surprise {
     let mut surprise = Surprise::default();
-    filter::<C>(instants, noises, &mut surprise);
+    filter::<C>(timed, noises, &mut surprise);
     surprise
 }
 
 fn filter<C: Chain>(
-    instants: &[Instant<C::Reading>],
+    timed: &[Timed<C::Reading>],
     noises: &Noises,
     surprise: &mut Surprise,
 ) -> Vec<Step<C>> {
-    let mut steps: Vec<Step<C>> = Vec::with_capacity(instants.len());
+    let mut steps: Vec<Step<C>> = Vec::with_capacity(timed.len());
     let mut read = 0;
-    for (index, instant) in instants.iter().enumerate() {
+    for (index, one) in timed.iter().enumerate() {
         let (predicted, transition) = match steps.last() {
-            None => (begin(instants, noises), Nines::identity()),
+            None => (begin(timed, noises), Nines::identity()),
             Some(before) => {
-                let lasting_s = instant.time_s - instants[index - 1].time_s;
+                let lasting_s = one.time_s - timed[index - 1].time_s;
                 predict(&before.updated, lasting_s, noises)
             }
         };
-        let updated = match &instant.reading {
+        let updated = match &one.reading {
             None => predicted.clone(),
             Some(reading) => {
                 let counted = (read >= BEGINNING).then_some(&mut *surprise);
@@ -130,11 +127,11 @@ fn filter<C: Chain>(
 }
 
 /// A vague belief at the first reading.
-fn begin<C: Chain>(instants: &[Instant<C::Reading>], noises: &Noises) -> Believed<C> {
+fn begin<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Believed<C> {
     let read = || {
-        instants
+        timed
             .iter()
-            .filter_map(|instant| Some((instant.time_s, instant.reading.as_ref()?)))
+            .filter_map(|one| Some((one.time_s, one.reading.as_ref()?)))
     };
     let pairs = || read().zip(read().skip(1));
     let shortest_s = pairs()

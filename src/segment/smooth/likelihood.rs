@@ -6,7 +6,7 @@
 //! smoother averages, in intervals.
 
 use super::chain::Chain;
-use super::filter::{Instant, Noises, Surprise, surprise};
+use super::filter::{Noises, Surprise, Timed, surprise};
 
 /// Decimal logarithms of the least and the greatest ratio: averages over a hundred intervals, and over
 /// less than one.
@@ -23,7 +23,7 @@ const BISECTIONS: usize = 4;
 /// The noises of some stretches of readings. `given` is the reading's standard deviation, where it is
 /// known; it is never less than `least`.
 pub(super) fn credible<C: Chain>(
-    stretches: &[Vec<Instant<C::Reading>>],
+    stretches: &[Vec<Timed<C::Reading>>],
     interval_s: f64,
     (given, least): (Option<f64>, f64),
 ) -> Noises {

@@ -109,10 +109,10 @@ fn it_is_the_least_squares_of_samples_and_jerks() {
     use super::chain::Nine;
     let mut random = Random::default();
     let times_s = [0.0, 0.01, 0.025, 0.04, 0.05, 0.07];
-    let instants: Vec<Instant<Vector3<f64>>> = times_s
+    let timed: Vec<Timed<Vector3<f64>>> = times_s
         .iter()
         .enumerate()
-        .map(|(k, time_s)| Instant {
+        .map(|(k, time_s)| Timed {
             time_s: *time_s,
             reading: (k != 3).then(|| Vector3::repeat(time_s * time_s + 0.01 * random.normal())),
         })
@@ -121,13 +121,13 @@ fn it_is_the_least_squares_of_samples_and_jerks() {
         reading: 1e-4,
         jerk: 1e3,
     };
-    let smoothed = filter::smooth::<Place>(&instants, &noises);
+    let smoothed = filter::smooth::<Place>(&timed, &noises);
     // One axis of the same as a dense system: unknowns are value, rate, acceleration at each time.
     let count = times_s.len();
     let mut information = nalgebra::DMatrix::<f64>::zeros(3 * count, 3 * count);
     let mut pull = nalgebra::DVector::<f64>::zeros(3 * count);
-    for (k, instant) in instants.iter().enumerate() {
-        if let Some(reading) = instant.reading {
+    for (k, one) in timed.iter().enumerate() {
+        if let Some(reading) = one.reading {
             information[(3 * k, 3 * k)] += 1.0 / noises.reading;
             pull[3 * k] += reading.x / noises.reading;
         }

@@ -1,8 +1,6 @@
 //! Bodies in the hand: how often the intervals of their states at collisions hold the truth, and what a
 //! motion that bounces off them is worth.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use enact::math::{Pose, so3};
 use enact::motion::{Fits, Held, Sample, Stamp, TrackSketch, Verdict};
@@ -170,7 +168,6 @@ struct Played {
     velocities_m_s: Vec<f64>,
     places_m: Vec<f64>,
     hands_m_s: Vec<f64>,
-    time_ms: f64,
 }
 
 fn games(options: &Options, record: &mut Record) -> Result<()> {
@@ -195,7 +192,6 @@ fn games(options: &Options, record: &mut Record) -> Result<()> {
             "velocity after, median",
             "95 %",
             "hand's velocity, rms",
-            "median time",
         ],
     );
     let ways = [
@@ -276,18 +272,12 @@ fn row(table: &mut Table, (game, seen): (Game, &Seen), played: &[Played]) {
         format!("{} m/s", number(median(&velocities))),
         format!("{} m/s", number(quantile(&velocities, 0.95))),
         format!("{} m/s", number(rms(&all(|one| &one.hands_m_s)))),
-        format!(
-            "{:.0} ms",
-            median(&played.iter().map(|one| one.time_ms).collect::<Vec<_>>())
-        ),
     ]);
 }
 
 fn judged(seed: u64, take: &HeldTake) -> Played {
     let pipeline = Pipeline::of(take.scene.clone(), take.events.clone());
-    let began = Instant::now();
     let outcome = pipeline.finish(&mut ());
-    let time_ms = 1e3 * began.elapsed().as_secs_f64();
     let mut played = Played {
         seed,
         verdict: "refused",
@@ -299,7 +289,6 @@ fn judged(seed: u64, take: &HeldTake) -> Played {
         velocities_m_s: Vec::new(),
         places_m: Vec::new(),
         hands_m_s: Vec::new(),
-        time_ms,
     };
     let Ok(outcome) = outcome else { return played };
     let estimate = &outcome.estimate;
