@@ -29,6 +29,15 @@
 //! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
 //! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
 //!
+//! # What trackers see
+//!
+//! A body has one tracker that sees its pose, at `topic`, mounted as `tracker` says; or it lists what
+//! trackers see of it as `[[body.track]]`, each with a `name` where there are several, a `topic`, and `sees`:
+//! `"pose"`; `"point"`, the place of a feature (`point = "tip"`, or `"centre"`) or of where the `tracker` is;
+//! `"orientation"`; or the `"direction"` of an `axis` of the body. `position_sd_mm` and `orientation_sd_deg`
+//! are weights of its own, `weights = "messages"` those of covariances in its messages. Every key has its
+//! example in `docs/tracks.md`.
+//!
 //! # Bodies in the hand
 //!
 //! `held = true` in a `[[body]]` says that somebody holds it: a racket, a paddle, a ramp that is
@@ -125,6 +134,8 @@
 //! | `timing.mark_sd_ms`, the standard deviation of marks | half a sample's interval where stamps are physical times, as annotators mark; 50 ms where they are not, as people press a button |
 //! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
 //! | `body.topic` | `"/tracker/<name>/pose"` |
+//! | `body.track.topic`, `body.track.sees` | `"/tracker/<body>/<name>"`, `"pose"` |
+//! | `body.track.position_sd_mm`, `body.track.orientation_sd_deg` | the scene's weights |
 //! | `body.held` | `false` |
 //! | `body.tracker_sd_mm`, `body.tracker_sd_deg`, of a held body | as its stream shows, at least 0.01 mm and 0.003° |
 //! | `velocity_gaps` | `"when needed"` |

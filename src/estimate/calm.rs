@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::{Arc, Shows};
+use super::problem::{Arc, Calm, Shows};
 use crate::math::so3;
 use crate::physics::State;
 use crate::physics::state::{self, part};
@@ -21,15 +21,6 @@ use crate::physics::state::{self, part};
 /// How far from rest a motion may stray where nothing is seen of it: a standard deviation of position
 /// \[m\], orientation \[rad\], velocity [m/s] and angular velocity [rad/s].
 const STRAY: [f64; 4] = [30.0, 10.0, 30.0, 100.0];
-
-/// The pull on the state of a flight.
-#[derive(Clone, Debug)]
-pub struct Calm {
-    /// Index into [`Problem::arcs`](super::problem::Problem::arcs).
-    pub arc: usize,
-    /// `U`: of position, orientation, velocity and angular velocity; infinite where it does not pull.
-    pub units: [f64; 4],
-}
 
 impl Calm {
     /// The pulls on arcs of which places or orientations are not seen.

@@ -68,7 +68,9 @@ pub fn fill(
     }
 }
 
-/// Parts of mechanisms' states that the performance does not determine, in whichever flight.
+/// Parts of mechanisms' states that the performance does not determine, in whichever flight. What no
+/// track sees at all of a flight is open, even where impacts and goals seem to tell it: they may tell
+/// another motion as well.
 fn undetermined_motion(
     context: &SolveContext,
     sds: impl Fn(&[Moment]) -> Vec<Option<f64>>,
@@ -80,7 +82,9 @@ fn undetermined_motion(
         for (of_part, part) in sds(&moments).chunks(3).zip(MotionPart::ALL) {
             let mechanism = arc.mechanism;
             let open = Undetermined::Motion { mechanism, part };
-            if of_part.iter().any(Option::is_none) && !undetermined.contains(&open) {
+            let is_blind = arc.sample_count() > 0 && !arc.shows(part.kind());
+            let is_open = is_blind || of_part.iter().any(Option::is_none);
+            if is_open && !undetermined.contains(&open) {
                 undetermined.push(open);
             }
         }

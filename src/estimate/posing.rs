@@ -1,11 +1,10 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
-use super::calm::Calm;
 use super::conditions::{conditions, flight_at};
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, HeldState, Ordered,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, Calm, EventMark, HeldState, Ordered,
     Problem, TimeBound, TimeSide,
 };
 use super::seen::views;

@@ -6,7 +6,6 @@ use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
 use super::arc_condition::ArcCondition;
-use super::calm::Calm;
 use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
@@ -149,6 +148,15 @@ impl Arc {
         Some([firsts.min_by(earlier)?, lasts.max_by(earlier)?])
     }
 
+    /// Whether its samples say anything of its places (0) or of its turn (1).
+    pub fn shows(&self, kind: usize) -> bool {
+        let mut views = self.views.iter().filter(|view| !view.samples.is_empty());
+        views.any(|view| {
+            let is_lever = view.shows == Shows::Point && !view.is_plain;
+            view.shows.kinds()[kind] || kind == 1 && is_lever
+        })
+    }
+
     /// Whether its own samples tell its state, or only the impacts beside it.
     pub fn is_informed(&self) -> bool {
         self.sample_count() >= INFORMED_MIN
@@ -270,6 +278,15 @@ pub enum ArcTarget {
         /// Greatest value.
         upper_m: f64,
     },
+}
+
+/// A pull to rest on the state of a flight that is not seen whole ([`calm`](super::calm)).
+#[derive(Clone, Debug)]
+pub struct Calm {
+    /// Index into [`Problem::arcs`].
+    pub arc: usize,
+    /// Units of position, orientation, velocity and angular velocity; infinite where it does not pull.
+    pub units: [f64; 4],
 }
 
 /// A bound of an event's time, at an acted time.

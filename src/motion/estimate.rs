@@ -163,6 +163,14 @@ pub enum MotionPart {
 }
 
 impl MotionPart {
+    /// Whether it is of places (0) or of turns (1).
+    pub fn kind(self) -> usize {
+        match self {
+            Self::Position | Self::Velocity => 0,
+            Self::Orientation | Self::Spin => 1,
+        }
+    }
+
     /// All, in the order of a state.
     pub const ALL: [Self; 4] = [
         Self::Position,
