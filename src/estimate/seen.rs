@@ -13,24 +13,28 @@ pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &N
         let track = &scene.tracks[of.track];
         let covariances = &sketch.tracks[of.track].covariances;
         let mut kinds: Vec<View> = Vec::new();
+        let begun = |shows: Shows| View {
+            track: of.track,
+            shows,
+            samples: Vec::with_capacity(of.samples.len()),
+            units: units(scene, track, shows),
+            whitenings: Vec::new(),
+            is_plain: covariances.is_empty() && is_plain(track, shows),
+        };
         for (sample, index) in sketch.samples_of(of).iter().zip(of.samples.clone()) {
             let shows = shows(track, &sample.seen);
             let at = kinds.iter().position(|view| view.shows == shows);
             let at = at.unwrap_or_else(|| {
-                kinds.push(View {
-                    track: of.track,
-                    shows,
-                    samples: Vec::with_capacity(of.samples.len()),
-                    units: units(scene, track, shows),
-                    whitenings: Vec::new(),
-                    is_plain: covariances.is_empty() && is_plain(track, shows),
-                });
+                kinds.push(begun(shows));
                 kinds.len() - 1
             });
             kinds[at].samples.push(placed(sample, shows, nodes));
             if let Some(covariance) = covariances.get(index) {
                 kinds[at].whitenings.push(whitening(covariance, shows));
             }
+        }
+        if kinds.is_empty() {
+            kinds.push(begun(expected(track)));
         }
         views.extend(kinds);
     }
@@ -44,6 +48,16 @@ fn shows(track: &Track, seen: &Seen) -> Shows {
         (Seen::Orientation(_), _) => Shows::Orientation,
         (Seen::Direction(_), Sees::Direction(axis)) => Shows::Direction(axis.into_inner()),
         (Seen::Direction(_), _) => unreachable!("directions are of tracks that see one"),
+    }
+}
+
+/// What the samples of a track show where messages hold all that it sees.
+fn expected(track: &Track) -> Shows {
+    match track.sees {
+        Sees::Pose => Shows::Pose,
+        Sees::Point => Shows::Point,
+        Sees::Orientation => Shows::Orientation,
+        Sees::Direction(axis) => Shows::Direction(axis.into_inner()),
     }
 }
 
