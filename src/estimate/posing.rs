@@ -117,7 +117,10 @@ impl Problem {
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
             time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
-            calm: Calm::on(&arcs),
+            calm: Calm::on(
+                &arcs,
+                [scene.weights.position_m, scene.weights.orientation_rad],
+            ),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),
