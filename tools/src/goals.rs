@@ -134,7 +134,7 @@ pub struct Pair {
 /// Relative standard deviation of the neighbour's first velocities, and that of its orientation \[rad\].
 const APART: f64 = 0.03;
 /// Draws of a neighbour before giving up.
-const TRIES: usize = 300;
+const TRIES: usize = 60;
 /// Share of the distance between both motions' values that a tight set reaches, and a wide one.
 const TIGHT: f64 = 0.3;
 const WIDE: f64 = 4.0;
@@ -382,8 +382,7 @@ fn beside(state: &State, apart: f64, rng: &mut impl Rng) -> State {
     state.retract(&delta)
 }
 
-/// Whether no other corner would have touched a surface before the one that does, or is under one at the
-/// end.
+/// Whether no other corner would have touched a surface before the one that does.
 fn is_right(truth: &Truth) -> bool {
     let scene = &truth.scene;
     let planes: Vec<_> = scene
@@ -392,7 +391,9 @@ fn is_right(truth: &Truth) -> bool {
         .filter_map(|surface| surface.plane())
         .collect();
     scene.links.keys().all(|link| {
-        truth.event_times_s.iter().enumerate().all(|(event, _)| {
+        let events = scene.events.iter().enumerate();
+        let mut collisions = events.filter(|(_, of)| of.kind.collision().is_some());
+        collisions.all(|(event, _)| {
             let state = truth.state_at(link, (event, Moment::Before));
             let corners =
                 scene.links[link]

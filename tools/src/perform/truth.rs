@@ -98,7 +98,7 @@ impl Truth {
             Moment::Before => arc.start_s < time_s,
             Moment::After => arc.start_s <= time_s,
         };
-        let arc = arcs.clone().filter(has_begun).next_back();
+        let arc = arcs.clone().rfind(has_begun);
         let arc = arc.or_else(|| arcs.clone().next());
         self.flown(arc.expect("a truth has arcs for every mechanism"), time_s)
     }
