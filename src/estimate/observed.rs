@@ -19,7 +19,7 @@
 //! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker; the logarithm `e` then changes by
 //! `J_l⁻¹(e) δ`.
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 use super::influence::{Acting, Influence, drag_is_free};
 use super::modelled::Mount;
@@ -64,7 +64,7 @@ pub(super) struct Observer<'a> {
 
 /// How a residual follows a change of the flight: that of the centre of mass, in the world, and that of
 /// the rotation, in the frame of the epoch.
-struct Following {
+struct Following<'w> {
     /// `R₀`.
     from_epoch: Matrix3<f64>,
     /// What is seen of a change of the centre of mass.
@@ -74,18 +74,17 @@ struct Following {
     /// Of a change of the rotation `δ`, the change of the turn: `δ`, `δ × T a` or nothing.
     turn: Matrix3<f64>,
     /// From metres and radians to units.
-    to_units: ToUnits,
+    to_units: ToUnits<'w>,
 }
 
-enum ToUnits {
+enum ToUnits<'w> {
+    /// Units of positions and of turns.
     Each([f64; 2]),
-    Whitened {
-        /// `L⁻¹`.
-        whitening: nalgebra::Matrix6<f64>,
-    },
+    /// `L⁻¹`.
+    Whitened(&'w Matrix6<f64>),
 }
 
-impl Following {
+impl Following<'_> {
     fn six(&self, shift_m: Vector3<f64>, turn: Vector3<f64>) -> Six {
         let mut position = self.from_epoch * turn.cross(&self.lever_m);
         if self.sees_place {
@@ -100,10 +99,10 @@ impl Following {
                 let (p, r) = (position_m / *unit_m, turn_rad / *unit_rad);
                 [p.x, p.y, p.z, r.x, r.y, r.z]
             }
-            ToUnits::Whitened { whitening } => {
+            ToUnits::Whitened(whitening) => {
                 let turn = self.from_epoch * turn_rad;
                 let both = Vector6::from_iterator(position_m.iter().chain(turn.iter()).copied());
-                (whitening * both).into()
+                (*whitening * both).into()
             }
         }
     }
@@ -225,9 +224,7 @@ impl<'a> Observer<'a> {
                 None => Matrix3::zeros(),
             },
             to_units: match whitening {
-                Some(whitening) => ToUnits::Whitened {
-                    whitening: *whitening,
-                },
+                Some(whitening) => ToUnits::Whitened(whitening),
                 None => ToUnits::Each(self.view.units),
             },
         };
