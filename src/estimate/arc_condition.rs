@@ -25,7 +25,7 @@ pub struct ArcCondition {
 /// The contact whose place is meant.
 #[derive(Clone, Copy, Debug)]
 pub struct Touched {
-    /// Index into [`Problem::collisions`].
+    /// Index into [`Problem::collisions`](super::problem::Problem::collisions).
     pub collision: usize,
     /// Which of its contacts.
     pub contact: usize,
@@ -47,7 +47,7 @@ pub enum Rows {
 /// A parameter with what it does to a condition's bodies or to what they touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActingParameter {
-    /// Index into [`Problem::parameters`].
+    /// Index into [`Problem::parameters`](super::problem::Problem::parameters).
     pub parameter: usize,
     /// Its influences, each on one of the condition's arcs, or on the surface (`None`).
     pub on: Vec<(Option<usize>, Influence)>,

@@ -2,7 +2,7 @@
 //!
 //! The state `q` of a held body at a collision is an unknown beside the event's time `τ`, with what its
 //! tracker showed as a prior: the smoothed state `m` and its covariance `P`
-//! ([`HeldMotion`](crate::motion::HeldMotion)). The tracker's motion runs in acted time `a`, of which
+//! ([`HeldMotion`]). The tracker's motion runs in acted time `a`, of which
 //! `s = da/dτ` passes in a second, so that velocities of `q` are divided by `s` before they are
 //! compared:
 //!

@@ -280,7 +280,7 @@ pub enum ArcTarget {
     },
 }
 
-/// A pull to rest on the state of a flight that is not seen whole ([`calm`](super::calm)).
+/// A pull to rest on the state of a flight that is not seen whole (`calm`).
 #[derive(Clone, Debug)]
 pub struct Calm {
     /// Index into [`Problem::arcs`].

@@ -39,7 +39,7 @@ pub enum Seen {
     /// The orientation of its axes, world from body; signs are continuous along a stream.
     Orientation(UnitQuaternion<f64>),
     /// The direction of one of its axes ([`Sees::Direction`](super::scene::Sees::Direction))
-    /// [world].
+    /// \[world\].
     Direction(UnitVector3<f64>),
 }
 

@@ -24,7 +24,7 @@ pub struct HeldMotion {
     /// Standard deviations of the tracker's noise per axis, of positions \[m\] and orientations \[rad\].
     pub noise_sd: [f64; 2],
     /// How often the covariances count in the objective, where samples count once (see
-    /// [`MarkTime::counted`](super::MarkTime::counted)).
+    /// [`MarkTime::counted`](crate::motion::MarkTime::counted)).
     pub counted: f64,
 }
 
