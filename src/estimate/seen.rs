@@ -1,9 +1,10 @@
 //! What the tracks show of a flight, in the solver's terms.
 
-use nalgebra::{Matrix6, UnitQuaternion, Vector3};
+use nalgebra::{Matrix6, Vector3};
 
 use super::nodes::Nodes;
 use super::problem::{ArcSample, Shows, View};
+use crate::math::so3;
 use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
 
 /// The views of a segment: of every track one, or one of each kind of sample where it has several.
@@ -86,13 +87,7 @@ fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
 fn placed(sample: &Sample, shows: Shows, nodes: &Nodes) -> ArcSample {
     let (node, share) = nodes.place(sample.acted_s);
     let orientation = match (sample.seen, shows) {
-        (Seen::Direction(direction), Shows::Direction(axis)) => {
-            UnitQuaternion::rotation_between(&axis, &direction).unwrap_or_else(|| {
-                let across = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
-                let across = across.unwrap_or_default() * Vector3::x_axis();
-                UnitQuaternion::from_axis_angle(&across, std::f64::consts::PI)
-            })
-        }
+        (Seen::Direction(direction), Shows::Direction(axis)) => so3::between(&axis, &direction),
         (seen, _) => seen.orientation().unwrap_or_default(),
     };
     ArcSample {

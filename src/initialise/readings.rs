@@ -4,7 +4,8 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::ballistic::Place;
-use crate::motion::{Sample, Scene, Seen, Segment, Sketch};
+use crate::math::so3;
+use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch};
 
 /// An orientation at an acted time \[s, world from body\].
 pub type Turn = (f64, UnitQuaternion<f64>);
@@ -29,7 +30,6 @@ impl Readings {
         for view in &segment.views {
             let track = &scene.tracks[view.track];
             let (mut seen_at, mut pointed) = (Vec::new(), Vec::new());
-            let mut axis = Vector3::zeros();
             for Sample { acted_s, seen, .. } in sketch.samples_of(view) {
                 match seen {
                     Seen::Pose {
@@ -41,16 +41,13 @@ impl Readings {
                     }
                     Seen::Point(position_m) => seen_at.push((*acted_s, *position_m)),
                     Seen::Orientation(orientation) => readings.turns.push((*acted_s, *orientation)),
-                    Seen::Direction(direction) => {
-                        if let crate::motion::Sees::Direction(of) = track.sees {
-                            axis = of.into_inner();
-                        }
-                        pointed.push((*acted_s, direction.into_inner()));
-                    }
+                    Seen::Direction(direction) => pointed.push((*acted_s, direction.into_inner())),
                 }
             }
             points.extend((!seen_at.is_empty()).then(|| (track.point_m(), seen_at)));
-            directions.extend((!pointed.is_empty()).then_some((axis, pointed)));
+            if let Sees::Direction(axis) = track.sees {
+                directions.extend((!pointed.is_empty()).then(|| (axis.into_inner(), pointed)));
+            }
         }
         if readings.turns.is_empty() {
             readings.turns = turns(&points, &directions);
@@ -111,7 +108,7 @@ fn turns(
     let mut last: Option<UnitQuaternion<f64>> = None;
     let turned = shown.iter().map(|(acted_s, direction)| {
         let before = last.unwrap_or_default();
-        let mut turn = aligned(&(before * axis), direction) * before;
+        let mut turn = so3::between(&(before * axis), direction) * before;
         // The second axis says how the body is turned about the first.
         let second = others
             .iter()
@@ -129,15 +126,6 @@ fn turns(
         (*acted_s, turn)
     });
     turned.collect()
-}
-
-/// The least rotation from one vector's direction to another's.
-fn aligned(from: &Vector3<f64>, to: &Vector3<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::rotation_between(from, to).unwrap_or_else(|| {
-        // Opposite: half a turn about anything across.
-        let across = from.cross(&Vector3::ith(from.iamin(), 1.0)).normalize();
-        UnitQuaternion::from_scaled_axis(across * std::f64::consts::PI)
-    })
 }
 
 /// A place at an acted time, linear between neighbours; `None` outside of all.

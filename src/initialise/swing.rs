@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 
 use super::ballistic::Place;
 use super::fit::Fit;
+use crate::math::so3;
 use crate::physics::State;
 
 /// Greatest angle between samples that is tried \[rad\]: more looks like less.
@@ -145,8 +146,7 @@ impl Circle {
         let signs: &[f64] = if along_m > 0.0 { &[1.0, -1.0] } else { &[1.0] };
         let states = signs.iter().map(|sign| {
             let lever = across + about * (sign * along_m);
-            let orientation = UnitQuaternion::rotation_between(lever_m, &lever)
-                .unwrap_or_else(|| UnitQuaternion::from_scaled_axis(about * std::f64::consts::PI));
+            let orientation = so3::between(lever_m, &lever);
             let state = State {
                 position_m: place_m - about * (sign * along_m),
                 orientation,

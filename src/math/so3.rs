@@ -84,6 +84,15 @@ fn exp_and_coefficients(theta: &Vector3<f64>) -> (UnitQuaternion<f64>, f64, f64,
     )
 }
 
+/// The least rotation from one vector's direction to another's; of opposite ones, half a turn about
+/// something across.
+pub fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between(from, to).unwrap_or_else(|| {
+        let across = from.cross(&Vector3::ith(from.iamin(), 1.0).cross(from));
+        UnitQuaternion::from_scaled_axis(across.normalize() * std::f64::consts::PI)
+    })
+}
+
 /// The rotation matrix of a unit quaternion.
 pub fn matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
     rotation.to_rotation_matrix().into_inner()
@@ -135,6 +144,22 @@ fn jacobian_from(theta: &Vector3<f64>, a: f64, b: f64, square: f64) -> Matrix3<f
 mod tests {
     use super::*;
     use crate::math::differentiate;
+
+    #[test]
+    fn the_rotation_between_two_vectors_turns_one_to_the_other() {
+        for from in cases().into_iter().filter(|from| from.norm() > 0.0) {
+            let opposite = -2.0 * from;
+            for to in cases().into_iter().chain([opposite]) {
+                if to.norm() > 0.0 {
+                    let off = between(&from, &to) * from.normalize() - to.normalize();
+                    assert!(off.norm() < 1e-7, "{from} {to}: {off}");
+                }
+            }
+        }
+        // The first axis that is across the most.
+        let half = between(&Vector3::z(), &-Vector3::z());
+        assert!((half * Vector3::x() - Vector3::x()).norm() < 1e-12);
+    }
 
     #[test]
     fn both_quaternions_of_a_rotation_have_one_logarithm() {

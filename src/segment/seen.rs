@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix6, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
-use crate::math::Pose;
+use crate::math::{Pose, so3};
 use crate::motion::{Covariance, Holds, PoseSample, Seen, Sees, Track, Weighing};
 
 /// The reading with only what its track sees; `None` where the message holds nothing of it.
@@ -73,9 +73,7 @@ fn pointing(direction: &Vector3<f64>) -> [f64; 4] {
     if !(norm.is_finite() && norm > 0.0) {
         return [norm; 4];
     }
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    });
+    let turn = so3::between(&Vector3::z(), direction);
     let q = turn.quaternion();
     [q.i, q.j, q.k, q.w]
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use typed_index_collections::TiSlice;
 
-use crate::math::Pose;
+use crate::math::{Pose, so3};
 use crate::motion::{GoalQuantity, GoalSet, GoalTarget, LinkIndex, PoseSample, Scene, Surface};
 use crate::physics::Shape;
 
@@ -127,9 +127,7 @@ fn cuboid(sides_m: &Vector3<f64>) -> Shape {
 
 /// Pose of a slab whose upper side is the plane of that point and normal.
 fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
-    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &normal).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    });
+    let rotation = so3::between(&Vector3::z(), &normal);
     let centre_m = point_m - 0.5 * SURFACE_THICKNESS_M * normal;
     Pose::from_parts(centre_m.into(), rotation)
 }
