@@ -246,12 +246,9 @@ impl<'a> Objective<'a> {
     /// Adds the pulls on states, to others and to rest.
     pub(super) fn add_pulls(&mut self) {
         let (problem, states) = (self.context.problem, &self.point.arcs);
-        let pulls = problem.pulls.iter();
-        let pulls = pulls.map(|pull| (pull.arc, pull.term(&states[pull.arc])));
-        let calm = problem.calm.iter();
-        let calm = calm.map(|calm| (calm.arc, calm.term(&states[calm.arc])));
-        for (arc, (residuals, by_state)) in pulls.chain(calm) {
-            let at = self.context.layout.arcs[arc];
+        for pull in problem.pulls.iter().chain(&problem.calm) {
+            let (residuals, by_state) = pull.term(&states[pull.arc]);
+            let at = self.context.layout.arcs[pull.arc];
             *self.cost += 0.5 * residuals.norm_squared();
             let gradient = by_state.tr_mul(&residuals);
             let square = by_state.tr_mul(&by_state);

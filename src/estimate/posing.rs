@@ -1,10 +1,11 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
+use super::calm;
 use super::conditions::{conditions, flight_at};
 use super::influence::{Acting, Influence, Owner, Role};
 use super::nodes::Nodes;
 use super::problem::{
-    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, Calm, EventMark, HeldState, Ordered,
+    Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, HeldState, Ordered,
     Problem, TimeBound, TimeSide,
 };
 use super::seen::views;
@@ -117,7 +118,7 @@ impl Problem {
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
             time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
-            calm: Calm::on(
+            calm: calm::pulls(
                 &arcs,
                 [scene.weights.position_m, scene.weights.orientation_rad],
             ),

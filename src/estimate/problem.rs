@@ -280,15 +280,6 @@ pub enum ArcTarget {
     },
 }
 
-/// A pull to rest on the state of a flight that is not seen whole (`calm`).
-#[derive(Clone, Debug)]
-pub struct Calm {
-    /// Index into [`Problem::arcs`].
-    pub arc: usize,
-    /// Units of position, orientation, velocity and angular velocity; infinite where it does not pull.
-    pub units: [f64; 4],
-}
-
 /// A bound of an event's time, at an acted time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeBound {
@@ -386,8 +377,8 @@ pub struct Problem {
     /// on.
     pub keeps_starts: bool,
     /// Pulls to rest on arcs that are not seen whole.
-    pub calm: Vec<Calm>,
-    /// Pulls on states of arcs.
+    pub calm: Vec<Pull>,
+    /// Temporary pulls on states of arcs.
     pub pulls: Vec<Pull>,
 }
 

@@ -1,4 +1,5 @@
-//! Pulls: temporary quadratic terms that hold the state of a flight while all else is solved for.
+//! Pulls: quadratic terms that hold the state of a flight, for a while as all else is solved for, or to
+//! rest where it is not seen (`calm`).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,7 +17,7 @@ pub struct Pull {
     pub towards: State,
     /// `w`.
     pub weight: f64,
-    /// `U`: of position, orientation, velocity and angular velocity.
+    /// `U`: of position, orientation, velocity and angular velocity; infinite where it does not pull.
     pub units: [f64; 4],
     /// `b`: what was left so far, by which it pulls the harder.
     pub left: DVector<f64>,
@@ -70,20 +71,22 @@ mod tests {
             velocity_m_s: Vector3::new(1.0, 2.0, -3.0) * shift,
             angular_velocity_rad_s: Vector3::new(-4.0, 5.0, 6.0) * shift,
         };
-        let pull = Pull {
-            left: DVector::from_fn(state::DIMENSION, |row, _| row as f64),
-            ..Pull::new(0, state(1.0), 7.0, [0.01, 0.1, 0.2, 2.0])
-        };
-        let at = state(-0.7);
-        let (_, by_state) = pull.term(&at);
-        let expected = jacobian(state::DIMENSION, state::DIMENSION, |delta| {
-            let there = at.retract(&StateTangent::from_column_slice(delta));
-            pull.term(&there).0.as_slice().to_vec()
-        });
-        for (row, expected) in expected.iter().enumerate() {
-            for (column, expected) in expected.iter().enumerate() {
-                let off = by_state[(row, column)] - expected;
-                assert!(off.abs() < 1e-8, "{row} {column}: {off}");
+        for last in [2.0, f64::INFINITY] {
+            let pull = Pull {
+                left: DVector::from_fn(state::DIMENSION, |row, _| row as f64),
+                ..Pull::new(0, state(1.0), 7.0, [0.01, 0.1, 0.2, last])
+            };
+            let at = state(-0.7);
+            let (_, by_state) = pull.term(&at);
+            let expected = jacobian(state::DIMENSION, state::DIMENSION, |delta| {
+                let there = at.retract(&StateTangent::from_column_slice(delta));
+                pull.term(&there).0.as_slice().to_vec()
+            });
+            for (row, expected) in expected.iter().enumerate() {
+                for (column, expected) in expected.iter().enumerate() {
+                    let off = by_state[(row, column)] - expected;
+                    assert!(off.abs() < 1e-8, "{row} {column}: {off}");
+                }
             }
         }
     }
