@@ -71,17 +71,11 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         }
         let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
         let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
-        let fall = |places: &[Place]| {
-            let flight = ballistic::fit(places, middle_s, &pull_m_s2, Some(*rate));
-            State {
-                position_m: flight.position_m,
-                velocity_m_s: flight.acted_velocity_m_s / *rate,
-                ..State::at_rest()
-            }
-        };
         let mut state = State::at_rest();
         if !readings.places.is_empty() {
-            state = fall(&readings.places);
+            let flight = ballistic::fit(&readings.places, middle_s, &pull_m_s2, Some(*rate));
+            state.position_m = flight.position_m;
+            state.velocity_m_s = flight.acted_velocity_m_s / *rate;
         }
         if let Some(lever_m) = &readings.lever_m {
             let since = |(acted_s, place_m): &Place| (time_line.at(*acted_s) - epoch_s, *place_m);

@@ -65,11 +65,6 @@ impl Part {
         }
     }
 
-    /// Whether it shows how the body is turned about its axes.
-    pub fn shows_turn(self) -> bool {
-        !matches!(self, Part::Centre | Part::Unweighed | Part::Point)
-    }
-
     /// The scene with these tracks, and the take of a performance as they see it.
     pub fn seen(self, case: &Case) -> (Scene, Vec<TakeEvent>) {
         let mut scene = case.scene().clone();
