@@ -159,8 +159,8 @@ fn from_nearly_the_truth_all_methods_end_where_the_program_does() {
                 "{name}, {grid:?}: {} {:e} {:e}, {} iterations for {}",
                 end.converged, off, judged.violation, end.iterations, own.work.factorisations
             );
-            // The flights of the die have clocks of their own, which the other methods do not know.
-            if name == "die" {
+            // No motion meets what is asked of the die: its one shot goes astray.
+            if name == "die" && grid == (Grid::Shooting { intervals: 1 }) {
                 continue;
             }
             assert!(end.converged, "{name}, {grid:?}");

@@ -110,10 +110,10 @@ impl Case {
         self.with_truth(Posed::new(&outcome.given, &outcome.sketch), outcome)
     }
 
-    /// The same without the performer's marks: for methods and solvers that are asked about the
-    /// samples alone.
+    /// The same without the performer's marks, and without what the program sets free by itself: for
+    /// methods and solvers that are asked about the samples alone. They know no clocks of flights.
     pub fn posed_without_marks(&self, outcome: &Outcome) -> (Posed, Guess) {
-        let posed = Posed::without_marks(&outcome.given, &outcome.sketch);
+        let posed = Posed::without_marks(self.scene(), &outcome.sketch);
         self.with_truth(posed, outcome)
     }
 
