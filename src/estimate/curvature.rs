@@ -13,6 +13,8 @@
 //! no digit of the result.
 
 mod constraints;
+mod general;
+mod nudged;
 mod residuals;
 
 use super::context::SolveContext;
@@ -30,4 +32,5 @@ pub(super) fn add(
 ) {
     constraints::add(context, system, point, multipliers, matrix);
     residuals::add(context, system, point, multipliers, matrix);
+    general::add(context, point, matrix);
 }

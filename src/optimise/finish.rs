@@ -2,9 +2,13 @@
 //! hold to rounding.
 //!
 //! Steps are accepted by the ℓ₁ merit `f + μ Σ |violation|` with `μ = 1.5 max |ν|`: in full, in
-//! full with a second-order correction, or halved (Nocedal and Wright, *Numerical Optimization*,
-//! chapter 18). Halving shortens the whole step, since damping the Hessian would do nothing: the
-//! constraints determine nearly every unknown.
+//! full with corrections that lead it back to the constraints, or halved (Nocedal and Wright,
+//! *Numerical Optimization*, chapter 18).
+//!
+//! Where the constraints determine nearly every unknown, damping the Hessian would do nothing. Where
+//! they and the samples leave some open, as the turn of a body of which only the centre is seen, its
+//! exact Hessian is small or indefinite there: steps are then damped, `H + λ D`
+//! ([`Program::damping`]), the more the worse they go, and not at all in the last ones.
 
 use nalgebra::DVector;
 
@@ -22,8 +26,17 @@ const ACTIVE_ROUNDS: usize = 12;
 /// the decrease that the previous one predicted. The curvature of constraints and residuals is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
-/// Greatest number of halvings of a step.
-const HALVINGS_MAX: usize = 12;
+/// Greatest number of halvings of a step, and of one with the exact Hessian, which is rather damped.
+const HALVINGS: [usize; 2] = [12, 3];
+/// Greatest number of corrections that lead a step back to the constraints,
+const CORRECTIONS: usize = 4;
+/// each of which must leave less than this share of the violation for another.
+const CORRECTED: f64 = 0.5;
+/// Least and greatest damping `λ`, and the factor from one to the next.
+const DAMPING: (f64, f64) = (1e-6, 1e4);
+const DAMPING_FACTOR: f64 = 4.0;
+/// How many times as many steps there may be where they are damped.
+const DAMPED_STEPS: usize = 3;
 /// Least objective to which the predicted decrease is relative. With a smaller objective, the
 /// remaining decrease is less than a nanometre and of the size of rounding.
 const NO_COST: f64 = 1e-6;
@@ -81,6 +94,8 @@ pub struct Finish<'a, P: Program> {
     pub system: System,
     /// Multipliers `ν`, row by row.
     pub multipliers: Vec<f64>,
+    /// Damping `λ` of steps with the exact Hessian; zero where they go well without.
+    pub damping: f64,
     /// Work done so far.
     pub work: Work,
 }
@@ -104,8 +119,9 @@ impl<P: Program> Finish<'_, P> {
         let mut promised_before: Option<f64> = None;
         // At an apex the constraint's own curvature alone would be a wrong model.
         let mut is_slow = self.system.has_pulled_curvature(&self.multipliers);
-        for taken_before in 0..tolerances.steps {
-            if should_stop() {
+        for taken_before in 0..DAMPED_STEPS * tolerances.steps {
+            let is_late = taken_before >= tolerances.steps && self.damping == 0.0;
+            if is_late || should_stop() {
                 break;
             }
             self.work.iterations += 1;
@@ -114,7 +130,8 @@ impl<P: Program> Finish<'_, P> {
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
             let promised = decrease / self.system.cost.max(NO_COST);
-            let taken = self.search(guidance, &kkt, &step, &mut trial);
+            let halvings = HALVINGS[usize::from(is_slow)];
+            let taken = self.search(guidance, (&kkt, &step), halvings, &mut trial);
             finished.decrease = match (taken, promised_before) {
                 // Convergence is at least linear: the next predicted decrease is smaller by at
                 // least the last ratio.
@@ -127,10 +144,17 @@ impl<P: Program> Finish<'_, P> {
                 self.multipliers = step.multipliers;
             }
             finished.violation = self.system.violation();
+            // A damped step promises little wherever it is.
             finished.converged = finished.violation < tolerances.violation
-                && finished.decrease < tolerances.decrease;
-            if finished.converged || taken == Taken::Not {
+                && finished.decrease < tolerances.decrease
+                && self.damping == 0.0;
+            if finished.converged || taken == Taken::Not && self.damping >= DAMPING.1 {
                 break;
+            }
+            if taken == Taken::Whole {
+                self.relax();
+            } else if is_slow {
+                self.damp();
             }
             // Shortened or slowly converging steps mean that the Gauss–Newton model lacks
             // curvature.
@@ -152,14 +176,35 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The step with the curvature of constraints and residuals in the Hessian; `None` where the
-    /// model is then not convex on the active rows.
+    /// The step with the exact Hessian, damped until the model is convex on the active rows; `None`
+    /// where no damping makes it so.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
-        let mut curved = self.system.hessian.clone();
+        let mut exact = self.system.hessian.clone();
         let at = (&self.point, &self.system);
         self.program
-            .add_curvature(at, &self.multipliers, &mut curved);
-        self.step_with(Some(&curved))
+            .add_curvature(at, &self.multipliers, &mut exact);
+        let scale = self.program.damping();
+        loop {
+            let mut damped = exact.clone();
+            for (row, scale) in scale.iter().enumerate() {
+                let pattern = &self.program.structure().pattern;
+                damped.add(pattern, row, row, self.damping * scale);
+            }
+            let step = self.step_with(Some(&damped));
+            if step.is_some() || self.damping >= DAMPING.1 {
+                return step;
+            }
+            self.damp();
+        }
+    }
+
+    fn damp(&mut self) {
+        self.damping = (self.damping * DAMPING_FACTOR).max(DAMPING.0);
+    }
+
+    fn relax(&mut self) {
+        let less = self.damping / DAMPING_FACTOR;
+        self.damping = if less < DAMPING.0 { 0.0 } else { less };
     }
 
     fn step_with(&mut self, curved: Option<&Envelope>) -> Option<(Kkt, KktStep)> {
@@ -196,13 +241,13 @@ impl<P: Program> Finish<'_, P> {
         self.work.evaluations += 1;
     }
 
-    /// Tries the full step, the full step with second-order correction, a half, a quarter, … until
+    /// Tries the full step, the full step led back to the constraints, a half, a quarter, … until
     /// the ℓ₁ merit is not increased; leaves the result in `trial`.
     fn search(
         &mut self,
         guidance: &P::Guidance,
-        kkt: &Kkt,
-        step: &KktStep,
+        (kkt, step): (&Kkt, &KktStep),
+        halvings: usize,
         trial: &mut (P::Point, System),
     ) -> Taken {
         let largest =
@@ -211,21 +256,29 @@ impl<P: Program> Finish<'_, P> {
         let merit = |system: &System| system.cost + lagrangian * system.total_violation();
         let enough = merit(&self.system) * (1.0 + 1e-14);
         let mut delta = step.delta.clone();
-        for halving in 0..HALVINGS_MAX {
+        for halving in 0..halvings {
+            let taken = if halving == 0 {
+                Taken::Whole
+            } else {
+                Taken::Part
+            };
             self.evaluate(guidance, &delta, trial);
             if merit(&trial.1) <= enough {
-                return if halving == 0 {
-                    Taken::Whole
-                } else {
-                    Taken::Part
-                };
+                return taken;
             }
-            if halving == 0 {
-                let corrected =
-                    kkt.correct(self.program.structure(), (&self.system, &trial.1), &delta);
+            let mut corrected = delta.clone();
+            for _ in 0..CORRECTIONS {
+                let violation = trial.1.total_violation();
+                let at = (&self.system, &trial.1);
+                let structure = self.program.structure();
+                corrected += kkt.correction(structure, at, &delta);
                 self.evaluate(guidance, &corrected, trial);
                 if merit(&trial.1) <= enough {
-                    return Taken::Whole;
+                    return taken;
+                }
+                // Written so that NaN ends it too.
+                if !(trial.1.total_violation() < CORRECTED * violation) {
+                    break;
                 }
             }
             delta *= 0.5;

@@ -187,14 +187,14 @@ impl Kkt {
         KktStep { delta, multipliers }
     }
 
-    /// The step with its second-order correction ([`System::correction`]).
-    pub fn correct(
+    /// The second-order correction of a step that led to `trial` ([`System::correction`]).
+    pub fn correction(
         &self,
         structure: &Structure,
         (system, trial): (&System, &System),
         delta: &DVector<f64>,
     ) -> DVector<f64> {
-        delta + system.correction(structure, trial, delta, &self.weights, &self.matrix)
+        system.correction(structure, trial, delta, &self.weights, &self.matrix)
     }
 
     /// The part of `xᵀ (H + Jᵀ W J) x` from damping and shifts.

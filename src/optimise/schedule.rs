@@ -276,6 +276,7 @@ fn conclude<P: Program>(
         system: descent.system,
         multipliers,
         work: descent.work,
+        damping: 0.0,
     };
     let mut stopped = false;
     let finished = finish.run(exact, &schedule.tolerances, &mut || {

@@ -48,7 +48,7 @@ pub fn add(
         matrix,
     };
     for (index, view) in problem.views() {
-        // The short form of the residuals is meant; others make do with Gauss and Newton's.
+        // The short form of the residuals is meant; that of others is in `general`.
         if !view.is_plain {
             continue;
         }
@@ -302,6 +302,7 @@ fn slopes_without_tempo(
 mod tests {
     use super::*;
     use crate::estimate::context::Guidance;
+    use crate::estimate::curvature::general;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 
@@ -309,10 +310,6 @@ mod tests {
     #[test]
     fn it_is_what_the_hessian_of_the_objective_lacks() {
         each_case(1.0, |context, _, point, _| {
-            // General arcs make do with Gauss and Newton's steps there.
-            if context.problem.views().any(|(_, view)| !view.is_plain) {
-                return;
-            }
             // The price of velocity gaps has its curvature elsewhere.
             if context.problem.velocity_gap_weight.is_some() {
                 return;
@@ -335,6 +332,7 @@ mod tests {
             let mut matrix = system.hessian.clone();
             let pulls = vec![0.0; system.row_count()];
             add(&context, &system, point, &pulls, &mut matrix);
+            general::add(&context, point, &mut matrix);
             let damping = context.damping();
             let cost = |delta: &DVector<f64>| {
                 let mut there = point.clone();

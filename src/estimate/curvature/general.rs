@@ -1,0 +1,175 @@
+//! The curvature of residuals that have no short form, `Σ_i r_i ∇²r_i` of the views whose residuals are
+//! [`Observer`]'s and of the pulls on states.
+//!
+//! It is the derivative of `Jᵀr` less `JᵀJ`, by central differences of the exact `Jᵀr`: where nothing but
+//! the constraints' curvature tells how a body turns, that of the residuals counts as much.
+
+use nalgebra::DMatrix;
+
+use super::nudged::Nudged;
+use crate::estimate::context::SolveContext;
+use crate::estimate::observed::{Observed, Observer};
+use crate::estimate::point::Point;
+use crate::estimate::problem::View;
+use crate::optimise::envelope::Envelope;
+use crate::physics::Dynamics;
+
+/// Step of a difference by the times of all samples \[s\].
+const TIME_STEP_S: f64 = 1e-6;
+
+/// Adds it.
+pub fn add(context: &SolveContext, point: &Point, matrix: &mut Envelope) {
+    let problem = context.problem;
+    let mut nudged = Nudged::new(context, point);
+    for (arc, view) in problem.views().filter(|(_, view)| !view.is_plain) {
+        let seen = General::new(context, arc, view);
+        // Where no body has such moments there is nothing to bend.
+        let _ = seen.add(point, &mut nudged, matrix);
+    }
+    for pull in problem.pulls.iter().chain(&problem.calm) {
+        let (_, by_state) = pull.term(&point.arcs[pull.arc]);
+        let own: Vec<usize> = context.layout.state(problem, pull.arc).collect();
+        let slopes = own.iter().map(|at| {
+            nudged.slope(*at, |point| {
+                let (residuals, by_state) = pull.term(&point.arcs[pull.arc]);
+                by_state.tr_mul(&residuals).as_slice().to_vec()
+            })
+        });
+        let slopes: Vec<Vec<f64>> = slopes.collect();
+        let slopes = DMatrix::from_fn(own.len(), own.len(), |i, j| slopes[j][i]);
+        let lacks = slopes - by_state.tr_mul(&by_state);
+        add_own(context, &own, &lacks, matrix);
+    }
+}
+
+/// A view with the unknowns that its samples depend on, but for their times.
+struct General<'a> {
+    context: &'a SolveContext<'a>,
+    arc: usize,
+    view: &'a View,
+    own: Vec<usize>,
+}
+
+impl<'a> General<'a> {
+    fn new(context: &'a SolveContext<'a>, arc: usize, view: &'a View) -> Self {
+        let (problem, layout) = (context.problem, context.layout);
+        let acting = problem.arcs[arc].acting.iter();
+        let acting = acting.map(|acting| layout.parameters[acting.parameter]);
+        Self {
+            context,
+            arc,
+            view,
+            own: layout.state(problem, arc).chain(acting).collect(),
+        }
+    }
+
+    /// Adds what the Hessian lacks; `None` where no body has such moments.
+    fn add(&self, point: &Point, nudged: &mut Nudged, matrix: &mut Envelope) -> Option<()> {
+        let layout = self.context.layout;
+        let here = self.observed(point, 0.0)?;
+        let samples = here.len();
+        let slopes = self.own.iter().map(|at| {
+            nudged.slope(*at, |point| match self.observed(point, 0.0) {
+                Some(there) => self.gradient(&there),
+                None => vec![0.0; self.own.len() + samples],
+            })
+        });
+        let slopes: Vec<Vec<f64>> = slopes.collect();
+        let squares = here.iter().map(|of| {
+            let columns: Vec<&[f64; 6]> = columns(of).collect();
+            DMatrix::from_fn(self.own.len(), self.own.len(), |i, j| {
+                dot(columns[i], columns[j])
+            })
+        });
+        let slope = DMatrix::from_fn(self.own.len(), self.own.len(), |i, j| slopes[j][i]);
+        let lacks = squares.fold(slope, |left, square| left - square);
+        add_own(self.context, &self.own, &lacks, matrix);
+
+        let [after, before] = [1.0, -1.0].map(|sign| self.observed(point, sign * TIME_STEP_S));
+        let (after, before) = (after?, before?);
+        for (index, sample) in self.view.samples.iter().enumerate() {
+            let of = &here[index];
+            let nodes = [
+                (sample.node, 1.0 - sample.share),
+                (sample.node + 1, sample.share),
+            ];
+            let nodes = nodes.into_iter().filter(|(_, share)| *share > 0.0);
+            let nodes: Vec<(usize, f64)> = nodes
+                .filter_map(|(node, share)| Some((layout.nodes[node]?, share)))
+                .collect();
+            let [later, earlier] =
+                [&after[index], &before[index]].map(|then| dot(&then.by_time, &then.residual));
+            let by_time = (later - earlier) / (2.0 * TIME_STEP_S) - dot(&of.by_time, &of.by_time);
+            for (at, share) in &nodes {
+                for ((other, column), slope) in self.own.iter().zip(columns(of)).zip(&slopes) {
+                    let lacks = slope[self.own.len() + index] - dot(column, &of.by_time);
+                    self.add_entry((*at, *other), share * lacks, matrix);
+                }
+                for (other, other_share) in nodes.iter().filter(|(other, _)| other <= at) {
+                    self.add_entry((*at, *other), share * other_share * by_time, matrix);
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn add_entry(&self, (i, j): (usize, usize), value: f64, matrix: &mut Envelope) {
+        let pattern = &self.context.layout.structure.pattern;
+        matrix.add(pattern, i.max(j), i.min(j), value);
+    }
+
+    /// Its samples at a point, with all times later; `None` where no body has such moments.
+    fn observed(&self, point: &Point, later_s: f64) -> Option<Vec<Observed>> {
+        let problem = self.context.problem;
+        let dynamics = problem.dynamics_at(&point.parameters)?;
+        let Dynamics::Free(body) = &dynamics[problem.arcs[self.arc].mechanism];
+        let gravity_m_s2 = problem.gravity(&point.parameters);
+        let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
+        let times_s: Vec<f64> = times_s.collect();
+        let mut observer = Observer::new(
+            problem,
+            (self.arc, self.view),
+            (body, &gravity_m_s2),
+            (&point.arcs[self.arc], self.context.epochs_s[self.arc]),
+            &point.parameters,
+        );
+        let samples = 0..self.view.samples.len();
+        Some(
+            samples
+                .map(|index| observer.observed(index, &times_s))
+                .collect(),
+        )
+    }
+
+    /// `Jᵀr` by its own unknowns, and sample by sample by the time.
+    fn gradient(&self, seen: &[Observed]) -> Vec<f64> {
+        let mut gradient = vec![0.0; self.own.len()];
+        for of in seen {
+            for (sum, column) in gradient.iter_mut().zip(columns(of)) {
+                *sum += dot(column, &of.residual);
+            }
+        }
+        gradient.extend(seen.iter().map(|of| dot(&of.by_time, &of.residual)));
+        gradient
+    }
+}
+
+/// Derivatives of a residual by the unknowns of its view.
+fn columns(of: &Observed) -> impl Iterator<Item = &[f64; 6]> {
+    of.by_state.iter().chain(&of.by_acting)
+}
+
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Adds the symmetric part of a matrix over some unknowns.
+fn add_own(context: &SolveContext, own: &[usize], lacks: &DMatrix<f64>, matrix: &mut Envelope) {
+    for (i, at) in own.iter().enumerate() {
+        for (j, other) in own[..=i].iter().enumerate() {
+            let value = 0.5 * (lacks[(i, j)] + lacks[(j, i)]);
+            let (row, column) = (*at.max(other), *at.min(other));
+            matrix.add(&context.layout.structure.pattern, row, column, value);
+        }
+    }
+}
