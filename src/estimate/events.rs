@@ -9,6 +9,8 @@
 //! here all do, after 12 and 14 (two of the eight-flip ones only since their arcs are fitted
 //! right).
 //!
+//! Waypoints, of which nothing in a stream tells, are looked for at any speed (`waypoint`).
+//!
 //! Slow bodies keep their marks. At eight times the usual distortion, where the fits themselves
 //! meet late or early, searching the times of all events lost one in ten (a cube's six bounces) and
 //! one in twelve (a pencil) of the optima found from marks.
@@ -19,6 +21,7 @@ use super::constraint::At;
 use super::context::SolveContext;
 use super::point::Point;
 use super::problem::{ArcSample, Problem};
+use super::waypoint;
 use crate::optimise::block::Block;
 
 /// Least angle that a fast body turns between samples \[rad\].
@@ -39,6 +42,9 @@ pub fn align(context: &SolveContext, point: &mut Point) {
             point.event_times_s[event] = nearest_s(context, point, event, (reach_s, steps as i32));
             context.problem.hold(point, Some(event));
         }
+    }
+    for of in &context.problem.waypoints {
+        waypoint::align(context, point, of);
     }
 }
 
