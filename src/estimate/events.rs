@@ -32,8 +32,9 @@ const REACH_SAMPLES: f64 = 2.0;
 const STEP_RAD: f64 = 0.25;
 
 /// Moves the times of events at which bodies turn fast to where the unchanged arcs of `point`
-/// violate the event's contacts, continuity of poses and goals the least.
-pub fn align(context: &SolveContext, point: &mut Point) {
+/// violate the event's contacts, continuity of poses and goals the least; and those of waypoints, unless
+/// they stay at their marks.
+pub fn align(context: &SolveContext, point: &mut Point, moves_waypoints: bool) {
     for event in 0..context.problem.event_is_free.len() {
         let (interval_s, turned_rad) = between_samples(context.problem, point, event);
         if context.problem.event_is_free[event] && turned_rad >= FAST_RAD {
@@ -43,7 +44,7 @@ pub fn align(context: &SolveContext, point: &mut Point) {
             context.problem.hold(point, Some(event));
         }
     }
-    for of in &context.problem.waypoints {
+    for of in context.problem.waypoints.iter().filter(|_| moves_waypoints) {
         waypoint::align(context, point, of);
     }
 }
@@ -164,7 +165,7 @@ mod tests {
         let layout = Layout::new(&problem);
         let mut point = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, epochs_s(&guess), &point);
-        align(&context, &mut point);
+        align(&context, &mut point, true);
         point.event_times_s[0]
     }
 

@@ -20,6 +20,9 @@ pub struct Recipe {
     pub event_sd_s: f64,
     /// Number of orientations of an arc that sweep and multiplier rounds use.
     pub orientations_per_arc: usize,
+    /// Whether waypoints begin where flights by themselves come nearest to their goals, and not at their
+    /// marks.
+    pub moves_waypoints: bool,
 }
 
 impl Default for Recipe {
@@ -28,6 +31,7 @@ impl Default for Recipe {
             schedule: Schedule::default(),
             event_sd_s: 0.002,
             orientations_per_arc: 16,
+            moves_waypoints: true,
         }
     }
 }
@@ -65,7 +69,9 @@ pub fn epochs_s(guess: &Guess) -> Vec<f64> {
     guess.arcs.iter().map(|arc| arc.epoch_s).collect()
 }
 
-/// Solves a problem from a guess.
+/// Solves a problem from a guess. Where it does not converge with waypoints moved to where flights by
+/// themselves come nearest to their goals, it may with waypoints at their marks: a flight that must change
+/// much need not pass there when it does now.
 pub fn solve(
     problem: &Problem,
     layout: &Layout,
@@ -73,8 +79,27 @@ pub fn solve(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let start = Point::new(problem, guess);
-    solve_from(problem, layout, (start, epochs_s(guess)), recipe, observer)
+    let start = || (Point::new(problem, guess), epochs_s(guess));
+    let solution = solve_from(problem, layout, start(), recipe, observer);
+    let is_moved = recipe.moves_waypoints
+        && !recipe.schedule.sweep_weights.is_empty()
+        && !problem.waypoints.is_empty();
+    if solution.finished.converged || solution.stopped || !is_moved {
+        return solution;
+    }
+    let recipe = Recipe {
+        moves_waypoints: false,
+        ..recipe.clone()
+    };
+    let mut again = solve_from(problem, layout, start(), &recipe, observer);
+    again.work.add(&solution.work);
+    if again.finished.converged {
+        return again;
+    }
+    Solution {
+        work: again.work,
+        ..solution
+    }
 }
 
 /// Solves a problem from a point with those epochs.
@@ -88,7 +113,7 @@ pub fn solve_from(
     let context = SolveContext::new(problem, layout, epochs_s, &start);
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
-        events::align(&context, &mut start);
+        events::align(&context, &mut start, recipe.moves_waypoints);
         hand_on(problem, &context.epochs_s, &mut start);
     }
     let lead = Lead::new(&context, &start, recipe);

@@ -76,7 +76,9 @@ pub(super) fn kept_within(
                 continue;
             };
             let is_beside = |other: &usize| {
-                let is_own = waypoints.iter().any(|of| of.event == *other && of.arc == arc);
+                let is_own = waypoints
+                    .iter()
+                    .any(|of| of.event == *other && of.arc == arc);
                 scene.concerns(*other, mechanism) || mechanism == own && is_own
             };
             let [first, last] = arcs[arc].ends().map_or([None; 2], |ends| ends.map(Some));
@@ -112,6 +114,22 @@ fn goal_links(goal: &Goal) -> impl Iterator<Item = crate::motion::LinkIndex> {
         _ => (Some(goal.link), None),
     };
     own.into_iter().chain(other)
+}
+
+/// The flights that pass an event as a waypoint, or that its goals are about: none of another event.
+pub(super) fn flights(problem: &Problem, event: usize) -> Vec<usize> {
+    let own = problem.waypoints.iter().find(|of| of.event == event);
+    let Some(own) = own else {
+        return Vec::new();
+    };
+    let goals = problem.goals.iter().filter(|of| of.event == event);
+    let conditions = problem.conditions.iter().filter(|of| of.event == event);
+    let others = conditions.flat_map(|of| of.arcs.iter().copied());
+    let mut all: Vec<usize> = goals.map(|of| of.arc).chain(others).collect();
+    all.push(own.arc);
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// Reach of the search on either side of a mark, in its standard deviations.
@@ -163,7 +181,11 @@ fn reach_s(problem: &Problem, point: &Point, waypoint: &Waypoint) -> [f64; 2] {
     for before in others.filter(|of| of.arc == waypoint.arc && of.event < waypoint.event) {
         from_s = from_s.max(point.event_times_s[before.event]);
     }
-    for bound in problem.time_bounds.iter().filter(|of| of.event == waypoint.event) {
+    for bound in problem
+        .time_bounds
+        .iter()
+        .filter(|of| of.event == waypoint.event)
+    {
         let bound_s = bound.time_s(problem, point);
         if bound.side != TimeSide::Latest {
             from_s = from_s.max(bound_s);
@@ -197,12 +219,13 @@ fn miss(context: &SolveContext, point: &Point, event: usize) -> f64 {
         }
         let both = [(patterns.0, &mut rows), (patterns.1, &mut priced)];
         constraint.fill(&mut at, both);
-        let square = |block: &Block| -> f64 {
-            let rows = 0..block.values.len();
-            rows.map(|row| block.violation(row).powi(2)).sum()
-        };
         // A wish weighs no more than what is hard.
-        sum += square(&rows) + constraint.price(problem, 1.0).min(1.0) * square(&priced);
+        let weight = constraint.price(problem, 1.0).min(1.0);
+        for (block, weight) in [(&rows, 1.0), (&priced, weight)] {
+            let each = 0..block.values.len();
+            let violations = each.map(|row| block.violation(row).powi(2));
+            sum += weight * violations.sum::<f64>();
+        }
     }
     if sum.is_nan() { f64::INFINITY } else { sum }
 }
