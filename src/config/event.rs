@@ -1,10 +1,9 @@
 //! Events.
 
-use std::ops::Range;
-
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::free_flight;
 use super::held::check_collision;
 use super::law::{self, BodyLaws, Laws};
 use super::number::{finite, index_of, name, positive, unique};
@@ -45,9 +44,13 @@ pub(super) fn events(
                     format!("event {name:?} is an end, expected it after every other event"),
                 );
             }
-            "start" => plain(event, EventKind::Start)?,
-            "end" => plain(event, EventKind::End)?,
-            "waypoint" => waypoint(event, scene)?,
+            "start" => free_flight::plain(event, EventKind::Start)?,
+            "end" => free_flight::plain(event, EventKind::End)?,
+            "waypoint" => {
+                let body = event.body.as_ref();
+                let body = body.map(|text| Ok((text, link_of(text, scene)?)));
+                free_flight::waypoint(event, body.transpose()?, scene)?
+            }
             "collision" => repeated(event, collision(spanned, scene, of_links, laws)?, &events)?,
             other => {
                 return fault(
@@ -154,69 +157,6 @@ fn repeated(event: &RawEvent, each: Collision, before: &[Event]) -> Result<Event
         );
     }
     Ok(EventKind::Collisions { each, least, most })
-}
-
-fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
-    if let Some(body) = &event.body {
-        return does_not_apply("body", body.span(), &kind);
-    }
-    without_contact(event, kind)
-}
-
-/// A moment of a flight of one body.
-fn waypoint(event: &RawEvent, scene: &Scene) -> Result<EventKind, Fault> {
-    if scene.timing == Timing::Edited {
-        return fault(
-            event.kind.span(),
-            "a waypoint is about where its mark is, and edited stamps have no marks, expected stamps \
-             \"physical\" or \"tempo\"",
-        );
-    }
-    let body = event.body.as_ref().ok_or_else(|| Fault {
-        span: event.kind.span(),
-        message: "missing key `body`: a waypoint is of the flight of one body".to_owned(),
-    })?;
-    let link = link_of(body, scene)?;
-    if scene.is_held(link) {
-        return fault(
-            body.span(),
-            format!(
-                "a waypoint of {:?}, which is held and goes where it was tracked, expected a body that flies",
-                scene.links[link].name
-            ),
-        );
-    }
-    without_contact(event, EventKind::Waypoint(link))
-}
-
-/// An event at which nothing touches.
-fn without_contact(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
-    for (key, span) in [
-        ("feature", event.feature.as_ref().map(Spanned::span)),
-        ("features", event.features.as_ref().map(Spanned::span)),
-        ("surface", event.surface.as_ref().map(Spanned::span)),
-        ("other", event.other.as_ref().map(Spanned::span)),
-        (
-            "other_feature",
-            event.other_feature.as_ref().map(Spanned::span),
-        ),
-        ("restitution", event.restitution.as_ref().map(Spanned::span)),
-        ("friction", event.friction.as_ref().map(Spanned::span)),
-        ("count", event.count.as_ref().map(Spanned::span)),
-    ] {
-        if let Some(span) = span {
-            return does_not_apply(key, span, &kind);
-        }
-    }
-    Ok(kind)
-}
-
-fn does_not_apply<T>(key: &str, span: Range<usize>, kind: &EventKind) -> Result<T, Fault> {
-    let kind = kind.as_str();
-    fault(
-        span,
-        format!("{key} does not apply to an event of kind {kind:?}"),
-    )
 }
 
 fn collision(

@@ -170,6 +170,7 @@ mod body;
 mod capture;
 mod error;
 mod event;
+mod free_flight;
 mod goal;
 mod held;
 mod keyframes;

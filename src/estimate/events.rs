@@ -9,8 +9,6 @@
 //! here all do, after 12 and 14 (two of the eight-flip ones only since their arcs are fitted
 //! right).
 //!
-//! Waypoints, of which nothing in a stream tells, are looked for at any speed (`waypoint`).
-//!
 //! Slow bodies keep their marks. At eight times the usual distortion, where the fits themselves
 //! meet late or early, searching the times of all events lost one in ten (a cube's six bounces) and
 //! one in twelve (a pencil) of the optima found from marks.
@@ -21,7 +19,6 @@ use super::constraint::At;
 use super::context::SolveContext;
 use super::point::Point;
 use super::problem::{ArcSample, Problem};
-use super::waypoint;
 use crate::optimise::block::Block;
 
 /// Least angle that a fast body turns between samples \[rad\].
@@ -32,9 +29,8 @@ const REACH_SAMPLES: f64 = 2.0;
 const STEP_RAD: f64 = 0.25;
 
 /// Moves the times of events at which bodies turn fast to where the unchanged arcs of `point`
-/// violate the event's contacts, continuity of poses and goals the least; and those of waypoints, unless
-/// they stay at their marks.
-pub fn align(context: &SolveContext, point: &mut Point, moves_waypoints: bool) {
+/// violate the event's contacts, continuity of poses and goals the least.
+pub fn align(context: &SolveContext, point: &mut Point) {
     for event in 0..context.problem.event_is_free.len() {
         let (interval_s, turned_rad) = between_samples(context.problem, point, event);
         if context.problem.event_is_free[event] && turned_rad >= FAST_RAD {
@@ -43,9 +39,6 @@ pub fn align(context: &SolveContext, point: &mut Point, moves_waypoints: bool) {
             point.event_times_s[event] = nearest_s(context, point, event, (reach_s, steps as i32));
             context.problem.hold(point, Some(event));
         }
-    }
-    for of in context.problem.waypoints.iter().filter(|_| moves_waypoints) {
-        waypoint::align(context, point, of);
     }
 }
 
@@ -165,7 +158,7 @@ mod tests {
         let layout = Layout::new(&problem);
         let mut point = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, epochs_s(&guess), &point);
-        align(&context, &mut point, true);
+        align(&context, &mut point);
         point.event_times_s[0]
     }
 

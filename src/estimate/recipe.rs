@@ -7,6 +7,7 @@ use super::hand_on::hand_on;
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
+use super::waypoint;
 use crate::motion::{Guess, Observer, Phase};
 use crate::optimise::{self, Program, Schedule, Stage, Watch};
 
@@ -113,7 +114,10 @@ pub fn solve_from(
     let context = SolveContext::new(problem, layout, epochs_s, &start);
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
-        events::align(&context, &mut start, recipe.moves_waypoints);
+        events::align(&context, &mut start);
+        if recipe.moves_waypoints {
+            waypoint::align(&context, &mut start);
+        }
         hand_on(problem, &context.epochs_s, &mut start);
     }
     let lead = Lead::new(&context, &start, recipe);

@@ -56,7 +56,13 @@ pub(super) fn kept_within(
                     ordered.push(Ordered { events });
                     return;
                 }
-                Some(other) => Some(sketch.marks_s[other]),
+                // Where times are unknown, an event beyond the nodes is at the last of them.
+                Some(other) => Some(match (scene.timing, nodes_acted_s) {
+                    (Timing::Unknown { .. }, [first_s, .., last_s]) => {
+                        sketch.marks_s[other].clamp(*first_s, *last_s)
+                    }
+                    _ => sketch.marks_s[other],
+                }),
                 None => sample.map(acted_s),
             };
             bounds.extend(at_s.map(|acted_s| TimeBound {
@@ -140,9 +146,15 @@ const STEP_RAD: f64 = 0.25;
 /// Greatest number of times that are tried.
 const STEPS_MAX: f64 = 2000.0;
 
-/// Moves a waypoint to where the unchanged arcs of `point` come nearest to its goals, near its mark.
+/// Moves waypoints to where the unchanged arcs of `point` come nearest to their goals, near their marks.
 /// From a mark that is off by a tenth of a second, a body that turns fast would be led to another turn.
-pub(super) fn align(context: &SolveContext, point: &mut Point, waypoint: &Waypoint) {
+pub(super) fn align(context: &SolveContext, point: &mut Point) {
+    for waypoint in &context.problem.waypoints {
+        align_one(context, point, waypoint);
+    }
+}
+
+fn align_one(context: &SolveContext, point: &mut Point, waypoint: &Waypoint) {
     let problem = context.problem;
     let event = waypoint.event;
     let [from_s, to_s] = reach_s(problem, point, waypoint);

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::estimate::arc_condition::ArcCondition;
-use crate::estimate::events;
 use crate::estimate::problem::{Arc, Ordered, TimeSide, Waypoint};
+use crate::estimate::waypoint;
 use crate::motion::{BodyPoint, Condition, GoalQuantity, GoalSet, Moment};
 
 const UNKNOWN: Timing = Timing::Unknown {
@@ -238,7 +238,7 @@ fn a_waypoint_begins_where_its_flight_comes_nearest() {
         let layout = Layout::new(&problem);
         let mut point = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &point);
-        events::align(&context, &mut point, true);
+        waypoint::align(&context, &mut point);
         point.event_times_s[FIRST]
     };
     let pose = GoalTarget::Pose {
