@@ -105,7 +105,9 @@ impl Pipeline {
             let stamp = match event.kind {
                 EventKind::Start => stamps().min(),
                 EventKind::End => stamps().max(),
-                EventKind::Collision(_) | EventKind::Collisions { .. } => None,
+                EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => {
+                    None
+                }
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
                 track: None,

@@ -162,7 +162,17 @@ fn every_example_of_the_page_is_met() {
             [1.0, 2.0, 0.0],
         ),
     ];
-    let truth = simulate(&scene, &[], &first, 0.45).unwrap();
+    // Nothing happens at the waypoint but that it is marked.
+    let way = scene
+        .events
+        .iter()
+        .position(|of| of.kind.waypoint().is_some());
+    let mut acted = scene.clone();
+    let way = acted.events.remove(way.expect("a waypoint"));
+    let truth = simulate(&acted, &[], &first, 0.45).unwrap();
+    let link = way.kind.waypoint().unwrap();
+    let (truth, _) = truth.with_waypoint(&way.name, link, 0.33);
+    assert_eq!(truth.scene, scene);
     let performance = perform(&truth, &Acting::timing_known(), 6000);
     let said = |scene_toml: &str| {
         let folder = TempDir::new().unwrap();

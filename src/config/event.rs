@@ -3,6 +3,7 @@
 use toml::Spanned;
 
 use super::error::{Fault, fault};
+use super::free_flight;
 use super::held::check_collision;
 use super::law::{self, BodyLaws, Laws};
 use super::number::{finite, index_of, name, positive, unique};
@@ -43,14 +44,19 @@ pub(super) fn events(
                     format!("event {name:?} is an end, expected it after every other event"),
                 );
             }
-            "start" => plain(event, EventKind::Start)?,
-            "end" => plain(event, EventKind::End)?,
+            "start" => free_flight::plain(event, EventKind::Start)?,
+            "end" => free_flight::plain(event, EventKind::End)?,
+            "waypoint" => {
+                let body = event.body.as_ref();
+                let body = body.map(|text| Ok((text, link_of(text, scene)?)));
+                free_flight::waypoint(event, body.transpose()?, scene)?
+            }
             "collision" => repeated(event, collision(spanned, scene, of_links, laws)?, &events)?,
             other => {
                 return fault(
                     event.kind.span(),
                     format!(
-                        "unknown kind of event {other:?}, expected one of start, collision, end"
+                        "unknown kind of event {other:?}, expected one of start, collision, waypoint, end"
                     ),
                 );
             }
@@ -151,34 +157,6 @@ fn repeated(event: &RawEvent, each: Collision, before: &[Event]) -> Result<Event
         );
     }
     Ok(EventKind::Collisions { each, least, most })
-}
-
-fn plain(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {
-    for (key, span) in [
-        ("body", event.body.as_ref().map(Spanned::span)),
-        ("feature", event.feature.as_ref().map(Spanned::span)),
-        ("features", event.features.as_ref().map(Spanned::span)),
-        ("surface", event.surface.as_ref().map(Spanned::span)),
-        ("other", event.other.as_ref().map(Spanned::span)),
-        (
-            "other_feature",
-            event.other_feature.as_ref().map(Spanned::span),
-        ),
-        ("restitution", event.restitution.as_ref().map(Spanned::span)),
-        ("friction", event.friction.as_ref().map(Spanned::span)),
-        ("count", event.count.as_ref().map(Spanned::span)),
-    ] {
-        if let Some(span) = span {
-            return fault(
-                span,
-                format!(
-                    "{key} does not apply to an event of kind {:?}",
-                    kind.as_str()
-                ),
-            );
-        }
-    }
-    Ok(kind)
 }
 
 fn collision(

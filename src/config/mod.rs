@@ -50,11 +50,18 @@
 //! # Times of events
 //!
 //! The time of an event is that of its mark, or it is estimated. `time = "fixed"` or `"free"` in an
-//! `[[event]]` says which; left out, collisions are free, a start is fixed, and an end is free only
+//! `[[event]]` says which; left out, collisions and waypoints are free, a start is fixed, and an end is free only
 //! where a goal holds there and the stamps are those of a tempo. The mark is a measurement of a free
 //! time: `time_sd_ms` is its standard deviation if it is another than `timing.mark_sd_ms`.
 //! `earliest_ms` and `latest_ms` are bounds that hold exactly, in acted time after the mark,
 //! negative before it. Each of the three makes the time free.
+//!
+//! # Waypoints
+//!
+//! `kind = "waypoint"` with a `body` is a moment of that body's flight at which nothing touches: goals
+//! hold there. It is marked as other events are, and comes in their order; the flight is not cut. Its time
+//! is estimated: it stays within the flight and, with others of that body, in order. Without goals it is
+//! where its mark is. See `docs/goals.md`.
 //!
 //! # Goals
 //!
@@ -152,8 +159,8 @@
 //! | `goal.sd_mm`, `goal.sd_deg`, `goal.sd_m_s`, `goal.sd_rad_s`, `goal.sd_ms` | hard |
 //! | `goal.since` | the first sample |
 //! | `goal.within_deg`, `goal.direction`, `goal.labels`, at rest | 10, against gravity, `"fixed"` |
-//! | `event.time` | `"free"` for collisions, and for an end with a goal where stamps are a tempo; else `"fixed"` |
-//! | `event.time_sd_ms` | `timing.mark_sd_ms` |
+//! | `event.time` | `"free"` for collisions and waypoints, and for an end with a goal where stamps are a tempo; else `"fixed"` |
+//! | `event.time_sd_ms` | `timing.mark_sd_ms`; of a waypoint 50 ms where that is not given |
 //! | `event.earliest_ms`, `event.latest_ms` | −∞, +∞ |
 //! | `body.force_m_s2`, `body.drag_linear_per_s`, `body.drag_quadratic_per_m` | none |
 //! | `free.initial…`, `free.lower…`, `free.upper…` | see above |
@@ -163,6 +170,7 @@ mod body;
 mod capture;
 mod error;
 mod event;
+mod free_flight;
 mod goal;
 mod held;
 mod keyframes;

@@ -14,6 +14,7 @@ mod goals;
 mod held;
 mod laws;
 mod refusals;
+mod waypoints;
 
 /// Uses every kind of table; line numbers matter to the tests below.
 const PENCIL: &str = r#"name = "pencil, tip first"

@@ -341,12 +341,14 @@ impl Part<'_> {
         for (event, is_free) in problem.event_is_free.iter_mut().enumerate() {
             let bounds_an_arc =
                 |arc: &super::problem::Arc| arc.start == Some(event) || arc.end == Some(event);
-            *is_free &= problem.arcs.iter().any(bounds_an_arc);
+            let is_waypoint = problem.waypoints.iter().any(|of| of.event == event);
+            *is_free &= is_waypoint || problem.arcs.iter().any(bounds_an_arc);
         }
         // A condition is bounded where all that it depends on is here; the others cost nothing.
         let is_here = |event: usize| {
             let mut arcs = problem.arcs.iter();
             arcs.any(|arc| arc.start == Some(event) || arc.end == Some(event))
+                || problem.waypoints.iter().any(|of| of.event == event)
         };
         let own_times = self.own_priors;
         let conditions = std::mem::take(&mut problem.conditions).into_iter();
@@ -355,6 +357,8 @@ impl Part<'_> {
             of.events().all(is_here) && (own_times || !is_of_times)
         });
         problem.conditions = kept.collect();
+        let goals = std::mem::take(&mut problem.goals).into_iter();
+        problem.goals = goals.filter(|of| is_here(of.event)).collect();
         if !self.own_priors {
             for free in &mut problem.parameters {
                 free.prior_sd = None;

@@ -1,7 +1,7 @@
 //! Order of the unknowns: along time, so that the normal matrix has a narrow envelope.
 //!
 //! Between two events come the sample times (where they are unknown), then the states of the
-//! arcs that end at the next event, those of held bodies at it, then that event's time; parameters, which everything may
+//! arcs that end at the next event, those of held bodies at it, the times of waypoints on these arcs, then that event's time; parameters, which everything may
 //! share, come last. Bodies that never meet are not coupled and come one after the other.
 
 use std::ops::Range;
@@ -48,6 +48,7 @@ impl Layout {
         let mut next_node = 1;
         let groups = groups(problem);
         let count = groups.iter().max().map_or(0, |last| last + 1);
+        let is_waypoint = |event: usize| problem.waypoints.iter().any(|of| of.event == event);
         // An event at which no flight ends belongs to the first group.
         let owner = |event: usize| {
             let mut ending = problem.arcs.iter().filter(|arc| arc.end == Some(event));
@@ -80,8 +81,17 @@ impl Layout {
                     *at = take(state::DIMENSION);
                 }
             }
+            // Waypoints come after their flight.
+            let passed = problem.waypoints.iter().filter(|of| {
+                let arc = &problem.arcs[of.arc];
+                arc.end == event && groups[arc.mechanism] == group
+            });
+            for waypoint in passed {
+                events[waypoint.event] = Some(take(1));
+            }
             if let Some(event) = event
                 && problem.event_is_free[event]
+                && !is_waypoint(event)
                 && group == owner(event)
             {
                 events[event] = Some(take(1));

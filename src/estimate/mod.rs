@@ -55,6 +55,7 @@ pub mod tempo;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod waypoint;
 mod whitened;
 
 pub use bound::{Bound, Part};

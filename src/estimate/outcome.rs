@@ -199,6 +199,16 @@ fn judge(
             return (Verdict::Failed, reversed);
         }
     }
+    let mut ordered = problem.ordered.iter().map(|of| of.events);
+    let interval_s = |[first, last]: [usize; 2]| events[last].time_s - events[first].time_s;
+    if let Some([first, last]) = ordered.find(|of| interval_s(*of) < -PHYSICAL_TIME_S) {
+        let reversed = End::EventsReversed {
+            first,
+            last,
+            interval_s: interval_s([first, last]),
+        };
+        return (Verdict::Failed, reversed);
+    }
     // A flight without an event at an end extends to its samples.
     if let Some(arc) = arcs.iter().find(|arc| arc.end_s < arc.start_s) {
         let reversed = End::FlightReversed {

@@ -9,6 +9,7 @@ use super::problem::{
     Problem, TimeBound, TimeSide,
 };
 use super::seen::views;
+use super::waypoint;
 use crate::motion::{
     Goal, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
@@ -79,11 +80,27 @@ impl Problem {
                 arc.acting.extend(gravity(&gravity_parameters));
             }
         }
-        // The time of a collision is an unknown even where it is fixed: by a bound.
+        let waypoints = waypoint::waypoints(scene, &arcs);
+        // The time of a collision or a waypoint is an unknown even where it is fixed: by a bound.
         let events = scene.events.iter().enumerate();
         let event_is_free: Vec<bool> = events
-            .map(|(event, e)| e.kind.collision().is_some() || scene.time_is_free(event))
+            .map(|(event, e)| match e.kind.waypoint() {
+                Some(_) => waypoints.iter().any(|waypoint| waypoint.event == event),
+                None => e.kind.collision().is_some() || scene.time_is_free(event),
+            })
             .collect();
+        let (mut ordered, mut time_bounds) = (
+            ordered(&arcs, &event_is_free),
+            time_bounds(scene, sketch, (&event_is_free, &nodes.acted_s)),
+        );
+        let within = waypoint::kept_within(
+            scene,
+            (sketch, &nodes.acted_s),
+            (&arcs, &waypoints),
+            &event_is_free,
+        );
+        ordered.extend(within.0);
+        time_bounds.extend(within.1);
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         let mut held = Vec::new();
         let hold = |event| {
@@ -116,8 +133,9 @@ impl Problem {
                 .collect(),
             roles,
             goals: goals(scene, &arcs),
-            ordered: ordered(&arcs, &event_is_free),
-            time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
+            ordered,
+            time_bounds,
+            waypoints,
             calm: calm::pulls(
                 &arcs,
                 [scene.weights.position_m, scene.weights.orientation_rad],
@@ -202,7 +220,11 @@ fn marks(
         .collect()
 }
 
-fn time_bounds(scene: &Scene, sketch: &Sketch, nodes_acted_s: &[f64]) -> Vec<TimeBound> {
+fn time_bounds(
+    scene: &Scene,
+    sketch: &Sketch,
+    (event_is_free, nodes_acted_s): (&[bool], &[f64]),
+) -> Vec<TimeBound> {
     let is_known = !matches!(scene.timing, Timing::Unknown { .. });
     let mut bounds = Vec::new();
     for (event, of) in scene.events.iter().enumerate() {
@@ -213,12 +235,15 @@ fn time_bounds(scene: &Scene, sketch: &Sketch, nodes_acted_s: &[f64]) -> Vec<Tim
                 (TimeSide::Earliest, earliest_s),
                 (TimeSide::Latest, latest_s),
             ]
-        } else if of.kind.collision().is_some() {
+        } else if of.kind.collision().is_some() || of.kind.waypoint().is_some() {
             vec![(TimeSide::Only, 0.0)]
         } else {
             Vec::new()
         };
-        let sides = sides.into_iter().filter(|(_, after_s)| after_s.is_finite());
+        // A waypoint is here only with its flight.
+        let is_here = of.kind.waypoint().is_none() || event_is_free[event];
+        let sides = sides.into_iter().filter(|_| is_here);
+        let sides = sides.filter(|(_, after_s)| after_s.is_finite());
         bounds.extend(sides.map(|(side, after_s)| {
             let acted_s = mark_s + after_s;
             let nodes = EventMark::nodes_about(nodes_acted_s, acted_s);

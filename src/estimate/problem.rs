@@ -314,11 +314,21 @@ pub struct Bounded {
     pub parameter: usize,
 }
 
-/// Two events in their order of time, of which no sample in between can tell.
+/// Two events in their order of time: of which no sample in between can tell, or a waypoint and what is
+/// next to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ordered {
     /// Indices into [`Problem::event_is_free`].
     pub events: [usize; 2],
+}
+
+/// A moment of a flight at which goals hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Waypoint {
+    /// Index into [`Problem::event_is_free`].
+    pub event: usize,
+    /// The flight (index into [`Problem::arcs`]).
+    pub arc: usize,
 }
 
 /// Everything the solver needs, and nothing else.
@@ -342,6 +352,8 @@ pub struct Problem {
     pub events_acted_s: Vec<f64>,
     /// Marks of the events whose time is an unknown.
     pub marks: Vec<EventMark>,
+    /// Waypoints, in the order of the events.
+    pub waypoints: Vec<Waypoint>,
     /// Collisions.
     pub collisions: Vec<ArcCollision>,
     /// Held bodies at their collisions.
@@ -350,7 +362,7 @@ pub struct Problem {
     pub goals: Vec<ArcGoal>,
     /// All other goals.
     pub conditions: Vec<ArcCondition>,
-    /// Events about flights that have few samples.
+    /// Events about flights that have few samples, and about waypoints.
     pub ordered: Vec<Ordered>,
     /// Bounds of events' times.
     pub time_bounds: Vec<TimeBound>,

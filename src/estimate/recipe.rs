@@ -7,6 +7,7 @@ use super::hand_on::hand_on;
 use super::layout::Layout;
 use super::point::Point;
 use super::problem::Problem;
+use super::waypoint;
 use crate::motion::{Guess, Observer, Phase};
 use crate::optimise::{self, Program, Schedule, Stage, Watch};
 
@@ -20,6 +21,9 @@ pub struct Recipe {
     pub event_sd_s: f64,
     /// Number of orientations of an arc that sweep and multiplier rounds use.
     pub orientations_per_arc: usize,
+    /// Whether waypoints begin where flights by themselves come nearest to their goals, and not at their
+    /// marks.
+    pub moves_waypoints: bool,
 }
 
 impl Default for Recipe {
@@ -28,6 +32,7 @@ impl Default for Recipe {
             schedule: Schedule::default(),
             event_sd_s: 0.002,
             orientations_per_arc: 16,
+            moves_waypoints: true,
         }
     }
 }
@@ -65,7 +70,9 @@ pub fn epochs_s(guess: &Guess) -> Vec<f64> {
     guess.arcs.iter().map(|arc| arc.epoch_s).collect()
 }
 
-/// Solves a problem from a guess.
+/// Solves a problem from a guess. Where it does not converge with waypoints moved to where flights by
+/// themselves come nearest to their goals, it may with waypoints at their marks: a flight that must change
+/// much need not pass there when it does now.
 pub fn solve(
     problem: &Problem,
     layout: &Layout,
@@ -73,8 +80,27 @@ pub fn solve(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let start = Point::new(problem, guess);
-    solve_from(problem, layout, (start, epochs_s(guess)), recipe, observer)
+    let start = || (Point::new(problem, guess), epochs_s(guess));
+    let solution = solve_from(problem, layout, start(), recipe, observer);
+    let is_moved = recipe.moves_waypoints
+        && !recipe.schedule.sweep_weights.is_empty()
+        && !problem.waypoints.is_empty();
+    if solution.finished.converged || solution.stopped || !is_moved {
+        return solution;
+    }
+    let recipe = Recipe {
+        moves_waypoints: false,
+        ..recipe.clone()
+    };
+    let mut again = solve_from(problem, layout, start(), &recipe, observer);
+    again.work.add(&solution.work);
+    if again.finished.converged {
+        return again;
+    }
+    Solution {
+        work: again.work,
+        ..solution
+    }
 }
 
 /// Solves a problem from a point with those epochs.
@@ -89,6 +115,9 @@ pub fn solve_from(
     // Without a sweep the start is near the optimum, with good event times.
     if !recipe.schedule.sweep_weights.is_empty() {
         events::align(&context, &mut start);
+        if recipe.moves_waypoints {
+            waypoint::align(&context, &mut start);
+        }
         hand_on(problem, &context.epochs_s, &mut start);
     }
     let lead = Lead::new(&context, &start, recipe);

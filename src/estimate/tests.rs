@@ -23,6 +23,7 @@ use crate::physics::{Body, Drag, Dynamics, Shape, State, contact, flow, impact};
 mod approach;
 pub(super) mod conditions;
 mod held;
+mod waypoints;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
@@ -590,33 +591,36 @@ fn the_hessian_is_exact_where_nothing_remains() {
 
 #[test]
 fn the_constraints_derivatives_are_exact_and_within_their_columns() {
-    each_case(1.0, |context, guidance, point, lengths| {
-        let size = context.layout.size();
-        let system = moved(context, guidance, point, lengths, &vec![0.0; size]);
-        let numeric = differentiate::jacobian(system.row_count(), size, |d| {
-            moved(context, guidance, point, lengths, d)
-                .values()
-                .collect()
-        });
-        let mut offset = 0;
-        for (block, pattern) in system.blocks.iter().zip(&context.layout.structure.blocks) {
-            let rows = block.values.len();
-            assert_eq!(rows, pattern.row_count());
-            for row in 0..rows {
-                let (unknowns, by) = (pattern.unknowns(row), block.derivatives(pattern, row));
-                for at in 0..size {
-                    let column = unknowns.iter().position(|unknown| *unknown == at);
-                    let expected = column.map_or(0.0, |column| by[column] * lengths[at]);
-                    let error = (numeric[offset + row][at] - expected).abs();
-                    assert!(
-                        error < 1e-6 * (1.0 + expected.abs()),
-                        "row {row}, unknown {at}"
-                    );
-                }
-            }
-            offset += rows;
-        }
+    each_case(1.0, assert_exact_rows);
+}
+
+/// The derivatives of all hard rows at a point against differences.
+fn assert_exact_rows(context: &SolveContext, guidance: &Guidance, point: &Point, lengths: &[f64]) {
+    let size = context.layout.size();
+    let system = moved(context, guidance, point, lengths, &vec![0.0; size]);
+    let numeric = differentiate::jacobian(system.row_count(), size, |d| {
+        moved(context, guidance, point, lengths, d)
+            .values()
+            .collect()
     });
+    let mut offset = 0;
+    for (block, pattern) in system.blocks.iter().zip(&context.layout.structure.blocks) {
+        let rows = block.values.len();
+        assert_eq!(rows, pattern.row_count());
+        for row in 0..rows {
+            let (unknowns, by) = (pattern.unknowns(row), block.derivatives(pattern, row));
+            for at in 0..size {
+                let column = unknowns.iter().position(|unknown| *unknown == at);
+                let expected = column.map_or(0.0, |column| by[column] * lengths[at]);
+                let error = (numeric[offset + row][at] - expected).abs();
+                assert!(
+                    error < 1e-6 * (1.0 + expected.abs()),
+                    "row {row}, unknown {at}"
+                );
+            }
+        }
+        offset += rows;
+    }
 }
 
 #[test]

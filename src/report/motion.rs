@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use super::reported::Reported;
 use super::samples::Ordered;
-use crate::motion::{AtBound, DurationEstimate, Estimate, LinkIndex, Scene, Undetermined};
+use crate::motion::{
+    AtBound, DurationEstimate, Estimate, EventKind, LinkIndex, Scene, Undetermined,
+};
 
 /// An event as estimated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -119,9 +121,12 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 },
                 time_at_bound: event.at_bound.map(AtBound::as_str),
                 acted_s: event.acted_s,
-                bodies: match of_scene.kind.collision() {
-                    Some(collision) => collision.links().map(name).collect(),
-                    None => scene.links.keys().map(name).collect(),
+                bodies: match &of_scene.kind {
+                    EventKind::Collision(collision) => collision.links().map(name).collect(),
+                    EventKind::Waypoint(link) => vec![name(*link)],
+                    EventKind::Start | EventKind::Collisions { .. } | EventKind::End => {
+                        scene.links.keys().map(name).collect()
+                    }
                 },
                 contact: scene.contact_words(event.event),
                 contact_inferred: of.inferred.contains(&event.event),

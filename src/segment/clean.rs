@@ -75,11 +75,10 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         merge(&mut counts, &dropped);
     }
     let mut sketch = sketch(scene, &streams, &stamps, &mut counts);
-    let sd_s = mark_sd_s(scene, &sketch.tracks);
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
         let is_own = !changed.iter().any(|events| events.contains(&event));
-        let sd_s = scene.events[event].time.mark_sd_s.unwrap_or(sd_s);
+        let sd_s = mark_sd_s(scene, &sketch.tracks, event);
         *mark = (is_own && sd_s > 0.0).then_some(MarkTime {
             acted_s: sketch.marks_s[event],
             sd_s,

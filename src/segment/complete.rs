@@ -20,7 +20,7 @@ pub(super) fn completed(
     error: SegmentError,
 ) -> Result<(Vec<Stamp>, MarkChanges), SegmentError> {
     let proposals = propose(scene, sketch, None);
-    let Some(places) = places(scene, sketch, &proposals) else {
+    let Some(places) = places(scene, sketch, (&proposals, marks)) else {
         return Err(error);
     };
     let is_clear = proposals.iter().all(|p| p.score >= CLEAR_SCORE);
@@ -53,8 +53,13 @@ pub(super) fn completed(
     }
 }
 
-/// The proposed places of the events; `None` unless every collision has one, in order.
-fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<Stamp>> {
+/// The proposed places of the events; `None` unless every collision has one, in order. Nothing in a
+/// stream shows where a waypoint is: its own mark alone tells, by name.
+fn places(
+    scene: &Scene,
+    sketch: &Sketch,
+    (proposals, marks): (&[Proposal], &[Mark]),
+) -> Option<Vec<Stamp>> {
     let stamps = || {
         sketch
             .tracks
@@ -69,6 +74,11 @@ fn places(scene: &Scene, sketch: &Sketch, proposals: &[Proposal]) -> Option<Vec<
             EventKind::Collision(_) | EventKind::Collisions { .. } => {
                 let proposal = proposals.iter().find(|p| p.event == Some(event))?;
                 Some(proposal.stamp(sketch))
+            }
+            EventKind::Waypoint(_) => {
+                let name = Some(&scene.events[event].name);
+                let mark = marks.iter().find(|mark| mark.event.as_ref() == name)?;
+                Some(mark.stamp)
             }
         })
         .collect();

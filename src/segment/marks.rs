@@ -1,10 +1,12 @@
 //! Assigns marks to the scene's events.
 
-use typed_index_collections::TiSlice;
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::cut::median_interval_s;
 use super::error::SegmentError;
-use crate::motion::{Collision, EventKind, Mark, Scene, Stamp, Timing, TrackIndex, TrackSketch};
+use crate::motion::{
+    Collision, EventKind, LinkIndex, Mark, Scene, Stamp, Timing, TrackIndex, TrackSketch,
+};
 
 /// First and last stamp of some samples.
 #[derive(Clone, Copy, Debug)]
@@ -20,15 +22,22 @@ const PEOPLE_SD_S: f64 = 0.05;
 /// its intervals.
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
 
-/// Standard deviation of a scene's marks, in acted time \[s\].
-pub(super) fn mark_sd_s(scene: &Scene, tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
+/// Standard deviation of the mark of an event, in acted time \[s\]. Nothing in a stream shows where a
+/// waypoint is: nobody annotates it better than while acting.
+pub(super) fn mark_sd_s(
+    scene: &Scene,
+    tracks: &TiSlice<TrackIndex, TrackSketch>,
+    event: usize,
+) -> f64 {
+    let of = &scene.events[event];
     let annotated_s = || {
         let intervals_s = tracks.iter().map(median_interval_s);
         ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
     };
-    scene.mark_sd_s.unwrap_or_else(|| match scene.timing {
-        Timing::Known | Timing::Edited => annotated_s(),
-        Timing::Unknown { .. } => PEOPLE_SD_S,
+    let given_s = of.time.mark_sd_s.or(scene.mark_sd_s);
+    given_s.unwrap_or_else(|| match scene.timing {
+        Timing::Known | Timing::Edited if of.kind.waypoint().is_none() => annotated_s(),
+        Timing::Known | Timing::Edited | Timing::Unknown { .. } => PEOPLE_SD_S,
     })
 }
 
@@ -140,6 +149,7 @@ pub(super) fn check_extents(
             EventKind::Collision(collision) => {
                 (shared(scene, extents, collision).unwrap_or(whole), 0)
             }
+            EventKind::Waypoint(link) => (seen(scene, extents, *link).unwrap_or(whole), 0),
             EventKind::Start | EventKind::Collisions { .. } | EventKind::End => (whole, slack_ns),
         };
         let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)
@@ -167,6 +177,13 @@ fn shared(
         first: a.first.max(b.first),
         last: a.last.min(b.last),
     })
+}
+
+/// The time in which some track of a link has samples.
+fn seen(scene: &Scene, extents: &TiSlice<TrackIndex, Extent>, link: LinkIndex) -> Option<Extent> {
+    let tracks = scene.tracks_of(scene.mechanism_of(link));
+    let extents: TiVec<TrackIndex, Extent> = tracks.map(|track| extents[track]).collect();
+    union(&extents)
 }
 
 /// From the first of the firsts to the last of the lasts.

@@ -56,6 +56,45 @@ impl Case {
         &self.performance.truth.scene
     }
 
+    /// Moves the mark of an event by an acted time \[s\], at most to a hundredth of a second from the mark
+    /// before it or after it, and not beyond the samples. For performances whose marks have names.
+    ///
+    /// # Panics
+    /// Where no mark has the name.
+    pub fn move_mark(&mut self, name: &str, by_s: f64) {
+        const APART_NS: i64 = 10_000_000;
+        let named = |event: &TakeEvent| match event {
+            TakeEvent::Mark(mark) => mark.event.as_deref() == Some(name),
+            TakeEvent::Pose { .. } => false,
+        };
+        let events = &mut self.performance.events;
+        let of = events.iter().position(named).expect("a mark of that name");
+        let stamp = |event: &TakeEvent| match event {
+            TakeEvent::Mark(mark) => mark.stamp.0,
+            TakeEvent::Pose { sample, .. } => sample.stamp.0,
+        };
+        let is_mark = |event: &&TakeEvent| matches!(event, TakeEvent::Mark(_));
+        let now_ns = stamp(&events[of]);
+        let marks = || events.iter().filter(is_mark).map(stamp);
+        // All bodies are seen there.
+        let seen = self.hidden_s.keys();
+        let mut extents: BTreeMap<TrackIndex, (i64, i64)> = BTreeMap::new();
+        for (track, stamp) in seen {
+            let extent = extents.entry(*track).or_insert((stamp.0, stamp.0));
+            *extent = (extent.0.min(stamp.0), extent.1.max(stamp.0));
+        }
+        let first = extents.values().map(|of| of.0).max();
+        let last = extents.values().map(|of| of.1).min();
+        let before = marks().filter(|at| *at < now_ns).max();
+        let after = marks().filter(|at| *at > now_ns).min();
+        let least = before.into_iter().chain(first).max().unwrap_or(now_ns) + APART_NS;
+        let most = after.into_iter().chain(last).min().unwrap_or(now_ns) - APART_NS;
+        let moved_ns = (now_ns + (1e9 * by_s) as i64).max(least).min(most);
+        if let TakeEvent::Mark(mark) = &mut events[of] {
+            mark.stamp = Stamp(moved_ns);
+        }
+    }
+
     /// The estimate, as the program makes it.
     pub fn estimated(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         estimated(self.scene(), &self.performance.events, observer)

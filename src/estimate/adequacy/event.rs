@@ -29,6 +29,7 @@ use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
 use crate::estimate::held;
+use crate::estimate::waypoint;
 use crate::math::span::Span;
 use crate::motion::{EventFit, Tested};
 use crate::physics::state::StateTangent;
@@ -60,8 +61,11 @@ pub(super) fn test(
     (event, multipliers): (usize, &[f64]),
 ) -> Option<EventTest> {
     let problem = context.problem;
+    let passing = waypoint::flights(problem, event);
     let beside = problem.arcs.iter().enumerate();
-    let beside = beside.filter(|(_, arc)| arc.start == Some(event) || arc.end == Some(event));
+    let beside = beside.filter(|(index, arc)| {
+        arc.start == Some(event) || arc.end == Some(event) || passing.contains(index)
+    });
     let arcs: Vec<usize> = beside.map(|(arc, _)| arc).collect();
     let rows = rows(context, alone, (event, multipliers));
     if arcs.is_empty() || rows.is_empty() {

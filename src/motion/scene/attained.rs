@@ -204,7 +204,23 @@ impl Scene {
             let ends = |arc: &&ArcEstimate| arc.end_s == time_s;
             let begins = |arc: &&ArcEstimate| arc.start_s == time_s;
             let spans = |arc: &&ArcEstimate| arc.start_s <= time_s && time_s <= arc.end_s;
+            // A waypoint is on the flight that its place among the events says, also at an end of it.
+            let through = || {
+                let before = (0..goal.event)
+                    .rev()
+                    .find(|other| self.concerns(*other, mechanism));
+                let mut arcs = arcs.clone();
+                match before {
+                    Some(event) => {
+                        let start_s = time_of(event)?;
+                        arcs.find(|arc| arc.start_s == start_s)
+                    }
+                    None => arcs.next(),
+                }
+            };
+            let is_waypoint = self.events[goal.event].kind.waypoint().is_some();
             let at_its_side = match condition.moment {
+                _ if is_waypoint => through(),
                 Moment::Before => arcs.clone().find(ends),
                 Moment::After => arcs.clone().find(begins),
             };

@@ -165,6 +165,11 @@ impl GoalQuantity {
         matches!(self.unit(), GoalUnit::Metre | GoalUnit::Radian)
     }
 
+    /// Whether it is a time, which is about no body.
+    pub fn is_time(&self) -> bool {
+        matches!(self, GoalQuantity::Time { .. })
+    }
+
     /// The body in whose axes it is seen, unless that is the world.
     pub fn seen_from(&self) -> Option<LinkIndex> {
         match self {

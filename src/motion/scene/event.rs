@@ -1,4 +1,4 @@
-//! What happens: starts, collisions, ends.
+//! What happens: starts, collisions, waypoints, ends.
 
 use crate::motion::index::{ContactLawIndex, LinkIndex};
 
@@ -70,6 +70,12 @@ pub enum EventKind {
         /// Greatest number.
         most: usize,
     },
+    /// A moment of a flight, which goes on unchanged: goals hold there. It costs one unknown, its time,
+    /// which stays within the flight.
+    ///
+    /// A flight has a closed form, or a flow that is exact to rounding, from any of its moments: to split
+    /// it there would add a state and as many rows that say it is the same one.
+    Waypoint(LinkIndex),
     /// The performance ends; samples after it are not used. Only as the last event.
     End,
 }
@@ -80,7 +86,16 @@ impl EventKind {
         match self {
             EventKind::Start => "start",
             EventKind::Collision(_) | EventKind::Collisions { .. } => "collision",
+            EventKind::Waypoint(_) => "waypoint",
             EventKind::End => "end",
+        }
+    }
+
+    /// What flies through it, if it is a waypoint.
+    pub fn waypoint(&self) -> Option<LinkIndex> {
+        match self {
+            EventKind::Waypoint(link) => Some(*link),
+            _ => None,
         }
     }
 
@@ -88,7 +103,10 @@ impl EventKind {
     pub fn collision(&self) -> Option<&Collision> {
         match self {
             EventKind::Collision(collision) => Some(collision),
-            EventKind::Start | EventKind::Collisions { .. } | EventKind::End => None,
+            EventKind::Start
+            | EventKind::Collisions { .. }
+            | EventKind::Waypoint(_)
+            | EventKind::End => None,
         }
     }
 }

@@ -234,7 +234,7 @@ impl Scene {
         self.events.iter().filter_map(|event| match &event.kind {
             EventKind::Collision(collision) => Some(collision),
             EventKind::Collisions { each, .. } => Some(each),
-            EventKind::Start | EventKind::End => None,
+            EventKind::Start | EventKind::Waypoint(_) | EventKind::End => None,
         })
     }
 

@@ -172,10 +172,12 @@ impl Scene {
     }
 
     /// Whether the event begins or ends a flight of the mechanism: its own collisions do, and the
-    /// performance's start and end.
+    /// performance's start and end. A waypoint is within one.
     pub fn concerns(&self, event: usize, mechanism: MechanismIndex) -> bool {
-        let collision = self.events[event].kind.collision();
-        collision.is_none_or(|collision| self.takes_part(mechanism, collision))
+        let kind = &self.events[event].kind;
+        let collision = kind.collision();
+        kind.waypoint().is_none()
+            && collision.is_none_or(|collision| self.takes_part(mechanism, collision))
     }
 
     /// The tracks that see what takes part in a collision and flies, those of what hits first.
@@ -190,13 +192,13 @@ impl Scene {
     }
 
     /// Whether the time of an event is estimated, unless it stays at its mark. Where the event does
-    /// not say, that of a collision is; that of an end where a goal holds there and the tempo is
+    /// not say, that of a collision or a waypoint is; that of an end where a goal holds there and the tempo is
     /// unknown; that of a start is not.
     pub fn time_is_free(&self, event: usize) -> bool {
         let of = &self.events[event];
         let has_goal = || self.goals.iter().any(|goal| goal.event == event);
         of.time.is_free.unwrap_or_else(|| match of.kind {
-            EventKind::Collision(_) | EventKind::Collisions { .. } => true,
+            EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => true,
             EventKind::Start => false,
             EventKind::End => matches!(self.timing, Timing::Unknown { .. }) && has_goal(),
         })

@@ -1,9 +1,12 @@
 //! Checks estimated events against the performer's marks.
 
-use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TimeMap, Timing};
+use crate::motion::{About, Doubt, Estimate, EventKind, Place, Scene, Sketch, TimeMap, Timing};
 
 /// Greatest time of an event after its mark, and before its mark, where times are physical \[s\].
 const KNOWN_S: [f64; 2] = [0.075, 0.075];
+/// Greatest time of a waypoint from its mark, in the mark's standard deviations: a waypoint is about
+/// there, and goals say where.
+const WAYPOINT_DEVIATIONS: f64 = 4.0;
 /// The same in acted time, where the tempo is unknown: reaction time makes marks late.
 const UNKNOWN_S: [f64; 2] = [0.12, 0.15];
 
@@ -13,7 +16,7 @@ pub(super) fn doubts(
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
 ) -> Vec<Doubt> {
-    let [later_s, earlier_s] = match scene.timing {
+    let beyond_s = match scene.timing {
         Timing::Edited => return Vec::new(),
         Timing::Known => KNOWN_S,
         Timing::Unknown { .. } => UNKNOWN_S,
@@ -25,6 +28,11 @@ pub(super) fn doubts(
     for event in &estimate.events {
         let Some(made_s) = marks_made_s[event.event] else {
             continue;
+        };
+        let mark = sketch.marks[event.event];
+        let [later_s, earlier_s] = match (&scene.events[event.event].kind, mark) {
+            (EventKind::Waypoint(_), Some(mark)) => [WAYPOINT_DEVIATIONS * mark.sd_s; 2],
+            _ => beyond_s,
         };
         let late_s = map.acted_s(event.time_s) - made_s;
         let place = Place::Event(event.event);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use enact::math::{Pose, so3};
 use enact::motion::{
-    ArcEstimate, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Moment, Scene,
+    ArcEstimate, Event, EventKind, Goal, GoalTarget, LinkIndex, MechanismIndex, Moment, Scene,
 };
 use enact::physics::{Body, State, flow};
 use nalgebra::Vector3;
@@ -108,6 +108,25 @@ impl Truth {
         self.state(link, time_s).world_from_body()
     }
 
+    /// The same motion with a waypoint of a link at a time: the event after the last that is not later.
+    /// Returns its index too.
+    pub fn with_waypoint(mut self, name: &str, link: LinkIndex, time_s: f64) -> (Self, usize) {
+        let events = self.scene.events.iter().zip(&self.event_times_s);
+        let earlier = events.filter(|(of, at_s)| of.kind != EventKind::End && **at_s <= time_s);
+        let at = earlier.count();
+        let place = |event: usize| event + usize::from(event >= at);
+        for goal in &mut self.scene.goals {
+            goal.place_events(place);
+        }
+        for free in &mut self.scene.parameters {
+            free.quantity = free.quantity.at_event(place);
+        }
+        let waypoint = Event::new(name, EventKind::Waypoint(link));
+        self.scene.events.insert(at, waypoint);
+        self.event_times_s.insert(at, time_s);
+        (self, at)
+    }
+
     /// The largest miss of a pose goal, metres and radians alike.
     pub fn goal_miss(&self) -> f64 {
         let miss = |goal: &Goal| match &goal.target {
@@ -170,6 +189,8 @@ pub fn simulate(
             EventKind::Start => 0.0,
             EventKind::End => duration_s,
             EventKind::Collisions { .. } => return Err(TruthError::Lacks { what: "a number" }),
+            // Nothing happens there: `with_waypoint` says when it is.
+            EventKind::Waypoint(_) => return Err(TruthError::Lacks { what: "a time" }),
             EventKind::Collision(_) => {
                 let encounter = Encounter::of(scene, parameters, event)
                     .ok_or(TruthError::Lacks { what: "a contact" })?;

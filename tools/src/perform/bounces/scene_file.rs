@@ -59,6 +59,9 @@ pub fn scene_toml(scene: &Scene) -> String {
             event.name,
             event.kind.as_str()
         );
+        if event.kind.waypoint().is_some() {
+            text += "body = \"cube\"\n";
+        }
         if let Some(collision) = event.kind.collision()
             && let Some(feature) = collision.contacts[0].feature
         {
