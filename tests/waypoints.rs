@@ -337,7 +337,7 @@ fn two_waypoints_of_one_flight_are_passed_in_order() {
             |pair| &pair.neighbour,
             position,
         );
-        assert_met(&all, 2, 3);
+        assert_met(&all, 2, 5);
     }
 }
 
