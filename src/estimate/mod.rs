@@ -8,6 +8,7 @@
 //!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
 //! - The way to the solution: [`events`] gives the first event times, `hand_on` the first states of
 //!   flights without samples, [`recipe`] the schedule.
+//! - Waypoints are moments of flights (`waypoint`): one unknown each, and no cut.
 //! - Bodies in the hand have no flights, but a state at each of their collisions ([`held`]).
 //! - Parameters beside gravity and laws have roles ([`influence`]); where one acts, residuals
 //!   (`observed`) and arrivals (`arrival`) take their general form.

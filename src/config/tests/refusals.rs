@@ -352,7 +352,7 @@ fn events_and_goals_refer_to_what_exists() {
             "kind = \"split\"",
             30,
             "\"split\"",
-            "expected one of start, collision, end",
+            "expected one of start, collision, waypoint, end",
         ),
         (
             "kind = \"start\"",
