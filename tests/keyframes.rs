@@ -98,3 +98,34 @@ fn of_too_few_poses_what_is_open_is_said() {
     };
     assert!(undetermined.iter().any(is_of_motion), "{undetermined:?}");
 }
+
+/// Rough keyframes of a small die leave room for motions far from the one that was meant: none that is
+/// far off is called physical without a word of what is open.
+#[test]
+fn of_rough_poses_no_other_motion_is_called_physical_without_a_word() {
+    let rough = |per_flight| Keyframing {
+        per_flight,
+        position_sd_m: 0.01,
+        orientation_sd_rad: 5_f64.to_radians(),
+    };
+    let mut found = [0; 2];
+    for seed in 8000..8012 {
+        let truth = truth(Keyframed::Die(3), Timing::Edited, seed);
+        let events = rough(3).of(&truth, seed);
+        let pipeline = Pipeline::of(truth.scene.clone(), events.clone());
+        let Ok(Outcome { estimate, .. }) = pipeline.finish(&mut ()) else {
+            continue;
+        };
+        let is_said = !estimate.undetermined.is_empty();
+        if estimate.verdict != Verdict::Physical || is_said {
+            let about = |about: About| estimate.doubts.iter().any(|doubt| doubt.about == about);
+            found[0] += usize::from(about(About::Keyframes));
+            continue;
+        }
+        found[1] += 1;
+        let off = Off::of(&truth, &events, &estimate);
+        assert!(off.position_m < 0.05, "{seed}: {off:?}");
+    }
+    let [misfits, physical] = found;
+    assert!(misfits >= 2 && physical >= 3, "{found:?}");
+}

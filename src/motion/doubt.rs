@@ -62,6 +62,9 @@ pub enum About {
     /// Root mean square residual of the whole motion, in units of the scene's weights; beyond its
     /// bound several motions may fit.
     Ambiguity,
+    /// Root mean square residual of keyframes, in units of the scene's weights; so few poses cannot
+    /// tell a rough one from a wrong motion.
+    Keyframes,
     /// Number of other motions that are as near to the keyframes.
     Rivals,
     /// Angle of a body's axis from where it should point at rest.
@@ -92,6 +95,7 @@ impl About {
             About::Outside => "outside",
             About::AtBound => "at_bound",
             About::Ambiguity => "ambiguity",
+            About::Keyframes => "keyframes",
             About::Rivals => "rivals",
             About::Rest => "rest",
         }
@@ -116,6 +120,7 @@ impl About {
             | About::GravitySpread
             | About::AtBound
             | About::Ambiguity
+            | About::Keyframes
             | About::Rivals => "",
         }
     }
@@ -137,6 +142,7 @@ impl About {
             | About::BeforeMark
             | About::Gravity
             | About::GravitySpread
+            | About::Keyframes
             | About::Rivals => Verdict::Plausible,
             About::Speed
             | About::Spin

@@ -146,6 +146,11 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "the samples are {value:.1} times the scene's weights away on the whole: beyond {bound:.0} \
              another motion may fit better"
         ),
+        About::Keyframes => format!(
+            "the keyframes are {value:.1} times the scene's weights away, expected at most {bound:.1}: \
+             so few poses do not tell whether they are rough or the motion is another; more keyframes \
+             do, or weights as large as their errors"
+        ),
         About::Rivals => {
             let others = match value as usize {
                 1 => "another motion is".to_owned(),

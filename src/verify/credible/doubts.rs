@@ -17,7 +17,7 @@ pub fn doubts(
 ) -> Vec<Doubt> {
     let flights = flights(scene, sketch, estimate);
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
-    doubts.extend(fit::doubts(scene, estimate, &flights));
+    doubts.extend(fit::doubts((scene, sketch), estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(outside::doubts(scene, &flights));
     doubts.extend(parameters::doubts(given, estimate));

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use super::alone::Alone;
 use super::flights::Flight;
 use super::kink::kinks;
-use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Timing};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Sketch, Timing};
 
 /// Greatest residual of a flight, in weights.
 const RESIDUAL: f64 = 30.0;
@@ -16,6 +16,8 @@ const ORIENTATION_RAD: f64 = FRAC_PI_2;
 const ALONE: f64 = 8.0;
 /// Greatest residual of the whole motion, in weights: beyond it, several motions fit.
 const AMBIGUITY: f64 = 8.0;
+/// Greatest residual of all keyframes, in weights.
+const KEYFRAMES: f64 = 2.2;
 /// Greatest ratio of the joint residual to that of flights alone, where the residuals of these are
 /// white noise and where they are a hand's wander.
 const MISFIT: [f64; 2] = [1.5, 12.0];
@@ -41,7 +43,11 @@ const NOTHING_M: f64 = 1e-4;
 /// Gravity below this has no checked direction [m/s²].
 const WEIGHTLESS_M_S2: f64 = 0.1;
 
-pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
+pub(super) fn doubts(
+    (scene, sketch): (&Scene, &Sketch),
+    estimate: &Estimate,
+    flights: &[Flight],
+) -> Vec<Doubt> {
     let in_weights = |residual: &SegmentResidual| {
         let position = residual.position_rms_m.unwrap_or(0.0) / scene.weights.position_m;
         let turn = residual.orientation_rms_rad.unwrap_or(0.0);
@@ -75,6 +81,10 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
         whole,
         AMBIGUITY,
     ));
+    if scene.is_keyframed(sketch) {
+        let about = About::Keyframes;
+        doubts.extend(Doubt::beyond(about, Place::Motion, whole, KEYFRAMES));
+    }
     let alone = Alone::new(scene, estimate, flights);
     if alone.samples > 0.0 {
         let rms_m = (alone.alone_m2 / alone.samples).sqrt();
