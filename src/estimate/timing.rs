@@ -20,7 +20,7 @@ use nalgebra::DVector;
 use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
 use super::point::Point;
-use super::problem::{Arc, Problem};
+use super::problem::{Arc, ArcSample, Problem};
 use crate::optimise::System;
 use crate::optimise::kkt::DAMPING;
 
@@ -121,14 +121,17 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
         let time_s = event_time_s(problem, point, event);
         (time_s, event_moment(context, point, event))
     };
-    let at_node = |node: usize| {
-        let moment = layout.nodes[node].map(|at| (at, 1.0));
-        (point.node_times_s[node], moment.into_iter().collect())
+    let at_sample = |sample: &ArcSample| {
+        let node = layout.nodes[sample.node];
+        let open = sample.open.map(|parameter| layout.parameters[parameter]);
+        let moment = [node, open].into_iter().flatten().map(|at| (at, 1.0));
+        let time_s = sample.stamped_s(&point.node_times_s, &point.parameters);
+        (time_s, moment.collect())
     };
     let ends = problem.arcs.iter().map(|arc| {
         // Only a flight that an impact begins may have no samples.
         let [first, last] = match arc.ends() {
-            Some(ends) => ends.map(|sample| Some(at_node(sample.node))),
+            Some(ends) => ends.map(|sample| Some(at_sample(sample))),
             None => [None, None],
         };
         let start: Option<(f64, Moment)> = arc.start.map(at_event).or(first);

@@ -161,7 +161,10 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         });
     }
     for stream in &mut streams {
-        drop_outliers(stream, &mut counts);
+        // Without its times a path says nothing of jumps.
+        if stream.iter().all(|reading| reading.open.is_none()) {
+            drop_outliers(stream, &mut counts);
+        }
     }
     Ok(Usable {
         streams,
@@ -411,6 +414,7 @@ fn sketch(
             .count();
         counts.used += stream.len();
         let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
+        let mut open_times_s = BTreeMap::new();
         let mut last: Option<UnitQuaternion<f64>> = None;
         for reading in stream {
             let holds_orientation = matches!(reading.holds, Holds::Pose | Holds::Orientation);
@@ -424,6 +428,9 @@ fn sketch(
                 }
                 last = Some(*orientation);
             }
+            if let Some(open) = reading.open {
+                open_times_s.insert(samples.len(), open.range_s());
+            }
             samples.push(Sample {
                 stamp: reading.stamp,
                 acted_s: reading.stamp.seconds_since(origin),
@@ -434,6 +441,7 @@ fn sketch(
         tracks.push(TrackSketch {
             samples,
             covariances,
+            open_times_s,
             held: None,
         });
     }

@@ -29,22 +29,32 @@ pub(super) struct Key {
     pub(super) orientation: UnitQuaternion<f64>,
 }
 
-/// The keyframes of a flight that one track sees whole; `None` where several see it, or parts.
+/// The keyframes of a flight that are whole poses at known times, where there are two; otherwise all
+/// whole poses, at the times that their places among others suggest. `None` where several tracks see
+/// the flight.
 pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
     let [view] = segment.views.as_slice() else {
         return None;
     };
-    let samples = sketch.samples_of(view).iter();
-    let keys = samples.map(|sample| match sample.seen {
+    let samples = sketch.samples_of(view).iter().zip(view.samples.clone());
+    let whole = samples.filter_map(|(sample, index)| match sample.seen {
         Seen::Pose {
             position_m,
             orientation,
-        } => Some(Key {
-            acted_s: sample.acted_s,
-            position_m,
-            orientation,
-        }),
+        } => Some((
+            Key {
+                acted_s: sample.acted_s,
+                position_m,
+                orientation,
+            },
+            sketch.tracks[view.track].open_times_s.contains_key(&index),
+        )),
         _ => None,
     });
-    keys.collect()
+    let whole: Vec<(Key, bool)> = whole.collect();
+    let is_told = whole.iter().filter(|(_, is_open)| !is_open).count() > 1;
+    let keys = whole
+        .into_iter()
+        .filter(|(_, is_open)| !(is_told && *is_open));
+    Some(keys.map(|(key, _)| key).collect())
 }
