@@ -122,7 +122,10 @@ impl Problem {
             roles,
             goals: goals(scene, &arcs),
             ordered: ordered(&arcs, &event_is_free),
-            sample_orders: sample_order::of_arcs(&arcs),
+            sample_orders: sample_order::of_arcs(&arcs, |event| {
+                event_is_free[event] || scene.timing != Timing::Edited
+            }),
+            ends_are_samples: scene.timing == Timing::Edited,
             time_bounds: time_bounds(scene, sketch, &nodes.acted_s),
             calm: calm::pulls(
                 &arcs,

@@ -373,6 +373,8 @@ pub struct Problem {
     pub event_is_free: Vec<bool>,
     /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
+    /// Whether start and end are where the first and the last sample are, as in an edited sketch.
+    pub ends_are_samples: bool,
     /// Marks of the events whose time is an unknown.
     pub marks: Vec<EventMark>,
     /// Collisions.

@@ -8,8 +8,9 @@ use std::collections::BTreeSet;
 use super::problem::{Arc, ArcSample, Beside, SampleOrder};
 use crate::motion::TrackIndex;
 
-/// The orders of the samples of all arcs.
-pub(super) fn of_arcs(arcs: &[Arc]) -> Vec<SampleOrder> {
+/// The orders of the samples of all arcs; `bounds` says whether an event has a time apart from those of
+/// the samples.
+pub(super) fn of_arcs(arcs: &[Arc], bounds: impl Fn(usize) -> bool) -> Vec<SampleOrder> {
     let mut orders = Vec::new();
     for (index, arc) in arcs.iter().enumerate() {
         let tracks: BTreeSet<TrackIndex> = arc.views.iter().map(|view| view.track).collect();
@@ -27,6 +28,7 @@ pub(super) fn of_arcs(arcs: &[Arc]) -> Vec<SampleOrder> {
             };
             if let (Some(first), Some(event)) = (samples.first(), arc.start)
                 && first.open.is_some()
+                && bounds(event)
             {
                 add(first, Beside::Begin(event));
             }
@@ -37,6 +39,7 @@ pub(super) fn of_arcs(arcs: &[Arc]) -> Vec<SampleOrder> {
             }
             if let (Some(last), Some(event)) = (samples.last(), arc.end)
                 && last.open.is_some()
+                && bounds(event)
             {
                 add(last, Beside::End(event));
             }

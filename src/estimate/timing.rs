@@ -35,10 +35,24 @@ pub(super) fn clock_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usi
     arc.clock.filter(|_| !problem.event_is_free[event])
 }
 
+/// In an edited sketch start and end are at the first and the last sample: the parameter that holds
+/// the time of that sample, where it is not known.
+fn open_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usize> {
+    if problem.event_is_free[event] || !problem.ends_are_samples {
+        return None;
+    }
+    let [first, last] = arc.ends()?;
+    let sample = if arc.end == Some(event) { last } else { first };
+    sample.open
+}
+
 /// Physical time of an event at an arc \[s\], where sample times are known.
 pub(super) fn time_at_s(problem: &Problem, point: &Point, arc: &Arc, event: usize) -> f64 {
-    let clock = clock_at(problem, arc, event);
-    point.event_times_s[event] + clock.map_or(0.0, |clock| point.parameters[clock])
+    let added = [clock_at(problem, arc, event), open_at(problem, arc, event)];
+    let added_s = added.into_iter().flatten();
+    added_s.fold(point.event_times_s[event], |time_s, parameter| {
+        time_s + point.parameters[parameter]
+    })
 }
 
 /// The arc at whose end an event is, of several the last.
@@ -92,10 +106,18 @@ pub(super) fn event_moment(context: &SolveContext, point: &Point, event: usize) 
     if let Some(at) = context.layout.events[event] {
         return vec![(at, 1.0)];
     }
-    if let Some(arc) = ended_by(context.problem, point, event)
-        && let Some(clock) = clock_at(context.problem, arc, event)
-    {
-        return vec![(context.layout.parameters[clock], 1.0)];
+    if let Some(arc) = ended_by(context.problem, point, event) {
+        let added = [
+            clock_at(context.problem, arc, event),
+            open_at(context.problem, arc, event),
+        ];
+        let added = added.into_iter().flatten();
+        let moment: Moment = added
+            .map(|parameter| (context.layout.parameters[parameter], 1.0))
+            .collect();
+        if !moment.is_empty() {
+            return moment;
+        }
     }
     let (node, share) = place(context.problem, event);
     let part = |node: usize, share: f64| {

@@ -2,6 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::initialise::ballistic::Place;
+use crate::initialise::turn::OrientationReading;
 use crate::motion::{MechanismIndex, Scene, Seen, Segment, Sketch};
 use crate::physics::State;
 
@@ -57,4 +59,31 @@ pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
         .into_iter()
         .filter(|(_, is_open)| !(is_told && *is_open));
     Some(keys.map(|(key, _)| key).collect())
+}
+
+/// Places and orientations at known times that a flight's other samples show alone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parts {
+    /// Centres of mass.
+    pub(super) places: Vec<Place>,
+    /// Orientations.
+    pub(super) turns: Vec<OrientationReading>,
+}
+
+/// What is seen of a flight in parts. A point off the centre of mass is left to the estimation.
+pub(super) fn parts(scene: &Scene, sketch: &Sketch, segment: &Segment) -> Parts {
+    let mut parts = Parts::default();
+    for view in &segment.views {
+        let is_centre = scene.tracks[view.track].point_m() == Vector3::zeros();
+        let open = &sketch.tracks[view.track].open_times_s;
+        let samples = sketch.samples_of(view).iter().zip(view.samples.clone());
+        for (sample, _) in samples.filter(|(_, index)| !open.contains_key(index)) {
+            match sample.seen {
+                Seen::Point(place_m) if is_centre => parts.places.push((sample.acted_s, place_m)),
+                Seen::Orientation(turn) => parts.turns.push((sample.acted_s, turn)),
+                _ => {}
+            }
+        }
+    }
+    parts
 }
