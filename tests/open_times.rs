@@ -1,6 +1,6 @@
 //! Sketches of keyframes whose times are known, known within an interval, or unknown.
 
-use enact::motion::{AtBound, Holds, OpenTime, PoseSample, Stamp, TakeEvent, Timing, Verdict};
+use enact::motion::{AtBound, OpenTime, PoseSample, Stamp, TakeEvent, Timing, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use enact_tools::perform::{Keyframed, Keyframing, Off, Style, Truth};
 use rand::{RngExt, SeedableRng};
@@ -177,38 +177,4 @@ fn an_interval_without_the_truth_is_left_at_its_end_and_that_is_said() {
     assert_eq!(time.at_bound, Some(AtBound::Lower), "{time:?}");
     assert!((time.value + 1e-3).abs() < 1e-9, "{time:?}");
     assert!(time.name.ends_with(".keyframe.2.time"), "{time:?}");
-}
-
-#[test]
-fn places_alone_and_orientations_alone_count_among_whole_poses() {
-    for (subject, timing) in each() {
-        for seed in SEEDS {
-            let truth = truth(subject, timing, seed);
-            let mut of = told(&truth, 6, seed, |_| Told::Known);
-            let poses = of.events.iter_mut().filter_map(|event| match event {
-                TakeEvent::Pose { sample, .. } => Some(sample),
-                TakeEvent::Mark(_) => None,
-            });
-            // What is not held is anything.
-            for (number, sample) in poses.enumerate() {
-                match number % 3 {
-                    1 => {
-                        sample.holds = Holds::Position;
-                        sample.quaternion_xyzw = [0.0, 0.6, 0.8, 0.0];
-                    }
-                    2 => {
-                        sample.holds = Holds::Orientation;
-                        sample.position_m *= 2.0;
-                    }
-                    _ => {}
-                }
-            }
-            let (outcome, off) = finished(&truth, &of.events);
-            let what = format!("{timing:?} {subject:?} {seed}: {off:?}");
-            assert!(off.greatest() < EXACT, "{what}");
-            assert_eq!(outcome.estimate.verdict, Verdict::Physical, "{what}");
-            let seen: usize = outcome.estimate.residuals.iter().map(|r| r.samples).sum();
-            assert_eq!(seen, of.truth.len(), "{what}");
-        }
-    }
 }

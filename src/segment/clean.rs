@@ -161,8 +161,11 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         });
     }
     for stream in &mut streams {
-        // Without its times a path says nothing of jumps.
-        if stream.iter().all(|reading| reading.open.is_none()) {
+        // Where times are not known, or readings show different parts, a path says nothing of jumps.
+        let is_path = stream
+            .iter()
+            .all(|reading| reading.open.is_none() && reading.holds == stream[0].holds);
+        if is_path {
             drop_outliers(stream, &mut counts);
         }
     }
