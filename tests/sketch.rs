@@ -61,9 +61,9 @@ fn the_pages_commands_do_what_it_says() {
             commands += 1;
         }
     }
-    assert_eq!(commands, 7);
+    assert_eq!(commands, 9);
     // Both are the motion of which the keyframes are.
-    for recording in ["ball.mcap", "flights.mcap"] {
+    for recording in ["ball.mcap", "flights.mcap", "loose.mcap"] {
         let arguments = ["replay", recording, "--format", "ndjson"];
         let output = enact(folder.path(), &arguments);
         let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -337,7 +337,8 @@ fn mistakes_are_answered_with_place_and_expectation() {
 fn the_program_refuses_with_a_code_and_leaves_no_file() {
     let folder = page_folder();
     fs::write(folder.path().join("bad.csv"), "t,x,y,z\n0,0,0,high\n").unwrap();
-    fs::write(folder.path().join("open.csv"), "t,x,y,z\n0,0,0,1\n,0,0,1\n").unwrap();
+    fs::write(folder.path().join("open.csv"), ONE_SD).unwrap();
+    fs::write(folder.path().join("aside.csv"), ASIDE).unwrap();
     let refused = |arguments: &[&str], code: i32, part: &str| {
         let output = enact(folder.path(), arguments);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -359,13 +360,58 @@ fn the_program_refuses_with_a_code_and_leaves_no_file() {
         2,
         "per-flight",
     );
+    // On which side of the bounce is the second?
+    refused(
+        &["sketch", "aside.csv", "--scene", "scene.toml"],
+        1,
+        "keyframe 2 of body \"ball\" may be before event \"bounce\" or after it",
+    );
+    assert!(!folder.path().join("aside.mcap").exists());
     // What cannot be estimated is written, said, and refused by `replay`.
     let open = ["sketch", "open.csv", "--scene", "scene.toml"];
     let output = enact(folder.path(), &open);
     assert!(output.status.success());
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.contains("`replay` refuses the recording"), "{said}");
-    refused(&["replay", "open.mcap"], 1, "keyframe 1 has no orientation");
+    refused(&["replay", "open.mcap"], 1, "keyframe 2 has one standard");
+}
+
+const ONE_SD: &str = "t,x,y,z,qw,qx,qy,qz,position_sd_mm
+0,0,0,1,1,0,0,0,
+0.2,0,0,0.8,1,0,0,0,5
+";
+
+const ASIDE: &str = "event,t,x,y,z
+,0,0,0,1
+,,0,0,0.5
+,0.9,0,0,0.6
+bounce,0.44,,,
+";
+
+/// A ball that does not turn: when it had its orientation nothing tells.
+const UNTURNED: &str = "event,t_ms,x_mm,y_mm,z_mm,qw,qx,qy,qz
+,0,0,0,1000,1,0,0,0
+,,,,,1,0,0,0
+,200,100,0,803.867,1,0,0,0
+bounce,440,,,,,,,
+,600,300,0,476.680890,1,0,0,0
+,800,400,0,657.709187,1,0,0,0
+";
+
+#[test]
+fn a_time_that_nothing_tells_is_named() {
+    let folder = page_folder();
+    fs::write(folder.path().join("unturned.csv"), UNTURNED).unwrap();
+    let arguments = ["sketch", "unturned.csv", "--scene", "scene.toml"];
+    let output = enact(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let output = enact(
+        folder.path(),
+        &["replay", "unturned.mcap", "--format", "ndjson"],
+    );
+    let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let open = line["undetermined"].to_string();
+    assert!(open.contains("ball.keyframe.2.time"), "{line}");
 }
 
 fn number() -> impl Strategy<Value = f64> {

@@ -49,7 +49,7 @@ pub fn sketch_from_csv(text: &str, scene: &Scene) -> Result<Vec<SketchRow>, Scen
     rows.map_err(|fault| SceneError::from_fault(text, fault))
 }
 
-/// The rows of a TOML file: its `[[keyframe]]`, then its `[[mark]]`.
+/// The rows of a TOML file: its `[[keyframe]]` and `[[mark]]`, as they are written.
 pub fn sketch_from_toml(text: &str, scene: &Scene) -> Result<Vec<SketchRow>, SceneError> {
     let rows = tables::rows(text)?;
     checked(rows, scene).map_err(|fault| SceneError::from_fault(text, fault))

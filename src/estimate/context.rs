@@ -112,6 +112,7 @@ mod tests {
             orientation: UnitQuaternion::identity(),
             node: 3 + index / per_node,
             share: (index % per_node) as f64 / per_node as f64,
+            open: None,
         };
         View {
             track: TrackIndex(0),

@@ -50,7 +50,8 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
     beside.fold(
         (0.0, 0.0),
         |(longest_s, most_rad): (f64, f64), (arc, state)| {
-            let times_s = |sample: &ArcSample| sample.time_s(&point.node_times_s);
+            let times_s =
+                |sample: &ArcSample| sample.stamped_s(&point.node_times_s, &point.parameters);
             // Of the track that sees orientations most often.
             let views = arc.views.iter().filter(|view| view.shows.kinds()[1]);
             let interval_s = views.filter_map(|view| match view.samples.as_slice() {

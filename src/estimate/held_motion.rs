@@ -94,6 +94,7 @@ pub(super) fn estimates(
             track,
             stamp: sample.stamp,
             time_s: pace.at(sample.acted_s).0,
+            is_open: false,
         });
         let (knots, passed) = (knots.collect(), passed.collect());
         estimates.push(HeldEstimate::new(link, knots, passed, times.collect()));

@@ -28,6 +28,8 @@ pub enum Influence {
     ClockRate,
     /// What is added to the tracker's stamps.
     ClockOffset,
+    /// What is added to the stamp of one sample.
+    SampleTime,
     /// Where a surface is along its normal.
     SurfaceHeight,
     /// How a surface is turned about a tangent.
@@ -43,6 +45,8 @@ pub enum Owner {
     Track(TrackIndex),
     /// A flight of a track, counted from 0.
     Flight(TrackIndex, usize),
+    /// A sample of a track (index into the track's samples).
+    Sample(TrackIndex, usize),
     /// A surface (index into `Scene::surfaces`).
     Surface(usize),
 }
@@ -98,6 +102,7 @@ impl Quantity {
             Quantity::TrackerOrientation { axis, .. } => Influence::TrackerOrientation(axis),
             Quantity::ClockRate { .. } => Influence::ClockRate,
             Quantity::ClockOffset { .. } | Quantity::FlightClock { .. } => Influence::ClockOffset,
+            Quantity::SampleTime { .. } => Influence::SampleTime,
             Quantity::SurfaceHeight { .. } => Influence::SurfaceHeight,
             Quantity::SurfaceTilt { tangent, .. } => Influence::SurfaceTilt(tangent),
         })
@@ -112,7 +117,9 @@ impl Role {
             influence: self.influence,
             side,
             track: match self.owner {
-                Owner::Track(track) | Owner::Flight(track, _) => Some(track),
+                Owner::Track(track) | Owner::Flight(track, _) | Owner::Sample(track, _) => {
+                    Some(track)
+                }
                 Owner::Link(..) | Owner::Surface(_) => None,
             },
         }
@@ -139,6 +146,7 @@ impl Role {
                 | Quantity::ClockRate { track }
                 | Quantity::ClockOffset { track } => Owner::Track(track),
                 Quantity::FlightClock { track, flight } => Owner::Flight(track, flight),
+                Quantity::SampleTime { track, sample } => Owner::Sample(track, sample),
                 Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                     Owner::Surface(surface)
                 }

@@ -48,6 +48,7 @@ mod posing;
 pub mod problem;
 mod pull;
 pub mod recipe;
+mod sample_order;
 pub mod samples;
 mod seen;
 mod simulate;

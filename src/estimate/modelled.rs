@@ -112,7 +112,7 @@ impl Problem {
         sample: &ArcSample,
         point: &Point,
     ) -> f64 {
-        let time_s = sample.time_s(&point.node_times_s);
+        let time_s = sample.stamped_s(&point.node_times_s, &point.parameters);
         if self.arcs[arc].is_plain {
             return time_s;
         }

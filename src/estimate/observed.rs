@@ -140,8 +140,14 @@ impl<'a> Observer<'a> {
     /// A sample's physical time \[s\].
     pub(super) fn time_s(&self, sample: usize, node_times_s: &[f64]) -> f64 {
         let zero_s = node_times_s.first().copied().unwrap_or(0.0);
-        let stamped_s = self.view.samples[sample].time_s(node_times_s);
-        self.mount.time_s(stamped_s, zero_s)
+        self.mount
+            .time_s(self.stamped_s(sample, node_times_s), zero_s)
+    }
+
+    /// A sample's time before the clock's correction \[s\].
+    fn stamped_s(&self, sample: usize, node_times_s: &[f64]) -> f64 {
+        let of = &self.view.samples[sample];
+        of.stamped_s(node_times_s, self.parameters)
     }
 
     /// By how much the flight is off what a sample shows: of positions \[m, world\], and of
@@ -182,7 +188,7 @@ impl<'a> Observer<'a> {
     /// The residual of a sample with its derivatives.
     pub(super) fn observed(&mut self, sample: usize, node_times_s: &[f64]) -> Observed {
         let of = &self.view.samples[sample];
-        let stamped_s = of.time_s(node_times_s);
+        let stamped_s = self.stamped_s(sample, node_times_s);
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
         let (centre_m, measured) = self.mount.seen(of);
         let fallen = self.fall.fallen(s);
@@ -302,6 +308,10 @@ impl<'a> Observer<'a> {
                 }
                 Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
                 Influence::ClockOffset => by_time,
+                Influence::SampleTime if of.open == Some(acting.parameter) => {
+                    by_time.map(|by| by * (1.0 + self.mount.rate))
+                }
+                Influence::SampleTime => [0.0; 6],
                 Influence::Mass | Influence::SurfaceHeight | Influence::SurfaceTilt(_) => [0.0; 6],
             }
         });

@@ -361,6 +361,7 @@ fn sample_times(problem: &Problem, point: &Point) -> Vec<SampleTime> {
                     track: view.track,
                     stamp: sample.stamp,
                     time_s: problem.sample_time_s((arc, view.track), sample, point),
+                    is_open: sample.open.is_some(),
                 });
             }
         }

@@ -8,6 +8,7 @@ use super::problem::{
     Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, HeldState, Ordered,
     Problem, TimeBound, TimeSide,
 };
+use super::sample_order;
 use super::seen::views;
 use super::waypoint;
 use crate::motion::{
@@ -57,12 +58,16 @@ impl Problem {
                     .count()
             })
             .collect();
-        for (arc, flight) in arcs.iter_mut().zip(flights) {
+        for ((arc, segment), flight) in arcs.iter_mut().zip(segments).zip(flights) {
             let acting = |role: &Role| match role.owner {
                 Owner::Link(_, mechanism) => mechanism == arc.mechanism,
                 Owner::Track(track) => arc.views.iter().any(|view| view.track == track),
                 Owner::Flight(track, of) => {
                     of == flight && arc.views.iter().any(|view| view.track == track)
+                }
+                Owner::Sample(track, of) => {
+                    let mut views = segment.views.iter();
+                    views.any(|view| view.track == track && view.samples.contains(&of))
                 }
                 Owner::Surface(_) => false,
             };
@@ -134,6 +139,10 @@ impl Problem {
             roles,
             goals: goals(scene, &arcs),
             ordered,
+            sample_orders: sample_order::of_arcs(&arcs, |event| {
+                event_is_free[event] || scene.timing != Timing::Edited
+            }),
+            ends_are_samples: scene.timing == Timing::Edited,
             time_bounds,
             waypoints,
             calm: calm::pulls(
@@ -304,7 +313,7 @@ fn collisions(
                 Some(role.acting(Some(side)))
             }
             Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
-            Owner::Track(_) | Owner::Flight(..) => None,
+            Owner::Track(_) | Owner::Flight(..) | Owner::Sample(..) => None,
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {

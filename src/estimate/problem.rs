@@ -34,7 +34,7 @@ pub mod unit {
 pub(super) const VELOCITY_GAP_WEIGHT: f64 = 1.0;
 
 /// One sample of an arc: what of it counts is said by its view ([`Shows`]).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcSample {
     /// When the tracker measured it.
     pub stamp: Stamp,
@@ -46,6 +46,8 @@ pub struct ArcSample {
     pub node: usize,
     /// Its share of the interval to the next node; zero at a node.
     pub share: f64,
+    /// Parameter that holds what is to be added to its time, where that is not known.
+    pub open: Option<usize>,
 }
 
 impl ArcSample {
@@ -58,6 +60,12 @@ impl ArcSample {
         } else {
             node_s
         }
+    }
+
+    /// Its time with what is added where it is not known, before any correction of its clock \[s\].
+    pub fn stamped_s(&self, node_times_s: &[f64], parameters: &[f64]) -> f64 {
+        let added_s = self.open.map_or(0.0, |parameter| parameters[parameter]);
+        self.time_s(node_times_s) + added_s
     }
 }
 
@@ -331,6 +339,31 @@ pub struct Waypoint {
     pub arc: usize,
 }
 
+/// A sample whose time is not known, no earlier than the one before it in its flight, or within the
+/// flight where it is the first or the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleOrder {
+    /// Index into [`Problem::arcs`].
+    pub arc: usize,
+    /// What saw the sample.
+    pub track: TrackIndex,
+    /// The sample.
+    pub sample: ArcSample,
+    /// What is before or after it.
+    pub beside: Beside,
+}
+
+/// What is beside a sample in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Beside {
+    /// Another sample of the same track is no earlier; its time is not known either.
+    Next(ArcSample),
+    /// The event that begins the flight is no later.
+    Begin(usize),
+    /// The event that ends the flight is no earlier.
+    End(usize),
+}
+
 /// Everything the solver needs, and nothing else.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -350,6 +383,8 @@ pub struct Problem {
     pub event_is_free: Vec<bool>,
     /// Acted times of the scene's events \[s\].
     pub events_acted_s: Vec<f64>,
+    /// Whether start and end are where the first and the last sample are, as in an edited sketch.
+    pub ends_are_samples: bool,
     /// Marks of the events whose time is an unknown.
     pub marks: Vec<EventMark>,
     /// Waypoints, in the order of the events.
@@ -364,6 +399,8 @@ pub struct Problem {
     pub conditions: Vec<ArcCondition>,
     /// Events about flights that have few samples, and about waypoints.
     pub ordered: Vec<Ordered>,
+    /// Order of samples whose times are not known.
+    pub sample_orders: Vec<SampleOrder>,
     /// Bounds of events' times.
     pub time_bounds: Vec<TimeBound>,
     /// Free parameters.

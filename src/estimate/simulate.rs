@@ -73,7 +73,8 @@ impl Approach<'_> {
             let arc = &self.problem.arcs[side.before];
             let first_s = || {
                 let [first, _] = arc.ends()?;
-                Some(first.time_s(&self.point.node_times_s))
+                let point = self.point;
+                Some(first.stamped_s(&point.node_times_s, &point.parameters))
             };
             let event_s = arc.start.map(|event| event_times_s[event]);
             event_s.or_else(first_s).unwrap_or(f64::NAN)

@@ -253,6 +253,16 @@ fn modelled(mut scene: Scene) -> Scene {
     if scene.timing == Timing::Known {
         add(Quantity::ClockRate { track }, 0.03);
         add(Quantity::ClockOffset { track }, -0.004);
+        // Beside each other, and beside the events that end and begin flights.
+        let open = [
+            (0, 0.003),
+            (1, 0.005),
+            (SAMPLES - 1, -0.002),
+            (SAMPLES, -0.006),
+        ];
+        for (sample, added_s) in open {
+            add(Quantity::SampleTime { track, sample }, added_s);
+        }
     }
     add(Quantity::SurfaceHeight { surface: 0 }, 0.003);
     add(

@@ -20,7 +20,7 @@ use nalgebra::DVector;
 use super::context::SolveContext;
 use super::covariance::{Covariance, Moment};
 use super::point::Point;
-use super::problem::{Arc, Problem};
+use super::problem::{Arc, ArcSample, Problem};
 use crate::optimise::System;
 use crate::optimise::kkt::DAMPING;
 
@@ -35,10 +35,24 @@ pub(super) fn clock_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usi
     arc.clock.filter(|_| !problem.event_is_free[event])
 }
 
+/// In an edited sketch start and end are at the first and the last sample: the parameter that holds
+/// the time of that sample, where it is not known.
+fn open_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usize> {
+    if problem.event_is_free[event] || !problem.ends_are_samples {
+        return None;
+    }
+    let [first, last] = arc.ends()?;
+    let sample = if arc.end == Some(event) { last } else { first };
+    sample.open
+}
+
 /// Physical time of an event at an arc \[s\], where sample times are known.
 pub(super) fn time_at_s(problem: &Problem, point: &Point, arc: &Arc, event: usize) -> f64 {
-    let clock = clock_at(problem, arc, event);
-    point.event_times_s[event] + clock.map_or(0.0, |clock| point.parameters[clock])
+    let added = [clock_at(problem, arc, event), open_at(problem, arc, event)];
+    let added_s = added.into_iter().flatten();
+    added_s.fold(point.event_times_s[event], |time_s, parameter| {
+        time_s + point.parameters[parameter]
+    })
 }
 
 /// The arc at whose end an event is, of several the last.
@@ -92,10 +106,18 @@ pub(super) fn event_moment(context: &SolveContext, point: &Point, event: usize) 
     if let Some(at) = context.layout.events[event] {
         return vec![(at, 1.0)];
     }
-    if let Some(arc) = ended_by(context.problem, point, event)
-        && let Some(clock) = clock_at(context.problem, arc, event)
-    {
-        return vec![(context.layout.parameters[clock], 1.0)];
+    if let Some(arc) = ended_by(context.problem, point, event) {
+        let added = [
+            clock_at(context.problem, arc, event),
+            open_at(context.problem, arc, event),
+        ];
+        let added = added.into_iter().flatten();
+        let moment: Moment = added
+            .map(|parameter| (context.layout.parameters[parameter], 1.0))
+            .collect();
+        if !moment.is_empty() {
+            return moment;
+        }
     }
     let (node, share) = place(context.problem, event);
     let part = |node: usize, share: f64| {
@@ -121,14 +143,17 @@ pub(super) fn duration(context: &SolveContext, point: &Point) -> Duration {
         let time_s = event_time_s(problem, point, event);
         (time_s, event_moment(context, point, event))
     };
-    let at_node = |node: usize| {
-        let moment = layout.nodes[node].map(|at| (at, 1.0));
-        (point.node_times_s[node], moment.into_iter().collect())
+    let at_sample = |sample: &ArcSample| {
+        let node = layout.nodes[sample.node];
+        let open = sample.open.map(|parameter| layout.parameters[parameter]);
+        let moment = [node, open].into_iter().flatten().map(|at| (at, 1.0));
+        let time_s = sample.stamped_s(&point.node_times_s, &point.parameters);
+        (time_s, moment.collect())
     };
     let ends = problem.arcs.iter().map(|arc| {
         // Only a flight that an impact begins may have no samples.
         let [first, last] = match arc.ends() {
-            Some(ends) => ends.map(|sample| Some(at_node(sample.node))),
+            Some(ends) => ends.map(|sample| Some(at_sample(sample))),
             None => [None, None],
         };
         let start: Option<(f64, Moment)> = arc.start.map(at_event).or(first);

@@ -43,6 +43,8 @@ pub(super) struct Route {
     pub(super) seen: BTreeSet<String>,
     /// How the track's tracker is mounted: a keyframe is a pose of the body.
     pub(super) mount: Option<Track>,
+    /// Whether single readings may have times that are not known.
+    pub(super) may_be_open: bool,
 }
 
 /// The routes of a scene's tracks, stream by stream, then the one of its marks, and the feeds by
@@ -84,6 +86,7 @@ pub(super) fn routes(
                 seen: BTreeSet::new(),
                 topic: wanted,
                 mount: Some(scene.tracks[index].clone()),
+                may_be_open: scene.may_have_open_times(index),
             });
         }
     }
@@ -127,6 +130,7 @@ pub(super) fn routes(
         child: None,
         seen: BTreeSet::new(),
         mount: None,
+        may_be_open: false,
     });
     Ok((routes, feeds))
 }

@@ -146,12 +146,8 @@ impl RecordingSource {
             number: topic.events,
             reason,
         };
-        if let Some(reason) = keyframe.unsupported() {
-            return Err(refused(reason));
-        }
-        let Some(sample) = mount.reading_of(keyframe) else {
-            return Err(refused("has no full pose"));
-        };
+        let sample = mount.reading_of(keyframe, log_time, route.may_be_open);
+        let sample = sample.map_err(refused)?;
         let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
         let least = self.report.log_offset_ns.get_or_insert(offset_ns);
         *least = offset_ns.min(*least);

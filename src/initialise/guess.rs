@@ -6,7 +6,7 @@ use super::clock;
 use super::fit::Fit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{keyed, swing, unseen};
+use super::{keyed, open_times, swing, unseen};
 use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
@@ -34,8 +34,12 @@ pub struct Guessed {
 /// samples for a fit follow from their neighbours.
 pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     if keyed::applies(scene, sketch, segments) {
+        let mut guesses = keyed::guesses(scene, sketch, segments, GUESSES_MAX);
+        for guess in &mut guesses {
+            open_times::place(scene, sketch, segments, guess);
+        }
         return Guessed {
-            guesses: keyed::guesses(scene, sketch, segments, GUESSES_MAX),
+            guesses,
             fit_iterations: 0,
         };
     }
@@ -119,6 +123,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
     for guess in &mut guesses {
         unseen::fill(scene, segments, &readings, guess);
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
+        open_times::place(scene, sketch, segments, guess);
     }
     Guessed {
         guesses,

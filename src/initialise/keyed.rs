@@ -17,12 +17,17 @@ use self::follow::{Course, Way};
 use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch, TrackIndex};
 use crate::physics::State;
 
-/// Whether the flights of a sketch start from keyframes: few poses of every flight.
+/// Whether the flights of a sketch start from keyframes: few poses of every flight, of the first of
+/// each body at least one that is whole.
 pub(super) fn applies(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> bool {
-    scene.is_keyframed(sketch)
-        && segments
-            .iter()
-            .all(|segment| keys(sketch, segment).is_some())
+    let begins = |index: usize| {
+        let mut before = segments[..index].iter();
+        before.all(|other| other.mechanism != segments[index].mechanism)
+    };
+    let is_enough = |(index, segment): (usize, &Segment)| {
+        keys(sketch, segment).is_some_and(|keys| !(keys.is_empty() && begins(index)))
+    };
+    scene.is_keyframed(sketch) && segments.iter().enumerate().all(is_enough)
 }
 
 /// The best motions through the keyframes, as guesses: one or more, no more than `most`.

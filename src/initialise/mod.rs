@@ -11,6 +11,7 @@ pub mod contact;
 mod fit;
 pub mod guess;
 mod keyed;
+mod open_times;
 pub mod readings;
 mod swing;
 pub mod turn;

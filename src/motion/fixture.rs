@@ -134,6 +134,7 @@ pub(crate) fn estimate() -> Estimate {
                 track: TrackIndex(0),
                 stamp: Stamp(FIRST_NS + k * 100_000_000),
                 time_s: k as f64 * 0.025,
+                is_open: false,
             })
             .collect(),
         duration: DurationEstimate {

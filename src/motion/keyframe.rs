@@ -3,8 +3,8 @@
 use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 
 use super::index::TrackIndex;
-use super::scene::Track;
-use super::take::{Covariance, Mark, PoseSample, Stamp};
+use super::scene::{Scene, Timing, Track};
+use super::take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp};
 use crate::math::Pose;
 
 /// What of a body is known at one instant, in the body's own axes at its centre of mass.
@@ -49,57 +49,128 @@ pub enum SketchRow {
     Mark(Mark),
 }
 
-impl Keyframe {
-    /// What of it cannot be estimated, in words, with what to do instead; `None` where it is a full
-    /// pose at a known time, with both standard deviations or neither.
-    pub fn unsupported(&self) -> Option<&'static str> {
-        match self {
-            Self {
-                time: KeyframeTime::Unknown | KeyframeTime::Within(..),
-                ..
-            } => Some("has no known time; write `t`"),
-            Self {
-                position_m: None, ..
-            } => Some("has no position; write x, y and z"),
-            Self {
-                orientation_wxyz: None,
-                ..
-            } => Some("has no orientation; write qw, qx, qy and qz"),
-            _ if self.position_sd_m.is_some() != self.orientation_sd_deg.is_some() => {
-                Some("has one standard deviation; write both, or neither")
-            }
-            _ => None,
-        }
+impl Scene {
+    /// Whether single samples of a track may have times that are not known: those of a body that
+    /// flies, among samples with physical times. In an unknown tempo none are known.
+    pub fn may_have_open_times(&self, track: TrackIndex) -> bool {
+        matches!(self.timing, Timing::Known | Timing::Edited) && !self.sees_held(track)
     }
 }
 
 impl Track {
-    /// What the track's tracker reads of a keyframe; `None` where that has no full pose or no known
-    /// time.
-    pub fn reading_of(&self, keyframe: &Keyframe) -> Option<PoseSample> {
-        let KeyframeTime::Known(stamp) = keyframe.time else {
-            return None;
+    /// What the track's tracker reads of a keyframe. Where its time is not known, `near` says where
+    /// among others it is, and where the search for its time begins; `may_be_open` is
+    /// [`Scene::may_have_open_times`]. Fails, in words and with what to
+    /// do instead, where the keyframe cannot be estimated.
+    pub fn reading_of(
+        &self,
+        keyframe: &Keyframe,
+        near: Stamp,
+        may_be_open: bool,
+    ) -> Result<PoseSample, &'static str> {
+        let is_off_centre = self.link_from_tracker.translation.vector != Vector3::zeros();
+        let holds = match (&keyframe.position_m, &keyframe.orientation_wxyz) {
+            (Some(_), Some(_)) => Holds::Pose,
+            // Where the tracker is, off the centre of mass, depends on the orientation.
+            (Some(_), None) if is_off_centre => {
+                return Err(
+                    "has no orientation, and the scene mounts its tracker off the centre of mass; \
+                     write qw, qx, qy and qz, or a `tracker` without a position",
+                );
+            }
+            (Some(_), None) => Holds::Position,
+            (None, _) => Holds::Orientation,
         };
-        let [w, x, y, z] = keyframe.orientation_wxyz?;
+        let sds = (keyframe.position_sd_m, keyframe.orientation_sd_deg);
+        if holds == Holds::Pose && sds.0.is_some() != sds.1.is_some() {
+            return Err("has one standard deviation; write both, or neither");
+        }
+        let [w, x, y, z] = keyframe.orientation_wxyz.unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-        let world_from_link = Pose::from_parts(keyframe.position_m?.into(), orientation);
+        let position_m = keyframe.position_m.unwrap_or_default();
+        let world_from_link = Pose::from_parts(position_m.into(), orientation);
         let world_from_tracker = world_from_link * self.link_from_tracker;
+        let (stamp, open) = keyframe.time.about(near);
+        if open.is_some() && !may_be_open {
+            return Err(
+                "has no known time, which takes `stamps = \"physical\"` or `\"edited\"` and a body \
+                 that flies; write `t`",
+            );
+        }
         let mut sample = PoseSample::from_pose(stamp, &world_from_tracker);
-        if let (Some(sd_m), Some(sd_deg)) = (keyframe.position_sd_m, keyframe.orientation_sd_deg) {
+        (sample.holds, sample.open) = (holds, open);
+        let seen = match (holds, sds) {
+            (Holds::Pose, (Some(sd_m), Some(sd_deg))) => Some((sd_m, sd_deg)),
+            // The other block is not looked at.
+            (Holds::Position, (Some(sd_m), _)) => Some((sd_m, 1.0)),
+            (Holds::Orientation, (_, Some(sd_deg))) => Some((1.0, sd_deg)),
+            _ => None,
+        };
+        if let Some((sd_m, sd_deg)) = seen {
             let lever_m = world_from_link.rotation * self.link_from_tracker.translation.vector;
             sample.covariance = Some(covariance(sd_m, sd_deg.to_radians(), &lever_m));
         }
-        Some(sample)
+        Ok(sample)
     }
 
-    /// The keyframe that a tracker's reading shows; `None` where that is no pose.
+    /// The keyframe that a tracker's reading shows; `None` where that is no pose or part of one.
     pub fn keyframe_of(&self, sample: &PoseSample) -> Option<Keyframe> {
         let [x, y, z, w] = sample.quaternion_xyzw;
         let quaternion = Quaternion::new(w, x, y, z);
         let rotation = UnitQuaternion::try_new(quaternion, 0.5)?;
         let world_from_tracker = Pose::from_parts(sample.position_m.into(), rotation);
         let world_from_link = world_from_tracker * self.link_from_tracker.inverse();
-        Some(Keyframe::of_pose(sample.stamp, &world_from_link)).filter(Keyframe::is_finite)
+        let mut keyframe = Keyframe::of_pose(sample.stamp, &world_from_link);
+        keyframe.time = KeyframeTime::of(sample);
+        match sample.holds {
+            Holds::Pose => {}
+            Holds::Position => keyframe.orientation_wxyz = None,
+            Holds::Orientation => keyframe.position_m = None,
+            Holds::Direction => return None,
+        }
+        Some(keyframe).filter(Keyframe::is_finite)
+    }
+}
+
+impl KeyframeTime {
+    /// A stamp, near another where the time is not known, and how far the time may be from it.
+    fn about(self, near: Stamp) -> (Stamp, Option<OpenTime>) {
+        let open = |before_ns, after_ns| OpenTime {
+            before_ns,
+            after_ns,
+        };
+        match self {
+            Self::Known(stamp) => (stamp, None),
+            Self::Within(earliest, latest) => {
+                let at = near.clamp(earliest, latest.max(earliest));
+                let [before_ns, after_ns] = [at.0 - earliest.0, latest.0 - at.0].map(Some);
+                (at, Some(open(before_ns, after_ns)))
+            }
+            Self::Unknown => (near, Some(open(None, None))),
+        }
+    }
+
+    /// The time on a clock whose zero is elsewhere, and that has nothing before its zero.
+    pub fn since(self, zero: Stamp) -> Self {
+        let since = |stamp: Stamp| Stamp((stamp.0 - zero.0).max(0));
+        match self {
+            Self::Known(stamp) => Self::Known(since(stamp)),
+            Self::Within(earliest, latest) => Self::Within(since(earliest), since(latest)),
+            Self::Unknown => Self::Unknown,
+        }
+    }
+
+    /// What a reading's stamp says of its time.
+    fn of(sample: &PoseSample) -> Self {
+        let at = sample.stamp.0;
+        match sample.open {
+            None => Self::Known(sample.stamp),
+            Some(OpenTime {
+                before_ns: Some(before_ns),
+                after_ns: Some(after_ns),
+            }) => Self::Within(Stamp(at - before_ns), Stamp(at + after_ns)),
+            Some(_) => Self::Unknown,
+        }
     }
 }
 

@@ -1,16 +1,17 @@
 //! Sketches of a few poses.
 
 use super::index::TrackIndex;
-use super::scene::{Event, Quantity, Scene, Timing};
-use super::sketch::{Seen, Sketch};
+use super::scene::{Event, Quantity, Scene, Sees, Timing};
+use super::sketch::{Sample, Seen, Sketch};
 
 /// Greatest number of samples of a flight, in the mean of a track, that are keyframes. Streams of
 /// 30 samples a second have more in a flight of a fifth of a second.
 const PER_FLIGHT_MAX: usize = 6;
 
 impl Scene {
-    /// Whether a track's samples are keyframes: poses with physical times of which each flight has a
-    /// few, chosen one by one by somebody who knows on which side of a collision each is.
+    /// Whether a track's samples are keyframes: poses, or poses and parts of them, with physical times
+    /// of which each flight has a few, chosen one by one by somebody who knows on which side of a
+    /// collision each is.
     ///
     /// In a stream a sample beside a collision may belong to either side of it, since its mark is
     /// right to about a sampling interval. Intervals of keyframes are as long as flights; marks that
@@ -23,13 +24,16 @@ impl Scene {
         };
         let flights = 1 + self.events.iter().filter(parts).count();
         let is_physical = matches!(self.timing, Timing::Known | Timing::Edited);
-        let samples = &sketch.tracks[track].samples;
+        let of_track = &sketch.tracks[track];
+        let samples = &of_track.samples;
+        let is_few = samples.len() <= PER_FLIGHT_MAX * flights;
+        let is_whole = |sample: &Sample| matches!(sample.seen, Seen::Pose { .. });
         is_physical
-            && samples.len() <= PER_FLIGHT_MAX * flights
+            // No stream has samples without a time.
+            && (is_few || !of_track.open_times_s.is_empty())
             && self.tracks_of(mechanism).count() == 1
-            && samples
-                .iter()
-                .all(|sample| matches!(sample.seen, Seen::Pose { .. }))
+            && self.tracks[track].sees == Sees::Pose
+            && samples.iter().any(is_whole)
     }
 
     /// Whether a whole sketch is of keyframes: every track's samples are, and all that is seen

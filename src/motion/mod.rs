@@ -17,6 +17,7 @@ pub mod keyframe;
 pub mod keyframes;
 pub mod observe;
 pub mod open;
+mod open_times;
 pub mod partial;
 pub mod reason;
 pub mod rest;
@@ -63,7 +64,7 @@ pub use sketch::{
 };
 pub use snap::SnapError;
 pub use suspect::Suspect;
-pub use take::{Covariance, Holds, Mark, PoseSample, Stamp, StampSource, TakeEvent};
+pub use take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
 pub use verification::{Balance, Deviation, Penetration, SingleShot, Touch, Verification};

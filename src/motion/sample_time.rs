@@ -12,4 +12,6 @@ pub struct SampleTime {
     pub stamp: Stamp,
     /// Its physical time [s since the first sample].
     pub time_s: f64,
+    /// Whether its time was not known: its stamp then says nothing of it.
+    pub is_open: bool,
 }

@@ -89,6 +89,9 @@ pub struct TrackSketch {
     /// position and of its orientation's rotation vector, both in world axes \[m², m rad, rad²\];
     /// empty otherwise.
     pub covariances: Vec<Matrix6<f64>>,
+    /// Of samples whose times are not known, by their index: the least and the greatest that is to
+    /// be added to `acted_s` \[s\].
+    pub open_times_s: BTreeMap<usize, [f64; 2]>,
     /// The motion that they show of a body in the hand.
     pub held: Option<HeldMotion>,
 }
@@ -112,6 +115,7 @@ impl TrackSketch {
         Self {
             samples,
             covariances: Vec::new(),
+            open_times_s: BTreeMap::new(),
             held: None,
         }
     }

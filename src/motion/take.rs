@@ -27,6 +27,26 @@ pub struct PoseSample {
     pub holds: Holds,
     /// Covariance that came with it.
     pub covariance: Option<Covariance>,
+    /// How far its true time may be from its stamp, where that is not known.
+    pub open: Option<OpenTime>,
+}
+
+/// How far the true time of a reading may be from its stamp, which then only says where among
+/// others it is and where a search for its time begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OpenTime {
+    /// Before the stamp, at most \[ns\]; `None`: by anything.
+    pub before_ns: Option<i64>,
+    /// After the stamp, at most \[ns\]; `None`: by anything.
+    pub after_ns: Option<i64>,
+}
+
+impl OpenTime {
+    /// The least and the greatest that is to be added to the stamp \[s\].
+    pub fn range_s(self) -> [f64; 2] {
+        let seconds = |ns: Option<i64>| ns.map_or(f64::INFINITY, |ns| ns as f64 * 1e-9);
+        [-seconds(self.before_ns), seconds(self.after_ns)]
+    }
 }
 
 /// What a message of a tracker holds.
@@ -81,6 +101,7 @@ impl PoseSample {
             quaternion_xyzw,
             holds: Holds::Pose,
             covariance: None,
+            open: None,
         }
     }
 

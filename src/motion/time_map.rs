@@ -17,10 +17,10 @@ pub struct TimeMap {
 }
 
 impl TimeMap {
-    /// The map of an estimate's samples; acted times are relative to `origin`. `None` where fewer
-    /// than two times differ, or where time stands still or runs backwards at an end.
+    /// The map of those of an estimate's samples whose stamps say when they were acted; acted times
+    /// are relative to `origin`. `None` where fewer than two times differ, or where time stands still or runs backwards at an end.
     pub fn new(sample_times: &[SampleTime], origin: Stamp) -> Option<Self> {
-        let times = sample_times.iter();
+        let times = sample_times.iter().filter(|sample| !sample.is_open);
         let mut knots: Vec<(f64, f64)> = times
             .map(|sample| (sample.stamp.seconds_since(origin), sample.time_s))
             .collect();
@@ -75,6 +75,7 @@ mod tests {
                 track: TrackIndex(0),
                 stamp: Stamp((acted_s * 1e9).round() as i64),
                 time_s: *time_s,
+                is_open: false,
             })
             .collect();
         TimeMap::new(&samples, Stamp(0))

@@ -32,8 +32,10 @@ pub(super) fn follow(
     observer: &mut dyn Observer,
 ) {
     let scene = &inferred.scene;
-    // The events of an edited sketch are fixed at the joints of its segments.
-    if scene.timing == Timing::Edited {
+    // The events of an edited sketch are fixed at the joints of its segments; where times are not
+    // known, the order in which samples were given says in which flight each is.
+    let mut tracks = sketch.tracks.iter();
+    if scene.timing == Timing::Edited || tracks.any(|track| !track.open_times_s.is_empty()) {
         return;
     }
     let mut leaving_out = false;

@@ -58,6 +58,7 @@ impl Prepared {
         let scene = scene.with_marks(marks(events)).with_flight_clocks();
         let (mut sketch, mut counts) = segment::clean::clean(&scene, events)?;
         let cut = cut(&scene, &mut sketch, &mut counts, observer)?;
+        let scene = scene.with_sample_times(&sketch, &cut.segments);
         Ok(Self {
             scene,
             sketch,

@@ -160,7 +160,13 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         });
     }
     for stream in &mut streams {
-        drop_outliers(stream, &mut counts);
+        // Where times are not known, or readings show different parts, a path says nothing of jumps.
+        let is_path = stream
+            .iter()
+            .all(|reading| reading.open.is_none() && reading.holds == stream[0].holds);
+        if is_path {
+            drop_outliers(stream, &mut counts);
+        }
     }
     Ok(Usable {
         streams,
@@ -410,6 +416,7 @@ fn sketch(
             .count();
         counts.used += stream.len();
         let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
+        let mut open_times_s = BTreeMap::new();
         let mut last: Option<UnitQuaternion<f64>> = None;
         for reading in stream {
             let holds_orientation = matches!(reading.holds, Holds::Pose | Holds::Orientation);
@@ -423,6 +430,9 @@ fn sketch(
                 }
                 last = Some(*orientation);
             }
+            if let Some(open) = reading.open {
+                open_times_s.insert(samples.len(), open.range_s());
+            }
             samples.push(Sample {
                 stamp: reading.stamp,
                 acted_s: reading.stamp.seconds_since(origin),
@@ -433,6 +443,7 @@ fn sketch(
         tracks.push(TrackSketch {
             samples,
             covariances,
+            open_times_s,
             held: None,
         });
     }

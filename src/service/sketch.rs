@@ -1,6 +1,7 @@
 //! Written sketches and recordings, one made of the other.
 
 mod keyframes;
+mod places;
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -11,10 +12,11 @@ use serde::Serialize;
 
 pub use self::keyframes::Density;
 use self::keyframes::Motion;
+use self::places::placed;
 use super::finish::{check_distinct, lost, open, warnings};
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::SCENE_NAME;
-use crate::motion::{KeyframeTime, Scene, SketchRow, Stamp};
+use crate::motion::{Scene, SketchRow, Stamp};
 use crate::write::atomic::AtomicFile;
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
@@ -123,9 +125,10 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
         _ => sketch_from_toml(&text, &scene),
     };
     let rows = rows.map_err(|error| error.in_file(path.to_string()))?;
+    let placed = placed(&rows, &scene).with_context(|| path.to_string())?;
     let mut recording = RecordingWriter::create(output)?;
     recording.attach(SCENE_NAME, "application/toml", scene_toml.as_bytes())?;
-    for (log_time, row) in logged(&rows) {
+    for (log_time, row) in placed {
         match row {
             SketchRow::Keyframe {
                 track,
@@ -140,7 +143,13 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
     }
     recording.finish()?;
     let open = rows.iter().filter_map(|row| match row {
-        SketchRow::Keyframe { keyframe, .. } => keyframe.unsupported(),
+        SketchRow::Keyframe {
+            track, keyframe, ..
+        } => {
+            let may_be_open = scene.may_have_open_times(*track);
+            let reading = scene.tracks[*track].reading_of(keyframe, Stamp(0), may_be_open);
+            reading.err()
+        }
         SketchRow::Mark(_) => None,
     });
     let mut warnings: Vec<String> = Vec::new();
@@ -156,27 +165,6 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
         (&scene, &rows),
         (Vec::new(), warnings),
     ))
-}
-
-/// The rows in order of log time: that of a row, or of the one before it where its time is unknown.
-fn logged(rows: &[SketchRow]) -> Vec<(Stamp, &SketchRow)> {
-    let mut last = Stamp(0);
-    let mut logged: Vec<(Stamp, &SketchRow)> = Vec::new();
-    for row in rows {
-        let time = match row {
-            SketchRow::Keyframe { keyframe, .. } => match keyframe.time {
-                KeyframeTime::Known(stamp) | KeyframeTime::Within(stamp, _) => stamp,
-                KeyframeTime::Unknown => last,
-            },
-            SketchRow::Mark(mark) => mark.stamp,
-        };
-        if matches!(row, SketchRow::Keyframe { .. }) {
-            last = time;
-        }
-        logged.push((time, row));
-    }
-    logged.sort_by_key(|(time, _)| *time);
-    logged
 }
 
 /// A recording becomes a written sketch.

@@ -55,7 +55,10 @@ pub(super) fn rows(text: &str) -> Result<Vec<Written>, SceneError> {
         mark(span, raw.into_inner())
     });
     let rows: Result<Vec<Written>, Fault> = keyframes.chain(marks).collect();
-    rows.map_err(|fault| SceneError::from_fault(text, fault))
+    let mut rows = rows.map_err(|fault| SceneError::from_fault(text, fault))?;
+    // As they are written: a mark among keyframes says on which side of it each is.
+    rows.sort_by_key(|row| row.span.start);
+    Ok(rows)
 }
 
 fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {

@@ -113,6 +113,7 @@ impl Problem {
         let bounded = self.bounded.iter().map(|of| of as &dyn Constraint);
         let ordered = self.ordered.iter().map(|of| of as &dyn Constraint);
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
+        let samples = self.sample_orders.iter().map(|of| of as &dyn Constraint);
         let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
         collisions
             .chain(goals)
@@ -121,5 +122,6 @@ impl Problem {
             .chain(bounded)
             .chain(cones)
             .chain(ordered)
+            .chain(samples)
     }
 }

@@ -17,6 +17,7 @@ mod kind;
 mod order;
 mod quantity;
 mod rows;
+mod sample_order;
 mod time;
 mod within;
 

@@ -86,14 +86,13 @@ pub(super) fn track(pace: f64) -> TrackSketch {
         covariance: root * root.transpose(),
     };
     TrackSketch {
-        samples: Vec::new(),
-        covariances: Vec::new(),
         held: Some(HeldMotion {
             curve: Curve::new(vec![knot(0.05, 1.0), knot(0.45, -0.8)]),
             meetings: vec![meeting],
             noise_sd: [1e-3, 1e-3],
             counted: 0.7,
         }),
+        ..TrackSketch::default()
     }
 }
 

@@ -2,6 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::initialise::ballistic::Place;
+use crate::initialise::turn::OrientationReading;
 use crate::motion::{MechanismIndex, Scene, Seen, Segment, Sketch};
 use crate::physics::State;
 
@@ -29,22 +31,59 @@ pub(super) struct Key {
     pub(super) orientation: UnitQuaternion<f64>,
 }
 
-/// The keyframes of a flight that one track sees whole; `None` where several see it, or parts.
+/// The keyframes of a flight that are whole poses at known times, where there are two; otherwise all
+/// whole poses, at the times that their places among others suggest. `None` where several tracks see
+/// the flight.
 pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
     let [view] = segment.views.as_slice() else {
         return None;
     };
-    let samples = sketch.samples_of(view).iter();
-    let keys = samples.map(|sample| match sample.seen {
+    let samples = sketch.samples_of(view).iter().zip(view.samples.clone());
+    let whole = samples.filter_map(|(sample, index)| match sample.seen {
         Seen::Pose {
             position_m,
             orientation,
-        } => Some(Key {
-            acted_s: sample.acted_s,
-            position_m,
-            orientation,
-        }),
+        } => Some((
+            Key {
+                acted_s: sample.acted_s,
+                position_m,
+                orientation,
+            },
+            sketch.tracks[view.track].open_times_s.contains_key(&index),
+        )),
         _ => None,
     });
-    keys.collect()
+    let whole: Vec<(Key, bool)> = whole.collect();
+    let is_told = whole.iter().filter(|(_, is_open)| !is_open).count() > 1;
+    let keys = whole
+        .into_iter()
+        .filter(|(_, is_open)| !(is_told && *is_open));
+    Some(keys.map(|(key, _)| key).collect())
+}
+
+/// Places and orientations at known times that a flight's other samples show alone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parts {
+    /// Centres of mass.
+    pub(super) places: Vec<Place>,
+    /// Orientations.
+    pub(super) turns: Vec<OrientationReading>,
+}
+
+/// What is seen of a flight in parts. A point off the centre of mass is left to the estimation.
+pub(super) fn parts(scene: &Scene, sketch: &Sketch, segment: &Segment) -> Parts {
+    let mut parts = Parts::default();
+    for view in &segment.views {
+        let is_centre = scene.tracks[view.track].point_m() == Vector3::zeros();
+        let open = &sketch.tracks[view.track].open_times_s;
+        let samples = sketch.samples_of(view).iter().zip(view.samples.clone());
+        for (sample, _) in samples.filter(|(_, index)| !open.contains_key(index)) {
+            match sample.seen {
+                Seen::Point(place_m) if is_centre => parts.places.push((sample.acted_s, place_m)),
+                Seen::Orientation(turn) => parts.turns.push((sample.acted_s, turn)),
+                _ => {}
+            }
+        }
+    }
+    parts
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::{SVector, Vector3};
 
-use super::flown::{Flown, Key, keys};
+use super::flown::{Flown, Key, Parts, keys, parts};
 use super::turns;
 use crate::initialise::ballistic::{self, Place};
 use crate::initialise::turn::OrientationReading;
@@ -53,6 +53,8 @@ pub(super) struct Course<'a> {
     pub(super) mechanism: MechanismIndex,
     /// Keyframes of each flight.
     pub(super) samples: Vec<Vec<Key>>,
+    /// What else is seen of each flight.
+    parts: Vec<Parts>,
     /// Between each flight and the next: what is known of the collision, and its mark \[s\].
     hits: Vec<(Option<Hit>, f64)>,
 }
@@ -119,6 +121,10 @@ impl<'a> Course<'a> {
             samples: own
                 .iter()
                 .map(|index| keys(sketch, &segments[*index]).expect("flights of keyframes"))
+                .collect(),
+            parts: own
+                .iter()
+                .map(|index| parts(scene, sketch, &segments[*index]))
                 .collect(),
             hits: joints
                 .map(|event| (hit(event), sketch.marks_s[event]))
@@ -220,15 +226,21 @@ impl<'a> Course<'a> {
         let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
         let epoch_s = 0.5 * (first.acted_s + last.acted_s);
         let pull_m_s2 = body.pull_m_s2(&self.scene.gravity_m_s2);
-        let places: Vec<Place> = samples
+        let parts = &self.parts[flight];
+        let mut places: Vec<Place> = samples
             .iter()
             .map(|key| (key.acted_s, key.position_m))
+            .chain(parts.places.iter().copied())
             .collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fall = ballistic::fit(&places, epoch_s, &pull_m_s2, Some(1.0));
-        let readings: Vec<OrientationReading> = samples
+        let mut readings: Vec<OrientationReading> = samples
             .iter()
-            .map(|sample| (sample.acted_s - epoch_s, sample.orientation))
+            .map(|key| (key.acted_s, key.orientation))
+            .chain(parts.turns.iter().copied())
+            .map(|(acted_s, turn)| (acted_s - epoch_s, turn))
             .collect();
+        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let turns = turns::turns(&body, &readings).into_iter();
         turns
             .map(|turn| Flown {

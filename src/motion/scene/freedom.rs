@@ -102,6 +102,9 @@ impl Scene {
             Quantity::FlightClock { track, flight } => {
                 format!("{}.clock.flight.{}", seen(track), flight + 1)
             }
+            Quantity::SampleTime { track, sample } => {
+                format!("{}.keyframe.{}.time", seen(track), sample + 1)
+            }
             Quantity::SurfaceHeight { surface: of } => format!("{}.height", surface(of)),
             Quantity::SurfaceTilt {
                 surface: of,
@@ -158,6 +161,7 @@ impl Scene {
             | Quantity::ClockRate { .. }
             | Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. } => 0.0,
         }

@@ -105,6 +105,13 @@ pub enum Quantity {
         /// The flight, counted from 0; the first has none.
         flight: usize,
     },
+    /// What is to be added to the stamp of a sample whose time is not known \[s\].
+    SampleTime {
+        /// The track.
+        track: TrackIndex,
+        /// Index into the track's samples.
+        sample: usize,
+    },
     /// How far a surface is from where the scene has it, along its normal there \[m\].
     SurfaceHeight {
         /// Index into `Scene::surfaces`.
@@ -174,7 +181,9 @@ impl Quantity {
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::SurfaceHeight { .. } => "m",
-            Quantity::ClockOffset { .. } | Quantity::FlightClock { .. } => "s",
+            Quantity::ClockOffset { .. }
+            | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. } => "s",
         }
     }
 
@@ -196,6 +205,7 @@ impl Quantity {
             | Quantity::TrackerOrientation { .. }
             | Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. } => [f64::NEG_INFINITY, f64::INFINITY],
         }
@@ -213,7 +223,8 @@ impl Quantity {
             Quantity::QuadraticDrag { .. } | Quantity::Moment { .. } | Quantity::Mass { .. } => 0.3,
             Quantity::TrackerOrientation { .. }
             | Quantity::SurfaceTilt { .. }
-            | Quantity::FlightClock { .. } => 0.1,
+            | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. } => 0.1,
             Quantity::ClockRate { .. } => 0.03,
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }

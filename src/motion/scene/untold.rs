@@ -123,6 +123,7 @@ impl Scene {
             | Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. }
             | Quantity::ClockRate { .. } => None,
         }
     }

@@ -165,7 +165,7 @@ impl Motion {
                 let (stamp, keyframe) = &flight.keyframes[index];
                 let stamp = Stamp(stamp.0 - zero.0);
                 let keyframe = Keyframe {
-                    time: crate::motion::KeyframeTime::Known(stamp),
+                    time: keyframe.time.since(zero),
                     ..keyframe.clone()
                 };
                 let row = SketchRow::Keyframe {

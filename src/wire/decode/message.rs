@@ -75,6 +75,7 @@ impl FramedPose {
             quaternion_xyzw: self.quaternion_xyzw,
             holds: self.holds,
             covariance: self.covariance,
+            open: None,
         }
     }
 }
