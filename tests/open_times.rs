@@ -1,6 +1,8 @@
-//! Sketches of keyframes whose times are known, known within an interval, or unknown.
+//! Sketches of keyframes whose times are known, known within an interval, or unknown, and of parts of poses.
 
-use enact::motion::{AtBound, OpenTime, PoseSample, Stamp, TakeEvent, Timing, Verdict};
+use enact::motion::{
+    About, AtBound, Holds, OpenTime, PoseSample, Stamp, TakeEvent, Timing, Verdict,
+};
 use enact::pipeline::{Outcome, Pipeline};
 use enact_tools::perform::{Keyframed, Keyframing, Off, Style, Truth};
 use rand::{RngExt, SeedableRng};
@@ -19,7 +21,7 @@ enum Told {
 }
 
 /// Keyframes with what is said of their times, and their true stamps.
-struct Told3 {
+struct Sketched {
     events: Vec<TakeEvent>,
     truth: Vec<(PoseSample, Stamp)>,
 }
@@ -29,7 +31,7 @@ const HALF_NS: i64 = 30_000_000;
 
 /// Exact keyframes of which `told` says, by their place in their flight, what is known of their
 /// times. Stamps of the others are anywhere between their neighbours.
-fn told(truth: &Truth, per_flight: usize, seed: u64, told: impl Fn(usize) -> Told) -> Told3 {
+fn told(truth: &Truth, per_flight: usize, seed: u64, told: impl Fn(usize) -> Told) -> Sketched {
     let events = Keyframing::exact(per_flight).of(truth, seed);
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xa11);
     let mut keyframes: Vec<(PoseSample, Stamp)> = Vec::new();
@@ -85,7 +87,7 @@ fn told(truth: &Truth, per_flight: usize, seed: u64, told: impl Fn(usize) -> Tol
         mark => mark,
     });
     let events = events.collect();
-    Told3 {
+    Sketched {
         events,
         truth: keyframes,
     }
@@ -99,7 +101,7 @@ fn finished(truth: &Truth, events: &[TakeEvent]) -> (Outcome, Off) {
 }
 
 /// Greatest error of the times of keyframes \[s\]; time zero is the first.
-fn times_off_s(of: &Told3, outcome: &Outcome) -> f64 {
+fn times_off_s(of: &Sketched, outcome: &Outcome) -> f64 {
     let zero = of.truth[0].1;
     let times = outcome.estimate.sample_times.iter();
     let errors = times.map(|found| {
@@ -177,4 +179,49 @@ fn an_interval_without_the_truth_is_left_at_its_end_and_that_is_said() {
     assert_eq!(time.at_bound, Some(AtBound::Lower), "{time:?}");
     assert!((time.value + 1e-3).abs() < 1e-9, "{time:?}");
     assert!(time.name.ends_with(".keyframe.2.time"), "{time:?}");
+}
+
+/// Of exact keyframes with one known time a flight other motions pass through all of them: none is
+/// called physical.
+#[test]
+fn with_one_known_time_a_flight_nothing_is_called_physical() {
+    let kinds = [Told::Known, Told::Unknown, Told::Within];
+    let mut others = 0;
+    for (subject, timing) in each() {
+        let truth = truth(subject, timing, SEEDS[0]);
+        let of = told(&truth, 3, SEEDS[0], |place| kinds[place]);
+        let (outcome, off) = finished(&truth, &of.events);
+        let estimate = &outcome.estimate;
+        assert_ne!(
+            estimate.verdict,
+            Verdict::Physical,
+            "{timing:?} {subject:?}"
+        );
+        let mut doubts = estimate.doubts.iter().map(|doubt| doubt.about);
+        let is_said = doubts.any(|about| about == About::OpenTimes);
+        assert!(is_said || estimate.verdict == Verdict::Failed);
+        others += usize::from(off.greatest() > EXACT);
+    }
+    assert!(others > 0, "then there is nothing to doubt");
+}
+
+#[test]
+fn positions_and_orientations_alone_among_whole_poses_give_back_the_motion() {
+    for (subject, timing) in each() {
+        for seed in SEEDS {
+            let truth = truth(subject, timing, seed);
+            let mut events = Keyframing::exact(6).of(&truth, seed);
+            let poses = events.iter_mut().filter_map(|event| match event {
+                TakeEvent::Pose { sample, .. } => Some(sample),
+                TakeEvent::Mark(_) => None,
+            });
+            for (place, sample) in poses.enumerate() {
+                sample.holds = [Holds::Pose, Holds::Position, Holds::Orientation][place % 3];
+            }
+            let (outcome, off) = finished(&truth, &events);
+            let what = format!("{timing:?} {subject:?} {seed}: {off:?}");
+            assert!(off.greatest() < EXACT, "{what}");
+            assert_eq!(outcome.estimate.verdict, Verdict::Physical, "{what}");
+        }
+    }
 }

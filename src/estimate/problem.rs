@@ -141,6 +141,16 @@ impl Arc {
         self.views.iter().map(|view| view.samples.len()).sum()
     }
 
+    /// Its samples as they are in the sketch: track by track, in order of time whatever each shows.
+    pub fn samples_as_read(&self) -> impl Iterator<Item = &ArcSample> {
+        let tracks = self.views.chunk_by(|a, b| a.track == b.track);
+        tracks.flat_map(|kinds| {
+            let mut samples: Vec<&ArcSample> = kinds.iter().flat_map(|of| &of.samples).collect();
+            samples.sort_by_key(|sample| sample.stamp);
+            samples
+        })
+    }
+
     /// Its samples, one view after the other.
     pub fn samples(&self) -> impl Iterator<Item = &ArcSample> + Clone {
         self.views.iter().flat_map(|view| &view.samples)

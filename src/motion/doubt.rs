@@ -65,6 +65,8 @@ pub enum About {
     /// Root mean square residual of keyframes, in units of the scene's weights; so few poses cannot
     /// tell a rough one from a wrong motion.
     Keyframes,
+    /// How many more keyframes of a flight should have times that are known.
+    OpenTimes,
     /// Number of other motions that are as near to the keyframes.
     Rivals,
     /// Angle of a body's axis from where it should point at rest.
@@ -96,6 +98,7 @@ impl About {
             About::AtBound => "at_bound",
             About::Ambiguity => "ambiguity",
             About::Keyframes => "keyframes",
+            About::OpenTimes => "open_times",
             About::Rivals => "rivals",
             About::Rest => "rest",
         }
@@ -121,6 +124,7 @@ impl About {
             | About::AtBound
             | About::Ambiguity
             | About::Keyframes
+            | About::OpenTimes
             | About::Rivals => "",
         }
     }
@@ -143,6 +147,7 @@ impl About {
             | About::Gravity
             | About::GravitySpread
             | About::Keyframes
+            | About::OpenTimes
             | About::Rivals => Verdict::Plausible,
             About::Speed
             | About::Spin

@@ -151,6 +151,10 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
              so few poses do not tell whether they are rough or the motion is another; more keyframes \
              do, or weights as large as their errors"
         ),
+        About::OpenTimes => format!(
+            "{subject} needs known times of {value:.0} more of its keyframes: with fewer than two another \
+             motion may pass through all of them"
+        ),
         About::Rivals => {
             let others = match value as usize {
                 1 => "another motion is".to_owned(),

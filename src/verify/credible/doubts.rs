@@ -1,7 +1,7 @@
 //! All doubts about one estimate.
 
 use super::flights::flights;
-use super::{fit, kinematics, marks, outside, parameters};
+use super::{fit, kinematics, marks, open_times, outside, parameters};
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch};
 
 /// All doubts about an estimated motion, except those from overlaps of its shapes.
@@ -19,6 +19,7 @@ pub fn doubts(
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts((scene, sketch), estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
+    doubts.extend(open_times::doubts(estimate));
     doubts.extend(outside::doubts(scene, &flights));
     doubts.extend(parameters::doubts(given, estimate));
     let rivals = estimate.rivals as f64;
