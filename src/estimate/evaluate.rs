@@ -78,6 +78,10 @@ impl Program for SolveContext<'_> {
         scale
     }
 
+    fn is_open(&self) -> bool {
+        !self.problem.calm.is_empty()
+    }
+
     fn information(&self) -> (f64, f64) {
         (self.problem.least_information(), self.problem.information())
     }

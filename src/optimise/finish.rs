@@ -7,7 +7,7 @@
 //!
 //! Where the constraints determine nearly every unknown, damping the Hessian would do nothing. Where
 //! they and the samples leave some open, as the turn of a body of which only the centre is seen, its
-//! exact Hessian is small or indefinite there: steps are then damped, `H + λ D`
+//! exact Hessian is small or indefinite there ([`Program::is_open`]): steps are then damped, `H + λ D`
 //! ([`Program::damping`]), the more the worse they go, and not at all in the last ones.
 
 use nalgebra::DVector;
@@ -26,10 +26,11 @@ const ACTIVE_ROUNDS: usize = 12;
 /// the decrease that the previous one predicted. The curvature of constraints and residuals is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
-/// Greatest number of halvings of a step, and of one with the exact Hessian, which is rather damped.
+/// Greatest number of halvings of a step, and of one that may rather be damped.
 const HALVINGS: [usize; 2] = [12, 3];
-/// Greatest number of corrections that lead a step back to the constraints,
-const CORRECTIONS: usize = 4;
+/// Greatest number of corrections that lead a step back to the constraints: of a whole step where
+/// nearly every unknown is determined, and of any where not,
+const CORRECTIONS: [usize; 2] = [1, 4];
 /// each of which must leave less than this share of the violation for another.
 const CORRECTED: f64 = 0.5;
 /// Least and greatest damping `λ`, and the factor from one to the next.
@@ -130,8 +131,8 @@ impl<P: Program> Finish<'_, P> {
             };
             let decrease = self.system.gradient.dot(&step.delta).abs();
             let promised = decrease / self.system.cost.max(NO_COST);
-            let halvings = HALVINGS[usize::from(is_slow)];
-            let taken = self.search(guidance, (&kkt, &step), halvings, &mut trial);
+            let may_damp = is_slow && self.program.is_open();
+            let taken = self.search(guidance, (&kkt, &step), may_damp, &mut trial);
             finished.decrease = match (taken, promised_before) {
                 // Convergence is at least linear: the next predicted decrease is smaller by at
                 // least the last ratio.
@@ -148,12 +149,13 @@ impl<P: Program> Finish<'_, P> {
             finished.converged = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease
                 && self.damping == 0.0;
-            if finished.converged || taken == Taken::Not && self.damping >= DAMPING.1 {
+            let is_stuck = !self.program.is_open() || self.damping >= DAMPING.1;
+            if finished.converged || taken == Taken::Not && is_stuck {
                 break;
             }
             if taken == Taken::Whole {
                 self.relax();
-            } else if is_slow {
+            } else if may_damp {
                 self.damp();
             }
             // Shortened or slowly converging steps mean that the Gauss–Newton model lacks
@@ -176,8 +178,8 @@ impl<P: Program> Finish<'_, P> {
         self.step_with(None)
     }
 
-    /// The step with the exact Hessian, damped until the model is convex on the active rows; `None`
-    /// where no damping makes it so.
+    /// The step with the exact Hessian, damped until the model is convex on the active rows where it
+    /// may be; `None` where it is not convex then.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
         let mut exact = self.system.hessian.clone();
         let at = (&self.point, &self.system);
@@ -191,7 +193,8 @@ impl<P: Program> Finish<'_, P> {
                 damped.add(pattern, row, row, self.damping * scale);
             }
             let step = self.step_with(Some(&damped));
-            if step.is_some() || self.damping >= DAMPING.1 {
+            let is_last = !self.program.is_open() || self.damping >= DAMPING.1;
+            if step.is_some() || is_last {
                 return step;
             }
             self.damp();
@@ -247,7 +250,7 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         (kkt, step): (&Kkt, &KktStep),
-        halvings: usize,
+        may_damp: bool,
         trial: &mut (P::Point, System),
     ) -> Taken {
         let largest =
@@ -256,7 +259,7 @@ impl<P: Program> Finish<'_, P> {
         let merit = |system: &System| system.cost + lagrangian * system.total_violation();
         let enough = merit(&self.system) * (1.0 + 1e-14);
         let mut delta = step.delta.clone();
-        for halving in 0..halvings {
+        for halving in 0..HALVINGS[usize::from(may_damp)] {
             let taken = if halving == 0 {
                 Taken::Whole
             } else {
@@ -266,8 +269,13 @@ impl<P: Program> Finish<'_, P> {
             if merit(&trial.1) <= enough {
                 return taken;
             }
+            let corrections = match halving {
+                _ if self.program.is_open() => CORRECTIONS[1],
+                0 => CORRECTIONS[0],
+                _ => 0,
+            };
             let mut corrected = delta.clone();
-            for _ in 0..CORRECTIONS {
+            for _ in 0..corrections {
                 let violation = trial.1.total_violation();
                 let at = (&self.system, &trial.1);
                 let structure = self.program.structure();

@@ -36,6 +36,12 @@ pub trait Program {
     /// [`Program::information`], with a typical step length `s` for every kind of unknown.
     fn damping(&self) -> DVector<f64>;
 
+    /// Whether the cost leaves directions open that constraints do not determine either, but for terms
+    /// that are next to nothing.
+    fn is_open(&self) -> bool {
+        false
+    }
+
     /// Scale of the cost's Hessian relative to the problem for which the weights of a
     /// [`Schedule`](super::Schedule) are given: least and greatest over the kinds of residuals.
     /// Weights of constraints are multiplied by it, so that they keep their proportion to the cost.
