@@ -17,6 +17,7 @@ mod general;
 mod nudged;
 mod residuals;
 
+use self::nudged::Nudged;
 use super::context::SolveContext;
 use super::point::Point;
 use crate::optimise::System;
@@ -30,7 +31,8 @@ pub(super) fn add(
     multipliers: &[f64],
     matrix: &mut Envelope,
 ) {
-    constraints::add(context, system, point, multipliers, matrix);
+    let mut nudged = Nudged::new(context, point);
+    constraints::add(&mut nudged, system, multipliers, matrix);
     residuals::add(context, system, point, multipliers, matrix);
-    general::add(context, point, matrix);
+    general::add(&mut nudged, matrix);
 }

@@ -7,7 +7,6 @@
 
 use super::nudged::Nudged;
 use crate::estimate::constraint::At;
-use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
@@ -15,15 +14,9 @@ use crate::optimise::envelope::Envelope;
 
 /// Adds the curvature of constraints with `multipliers`, row by row, and that of velocity gaps
 /// where these are priced.
-pub fn add(
-    context: &SolveContext,
-    system: &System,
-    point: &Point,
-    multipliers: &[f64],
-    matrix: &mut Envelope,
-) {
+pub fn add(nudged: &mut Nudged, system: &System, multipliers: &[f64], matrix: &mut Envelope) {
+    let context = nudged.context;
     let (problem, structure) = (context.problem, &context.layout.structure);
-    let mut nudged = Nudged::new(context, point);
     let mut multipliers = multipliers;
     let patterns = structure.blocks.iter().zip(&structure.priced);
     let blocks = system.blocks.iter().zip(&system.priced);
@@ -78,7 +71,7 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
-    use crate::estimate::context::Guidance;
+    use crate::estimate::context::{Guidance, SolveContext};
     use crate::estimate::tests::conditions::wished_cases;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
@@ -128,7 +121,8 @@ mod tests {
             });
             let gap_pulls: Vec<f64> = gap_pulls.collect();
             let mut matrix = Envelope::zeros(&context.layout.structure.pattern);
-            add(context, &system, point, &pulls, &mut matrix);
+            let mut at = Nudged::new(context, point);
+            add(&mut at, &system, &pulls, &mut matrix);
             let pattern = &context.layout.structure.pattern;
             for of in system.curvature(context.structure(), |row| pulls[row]) {
                 matrix.add(pattern, of.row, of.column, of.value);
@@ -141,7 +135,6 @@ mod tests {
                 }
                 first += block.values.len();
             }
-            let at = Nudged::new(context, point);
             let terms = system.values().zip(&pulls);
             let priced = system
                 .priced

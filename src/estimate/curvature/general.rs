@@ -4,9 +4,9 @@
 //! It is the derivative of `Jᵀr` less `JᵀJ`, by central differences of the exact `Jᵀr`: where nothing but
 //! the constraints' curvature tells how a body turns, that of the residuals counts as much.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::nudged::Nudged;
+use super::nudged::{Nudged, TIME_STEP_S};
 use crate::estimate::context::SolveContext;
 use crate::estimate::observed::{Observed, Observer};
 use crate::estimate::point::Point;
@@ -14,29 +14,22 @@ use crate::estimate::problem::View;
 use crate::optimise::envelope::Envelope;
 use crate::physics::Dynamics;
 
-/// Step of a difference by the times of all samples \[s\].
-const TIME_STEP_S: f64 = 1e-6;
-
 /// Adds it.
-pub fn add(context: &SolveContext, point: &Point, matrix: &mut Envelope) {
+pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
+    let (context, point) = (nudged.context, nudged.origin);
     let problem = context.problem;
-    let mut nudged = Nudged::new(context, point);
     for (arc, view) in problem.views().filter(|(_, view)| !view.is_plain) {
         let seen = General::new(context, arc, view);
         // Where no body has such moments there is nothing to bend.
-        let _ = seen.add(point, &mut nudged, matrix);
+        let _ = seen.add(nudged, matrix);
     }
     for pull in problem.pulls.iter().chain(&problem.calm) {
         let (_, by_state) = pull.term(&point.arcs[pull.arc]);
         let own: Vec<usize> = context.layout.state(problem, pull.arc).collect();
-        let slopes = own.iter().map(|at| {
-            nudged.slope(*at, |point| {
-                let (residuals, by_state) = pull.term(&point.arcs[pull.arc]);
-                by_state.tr_mul(&residuals).as_slice().to_vec()
-            })
+        let slopes = nudged.slopes(&own, |point| {
+            let (residuals, by_state) = pull.term(&point.arcs[pull.arc]);
+            by_state.tr_mul(&residuals)
         });
-        let slopes: Vec<Vec<f64>> = slopes.collect();
-        let slopes = DMatrix::from_fn(own.len(), own.len(), |i, j| slopes[j][i]);
         let lacks = slopes - by_state.tr_mul(&by_state);
         add_own(context, &own, &lacks, matrix);
     }
@@ -64,24 +57,19 @@ impl<'a> General<'a> {
     }
 
     /// Adds what the Hessian lacks; `None` where no body has such moments.
-    fn add(&self, point: &Point, nudged: &mut Nudged, matrix: &mut Envelope) -> Option<()> {
-        let layout = self.context.layout;
+    fn add(&self, nudged: &mut Nudged, matrix: &mut Envelope) -> Option<()> {
+        let (layout, point) = (self.context.layout, nudged.origin);
         let here = self.observed(point, 0.0)?;
-        let samples = here.len();
-        let slopes = self.own.iter().map(|at| {
-            nudged.slope(*at, |point| match self.observed(point, 0.0) {
-                Some(there) => self.gradient(&there),
-                None => vec![0.0; self.own.len() + samples],
-            })
+        let own = self.own.len();
+        let slopes = nudged.slopes(&self.own, |point| match self.observed(point, 0.0) {
+            Some(there) => self.gradient(&there),
+            None => DVector::zeros(own + here.len()),
         });
-        let slopes: Vec<Vec<f64>> = slopes.collect();
         let squares = here.iter().map(|of| {
             let columns: Vec<&[f64; 6]> = columns(of).collect();
-            DMatrix::from_fn(self.own.len(), self.own.len(), |i, j| {
-                dot(columns[i], columns[j])
-            })
+            DMatrix::from_fn(own, own, |i, j| dot(columns[i], columns[j]))
         });
-        let slope = DMatrix::from_fn(self.own.len(), self.own.len(), |i, j| slopes[j][i]);
+        let slope = slopes.rows(0, own).into_owned();
         let lacks = squares.fold(slope, |left, square| left - square);
         add_own(self.context, &self.own, &lacks, matrix);
 
@@ -101,8 +89,10 @@ impl<'a> General<'a> {
                 [&after[index], &before[index]].map(|then| dot(&then.by_time, &then.residual));
             let by_time = (later - earlier) / (2.0 * TIME_STEP_S) - dot(&of.by_time, &of.by_time);
             for (at, share) in &nodes {
-                for ((other, column), slope) in self.own.iter().zip(columns(of)).zip(&slopes) {
-                    let lacks = slope[self.own.len() + index] - dot(column, &of.by_time);
+                let own_slopes = slopes.row(own + index);
+                let unknowns = self.own.iter().zip(columns(of));
+                for ((other, column), slope) in unknowns.zip(own_slopes.iter()) {
+                    let lacks = slope - dot(column, &of.by_time);
                     self.add_entry((*at, *other), share * lacks, matrix);
                 }
                 for (other, other_share) in nodes.iter().filter(|(other, _)| other <= at) {
@@ -142,7 +132,7 @@ impl<'a> General<'a> {
     }
 
     /// `Jᵀr` by its own unknowns, and sample by sample by the time.
-    fn gradient(&self, seen: &[Observed]) -> Vec<f64> {
+    fn gradient(&self, seen: &[Observed]) -> DVector<f64> {
         let mut gradient = vec![0.0; self.own.len()];
         for of in seen {
             for (sum, column) in gradient.iter_mut().zip(columns(of)) {
@@ -150,7 +140,7 @@ impl<'a> General<'a> {
             }
         }
         gradient.extend(seen.iter().map(|of| dot(&of.by_time, &of.residual)));
-        gradient
+        DVector::from_vec(gradient)
     }
 }
 

@@ -1,5 +1,7 @@
 //! A point of which one unknown at a time is displaced, for differences of exact derivatives.
 
+use nalgebra::{DMatrix, DVector};
+
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::optimise::block::BlockPattern;
@@ -11,7 +13,7 @@ use crate::physics::state::{self, StateTangent};
 /// [rad/s].
 const STEPS: [f64; 4] = [5e-6, 1e-5, 5e-5, 5e-5];
 /// Step of a time \[s\].
-const TIME_STEP_S: f64 = 1e-6;
+pub(super) const TIME_STEP_S: f64 = 1e-6;
 /// Step of a parameter, relative to its length.
 const PARAMETER_STEP: f64 = 1e-5;
 
@@ -35,10 +37,11 @@ enum Owner {
 
 /// A point of which one unknown at a time is displaced.
 pub(super) struct Nudged<'a> {
-    context: &'a SolveContext<'a>,
-    origin: &'a Point,
-    /// The displaced point.
-    pub(super) point: Point,
+    /// Where the point is one of.
+    pub(super) context: &'a SolveContext<'a>,
+    /// The point with nothing displaced.
+    pub(super) origin: &'a Point,
+    point: Point,
     owners: Vec<Owner>,
     /// Two values of `Jᵀν` over all unknowns, zero between uses.
     pulls: [Vec<f64>; 2],
@@ -106,20 +109,22 @@ impl<'a> Nudged<'a> {
         }
     }
 
-    /// Derivative of a list of numbers by one unknown.
-    pub(super) fn slope(
+    /// Derivatives of a list of numbers by some unknowns, column by column.
+    pub(super) fn slopes(
         &mut self,
-        unknown: usize,
-        mut of: impl FnMut(&Point) -> Vec<f64>,
-    ) -> Vec<f64> {
-        let step = self.step(unknown);
-        let [after, before] = [step, -step].map(|by| {
-            self.nudge(unknown, by);
-            of(&self.point)
+        unknowns: &[usize],
+        of: impl Fn(&Point) -> DVector<f64>,
+    ) -> DMatrix<f64> {
+        let columns = unknowns.iter().map(|unknown| {
+            let step = self.step(*unknown);
+            let [after, before] = [step, -step].map(|by| {
+                self.nudge(*unknown, by);
+                of(&self.point)
+            });
+            self.nudge(*unknown, 0.0);
+            (after - before) / (2.0 * step)
         });
-        self.nudge(unknown, 0.0);
-        let pairs = after.iter().zip(&before);
-        pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        DMatrix::from_columns(&columns.collect::<Vec<_>>())
     }
 
     /// Adds the symmetric part of the derivative of `pull` by the unknowns of some patterns.

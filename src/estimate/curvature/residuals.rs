@@ -303,6 +303,7 @@ mod tests {
     use super::*;
     use crate::estimate::context::Guidance;
     use crate::estimate::curvature::general;
+    use crate::estimate::curvature::nudged::Nudged;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 
@@ -332,7 +333,7 @@ mod tests {
             let mut matrix = system.hessian.clone();
             let pulls = vec![0.0; system.row_count()];
             add(&context, &system, point, &pulls, &mut matrix);
-            general::add(&context, point, &mut matrix);
+            general::add(&mut Nudged::new(&context, point), &mut matrix);
             let damping = context.damping();
             let cost = |delta: &DVector<f64>| {
                 let mut there = point.clone();
