@@ -121,8 +121,8 @@ impl<P: Program> Finish<'_, P> {
         // At an apex the constraint's own curvature alone would be a wrong model.
         let mut is_slow = self.system.has_pulled_curvature(&self.multipliers);
         for taken_before in 0..DAMPED_STEPS * tolerances.steps {
-            let is_late = taken_before >= tolerances.steps && self.damping == 0.0;
-            if is_late || should_stop() {
+            let is_over = taken_before >= tolerances.steps && self.damping == 0.0;
+            if is_over || should_stop() {
                 break;
             }
             self.work.iterations += 1;
@@ -149,8 +149,7 @@ impl<P: Program> Finish<'_, P> {
             finished.converged = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease
                 && self.damping == 0.0;
-            let is_stuck = !self.program.is_open() || self.damping >= DAMPING.1;
-            if finished.converged || taken == Taken::Not && is_stuck {
+            if finished.converged || taken == Taken::Not && !self.can_damp() {
                 break;
             }
             if taken == Taken::Whole {
@@ -185,20 +184,32 @@ impl<P: Program> Finish<'_, P> {
         let at = (&self.point, &self.system);
         self.program
             .add_curvature(at, &self.multipliers, &mut exact);
-        let scale = self.program.damping();
         loop {
-            let mut damped = exact.clone();
-            for (row, scale) in scale.iter().enumerate() {
-                let pattern = &self.program.structure().pattern;
-                damped.add(pattern, row, row, self.damping * scale);
-            }
-            let step = self.step_with(Some(&damped));
-            let is_last = !self.program.is_open() || self.damping >= DAMPING.1;
-            if step.is_some() || is_last {
+            let step = if self.damping > 0.0 {
+                self.step_with(Some(&self.damped(&exact)))
+            } else {
+                self.step_with(Some(&exact))
+            };
+            if step.is_some() || !self.can_damp() {
                 return step;
             }
             self.damp();
         }
+    }
+
+    /// `H + λ D`.
+    fn damped(&self, exact: &Envelope) -> Envelope {
+        let pattern = &self.program.structure().pattern;
+        let mut damped = exact.clone();
+        for (row, scale) in self.program.damping().iter().enumerate() {
+            damped.add(pattern, row, row, self.damping * scale);
+        }
+        damped
+    }
+
+    /// Whether steps may be damped more than they are.
+    fn can_damp(&self) -> bool {
+        self.program.is_open() && self.damping < DAMPING.1
     }
 
     fn damp(&mut self) {
