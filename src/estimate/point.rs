@@ -28,7 +28,8 @@ impl Point {
     pub fn new(problem: &Problem, guess: &Guess) -> Self {
         let mut node_times_s = problem.nodes_acted_s.clone();
         for (arc, arc_guess) in problem.arcs.iter().zip(&guess.arcs) {
-            for (sample, time_s) in arc.samples_as_read().zip(&arc_guess.sample_times_s) {
+            let samples = arc.samples_as_read().flat_map(|(_, samples)| samples);
+            for (sample, time_s) in samples.zip(&arc_guess.sample_times_s) {
                 if sample.share == 0.0 {
                     node_times_s[sample.node] = *time_s;
                 }
@@ -53,6 +54,7 @@ impl Point {
             state: *state,
             sample_times_s: arc
                 .samples_as_read()
+                .flat_map(|(_, samples)| samples)
                 .map(|sample| sample.time_s(&self.node_times_s))
                 .collect(),
         });

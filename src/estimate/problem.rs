@@ -141,13 +141,13 @@ impl Arc {
         self.views.iter().map(|view| view.samples.len()).sum()
     }
 
-    /// Its samples as they are in the sketch: track by track, in order of time whatever each shows.
-    pub fn samples_as_read(&self) -> impl Iterator<Item = &ArcSample> {
+    /// Its samples as they are in the sketch: of each track in order of time, whatever each shows.
+    pub fn samples_as_read(&self) -> impl Iterator<Item = (TrackIndex, Vec<&ArcSample>)> {
         let tracks = self.views.chunk_by(|a, b| a.track == b.track);
-        tracks.flat_map(|kinds| {
+        tracks.map(|kinds| {
             let mut samples: Vec<&ArcSample> = kinds.iter().flat_map(|of| &of.samples).collect();
             samples.sort_by_key(|sample| sample.stamp);
-            samples
+            (kinds[0].track, samples)
         })
     }
 

@@ -3,21 +3,14 @@
 //! Beside a sample with a known time the bounds of its own parameter do
 //! ([`Scene::with_sample_times`](crate::motion::Scene::with_sample_times)).
 
-use std::collections::BTreeSet;
-
 use super::problem::{Arc, ArcSample, Beside, SampleOrder};
-use crate::motion::TrackIndex;
 
 /// The orders of the samples of all arcs; `bounds` says whether an event has a time apart from those of
 /// the samples.
 pub(super) fn of_arcs(arcs: &[Arc], bounds: impl Fn(usize) -> bool) -> Vec<SampleOrder> {
     let mut orders = Vec::new();
     for (index, arc) in arcs.iter().enumerate() {
-        let tracks: BTreeSet<TrackIndex> = arc.views.iter().map(|view| view.track).collect();
-        for track in tracks {
-            let own = arc.views.iter().filter(|view| view.track == track);
-            let mut samples: Vec<ArcSample> = own.flat_map(|view| view.samples.clone()).collect();
-            samples.sort_by_key(|sample| sample.stamp);
+        for (track, samples) in arc.samples_as_read() {
             let mut add = |sample: &ArcSample, beside: Beside| {
                 orders.push(SampleOrder {
                     arc: index,
@@ -34,7 +27,7 @@ pub(super) fn of_arcs(arcs: &[Arc], bounds: impl Fn(usize) -> bool) -> Vec<Sampl
             }
             for pair in samples.windows(2) {
                 if pair.iter().all(|sample| sample.open.is_some()) {
-                    add(&pair[0], Beside::Next(pair[1]));
+                    add(pair[0], Beside::Next(*pair[1]));
                 }
             }
             if let (Some(last), Some(event)) = (samples.last(), arc.end)

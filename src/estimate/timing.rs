@@ -46,11 +46,15 @@ fn open_at(problem: &Problem, arc: &Arc, event: usize) -> Option<usize> {
     sample.open
 }
 
+/// The parameters that are added to the time of an event at an arc.
+fn added_at(problem: &Problem, arc: &Arc, event: usize) -> impl Iterator<Item = usize> {
+    let added = [clock_at(problem, arc, event), open_at(problem, arc, event)];
+    added.into_iter().flatten()
+}
+
 /// Physical time of an event at an arc \[s\], where sample times are known.
 pub(super) fn time_at_s(problem: &Problem, point: &Point, arc: &Arc, event: usize) -> f64 {
-    let added = [clock_at(problem, arc, event), open_at(problem, arc, event)];
-    let added_s = added.into_iter().flatten();
-    added_s.fold(point.event_times_s[event], |time_s, parameter| {
+    added_at(problem, arc, event).fold(point.event_times_s[event], |time_s, parameter| {
         time_s + point.parameters[parameter]
     })
 }
@@ -107,11 +111,7 @@ pub(super) fn event_moment(context: &SolveContext, point: &Point, event: usize) 
         return vec![(at, 1.0)];
     }
     if let Some(arc) = ended_by(context.problem, point, event) {
-        let added = [
-            clock_at(context.problem, arc, event),
-            open_at(context.problem, arc, event),
-        ];
-        let added = added.into_iter().flatten();
+        let added = added_at(context.problem, arc, event);
         let moment: Moment = added
             .map(|parameter| (context.layout.parameters[parameter], 1.0))
             .collect();

@@ -16,7 +16,7 @@ use super::constraint::At;
 use super::context::SolveContext;
 use super::point::Point;
 use super::problem::{Arc, ArcSample, EventMark, Ordered, Problem, TimeBound, TimeSide, Waypoint};
-use crate::motion::{Goal, GoalTarget, MechanismIndex, Moment, Scene, Sketch, Timing};
+use crate::motion::{Goal, GoalTarget, LinkIndex, MechanismIndex, Moment, Scene, Sketch, Timing};
 use crate::optimise::block::Block;
 
 /// The waypoints whose flights are there.
@@ -39,11 +39,6 @@ pub(super) fn kept_within(
     event_is_free: &[bool],
 ) -> (Vec<Ordered>, Vec<TimeBound>) {
     let (mut ordered, mut bounds) = (Vec::new(), Vec::new());
-    let acted_s = |sample: &ArcSample| {
-        let from_s = nodes_acted_s[sample.node];
-        let next_s = nodes_acted_s.get(sample.node + 1);
-        next_s.map_or(from_s, |to_s| from_s + sample.share * (to_s - from_s))
-    };
     for waypoint in waypoints {
         let event = waypoint.event;
         let mut keep = |side: TimeSide, neighbour: Option<usize>, sample: Option<&ArcSample>| {
@@ -63,7 +58,7 @@ pub(super) fn kept_within(
                     }
                     _ => sketch.marks_s[other],
                 }),
-                None => sample.map(acted_s),
+                None => sample.map(|sample| sample.time_s(nodes_acted_s)),
             };
             bounds.extend(at_s.map(|acted_s| TimeBound {
                 event,
@@ -113,7 +108,7 @@ fn mechanisms(scene: &Scene, event: usize, own: MechanismIndex) -> Vec<Mechanism
 }
 
 /// The links whose states a goal is about: none of a time.
-fn goal_links(goal: &Goal) -> impl Iterator<Item = crate::motion::LinkIndex> {
+fn goal_links(goal: &Goal) -> impl Iterator<Item = LinkIndex> {
     let (own, other) = match &goal.target {
         GoalTarget::Condition(of) if of.quantity.is_time() => (None, None),
         GoalTarget::Condition(of) => (Some(goal.link), of.quantity.seen_from()),
