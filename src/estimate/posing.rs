@@ -43,12 +43,7 @@ impl Problem {
             is_plain: true,
         });
         let mut arcs: Vec<Arc> = arcs.collect();
-        let parameter = |quantity: Quantity| {
-            scene
-                .parameters
-                .iter()
-                .position(|free| free.quantity == quantity)
-        };
+        let parameter = |quantity: Quantity| scene.parameter_of(quantity);
         let gravity_parameters = [0, 1, 2].map(|axis| parameter(Quantity::Gravity { axis }));
         let flights: Vec<usize> = (0..arcs.len())
             .map(|index| {

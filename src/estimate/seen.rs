@@ -5,9 +5,7 @@ use nalgebra::{Matrix6, Vector3};
 use super::nodes::Nodes;
 use super::problem::{ArcSample, Shows, View};
 use crate::math::so3;
-use crate::motion::{
-    Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track, TrackIndex, Weighing,
-};
+use crate::motion::{Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
 
 /// The views of a segment: of every track one, or one of each kind of sample where it has several.
 pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Vec<View> {
@@ -31,7 +29,10 @@ pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &N
                 kinds.push(begun(shows));
                 kinds.len() - 1
             });
-            let open = open(scene, of.track, index);
+            let open = scene.parameter_of(Quantity::SampleTime {
+                track: of.track,
+                sample: index,
+            });
             let placed = placed(sample, shows, nodes);
             kinds[at].samples.push(ArcSample { open, ..placed });
             if let Some(covariance) = covariances.get(index) {
@@ -102,13 +103,6 @@ fn placed(sample: &Sample, shows: Shows, nodes: &Nodes) -> ArcSample {
         share,
         open: None,
     }
-}
-
-/// The parameter that holds the time of a sample.
-fn open(scene: &Scene, track: TrackIndex, sample: usize) -> Option<usize> {
-    let time = Quantity::SampleTime { track, sample };
-    let mut parameters = scene.parameters.iter();
-    parameters.position(|free| free.quantity == time)
 }
 
 /// `L⁻¹` of the covariance `L Lᵀ` of what is seen; zero in the rest.

@@ -14,7 +14,7 @@ mod turns;
 
 use self::flown::keys;
 use self::follow::{Course, Way};
-use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch, TrackIndex};
+use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch};
 use crate::physics::State;
 
 /// Whether the flights of a sketch start from keyframes: few poses of every flight, of the first of
@@ -87,7 +87,8 @@ fn guess<'w>(
             let arc = &mut guess.arcs[*index];
             (arc.epoch_s, arc.state) = (flown.epoch_s + offset_s, flown.state);
             let track = segments[*index].views[0].track;
-            if let Some(clock) = clock_of(scene, track, flight) {
+            let clock = Quantity::FlightClock { track, flight };
+            if let Some(clock) = scene.parameter_of(clock) {
                 guess.parameters[clock] = offset_s;
             }
             if let (Some(event), Some(time_s)) =
@@ -98,11 +99,4 @@ fn guess<'w>(
         }
     }
     guess
-}
-
-/// The parameter that holds the clock of a track's flight.
-fn clock_of(scene: &Scene, track: TrackIndex, flight: usize) -> Option<usize> {
-    let clock = Quantity::FlightClock { track, flight };
-    let mut parameters = scene.parameters.iter();
-    parameters.position(|free| free.quantity == clock)
 }

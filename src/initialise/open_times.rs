@@ -3,6 +3,8 @@
 //! Samples of a flight come one after the other. Of all times in their order those are taken at which
 //! the sum of squared distances is least: exactly, on a grid, by dynamic programming.
 
+use nalgebra::Vector3;
+
 use crate::math::so3;
 use crate::motion::{
     ArcGuess, Guess, MechanismIndex, Quantity, Sample, Scene, Seen, Segment, Sketch, View,
@@ -21,24 +23,21 @@ pub(super) fn place(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess:
         let flight = flight.filter(|other| other.mechanism == segment.mechanism);
         let flight = flight.count();
         for view in &segment.views {
-            let parameter = |quantity: Quantity| {
-                let mut parameters = scene.parameters.iter();
-                parameters.position(|free| free.quantity == quantity)
-            };
             let track = view.track;
             let free = view.samples.clone().map(|sample| {
-                let time = parameter(Quantity::SampleTime { track, sample });
+                let time = scene.parameter_of(Quantity::SampleTime { track, sample });
                 (sample, time)
             });
             let free: Vec<(usize, Option<usize>)> = free.collect();
             if free.iter().all(|(_, parameter)| parameter.is_none()) {
                 continue;
             }
-            let clock = parameter(Quantity::FlightClock { track, flight });
+            let clock = scene.parameter_of(Quantity::FlightClock { track, flight });
             let clock_s = clock.map_or(0.0, |clock| guess.parameters[clock]);
             let flown = Flown {
                 scene,
                 mechanism: segment.mechanism,
+                lever_m: scene.tracks[track].point_m(),
                 arc: &guess.arcs[index],
                 clock_s,
             };
@@ -60,6 +59,8 @@ pub(super) fn place(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess:
 struct Flown<'a> {
     scene: &'a Scene,
     mechanism: MechanismIndex,
+    /// Where the tracker is in body axes \[m\].
+    lever_m: Vector3<f64>,
     arc: &'a ArcGuess,
     clock_s: f64,
 }
@@ -76,8 +77,8 @@ impl Flown<'_> {
         let weights = &self.scene.weights;
         let place = sample.seen.position_m().map(|seen_m| {
             let lever_m = match sample.seen {
-                Seen::Point(_) => self.lever_m(),
-                _ => nalgebra::Vector3::zeros(),
+                Seen::Point(_) => self.lever_m,
+                _ => Vector3::zeros(),
             };
             let there_m = state.position_m + state.orientation * lever_m;
             (there_m - seen_m).norm_squared() / weights.position_m.powi(2)
@@ -87,13 +88,6 @@ impl Flown<'_> {
             off.norm_squared() / weights.orientation_rad.powi(2)
         });
         place.unwrap_or(0.0) + turn.unwrap_or(0.0)
-    }
-
-    /// Where the tracker is in body axes \[m\].
-    fn lever_m(&self) -> nalgebra::Vector3<f64> {
-        let mut tracks = self.scene.tracks_of(self.mechanism);
-        let track = tracks.next().map(|track| &self.scene.tracks[track]);
-        track.map_or_else(nalgebra::Vector3::zeros, |track| track.point_m())
     }
 
     /// The times of a view's samples: those that are known, and for the others the nearest.

@@ -113,9 +113,15 @@ impl Scene {
         }
     }
 
+    /// The parameter that frees a quantity (index into [`Scene::parameters`]); `None` where none does.
+    pub fn parameter_of(&self, quantity: Quantity) -> Option<usize> {
+        let mut parameters = self.parameters.iter();
+        parameters.position(|free| free.quantity == quantity)
+    }
+
     /// Whether a parameter frees the quantity.
     pub fn frees(&self, quantity: Quantity) -> bool {
-        self.parameters.iter().any(|free| free.quantity == quantity)
+        self.parameter_of(quantity).is_some()
     }
 
     /// A parameter that frees a quantity from a value on: with the quantity's name, within what is
