@@ -231,6 +231,7 @@ mod tests {
         let flight = Flight {
             arc: &arc,
             residual: &residual,
+            times: &[],
             readings: readings.collect(),
         };
         let fit = dragged(&flight, &body, &GRAVITY).unwrap();

@@ -19,7 +19,7 @@ pub fn doubts(
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts((scene, sketch), estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
-    doubts.extend(open_times::doubts(estimate));
+    doubts.extend(open_times::doubts(&flights));
     doubts.extend(outside::doubts(scene, &flights));
     doubts.extend(parameters::doubts(given, estimate));
     let rivals = estimate.rivals as f64;

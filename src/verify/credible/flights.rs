@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{ArcEstimate, Estimate, Place, Scene, Seen, SegmentResidual, Sketch};
+use crate::motion::{
+    ArcEstimate, Estimate, Place, SampleTime, Scene, Seen, SegmentResidual, Sketch,
+};
 use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
 
@@ -23,6 +25,8 @@ pub(super) struct FlightSample {
 pub(super) struct Flight<'a> {
     pub(super) arc: &'a ArcEstimate,
     pub(super) residual: &'a SegmentResidual,
+    /// Times of all its samples.
+    pub(super) times: &'a [SampleTime],
     pub(super) readings: Vec<FlightSample>,
 }
 
@@ -42,7 +46,7 @@ pub(super) fn flights<'a>(
     sketch: &Sketch,
     estimate: &'a Estimate,
 ) -> Vec<Flight<'a>> {
-    let mut times = estimate.sample_times.iter();
+    let mut rest = estimate.sample_times.as_slice();
     let residuals = estimate.residuals.iter();
     residuals
         .map(|residual| {
@@ -51,7 +55,9 @@ pub(super) fn flights<'a>(
             let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
             let mut fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
             let mut spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
-            let readings = times.by_ref().take(residual.samples).filter_map(|time| {
+            let (times, after) = rest.split_at(residual.samples.min(rest.len()));
+            rest = after;
+            let readings = times.iter().filter_map(|time| {
                 let samples = &sketch.tracks[time.track].samples;
                 let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
                 let sample = &samples[at.ok()?];
@@ -71,6 +77,7 @@ pub(super) fn flights<'a>(
             Flight {
                 arc,
                 residual,
+                times,
                 readings: readings.collect(),
             }
         })

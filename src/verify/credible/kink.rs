@@ -121,6 +121,7 @@ mod tests {
             Flight {
                 arc: &arcs[first / 6],
                 residual: &residual,
+                times: &[],
                 readings: readings.collect(),
             }
         });

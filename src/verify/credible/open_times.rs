@@ -2,32 +2,26 @@
 
 use std::collections::BTreeMap;
 
-use crate::motion::{About, Doubt, Estimate, Place};
+use super::flights::Flight;
+use crate::motion::{About, Doubt, Place};
 
 /// Least number of keyframes of a flight whose times are known, where others are not. With one, the
 /// same poses at other times are passed by motions that turn otherwise.
 const KNOWN: usize = 2;
 
-pub(super) fn doubts(estimate: &Estimate) -> Vec<Doubt> {
-    // Keyframes of each flight: whose times are known, and whose are not.
-    let mut counts: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
-    let mut times = estimate.sample_times.iter();
-    for residual in &estimate.residuals {
-        for time in times.by_ref().take(residual.samples) {
-            counts.entry(residual.arc).or_default()[usize::from(time.is_open)] += 1;
+pub(super) fn doubts(flights: &[Flight]) -> Vec<Doubt> {
+    // Of each arc, whatever its keyframes show: how many times are known, and how many are not.
+    let mut counts: BTreeMap<usize, (Place, [usize; 2])> = BTreeMap::new();
+    for flight in flights {
+        let of_arc = counts.entry(flight.residual.arc);
+        let (_, counts) = of_arc.or_insert_with(|| (flight.place(), [0; 2]));
+        for time in flight.times {
+            counts[usize::from(time.is_open)] += 1;
         }
     }
-    let doubts = counts.into_iter().filter_map(|(arc, [known, open])| {
-        let of = &estimate.arcs[arc];
-        let place = Place::Flight {
-            mechanism: of.mechanism,
-            start_s: of.start_s,
-        };
-        let lacks = if open > 0 {
-            KNOWN.saturating_sub(known)
-        } else {
-            0
-        };
+    let doubts = counts.into_values().filter_map(|(place, [known, open])| {
+        let least = if open > 0 { KNOWN } else { 0 };
+        let lacks = least.saturating_sub(known);
         Doubt::beyond(About::OpenTimes, place, lacks as f64, 0.0)
     });
     doubts.collect()

@@ -67,6 +67,7 @@ mod tests {
             beyond_s(&Flight {
                 arc: &arc,
                 residual: &residual,
+                times: &[],
                 readings: readings.to_vec(),
             })
         };
