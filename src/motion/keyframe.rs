@@ -60,8 +60,8 @@ impl Scene {
 impl Track {
     /// What the track's tracker reads of a keyframe. Where its time is not known, `near` says where
     /// among others it is, and where the search for its time begins; `may_be_open` is
-    /// [`Scene::may_have_open_times`]. Fails, in words and with what to
-    /// do instead, where the keyframe cannot be estimated.
+    /// [`Scene::may_have_open_times`]. Fails, in words and with what to do instead, where the keyframe
+    /// cannot be estimated.
     pub fn reading_of(
         &self,
         keyframe: &Keyframe,
