@@ -1,17 +1,17 @@
 //! The finish: sequential quadratic programming by KKT steps ([`super::kkt`]) until the constraints
 //! hold to rounding.
 //!
-//! Steps are accepted by the ℓ₁ merit `f + μ Σ |violation|` with `μ = 1.5 max |ν|`: in full, in
-//! full with corrections that lead it back to the constraints, or halved (Nocedal and Wright,
-//! *Numerical Optimization*, chapter 18).
+//! Steps are accepted by a merit ([`search`]): in full, in full with corrections that lead it back to
+//! the constraints, or halved.
 //!
 //! Where the constraints determine nearly every unknown, damping the Hessian would do nothing. Where
 //! they and the samples leave some open, as the turn of a body of which only the centre is seen, its
 //! exact Hessian is small or indefinite there ([`Program::is_open`]): steps are then damped, `H + λ D`
-//! ([`Program::damping`]), the more the worse they go, and not at all in the last ones.
+//! ([`Program::damping`]), the more the worse they go.
 
-use nalgebra::DVector;
+mod search;
 
+use self::search::Taken;
 use super::active::ActiveSet;
 use super::envelope::Envelope;
 use super::kkt::{Kkt, KktStep};
@@ -26,13 +26,6 @@ const ACTIVE_ROUNDS: usize = 12;
 /// the decrease that the previous one predicted. The curvature of constraints and residuals is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
-/// Greatest number of halvings of a step, and of one that may rather be damped.
-const HALVINGS: [usize; 2] = [12, 3];
-/// Greatest number of corrections that lead a step back to the constraints: of a whole step where
-/// nearly every unknown is determined, and of any where not,
-const CORRECTIONS: [usize; 2] = [1, 4];
-/// each of which must leave less than this share of the violation for another.
-const CORRECTED: f64 = 0.5;
 /// Least and greatest damping `λ`, and the factor from one to the next.
 const DAMPING: (f64, f64) = (1e-6, 1e4);
 const DAMPING_FACTOR: f64 = 4.0;
@@ -77,14 +70,6 @@ pub struct Finished {
     pub decrease: f64,
 }
 
-/// How much of a step was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Taken {
-    Whole,
-    Part,
-    Not,
-}
-
 /// A point on its way through the finish.
 pub struct Finish<'a, P: Program> {
     /// What is minimised.
@@ -110,7 +95,7 @@ impl<P: Program> Finish<'_, P> {
         tolerances: &Tolerances,
         should_stop: &mut dyn FnMut() -> bool,
     ) -> Finished {
-        let mut trial = (self.point.clone(), self.system.clone());
+        let mut trial = self.here();
         let mut finished = Finished {
             converged: false,
             tolerances: *tolerances,
@@ -129,8 +114,7 @@ impl<P: Program> Finish<'_, P> {
             let Some((kkt, step)) = self.step(is_slow) else {
                 break;
             };
-            let decrease = self.system.gradient.dot(&step.delta).abs();
-            let promised = decrease / self.system.cost.max(NO_COST);
+            let promised = self.promises(&step);
             let may_damp = is_slow && self.program.is_open();
             let taken = self.search(guidance, (&kkt, &step), may_damp, &mut trial);
             finished.decrease = match (taken, promised_before) {
@@ -140,15 +124,12 @@ impl<P: Program> Finish<'_, P> {
                 _ => promised,
             };
             if taken != Taken::Not {
-                std::mem::swap(&mut self.point, &mut trial.0);
-                std::mem::swap(&mut self.system, &mut trial.1);
-                self.multipliers = step.multipliers;
+                self.go(&mut trial);
             }
             finished.violation = self.system.violation();
-            // A damped step promises little wherever it is.
             finished.converged = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease
-                && self.damping == 0.0;
+                && (self.damping == 0.0 || self.promises_undamped() < tolerances.decrease);
             if finished.converged || taken == Taken::Not && !self.can_damp() {
                 break;
             }
@@ -165,6 +146,24 @@ impl<P: Program> Finish<'_, P> {
             promised_before = (taken == Taken::Whole).then_some(promised);
         }
         finished
+    }
+
+    /// Decrease `|g·d|` that a step predicts, relative to the objective.
+    fn promises(&self, step: &KktStep) -> f64 {
+        self.system.gradient.dot(&step.delta).abs() / self.system.cost.max(NO_COST)
+    }
+
+    /// What a step with next to no damping predicts, since a damped one promises little wherever it is;
+    /// infinite where the model is not convex without more.
+    fn promises_undamped(&mut self) -> f64 {
+        let damping = std::mem::replace(&mut self.damping, DAMPING.0);
+        let step = self.curved_step();
+        let is_convex = self.damping == DAMPING.0;
+        self.damping = damping;
+        match step.filter(|_| is_convex) {
+            Some((_, step)) => self.promises(&step),
+            None => f64::INFINITY,
+        }
     }
 
     /// The step to the optimum of the quadratic programme at the current point. The active set is
@@ -242,66 +241,5 @@ impl<P: Program> Finish<'_, P> {
         let kkt = Kkt::new(program, system, multipliers)?;
         let step = kkt.step(structure, (system, None));
         Some((kkt, step))
-    }
-
-    fn evaluate(
-        &mut self,
-        guidance: &P::Guidance,
-        delta: &DVector<f64>,
-        (point, system): &mut (P::Point, System),
-    ) {
-        self.program.retract(&self.point, delta, point);
-        self.program.evaluate(guidance, point, system);
-        self.work.evaluations += 1;
-    }
-
-    /// Tries the full step, the full step led back to the constraints, a half, a quarter, … until
-    /// the ℓ₁ merit is not increased; leaves the result in `trial`.
-    fn search(
-        &mut self,
-        guidance: &P::Guidance,
-        (kkt, step): (&Kkt, &KktStep),
-        may_damp: bool,
-        trial: &mut (P::Point, System),
-    ) -> Taken {
-        let largest =
-            |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let lagrangian = 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12;
-        let merit = |system: &System| system.cost + lagrangian * system.total_violation();
-        let enough = merit(&self.system) * (1.0 + 1e-14);
-        let mut delta = step.delta.clone();
-        for halving in 0..HALVINGS[usize::from(may_damp)] {
-            let taken = if halving == 0 {
-                Taken::Whole
-            } else {
-                Taken::Part
-            };
-            self.evaluate(guidance, &delta, trial);
-            if merit(&trial.1) <= enough {
-                return taken;
-            }
-            let corrections = match halving {
-                _ if self.program.is_open() => CORRECTIONS[1],
-                0 => CORRECTIONS[0],
-                _ => 0,
-            };
-            let mut corrected = delta.clone();
-            for _ in 0..corrections {
-                let violation = trial.1.total_violation();
-                let at = (&self.system, &trial.1);
-                let structure = self.program.structure();
-                corrected += kkt.correction(structure, at, &delta);
-                self.evaluate(guidance, &corrected, trial);
-                if merit(&trial.1) <= enough {
-                    return taken;
-                }
-                // Written so that NaN ends it too.
-                if !(trial.1.total_violation() < CORRECTED * violation) {
-                    break;
-                }
-            }
-            delta *= 0.5;
-        }
-        Taken::Not
     }
 }
