@@ -29,6 +29,9 @@ const STALLED_ROUNDS: usize = 2;
 const SWEEP_RATIO: f64 = 30.0;
 /// Least weight of leading rows in a sweep, per information.
 const LEADING_WEIGHT: f64 = 100.0;
+/// Least [`Tolerances::decrease`] where the cost leaves directions open ([`Program::is_open`]): what only
+/// terms next to nothing hold is not worth more digits.
+const OPEN_DECREASE: f64 = 1e-6;
 /// Factor on [`Schedule::gain`] in the descents of a retry,
 const PATIENT: f64 = 1e-7;
 /// whose multiplier rounds go on until the violation is below this, in units.
@@ -279,7 +282,11 @@ fn conclude<P: Program>(
         damping: 0.0,
     };
     let mut stopped = false;
-    let finished = finish.run(exact, &schedule.tolerances, &mut || {
+    let mut tolerances = schedule.tolerances;
+    if finish.program.is_open() {
+        tolerances.decrease = tolerances.decrease.max(OPEN_DECREASE);
+    }
+    let finished = finish.run(exact, &tolerances, &mut || {
         stopped |= watch.should_stop();
         stopped
     });

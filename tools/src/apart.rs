@@ -28,21 +28,51 @@ pub struct Apart {
 /// estimate is not finite.
 pub fn apart(case: &Case, scene: &Scene, estimate: &Estimate, until_s: f64) -> Option<Apart> {
     let truth = &case.performance.truth;
-    let own = Truth {
+    let own = moving(scene, estimate);
+    let first = estimate.sample_times.first()?;
+    let given_s = first.time_s - case.hidden_s(first.track, first.stamp);
+    aligned(case, given_s, until_s, |shift_s| {
+        between(&own, truth, shift_s, [0.0, until_s])
+    })
+}
+
+/// The same of two estimates of one performance, from the other's beginning to its end.
+pub fn apart_from_another(
+    case: &Case,
+    (scene, estimate): (&Scene, &Estimate),
+    (other_scene, other): (&Scene, &Estimate),
+) -> Option<Apart> {
+    let [own, others] = [moving(scene, estimate), moving(other_scene, other)];
+    let given_s = estimate.sample_times.first()?.time_s - other.sample_times.first()?.time_s;
+    let starts_s = other.arcs.iter().map(|arc| arc.start_s);
+    let ends_s = other.arcs.iter().map(|arc| arc.end_s);
+    let range_s = [
+        starts_s.fold(f64::INFINITY, f64::min),
+        ends_s.fold(f64::NEG_INFINITY, f64::max),
+    ];
+    aligned(case, given_s, range_s[1] - range_s[0], |shift_s| {
+        between(&own, &others, shift_s, range_s)
+    })
+}
+
+fn moving(scene: &Scene, estimate: &Estimate) -> Truth {
+    Truth {
         scene: scene.clone(),
         is_physical: true,
         parameters: Vec::new(),
         arcs: estimate.arcs.clone(),
         event_times_s: Vec::new(),
         duration_s: 0.0,
-    };
-    let first = estimate.sample_times.first()?;
-    let given_s = first.time_s - case.hidden_s(first.track, first.stamp);
-    let at = |shift_s: f64| between(&own, truth, shift_s, until_s);
+    }
+}
+
+/// How far apart at the difference of zeros that is given, or where timing is unknown at the one within
+/// reach that brings centres of mass nearest.
+fn aligned(case: &Case, given_s: f64, lasts_s: f64, at: impl Fn(f64) -> Apart) -> Option<Apart> {
     let shift_s = if case.performance.acting.is_timing_known() {
         given_s
     } else {
-        let reach_s = SHIFT * until_s;
+        let reach_s = SHIFT * lasts_s;
         least(given_s - reach_s, given_s + reach_s, |shift_s| {
             at(shift_s).position_m
         })
@@ -53,11 +83,12 @@ pub fn apart(case: &Case, scene: &Scene, estimate: &Estimate, until_s: f64) -> O
         .then_some(apart)
 }
 
-fn between(own: &Truth, truth: &Truth, shift_s: f64, until_s: f64) -> Apart {
+fn between(own: &Truth, truth: &Truth, shift_s: f64, [from_s, until_s]: [f64; 2]) -> Apart {
     let (mut square_m2, mut square_rad2, mut count) = (0.0, 0.0, 0.0);
     for link in truth.scene.links.keys() {
         for instant in 0..=INSTANTS {
-            let time_s = until_s * instant as f64 / INSTANTS as f64;
+            let share = instant as f64 / INSTANTS as f64;
+            let time_s = from_s + (until_s - from_s) * share;
             let [here, there] = [
                 own.world_from_body(link, time_s + shift_s),
                 truth.world_from_body(link, time_s),

@@ -2,8 +2,8 @@
 //! and how near the truth what is seen is.
 
 use anyhow::Result;
-use enact::motion::{Undetermined, Verdict};
-use enact_tools::apart::{Apart, apart};
+use enact::motion::{Estimate, Scene, Undetermined, Verdict};
+use enact_tools::apart::{Apart, apart, apart_from_another};
 use enact_tools::case::{Case, estimated};
 use enact_tools::parts::{LATE_S, Part};
 use enact_tools::perform::{Acting, Style, bounces};
@@ -27,6 +27,8 @@ struct Seen {
     objective: f64,
     /// Estimated offset of the second clock and its deviation \[s\].
     late: Option<[f64; 2]>,
+    /// Distance of the path from that of orientations weighed to nothing \[m\], of a centre alone.
+    off_unweighed_m: Option<f64>,
     /// Whether something of the motion is said to be open.
     is_open: bool,
 }
@@ -62,6 +64,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                     "failed or refused",
                     "path off the truth",
                     "turn off the truth",
+                    "path off that of turns weighed to nothing",
                     "iterations",
                     "clock",
                 ],
@@ -86,6 +89,8 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                     median(&values.map(value).collect::<Vec<_>>())
                 };
                 let iterations: Vec<f64> = all.iter().map(|one| one.iterations as f64).collect();
+                let off_unweighed_m: Vec<f64> =
+                    all.iter().filter_map(|one| one.off_unweighed_m).collect();
                 let late: Vec<[f64; 2]> = all.iter().filter_map(|one| one.late).collect();
                 let held = late
                     .iter()
@@ -101,6 +106,14 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                         "{}°",
                         number(of(|apart| apart.orientation_rad).to_degrees())
                     ),
+                    match off_unweighed_m.is_empty() {
+                        true => String::new(),
+                        false => format!(
+                            "{} mm, at most {} mm",
+                            number(1e3 * median(&off_unweighed_m)),
+                            number(1e3 * off_unweighed_m.iter().copied().fold(0.0, f64::max))
+                        ),
+                    },
                     number(median(&iterations)),
                     if late.is_empty() {
                         String::new()
@@ -134,6 +147,9 @@ fn one(case: &Case, part: Part, seed: u64) -> Seen {
                     .iter()
                     .find(|parameter| parameter.name == "late")
                     .and_then(|parameter| Some([parameter.value, parameter.sd?])),
+                off_unweighed_m: (part == Part::Centre)
+                    .then(|| off_unweighed_m(case, (&outcome.scene, estimate)))
+                    .flatten(),
                 is_open: estimate.undetermined.iter().any(is_of_motion),
             }
         }
@@ -144,7 +160,15 @@ fn one(case: &Case, part: Part, seed: u64) -> Seen {
             iterations: 0,
             objective: f64::NAN,
             late: None,
+            off_unweighed_m: None,
             is_open: true,
         },
     }
+}
+
+fn off_unweighed_m(case: &Case, found: (&Scene, &Estimate)) -> Option<f64> {
+    let (scene, events) = Part::Unweighed.seen(case);
+    let unweighed = estimated(&scene, &events, &mut ()).ok()?;
+    let other = (&unweighed.scene, &unweighed.estimate);
+    apart_from_another(case, found, other).map(|apart| apart.position_m)
 }
