@@ -49,7 +49,8 @@ fn heights(poses: &[Pose]) -> Vec<f64> {
 fn a_filter_is_seen_by_the_samples_that_it_puts_on_one_cubic() {
     let poses = dropped(24);
     let heights_m = heights(&poses);
-    assert_eq!(filter(&poses[HIT - 2..]), None, "unfiltered");
+    let unfiltered: Vec<Pose> = poses.iter().map(|pose| (bent(pose.0), pose.1)).collect();
+    assert_eq!(filter(&unfiltered), None);
     for (order, window) in [(2, 7), (3, 9), (3, 15)] {
         let of = Filter { order, window };
         let positions_m: Vec<Vector3<f64>> = poses.iter().map(|pose| bent(pose.0)).collect();
@@ -203,8 +204,10 @@ fn every_first_flight_is_explained_or_named() {
         }
         physical += 1;
         let of = checked(&outcome, solid, (&part.poses, count), filter(&toss.poses));
+        // Of guessed shapes the moments are wrong, and with them the turn.
+        let turned_deg = 2.0 * 3.0_f64.sqrt() * trust.orientation_deg;
         assert!(
-            of.residual.1 < 5.0 * trust.orientation_deg,
+            !solid.is_measured || of.residual.1 < turned_deg,
             "{}: {of:?}",
             toss.name
         );

@@ -2,7 +2,8 @@
 //!
 //! A Savitzky–Golay filter (Analytical Chemistry 36, 1964) puts at every sample the value of the
 //! polynomial that fits the window about it; at both ends, where no window fits, the values of the polynomial of the
-//! first and the last window. So as many samples as half a window and one lie on one polynomial.
+//! first and the last window. So as many samples as half a window and one lie on one polynomial. (A free flight does so too, on
+//! gravity's parabola, where it is seen without noise.)
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::Serialize;

@@ -4,8 +4,10 @@
 mod answer;
 mod facts;
 mod judge;
+mod rows;
 mod show;
 mod told;
+mod with;
 
 use anyhow::{Context, Result};
 use enact_tools::objects::cut::cut;
@@ -18,8 +20,9 @@ use rayon::prelude::*;
 
 use crate::options::Options;
 use crate::record::Record;
-use show::{With, show};
+use show::show;
 use told::Told;
+use with::With;
 
 /// Every so many tosses in a quick run.
 const QUICK: usize = 8;

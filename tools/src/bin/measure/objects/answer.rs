@@ -33,7 +33,7 @@ pub struct Answer {
     pub fits: &'static str,
     /// Doubts, suspects, mistakes and what is not determined, by name; why it is refused.
     pub said: Vec<String>,
-    /// None where it is refused or failed.
+    /// None where it is refused, or the motion is not finite.
     pub checked: Option<Checked>,
     /// What touches.
     pub feature: Option<String>,
@@ -68,7 +68,7 @@ impl Question<'_> {
             Err(why) => return Answer::refused(why.to_string()),
         };
         let estimate = &outcome.estimate;
-        let is_failed = estimate.verdict == Verdict::Failed;
+        let is_there = estimate.arcs.iter().all(|arc| arc.state.is_finite());
         let named = |name: &str| {
             let mut free = estimate.parameters.iter();
             let found = free.find(|parameter| parameter.name.ends_with(name))?;
@@ -89,7 +89,7 @@ impl Question<'_> {
             is_physical: estimate.verdict == Verdict::Physical,
             fits: estimate.fit.as_ref().map_or("–", |fit| fit.fits.as_str()),
             said: said(&outcome),
-            checked: (!is_failed).then(|| {
+            checked: is_there.then(|| {
                 let samples = (self.samples, self.count);
                 checked(&outcome, self.solid, samples, self.filter)
             }),
@@ -101,9 +101,7 @@ impl Question<'_> {
                 let gap = &estimate.events[event].gap;
                 (gap.position_m, gap.velocity_m_s)
             }),
-            left_out: (!is_failed)
-                .then(|| self.left_out(&outcome.given))
-                .flatten(),
+            left_out: is_there.then(|| self.left_out(&outcome.given)).flatten(),
         }
     }
 

@@ -20,13 +20,16 @@ const FEW: usize = 6;
 /// Residual in weights beyond which several motions fit, by the program's own bound.
 const AMBIGUOUS: f64 = 8.0;
 
+/// Residual of a flight in weights that is too far, by the program's own bound.
+const FAR: f64 = 30.0;
+
 /// What became of a question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Judged {
     /// Physical, and nothing that is checked without the program speaks against it.
     Explained,
     /// Physical, and something speaks against it.
-    Wrongly,
+    Doubted,
     /// Not physical, and why is said.
     Named,
     /// Not physical, and nothing is said.
@@ -37,7 +40,7 @@ impl Judged {
     pub fn new(answer: &Answer, trust: &Trust) -> Self {
         match (answer.is_physical, against(answer, trust).is_empty()) {
             (true, true) => Self::Explained,
-            (true, false) => Self::Wrongly,
+            (true, false) => Self::Doubted,
             (false, _) if answer.said.is_empty() => Self::Unnamed,
             (false, _) => Self::Named,
         }
@@ -46,7 +49,7 @@ impl Judged {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Explained => "explained",
-            Self::Wrongly => "**called physical**",
+            Self::Doubted => "physical, doubted here",
             Self::Named => "named",
             Self::Unnamed => "**not named**",
         }
@@ -113,6 +116,12 @@ pub fn is_so(
         "ambiguity" => found.map(|found| {
             let (position, turn) = found.residual;
             (position / trust.position_mm).max(turn / trust.orientation_deg) > AMBIGUOUS
+        }),
+        "residual" => found.and_then(|found| {
+            let (position, turn) = found.residual;
+            let far = (position / trust.position_mm).max(turn / trust.orientation_deg) > FAR;
+            // One flight may be far where both together are not.
+            far.then_some(true)
         }),
         // One impact does not do what two do.
         "velocities jump" => (!facts.second_is_seen).then_some(true),

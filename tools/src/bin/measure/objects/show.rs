@@ -2,32 +2,15 @@
 
 use anyhow::Result;
 use enact_tools::objects::scene::Trust;
-use nalgebra::Vector3;
 
-use super::answer::{Answer, Value};
-use super::facts::Facts;
-use super::judge::{Judged, against, is_so, said};
-use super::told::{Asked, Proposed, Told};
+use super::answer::Answer;
+use super::judge::{Judged, is_so};
+use super::rows::{flights, impacts, shapes};
+use super::told::{Asked, Told};
+use super::with::{With, half, seen};
 use crate::record::Record;
-use crate::statistics::{INTERVALS, median};
+use crate::statistics::median;
 use crate::table::{Table, number, percent};
-
-/// What all of it was measured with.
-pub struct With<'a> {
-    pub trust: &'a Trust,
-    pub gravity_m_s2: &'a Vector3<f64>,
-}
-
-impl With<'_> {
-    fn off_m_s2(&self, facts: &Facts) -> f64 {
-        let acceleration = facts.acceleration_m_s2;
-        acceleration.map_or(f64::NAN, |a| (a - self.gravity_m_s2).norm())
-    }
-
-    fn said(&self, answer: &Answer, facts: &Facts) -> String {
-        said(answer, facts, self.trust, self.off_m_s2(facts))
-    }
-}
 
 /// Shows it.
 pub fn show(told: &[Told], with: &With, record: &mut Record) -> Result<()> {
@@ -50,19 +33,6 @@ fn trust(trust: &Trust) -> Table {
     table
 }
 
-fn half(told: &Told) -> &'static str {
-    if told.is_for_choosing {
-        "choosing"
-    } else {
-        "reported"
-    }
-}
-
-fn seen(told: &[Told]) -> impl Iterator<Item = (&Told, &Asked)> {
-    told.iter()
-        .filter_map(|told| Some((told, told.seen.as_ref()?)))
-}
-
 /// What is asked of a toss: its first flight, or through its first impact.
 type Part = (&'static str, fn(&Asked) -> &Answer);
 const PARTS: [Part; 2] = [
@@ -82,7 +52,7 @@ fn summary(told: &[Told], with: &With) -> Table {
         "refused",
         "explained",
         "named",
-        "physical and not so",
+        "physical, doubted here",
         "not named",
     ];
     let title = "What becomes of the tosses";
@@ -108,7 +78,7 @@ fn summary(told: &[Told], with: &With) -> Table {
                 is("refused"),
                 judged(Judged::Explained),
                 judged(Judged::Named),
-                judged(Judged::Wrongly),
+                judged(Judged::Doubted),
                 judged(Judged::Unnamed),
             ];
             let head = [what.to_owned(), tosses.to_string(), of_half.to_owned()];
@@ -169,198 +139,6 @@ fn kind(word: &str) -> String {
     }
 }
 
-fn range([first, last]: [usize; 2]) -> String {
-    format!("{first}–{last}")
-}
-
-fn pair(values: Option<(f64, f64)>) -> String {
-    values.map_or("–".into(), |(a, b)| {
-        format!("{}, {}", number(a), number(b))
-    })
-}
-
-fn optional(value: Option<f64>) -> String {
-    value.map_or("–".into(), number)
-}
-
-fn flights(told: &[Told], with: &With) -> Table {
-    let header = [
-        "toss",
-        "half",
-        "samples",
-        "filter: order, window",
-        "first flight",
-        "parabola off gravity m/s²",
-        "verdict",
-        "residual mm, °",
-        "through the filter mm",
-        "left-out sample mm, °",
-        "gravity free: off m/s²",
-        "what it is",
-        "said",
-        "speaks against it",
-        "seen",
-    ];
-    let title = "First flights: ✓ what is said is so, ✗ it is not, ? not seen";
-    let mut table = Table::new("flights", title, &header);
-    for toss in told {
-        let Some(asked) = &toss.seen else {
-            let mut row = vec![toss.name.clone(), half(toss).to_owned()];
-            row.resize(header.len() - 4, "–".to_owned());
-            row.extend(
-                [
-                    "not asked",
-                    "",
-                    "",
-                    "no flight: the spin never stays for four samples",
-                ]
-                .map(str::to_owned),
-            );
-            table.row(row);
-            continue;
-        };
-        let (facts, answer) = (&asked.facts, &asked.flight);
-        let found = answer.checked;
-        table.row([
-            toss.name.clone(),
-            half(toss).to_owned(),
-            facts.samples.to_string(),
-            facts
-                .filter
-                .map_or("–".into(), |of| format!("{}, {}", of.order, of.window)),
-            range(facts.first),
-            number(with.off_m_s2(facts)),
-            answer.verdict.to_owned(),
-            pair(found.map(|found| found.residual)),
-            optional(found.and_then(|found| found.filtered_mm)),
-            pair(answer.left_out),
-            optional(asked.gravity_off_m_s2),
-            Judged::new(answer, with.trust).as_str().to_owned(),
-            with.said(answer, facts),
-            against(answer, with.trust).join(", "),
-            facts.is_not().join(", "),
-        ]);
-    }
-    table
-}
-
-fn interval(value: Option<Value>) -> String {
-    let Some(value) = value else {
-        return "–".to_owned();
-    };
-    let spread = value.sd.map_or(" (not determined)".to_owned(), |sd| {
-        format!(" ± {}", number(INTERVALS[2].1 * sd))
-    });
-    let bound = value.at_bound.map_or("", |_| ", at its bound");
-    // Rounding of the bound.
-    let near = if value.value.abs() < 1e-6 {
-        0.0
-    } else {
-        value.value
-    };
-    format!("{}{spread}{bound}", number(near))
-}
-
-fn proposal(proposed: &Result<Proposed, String>) -> String {
-    match proposed {
-        Ok(proposed) => format!("{:.1} (score {})", proposed.place, number(proposed.score)),
-        Err(why) => why.clone(),
-    }
-}
-
-fn impacts(told: &[Told], with: &With) -> Table {
-    let header = [
-        "toss",
-        "half",
-        "shape",
-        "contact by the spin",
-        "proposed mark",
-        "in all of the toss",
-        "samples after",
-        "verdict",
-        "fits",
-        "touches",
-        "gap mm, m/s",
-        "restitution, 95 %",
-        "residual mm, °",
-        "through the filter mm",
-        "depth mm",
-        "energy after / before",
-        "left-out sample mm, °",
-        "what it is",
-        "said",
-        "speaks against it",
-    ];
-    let title = "Through the first impact, the law and the height of the table free";
-    let mut table = Table::new("impacts", title, &header);
-    for (toss, asked) in seen(told) {
-        let (facts, answer) = (&asked.facts, &asked.impact);
-        let found = answer.checked;
-        let after = range(facts.second);
-        table.row([
-            toss.name.clone(),
-            half(toss).to_owned(),
-            toss.shape.clone(),
-            facts.impact().to_string(),
-            proposal(&asked.proposed),
-            proposal(&asked.proposed_in_all),
-            if facts.second_is_seen {
-                after
-            } else {
-                format!("{after}, no flight seen")
-            },
-            answer.verdict.to_owned(),
-            answer.fits.to_owned(),
-            answer.feature.clone().unwrap_or("–".into()),
-            pair(
-                answer
-                    .gap
-                    .map(|(position_m, velocity_m_s)| (1e3 * position_m, velocity_m_s)),
-            ),
-            interval(answer.restitution),
-            pair(found.map(|found| found.residual)),
-            optional(found.and_then(|found| found.filtered_mm)),
-            optional(found.and_then(|found| found.depth_mm)),
-            optional(found.and_then(|found| found.energy_ratio)),
-            pair(answer.left_out),
-            Judged::new(answer, with.trust).as_str().to_owned(),
-            with.said(answer, facts),
-            against(answer, with.trust).join(", "),
-        ]);
-    }
-    table
-}
-
-fn shapes(told: &[Told]) -> Table {
-    let header = [
-        "toss",
-        "shape",
-        "verdict",
-        "restitution, 95 %",
-        "residual mm, °",
-        "other shape",
-        "verdict",
-        "restitution, 95 %",
-        "residual mm, °",
-    ];
-    let title = "The same impacts with another shape";
-    let mut table = Table::new("shapes", title, &header);
-    for (toss, asked) in seen(told) {
-        let cells = |shape: &str, answer: &Answer| {
-            [
-                shape.to_owned(),
-                answer.verdict.to_owned(),
-                interval(answer.restitution),
-                pair(answer.checked.map(|found| found.residual)),
-            ]
-        };
-        let one = cells(&toss.shape, &asked.impact);
-        let other = cells(&asked.other_shape, &asked.other);
-        table.row([toss.name.clone()].into_iter().chain(one).chain(other));
-    }
-    table
-}
-
 fn sentences(told: &[Told], with: &With, record: &mut Record) {
     for (what, answer) in PARTS {
         let answers: Vec<&Answer> = seen(told).map(|(_, asked)| answer(asked)).collect();
@@ -370,12 +148,12 @@ fn sentences(told: &[Told], with: &With, record: &mut Record) {
                 .count()
         };
         record.say(format!(
-            "Of {} real tosses of objects, {what}: {} are explained, {} named as what they are not, {} called \
-             physical against what is seen, {} neither; {} show no flight.",
+            "Of {} real tosses of objects, {what}: {} are explained, {} named as what they are not, {} called physical \
+             and doubted by a check without the program, {} neither; {} show no flight.",
             told.len(),
             count(Judged::Explained),
             count(Judged::Named),
-            count(Judged::Wrongly),
+            count(Judged::Doubted),
             count(Judged::Unnamed),
             told.len() - answers.len()
         ));
