@@ -56,13 +56,18 @@ impl Judged {
     }
 }
 
+/// Whether a motion through the filter is near the samples \[mm\].
+pub fn is_near(filtered_mm: f64, trust: &Trust) -> bool {
+    filtered_mm <= FILTERED * trust.position_mm * 3.0_f64.sqrt()
+}
+
 /// What speaks against a motion without the program.
 pub fn against(answer: &Answer, trust: &Trust) -> Vec<&'static str> {
     let Some(found) = &answer.checked else {
         return vec!["no motion"];
     };
     let far = match found.filtered_mm {
-        Some(filtered_mm) => filtered_mm > FILTERED * trust.position_mm * 3.0_f64.sqrt(),
+        Some(filtered_mm) => !is_near(filtered_mm, trust),
         None => found.residual.0 > UNFILTERED * trust.position_mm * 3.0_f64.sqrt(),
     };
     let turned = found.residual.1 > UNFILTERED * trust.orientation_deg * 3.0_f64.sqrt();

@@ -169,7 +169,7 @@ pub fn impacts(told: &[Told], with: &With) -> Table {
     table
 }
 
-pub fn shapes(told: &[Told]) -> Table {
+pub fn shapes(told: &[Told], with: &With) -> Table {
     let header = [
         "toss",
         "shape",
@@ -180,6 +180,8 @@ pub fn shapes(told: &[Told]) -> Table {
         "verdict",
         "restitution, 95 %",
         "residual mm, °",
+        "what it is",
+        "speaks against it",
     ];
     let title = "The same impacts with another shape";
     let mut table = Table::new("shapes", title, &header);
@@ -194,7 +196,10 @@ pub fn shapes(told: &[Told]) -> Table {
         };
         let one = cells(&toss.shape, &asked.impact);
         let other = cells(&asked.other_shape, &asked.other);
-        table.row([toss.name.clone()].into_iter().chain(one).chain(other));
+        let is = Judged::new(&asked.other, with.trust).as_str().to_owned();
+        let last = [is, against(&asked.other, with.trust).join(", ")];
+        let cells = one.into_iter().chain(other).chain(last);
+        table.row([toss.name.clone()].into_iter().chain(cells));
     }
     table
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use enact_tools::objects::scene::Trust;
 
 use super::answer::Answer;
-use super::judge::{Judged, is_so};
+use super::judge::{Judged, is_near, is_so};
 use super::rows::{flights, impacts, shapes};
 use super::told::{Asked, Told};
 use super::with::{With, half, seen};
@@ -19,7 +19,7 @@ pub fn show(told: &[Told], with: &With, record: &mut Record) -> Result<()> {
     record.table(words(told, with));
     record.table(flights(told, with));
     record.table(impacts(told, with));
-    record.table(shapes(told));
+    record.table(shapes(told, with));
     sentences(told, with, record);
     record.numbers("tosses", &told)
 }
@@ -35,9 +35,10 @@ fn trust(trust: &Trust) -> Table {
 
 /// What is asked of a toss: its first flight, or through its first impact.
 type Part = (&'static str, fn(&Asked) -> &Answer);
-const PARTS: [Part; 2] = [
+const PARTS: [Part; 3] = [
     ("first flight", |asked| &asked.flight),
     ("through the first impact", |asked| &asked.impact),
+    ("the same with another shape", |asked| &asked.other),
 ];
 
 fn summary(told: &[Told], with: &With) -> Table {
@@ -167,10 +168,11 @@ fn sentences(told: &[Told], with: &With, record: &mut Record) {
     let of = |value: fn(&(f64, f64)) -> f64| median(&flown.iter().map(value).collect::<Vec<f64>>());
     record.say(format!(
         "First flights are {} mm from the samples (median of {}), and {} mm through the filter that the \
-         samples went through.",
+         samples went through; {} of them less than the standard deviation.",
         number(of(|flown| flown.0)),
         flown.len(),
-        number(of(|flown| flown.1))
+        number(of(|flown| flown.1)),
+        flown.iter().filter(|flown| is_near(flown.1, with.trust)).count()
     ));
     let late: Vec<f64> = seen(told)
         .filter_map(|(_, asked)| {
