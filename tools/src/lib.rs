@@ -2,7 +2,7 @@
 //!
 //! - performances with known truth: [`perform`], estimated as a [`case`]; [`goals`] near them; [`hands`] that wander
 //!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`],
-//!   [`mod@open`]); real [`tosses`];
+//!   [`mod@open`]); real [`tosses`] of a cube, and of household [`objects`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
 //!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
@@ -23,6 +23,7 @@ pub mod goals;
 pub mod hands;
 pub mod methods;
 pub mod nonsense;
+pub mod objects;
 pub mod open;
 pub mod parts;
 pub mod perform;

@@ -26,7 +26,8 @@ pub const IMPACT_TOML: &str = "[[event]]\nname = \"impact\"\nkind = \"collision\
 pub const FREE_LAW_TOML: &str = "[[free]]\nquantity = \"impact.restitution\"\n\
                                  [[free]]\nquantity = \"impact.friction\"\nlower = 0\nupper = 2\n";
 
-type Pose = (Vector3<f64>, UnitQuaternion<f64>);
+/// Centre and orientation of a sample.
+pub type Pose = (Vector3<f64>, UnitQuaternion<f64>);
 
 /// One toss.
 pub struct Toss {
@@ -85,7 +86,8 @@ pub fn all() -> Result<Option<(Scene, Vec<Toss>)>> {
     Ok(Some((scene, tosses?)))
 }
 
-fn poses(file: &Path) -> Result<Vec<Pose>> {
+/// Samples of a file: time, position, orientation.
+pub fn poses(file: &Path) -> Result<Vec<Pose>> {
     let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
     let mut poses = Vec::new();
     for line in text.lines().skip(1) {

@@ -29,6 +29,7 @@ mod keyframes;
 mod ladder;
 mod methods;
 mod nonsense;
+mod objects;
 mod options;
 mod page;
 mod parts;
@@ -189,6 +190,11 @@ const SUBJECTS: &[Subject] = &[
         "tosses",
         "real tosses of a cube: gravity, impacts, predictions",
         tosses::run
+    ),
+    subject!(
+        "objects",
+        "real tosses of household objects, smoothed: what is explained and what is named",
+        objects::run
     ),
     subject!(
         "durations",
