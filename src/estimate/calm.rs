@@ -19,13 +19,10 @@ use crate::physics::State;
 /// \[m\], orientation \[rad\], velocity [m/s] and angular velocity [rad/s].
 const STRAY: [f64; 4] = [30.0, 10.0, 30.0, 100.0];
 
-/// A unit of a track that is so many of the scene's weighs its samples to nothing.
-const NOTHING: f64 = 1e3;
-
-/// The pulls on arcs of which places or orientations are not seen; `units` are the scene's of residuals.
-pub(super) fn pulls(arcs: &[Arc], units: [f64; 2]) -> Vec<Pull> {
+/// The pulls on arcs of which places or orientations are not seen.
+pub(super) fn pulls(arcs: &[Arc]) -> Vec<Pull> {
     let pulls = arcs.iter().enumerate().filter_map(|(arc, of)| {
-        let [place, turn] = [0, 1].map(|kind| is_seen(of, (kind, units[kind])));
+        let [place, turn] = [0, 1].map(|kind| is_seen(of, kind));
         let unit = |part: usize| {
             let is_seen = [place, turn][part % 2];
             if is_seen { f64::INFINITY } else { STRAY[part] }
@@ -37,13 +34,12 @@ pub(super) fn pulls(arcs: &[Arc], units: [f64; 2]) -> Vec<Pull> {
 }
 
 /// Whether samples show the places (0) or the orientations (1) of a flight, with a weight that is not
-/// nothing beside the scene's.
-fn is_seen(arc: &Arc, (kind, unit): (usize, f64)) -> bool {
+/// nothing.
+fn is_seen(arc: &Arc, kind: usize) -> bool {
     let mut whole = arc.views.iter().filter(|view| match view.shows {
-        Shows::Pose => true,
-        Shows::Point => kind == 0 && view.is_plain,
-        Shows::Orientation => kind == 1,
+        Shows::Pose | Shows::Orientation => true,
+        Shows::Point => view.is_plain,
         Shows::Direction(_) => false,
     });
-    whole.any(|view| !view.samples.is_empty() && view.units[kind] < NOTHING * unit)
+    whole.any(|view| !view.samples.is_empty() && view.units[kind].is_finite())
 }

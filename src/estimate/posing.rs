@@ -140,10 +140,7 @@ impl Problem {
             ends_are_samples: scene.timing == Timing::Edited,
             time_bounds,
             waypoints,
-            calm: calm::pulls(
-                &arcs,
-                [scene.weights.position_m, scene.weights.orientation_rad],
-            ),
+            calm: calm::pulls(&arcs),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),

@@ -7,6 +7,9 @@ use super::problem::{ArcSample, Shows, View};
 use crate::math::so3;
 use crate::motion::{Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
 
+/// A unit of so many metres or radians weighs samples to nothing: no performance reaches as far.
+const NOTHING: f64 = 30.0;
+
 /// The views of a segment: of every track one, or one of each kind of sample where it has several.
 pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Vec<View> {
     let mut views = Vec::new();
@@ -76,6 +79,8 @@ fn is_plain(track: &Track, shows: Shows) -> bool {
     }
 }
 
+/// Units of residuals of places \[m\] and orientations \[rad\], infinite where they are not seen or weigh
+/// nothing.
 fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
     let weights = match &track.weighing {
         Weighing::Own(weights) => weights,
@@ -86,7 +91,13 @@ fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
         (position, weights.position_m),
         (turn, weights.orientation_rad),
     ]
-    .map(|(is_seen, unit)| if is_seen { unit } else { f64::INFINITY })
+    .map(|(is_seen, unit)| {
+        if is_seen && unit < NOTHING {
+            unit
+        } else {
+            f64::INFINITY
+        }
+    })
 }
 
 fn placed(sample: &Sample, shows: Shows, nodes: &Nodes) -> ArcSample {
