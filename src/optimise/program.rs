@@ -36,9 +36,15 @@ pub trait Program {
     /// [`Program::information`], with a typical step length `s` for every kind of unknown.
     fn damping(&self) -> DVector<f64>;
 
-    /// Whether the cost leaves directions open that constraints do not determine either, but for terms
-    /// that are next to nothing.
+    /// Whether steps of the finish may be damped: the cost leaves directions open that constraints do not
+    /// determine either, but for terms that are next to nothing; or constraints are
+    /// [curved](Program::is_curved), so that the Lagrangian may be concave along them far from the optimum.
     fn is_open(&self) -> bool {
+        self.is_curved()
+    }
+
+    /// Whether hard constraints are curved strongly along what else holds, as the length of a vector is.
+    fn is_curved(&self) -> bool {
         false
     }
 

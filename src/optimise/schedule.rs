@@ -29,6 +29,9 @@ const STALLED_ROUNDS: usize = 2;
 const SWEEP_RATIO: f64 = 30.0;
 /// Least weight of leading rows in a sweep, per information.
 const LEADING_WEIGHT: f64 = 100.0;
+/// How many times as many steps a multiplier round may take where constraints are curved
+/// ([`Program::is_curved`]): the multipliers of a descent that is cut off say little.
+const CURVED_STEPS: usize = 4;
 /// Factor on [`Schedule::gain`] in the descents of a retry,
 const PATIENT: f64 = 1e-7;
 /// whose multiplier rounds go on until the violation is below this, in units.
@@ -279,10 +282,18 @@ fn conclude<P: Program>(
         damping: 0.0,
     };
     let mut stopped = false;
-    let finished = finish.run(exact, &schedule.tolerances, &mut || {
-        stopped |= watch.should_stop();
-        stopped
-    });
+    let mut run = |finish: &mut Finish<P>| {
+        finish.run(exact, &schedule.tolerances, &mut || {
+            stopped |= watch.should_stop();
+            stopped
+        })
+    };
+    let mut finished = run(&mut finish);
+    let holds = finished.violation < schedule.tolerances.violation;
+    if !finished.converged && holds && finish.program.is_open() && finish.damping == 0.0 {
+        // Damped steps may have used up all that there may be: the last ones are undamped.
+        finished = run(&mut finish);
+    }
     Solution {
         point: finish.point,
         system: finish.system,
@@ -301,7 +312,10 @@ fn tighten<P: Program>(
     schedule: &Schedule,
     watch: &mut dyn Watch,
 ) {
-    let (rounds, steps) = schedule.multiplier_rounds;
+    let (rounds, mut steps) = schedule.multiplier_rounds;
+    if descent.program.is_curved() {
+        steps *= CURVED_STEPS;
+    }
     let patience = Patience {
         steps,
         gain: schedule.gain,
