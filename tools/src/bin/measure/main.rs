@@ -38,6 +38,7 @@ mod record;
 mod rest;
 mod run;
 mod sequences;
+mod speed;
 mod spent;
 mod statistics;
 mod stress;
@@ -179,6 +180,11 @@ const SUBJECTS: &[Subject] = &[
         "cost",
         "time and memory against samples, bounces and bodies",
         cost::run
+    ),
+    subject!(
+        "speed",
+        "kinds of sketches beside full poses with as many residuals",
+        speed::run
     ),
     subject!(
         "flow",
