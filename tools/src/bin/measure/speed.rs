@@ -25,6 +25,8 @@ use enact_tools::case::Posed;
 const PAIRS: [usize; 2] = [3, 61];
 /// Evaluations, and iterations, timed at once.
 const AT_ONCE: usize = 20;
+/// No further solves are timed once those of a kind have taken so long \[s\].
+const LONG_S: f64 = 3.0;
 
 /// A kind of sketch beside full poses.
 #[derive(Serialize)]
@@ -33,7 +35,7 @@ struct Beside {
     timing: &'static str,
     /// Numbers of residuals.
     residuals: [usize; 2],
-    /// Medians of the kind's own [µs].
+    /// Medians of the kind's own \[µs\].
     own_us: [f64; 3],
     /// Medians of the ratios, pair by pair: evaluation, iteration, solve.
     ratios: [f64; 3],
@@ -110,11 +112,12 @@ fn beside(sketched: &Sketched, pairs: usize) -> Result<Beside> {
     let full = Timed::new(&sketched.full).context(sketched.kind)?;
     let mut own_us: [Vec<f64>; 3] = Default::default();
     let mut ratios: [Vec<f64>; 3] = Default::default();
+    let runs = [Timed::evaluation_s, Timed::iteration_s, Timed::solve_s];
     for _ in 0..pairs {
-        for (at, run) in [Timed::evaluation_s, Timed::iteration_s, Timed::solve_s]
-            .into_iter()
-            .enumerate()
-        {
+        for (at, run) in runs.into_iter().enumerate() {
+            if own_us[at].iter().sum::<f64>() > 1e6 * LONG_S {
+                continue;
+            }
             let (a_s, b_s) = (run(&own), run(&full));
             own_us[at].push(1e6 * a_s);
             ratios[at].push(a_s / b_s);
