@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::constraint::At;
+use super::constraint::{At, Constraint};
 use super::context::{Guidance, SolveContext};
 use super::curvature;
 use super::objective::Objective;
@@ -80,6 +80,11 @@ impl Program for SolveContext<'_> {
 
     fn is_open(&self) -> bool {
         !self.problem.calm.is_empty()
+    }
+
+    fn is_curved(&self) -> bool {
+        let mut conditions = self.problem.conditions.iter();
+        conditions.any(|of| of.is_curved() && !of.is_soft())
     }
 
     fn information(&self) -> (f64, f64) {

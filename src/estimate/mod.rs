@@ -11,7 +11,7 @@
 //! - Waypoints are moments of flights (`waypoint`): one unknown each, and no cut.
 //! - Bodies in the hand have no flights, but a state at each of their collisions ([`held`]).
 //! - Parameters beside gravity and laws have roles ([`influence`]); where one acts, residuals
-//!   (`observed`) and arrivals (`arrival`) take their general form.
+//!   (`observed`, those of points and directions summed by `levered`) and arrivals (`arrival`) take their general form.
 //! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`; whether it explains the
 //!   performance: [`adequacy`].
 //!
@@ -37,6 +37,7 @@ pub mod held;
 mod held_motion;
 pub mod influence;
 pub mod layout;
+mod levered;
 pub mod mark;
 mod modelled;
 mod nodes;

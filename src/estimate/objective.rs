@@ -5,14 +5,16 @@
 //! f = ½ Σ |r|²,   g = Σ Jᵀ r,   H = Σ JᵀJ
 //! ```
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 
 use super::context::{Guidance, SolveContext};
+use super::levered::LeverTerms;
 use super::observed::Observer;
 use super::point::Point;
 use super::problem::View;
 use super::samples::{self, ArcTerms, TimeTerms};
 use super::tempo;
+use crate::math::so3;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::physics::Dynamics;
@@ -65,15 +67,7 @@ impl<'a> Objective<'a> {
             let terms = if problem.times_are_unknown() {
                 let of = (view, self.guidance.stride(view));
                 samples::unknown_times(body, of, flight, &gravity, times_s, |node, terms| {
-                    if let Some(at) = layout.nodes[node] {
-                        self.add_time(index, at, &terms);
-                        if terms.with_next != 0.0
-                            && let Some(next) = layout.nodes[node + 1]
-                        {
-                            let value = terms.with_next;
-                            self.hessian.add(self.pattern, next, at, value);
-                        }
-                    }
+                    self.add_node(index, node, &terms);
                 })
             } else {
                 let sums = self.context.sums[number].as_ref();
@@ -99,6 +93,14 @@ impl<'a> Objective<'a> {
         let of = (index, view);
         let mut observer = Observer::new(problem, of, (body, gravity_m_s2), flight, parameters);
         let stride = self.guidance.stride(view);
+        if observer.is_swung(body) && problem.gravity_parameters.iter().all(Option::is_none) {
+            let times_s = &self.point.node_times_s;
+            let each = |node, terms: TimeTerms| self.add_node(index, node, &terms);
+            let each = problem.times_are_unknown().then_some(each);
+            let terms = LeverTerms::of(&mut observer, (view, stride), times_s, each);
+            self.add_levered(layout.arcs[index], &flight.0.orientation, &terms);
+            return;
+        }
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;
         let state = layout.state(problem, index);
@@ -110,9 +112,11 @@ impl<'a> Objective<'a> {
         let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
             a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() * weight
         };
+        let mut memory = Vec::with_capacity(arc.acting.len());
         for index in samples {
             let sample = &view.samples[index];
-            let observed = observer.observed(index, &self.point.node_times_s);
+            let times_s = &self.point.node_times_s;
+            let observed = observer.observed_in(index, times_s, std::mem::take(&mut memory));
             let columns = || observed.by_state.iter().chain(&observed.by_acting);
             *self.cost += 0.5 * dot(&observed.residual, &observed.residual);
             for (i, a) in columns().enumerate() {
@@ -139,6 +143,7 @@ impl<'a> Objective<'a> {
                     self.hessian.add(self.pattern, row, column, dot(a, b));
                 }
             }
+            memory = observed.by_acting;
         }
         for (i, at) in own.iter().enumerate() {
             self.gradient[*at] += gradient[i];
@@ -146,6 +151,20 @@ impl<'a> Objective<'a> {
                 let (row, column) = (*at.max(other), *at.min(other));
                 let square = squares[i * own.len() + j];
                 self.hessian.add(self.pattern, row, column, square);
+            }
+        }
+    }
+
+    /// Adds the terms of a node's time, and of it with the next node's.
+    #[inline]
+    fn add_node(&mut self, arc: usize, node: usize, terms: &TimeTerms) {
+        let layout = self.context.layout;
+        if let Some(at) = layout.nodes[node] {
+            self.add_time(arc, at, terms);
+            if terms.with_next != 0.0
+                && let Some(next) = layout.nodes[node + 1]
+            {
+                self.hessian.add(self.pattern, next, at, terms.with_next);
             }
         }
     }
@@ -169,6 +188,56 @@ impl<'a> Objective<'a> {
                     .add(self.pattern, row, at, terms.cross[4][axis]);
             }
         }
+    }
+
+    /// Adds the terms of points or directions.
+    fn add_levered(&mut self, at: usize, orientation: &UnitQuaternion<f64>, terms: &LeverTerms) {
+        let to_world = so3::matrix(orientation);
+        *self.cost += terms.cost;
+        let [x, r, v, w] = [
+            part::POSITION,
+            part::ORIENTATION,
+            part::VELOCITY,
+            part::ANGULAR_VELOCITY,
+        ]
+        .map(|part| at + part);
+        let [by_x, by_r, by_v, by_w] = &terms.gradient;
+        let gradients = [
+            (x, to_world * by_x),
+            (r, *by_r),
+            (v, to_world * by_v),
+            (w, *by_w),
+        ];
+        for (at, gradient) in gradients {
+            for axis in 0..3 {
+                self.gradient[at + axis] += gradient[axis];
+            }
+        }
+        let pattern = self.pattern;
+        let [p0, p1, p2] = terms.powers;
+        for axis in 0..3 {
+            self.hessian.add(pattern, x + axis, x + axis, p0);
+            self.hessian.add(pattern, v + axis, x + axis, p1);
+            self.hessian.add(pattern, v + axis, v + axis, p2);
+        }
+        let [turn, turn_spin, spin] = terms.turns;
+        let mut add = |row: usize, column: usize, block: &Matrix3<f64>| {
+            for i in 0..3 {
+                for j in (0..3).filter(|j| column + j <= row + i) {
+                    self.hessian
+                        .add(pattern, row + i, column + j, block[(i, j)]);
+                }
+            }
+        };
+        add(r, r, &turn);
+        add(w, r, &turn_spin.transpose());
+        add(w, w, &spin);
+        let [x_turn, v_turn] = terms.by_turn.map(|block| to_world * block);
+        let [x_spin, v_spin] = terms.by_spin.map(|block| to_world * block);
+        add(r, x, &x_turn.transpose());
+        add(v, r, &v_turn);
+        add(w, x, &x_spin.transpose());
+        add(w, v, &v_spin.transpose());
     }
 
     fn add_arc(&mut self, at: usize, terms: &ArcTerms) {

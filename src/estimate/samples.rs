@@ -74,7 +74,7 @@ impl TimeTerms {
 }
 
 /// Collects the terms of the samples between two nodes and hands them over node by node.
-struct Between<F> {
+pub(super) struct Between<F> {
     /// The current node; `terms` are its terms and those of the next node.
     node: usize,
     terms: [TimeTerms; 2],
@@ -84,7 +84,16 @@ struct Between<F> {
 }
 
 impl<F: FnMut(usize, TimeTerms)> Between<F> {
-    fn add(&mut self, sample: &ArcSample, terms: &TimeTerms) {
+    pub(super) fn new(node: usize, each: F) -> Self {
+        Self {
+            node,
+            terms: [TimeTerms::default(); 2],
+            reaches: false,
+            each,
+        }
+    }
+
+    pub(super) fn add(&mut self, sample: &ArcSample, terms: &TimeTerms) {
         if sample.node != self.node {
             let [here, next] = self.terms;
             (self.each)(self.node, here);
@@ -105,7 +114,7 @@ impl<F: FnMut(usize, TimeTerms)> Between<F> {
         }
     }
 
-    fn end(mut self) {
+    pub(super) fn end(mut self) {
         let [here, next] = self.terms;
         (self.each)(self.node, here);
         if self.reaches {
@@ -225,12 +234,8 @@ pub fn unknown_times(
     let samples = view.samples.iter().skip(stride / 2).step_by(stride);
     let for_each = view.samples.len() as f64 / samples.len().max(1) as f64;
     let [weight, turn_weight] = view.units.map(|unit| for_each / (unit * unit));
-    let mut between = Between {
-        node: samples.clone().next().map_or(0, |sample| sample.node),
-        terms: [TimeTerms::default(); 2],
-        reaches: false,
-        each,
-    };
+    let first = samples.clone().next().map_or(0, |sample| sample.node);
+    let mut between = Between::new(first, each);
     for sample in samples {
         let s = sample.time_s(times_s) - epoch_s;
         let (k, error) = if turn_weight > 0.0 {

@@ -6,8 +6,9 @@
 //!
 //! Where the constraints determine nearly every unknown, damping the Hessian would do nothing. Where
 //! they and the samples leave some open, as the turn of a body of which only the centre is seen, its
-//! exact Hessian is small or indefinite there ([`Program::is_open`]): steps are then damped, `H + λ D`
-//! ([`Program::damping`]), the more the worse they go.
+//! exact Hessian is small or indefinite there ([`Program::is_open`]); where constraints are strongly
+//! curved it is indefinite far from the optimum ([`Program::is_curved`]). Steps are then damped,
+//! `H + λ D` ([`Program::damping`]), the more the worse they go.
 
 mod search;
 
@@ -105,8 +106,12 @@ impl<P: Program> Finish<'_, P> {
         let mut promised_before: Option<f64> = None;
         // At an apex the constraint's own curvature alone would be a wrong model.
         let mut is_slow = self.system.has_pulled_curvature(&self.multipliers);
+        let mut was_damped = false;
         for taken_before in 0..DAMPED_STEPS * tolerances.steps {
-            let is_over = taken_before >= tolerances.steps && self.damping == 0.0;
+            // Where damping ends late one step without it is due.
+            let is_damped = self.damping > 0.0;
+            let is_over = taken_before >= tolerances.steps && !(is_damped || was_damped);
+            was_damped = is_damped;
             if is_over || should_stop() {
                 break;
             }
@@ -115,7 +120,7 @@ impl<P: Program> Finish<'_, P> {
                 break;
             };
             let promised = self.promises(&step);
-            let may_damp = is_slow && self.program.is_open();
+            let may_damp = is_slow && self.is_dampable();
             let taken = self.search(guidance, (&kkt, &step), may_damp, &mut trial);
             finished.decrease = match (taken, promised_before) {
                 // Convergence is at least linear: the next predicted decrease is smaller by at
@@ -206,9 +211,15 @@ impl<P: Program> Finish<'_, P> {
         damped
     }
 
+    /// Whether damping does something: directions are open, or constraints so curved that the model may
+    /// be concave along them.
+    fn is_dampable(&self) -> bool {
+        self.program.is_open() || self.program.is_curved()
+    }
+
     /// Whether steps may be damped more than they are.
     fn can_damp(&self) -> bool {
-        self.program.is_open() && self.damping < DAMPING.1
+        self.is_dampable() && self.damping < DAMPING.1
     }
 
     fn damp(&mut self) {

@@ -42,6 +42,12 @@ pub trait Program {
         false
     }
 
+    /// Whether hard constraints are curved strongly along what else holds, as the length of a vector is,
+    /// so that the Lagrangian may be concave along them far from the optimum.
+    fn is_curved(&self) -> bool {
+        false
+    }
+
     /// Scale of the cost's Hessian relative to the problem for which the weights of a
     /// [`Schedule`](super::Schedule) are given: least and greatest over the kinds of residuals.
     /// Weights of constraints are multiplied by it, so that they keep their proportion to the cost.

@@ -32,6 +32,9 @@ const LEADING_WEIGHT: f64 = 100.0;
 /// Least [`Tolerances::decrease`] where the cost leaves directions open ([`Program::is_open`]): what only
 /// terms next to nothing hold is not worth more digits.
 const OPEN_DECREASE: f64 = 1e-6;
+/// How many times as many steps a multiplier round may take where constraints are curved
+/// ([`Program::is_curved`]): the multipliers of a descent that is cut off say little.
+const CURVED_STEPS: usize = 4;
 /// Factor on [`Schedule::gain`] in the descents of a retry,
 const PATIENT: f64 = 1e-7;
 /// whose multiplier rounds go on until the violation is below this, in units.
@@ -308,7 +311,10 @@ fn tighten<P: Program>(
     schedule: &Schedule,
     watch: &mut dyn Watch,
 ) {
-    let (rounds, steps) = schedule.multiplier_rounds;
+    let (rounds, mut steps) = schedule.multiplier_rounds;
+    if descent.program.is_curved() {
+        steps *= CURVED_STEPS;
+    }
     let patience = Patience {
         steps,
         gain: schedule.gain,

@@ -96,7 +96,7 @@ impl<P: Program> Finish<'_, P> {
         let mut delta = step.delta.clone();
         for halving in 0..HALVINGS[usize::from(may_damp)] {
             let corrections = match halving {
-                _ if self.program.is_open() => CORRECTIONS[1],
+                _ if self.is_dampable() => CORRECTIONS[1],
                 0 => CORRECTIONS[0],
                 _ => 0,
             };

@@ -39,6 +39,7 @@ mod record;
 mod rest;
 mod run;
 mod sequences;
+mod speed;
 mod spent;
 mod statistics;
 mod stress;
@@ -180,6 +181,11 @@ const SUBJECTS: &[Subject] = &[
         "cost",
         "time and memory against samples, bounces and bodies",
         cost::run
+    ),
+    subject!(
+        "speed",
+        "kinds of sketches beside full poses with as many residuals",
+        speed::run
     ),
     subject!(
         "flow",
