@@ -7,6 +7,7 @@ use std::path::Path;
 use enact::config::scene_from_toml;
 use enact::physics::State;
 use enact_tools::case::Case;
+use enact_tools::goals::{Pair, Quantity, Set, is_closed};
 use enact_tools::perform::{Acting, Style, bounces, perform, recording, simulate};
 use enact_tools::replay::Program;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -123,6 +124,37 @@ fn what_no_throw_like_it_reaches_is_no_motion_of_it() {
         let said = said(&case, &scene_toml, timing, 5.0);
         assert_ne!(said["verdict"], "physical", "{timing}: {}", said["reason"]);
     }
+}
+
+/// Along a ball of spins or a cone of directions the Lagrangian is concave far from the optimum.
+#[test]
+fn goals_on_curved_sets_are_met_from_far() {
+    let quantities = [
+        Quantity::BouncedSpin,
+        Quantity::Velocity,
+        Quantity::Direction,
+    ];
+    let mut asked = 0;
+    for seed in 8010..8016 {
+        let Some(mut pair) = Pair::of_one(seed) else {
+            continue;
+        };
+        for quantity in quantities {
+            let Some(goal) = pair.goal((quantity, Set::Ball), true, None) else {
+                continue;
+            };
+            let mut truth = pair.truth.clone();
+            truth.scene.goals.push(goal);
+            let case = Case::new(&truth, &Acting::default(), seed);
+            let outcome = case.estimated(&mut ()).unwrap();
+            let attained = outcome.scene.goals_attained(&outcome.estimate);
+            let what = format!("{seed}, {}", quantity.as_str());
+            assert!(attained.iter().all(|goal| goal.is_met()), "{what}");
+            assert!(is_closed(&outcome.estimate), "{what}");
+            asked += 1;
+        }
+    }
+    assert!(asked > 12, "{asked}");
 }
 
 /// The blocks of TOML on a page.

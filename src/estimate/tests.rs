@@ -492,8 +492,10 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         let modelled = modelled.into_iter().map(|scene| (scene, 1.0));
         let whole = scenes.into_iter().flat_map(at).chain(modelled);
         let whole = whole.map(|(scene, pace)| (scene, pace, false));
-        // A body of which several tracks see parts.
-        let parts = [scene(timing), modelled_rod(timing)];
+        // A body of which several tracks see parts, with gravity free and known.
+        let mut falling = scene(timing);
+        falling.parameters.remove(0);
+        let parts = [scene(timing), modelled_rod(timing), falling];
         let parts = parts.into_iter().map(|scene| (scene, 1.0, true));
         whole.chain(parts).collect::<Vec<_>>()
     });
@@ -503,7 +505,10 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
                 .parameters
                 .iter_mut()
                 .for_each(|free| free.prior_sd = None);
-            scene.parameters[0].initial = GRAVITY.z;
+            let mut free = scene.parameters.iter_mut();
+            if let Some(g) = free.find(|free| free.quantity == Quantity::Gravity { axis: 2 }) {
+                g.initial = GRAVITY.z;
+            }
             for index in 4..scene.parameters.len() {
                 let quantity = scene.parameters[index].quantity;
                 scene.parameters[index].initial = scene.value_of(quantity);

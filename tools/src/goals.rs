@@ -4,9 +4,10 @@
 //! about has a value in each of them; the goal's set is about the neighbour's. A tight set excludes the
 //! true motion, a wide one holds both.
 
+use enact::estimate::outcome::PHYSICAL;
 use enact::motion::{
-    Axes, BodyPoint, Condition, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget, LinkIndex,
-    Moment, Scene,
+    Axes, BodyPoint, Condition, Estimate, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget,
+    LinkIndex, Moment, Scene,
 };
 use enact::physics::state::{StateTangent, part};
 use enact::physics::{State, contact};
@@ -325,6 +326,16 @@ impl Pair {
 }
 
 /// The last collision before an event.
+/// Whether an estimate leaves no gap, whatever else is doubted.
+pub fn is_closed(estimate: &Estimate) -> bool {
+    estimate.events.iter().all(|event| {
+        event.gap.position_m <= PHYSICAL.position_m
+            && event.gap.orientation_rad <= PHYSICAL.orientation_rad
+            && event.gap.velocity_m_s <= PHYSICAL.velocity_m_s
+            && event.gap.angular_velocity_rad_s <= PHYSICAL.angular_velocity_rad_s
+    })
+}
+
 fn last_collision(scene: &Scene, before: usize) -> Option<usize> {
     (0..before)
         .rev()

@@ -17,7 +17,7 @@ use crate::table::{Table, number, percent};
 
 /// Performances of each row, and of one whose motion is left so open that few are found and slowly.
 const SEEDS: u64 = 100;
-const SLOW_SEEDS: u64 = 20;
+const SLOW_SEEDS: u64 = 5;
 
 /// One performance as its trackers see it.
 #[derive(Serialize)]

@@ -1,6 +1,5 @@
 //! What becomes of a goal that a motion near the performed one meets.
 
-use enact::estimate::outcome::PHYSICAL;
 use enact::motion::{Goal, GoalTarget, Observer, Phase, Verdict};
 use enact::pipeline::{Outcome, PipelineError};
 use enact::report::reason_text;
@@ -10,7 +9,7 @@ use serde::Serialize;
 use crate::options::Options;
 use enact_tools::apart::apart;
 use enact_tools::case::Case;
-use enact_tools::goals::{Pair, Quantity, Set};
+use enact_tools::goals::{Pair, Quantity, Set, is_closed};
 use enact_tools::perform::Acting;
 
 /// Performances of each row.
@@ -151,23 +150,13 @@ fn asked_of(
     let of_it = measured(&case, &outcome, &goal);
     Some(Asked {
         met: of_it.is_met,
-        closed: is_closed(&outcome),
+        closed: is_closed(&outcome.estimate),
         physical: outcome.estimate.verdict == Verdict::Physical,
         apart_mm: of_it.apart_mm,
         off_sds: of_it.off_sds,
         iterations: outcome.estimate.counters.iterations,
         end: reason_text(&outcome.scene, &outcome.estimate.reason),
         ..none
-    })
-}
-
-/// Whether no gap is left, whatever else is doubted.
-fn is_closed(outcome: &Outcome) -> bool {
-    outcome.estimate.events.iter().all(|event| {
-        event.gap.position_m <= PHYSICAL.position_m
-            && event.gap.orientation_rad <= PHYSICAL.orientation_rad
-            && event.gap.velocity_m_s <= PHYSICAL.velocity_m_s
-            && event.gap.angular_velocity_rad_s <= PHYSICAL.angular_velocity_rad_s
     })
 }
 
