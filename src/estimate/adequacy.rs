@@ -146,7 +146,7 @@ fn kinder(
 /// Whether motions are farther from the samples than bodies that rest at their mean places would be: no
 /// one quantity is to blame for that.
 fn farther_than_rest(problem: &Problem, distance_m: f64) -> bool {
-    let is_placed = |(_, view): &(usize, &View)| view.shows.kinds()[0] && !view.samples.is_empty();
+    let is_placed = |(_, view): &(usize, &View)| view.kinds()[0] && !view.samples.is_empty();
     let views = problem.views().filter(is_placed).map(|(_, view)| view);
     let (mut squares_m2, mut samples) = (0.0, 0);
     for track in views

@@ -41,5 +41,5 @@ fn is_seen(arc: &Arc, kind: usize) -> bool {
         Shows::Point => view.is_plain,
         Shows::Direction(_) => false,
     });
-    whole.any(|view| !view.samples.is_empty() && view.units[kind].is_finite())
+    whole.any(|view| !view.samples.is_empty() && view.kinds()[kind])
 }

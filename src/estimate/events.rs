@@ -53,7 +53,7 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
             let times_s =
                 |sample: &ArcSample| sample.stamped_s(&point.node_times_s, &point.parameters);
             // Of the track that sees orientations most often.
-            let views = arc.views.iter().filter(|view| view.shows.kinds()[1]);
+            let views = arc.views.iter().filter(|view| view.kinds()[1]);
             let interval_s = views.filter_map(|view| match view.samples.as_slice() {
                 [first, .., last] => {
                     Some((times_s(last) - times_s(first)) / (view.samples.len() - 1) as f64)

@@ -279,7 +279,7 @@ impl<'a> Observer<'a> {
         let (turn, k) = self.spin.turn_and_derivative(s);
         let to_epoch = self.state.orientation.inverse() * measured;
         let whitening = self.view.whitenings.get(sample);
-        let [sees_place, sees_turn] = self.view.shows.kinds();
+        let [sees_place, sees_turn] = self.view.kinds();
         // Where a covariance is that of the tracker's place, so is the residual.
         let is_of_tracker = self.view.shows == Shows::Point || sees_place && whitening.is_some();
         // The axis whose direction is seen, flown and shown.

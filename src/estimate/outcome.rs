@@ -301,7 +301,7 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<R
         let mut observer = Observer::new(problem, of, (body, &gravity), flight, &point.parameters);
         let samples = 0..view.samples.len();
         Residuals {
-            kinds: view.shows.kinds(),
+            kinds: view.kinds(),
             each: samples
                 .map(|sample| observer.residual(sample, &point.node_times_s))
                 .collect(),

@@ -115,6 +115,13 @@ pub struct View {
     pub is_plain: bool,
 }
 
+impl View {
+    /// Whether positions, and whether orientations or directions, are seen with a weight that counts.
+    pub fn kinds(&self) -> [bool; 2] {
+        self.units.map(f64::is_finite)
+    }
+}
+
 /// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
@@ -171,7 +178,7 @@ impl Arc {
         let mut views = self.views.iter().filter(|view| !view.samples.is_empty());
         views.any(|view| {
             let is_lever = view.shows == Shows::Point && !view.is_plain;
-            view.shows.kinds()[kind] || kind == 1 && is_lever
+            view.kinds()[kind] || kind == 1 && is_lever
         })
     }
 

@@ -3,12 +3,14 @@
 use nalgebra::{Matrix6, Vector3};
 
 use super::nodes::Nodes;
-use super::problem::{ArcSample, Shows, View};
+use super::problem::{ArcSample, Shows, View, unit};
 use crate::math::so3;
 use crate::motion::{Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
 
-/// A unit of so many metres or radians weighs samples to nothing: no performance reaches as far.
+/// A unit of so many metres or radians, since no performance reaches as far,
 const NOTHING: f64 = 30.0;
+/// and of so many times what would weigh as much as the scene's of the other kind, weighs samples to nothing.
+const NOTHING_BESIDE: f64 = 1e4;
 
 /// The views of a segment: of every track one, or one of each kind of sample where it has several.
 pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &Nodes) -> Vec<View> {
@@ -86,14 +88,16 @@ fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
         Weighing::Own(weights) => weights,
         Weighing::Scene | Weighing::Messages => &scene.weights,
     };
-    let [position, turn] = shows.kinds();
-    [
-        (position, weights.position_m),
-        (turn, weights.orientation_rad),
-    ]
-    .map(|(is_seen, unit)| {
-        if is_seen && unit < NOTHING {
-            unit
+    let units = [weights.position_m, weights.orientation_rad];
+    // What weighs as much as the scene's units of the other kind.
+    let beside = [
+        scene.weights.orientation_rad * (unit::POSITION_M / unit::ORIENTATION_RAD),
+        scene.weights.position_m * (unit::ORIENTATION_RAD / unit::POSITION_M),
+    ];
+    std::array::from_fn(|kind| {
+        let counts = units[kind] < NOTHING.max(NOTHING_BESIDE * beside[kind]);
+        if shows.kinds()[kind] && counts {
+            units[kind]
         } else {
             f64::INFINITY
         }

@@ -12,7 +12,6 @@
 
 mod search;
 
-use self::search::Taken;
 use super::active::ActiveSet;
 use super::envelope::Envelope;
 use super::kkt::{Kkt, KktStep};
@@ -69,6 +68,21 @@ pub struct Finished {
     /// Predicted decrease of a further step, relative to the objective, extrapolated from the last
     /// two.
     pub decrease: f64,
+}
+
+/// How much of a step was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Whole,
+    Part,
+    Not,
+}
+
+/// Where a step leads.
+struct Place<T> {
+    point: T,
+    system: System,
+    multipliers: Vec<f64>,
 }
 
 /// A point on its way through the finish.

@@ -92,7 +92,7 @@ impl Bins {
         let mut bins: Vec<Bin> = Vec::new();
         let mut of_samples = vec![0; views.iter().map(|view| view.samples.len()).sum()];
         let (mut flights_s, mut all_flights) = (0.0, 0);
-        let series = |view: &View| (view.track, view.shows.kinds());
+        let series = |view: &View| (view.track, view.kinds());
         let all: BTreeSet<(TrackIndex, [bool; 2])> = views.iter().map(|v| series(v)).collect();
         for of in all {
             let is_of = |view: &&&View| series(view) == of && !view.samples.is_empty();

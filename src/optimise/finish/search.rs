@@ -11,7 +11,7 @@
 
 use nalgebra::DVector;
 
-use super::Finish;
+use super::{Finish, Place, Taken};
 use crate::optimise::kkt::{Kkt, KktStep};
 use crate::optimise::program::Program;
 use crate::optimise::system::System;
@@ -25,21 +25,6 @@ const CORRECTIONS: [usize; 2] = [1, 4];
 const CORRECTED: f64 = 0.5;
 /// Greatest number of steps after one that increased the merit, until it is no more than before.
 const FURTHER_STEPS: usize = 3;
-
-/// How much of a step was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Taken {
-    Whole,
-    Part,
-    Not,
-}
-
-/// Where a step leads.
-pub(super) struct Place<T> {
-    point: T,
-    system: System,
-    multipliers: Vec<f64>,
-}
 
 /// The ℓ₁ merit that a step must reach.
 #[derive(Clone, Copy)]
