@@ -1,7 +1,7 @@
 //! The finish: sequential quadratic programming by KKT steps ([`super::kkt`]) until the constraints
 //! hold to rounding.
 //!
-//! Steps are accepted by a merit ([`search`]): in full, in full with corrections that lead it back to
+//! Steps are accepted by a merit (`search`): in full, in full with corrections that lead it back to
 //! the constraints, or halved.
 //!
 //! Where the constraints determine nearly every unknown, damping the Hessian would do nothing. Where
