@@ -15,7 +15,7 @@ use enact_tools::objects::read::{self, RATE_HZ};
 use enact_tools::objects::scene::{IMPACT, Trust, contact_height_m, flight, impact, rest_height_m};
 use enact_tools::objects::smoothing::{Filter, fall, filter, run};
 use enact_tools::objects::solid::{Solid, solids};
-use enact_tools::objects::trust::trust;
+use enact_tools::objects::trust::{known, trust};
 use enact_tools::tosses::Pose;
 use nalgebra::{UnitQuaternion, Vector3};
 use skip::skip;
@@ -175,14 +175,9 @@ fn every_first_flight_is_explained_or_named() {
         .iter()
         .map(|toss| solids(&folder, &toss.object).expect("a shape"))
         .collect();
-    let all = || tosses.iter().zip(&shapes);
-    let choosing = all().filter(|(toss, _)| toss.is_for_choosing);
-    let known: Vec<_> = choosing
-        .filter_map(|(toss, shapes)| Some((toss, cut(&toss.poses)?, &shapes[0])))
-        .collect();
-    let trust = trust(&known, &GRAVITY_M_S2).expect("flights");
+    let trust = trust(&known(&tosses, &shapes), &GRAVITY_M_S2).expect("flights");
     let (mut physical, mut named) = (0, 0);
-    for (toss, [solid, _]) in all() {
+    for (toss, [solid, _]) in tosses.iter().zip(&shapes) {
         let Some(found) = cut(&toss.poses) else {
             continue;
         };

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::cut::{Cut, steps};
+use super::cut::{Cut, cut, steps};
 use super::read::{ObjectToss, RATE_HZ};
 use super::scene::{Trust, contact_height_m, rest_height_m};
 use super::smoothing::fall;
@@ -11,6 +11,15 @@ use crate::tosses::Pose;
 
 /// A toss with where it is cut, and its shape.
 pub type Known<'a> = (&'a ObjectToss, Cut, &'a Solid);
+
+/// The tosses for choosing in which a flight is seen, with the first of their shapes.
+pub fn known<'a>(tosses: &'a [ObjectToss], shapes: &'a [[Solid; 2]]) -> Vec<Known<'a>> {
+    let chosen = tosses.iter().zip(shapes);
+    let chosen = chosen.filter(|(toss, _)| toss.is_for_choosing);
+    chosen
+        .filter_map(|(toss, [solid, _])| Some((toss, cut(&toss.poses)?, solid)))
+        .collect()
+}
 
 /// Standard deviations from some tosses: of positions about the free flight that is nearest to those
 /// of each first flight, of orientations about constant spin, and of the table's height by the lowest point at

@@ -10,12 +10,10 @@ mod told;
 mod with;
 
 use anyhow::{Context, Result};
-use enact_tools::objects::cut::cut;
 use enact_tools::objects::read::{self, ObjectToss};
 use enact_tools::objects::scene::{self, Trust};
 use enact_tools::objects::solid::{Solid, solids};
-use enact_tools::objects::trust::{Known, trust};
-
+use enact_tools::objects::trust::{known, trust};
 use rayon::prelude::*;
 
 use crate::options::Options;
@@ -37,20 +35,17 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         .map(|toss| solids(&folder, &toss.object))
         .collect();
     let shapes = shapes?;
-    let all: Vec<(&ObjectToss, &[Solid; 2])> = tosses.iter().zip(&shapes).collect();
-    let chosen = all.iter().filter(|(toss, _)| toss.is_for_choosing);
-    let known: Vec<Known> = chosen
-        .filter_map(|(toss, shapes)| Some((*toss, cut(&toss.poses)?, &shapes[0])))
-        .collect();
     let unit = Trust {
         position_mm: 1.0,
         orientation_deg: 1.0,
         table_mm: 1.0,
     };
     let gravity_m_s2 = scene::flight(&shapes[0][0], &unit, false)?.gravity_m_s2;
-    let trust = trust(&known, &gravity_m_s2).context("no flights to choose weights on")?;
-    let wanted: Vec<(&ObjectToss, &[Solid; 2])> = all
-        .into_iter()
+    let trust = trust(&known(&tosses, &shapes), &gravity_m_s2)
+        .context("no flights to choose weights on")?;
+    let wanted: Vec<(&ObjectToss, &[Solid; 2])> = tosses
+        .iter()
+        .zip(&shapes)
         .step_by(options.either(QUICK, 1))
         .filter(|(toss, _)| options.wants(&toss.name))
         .collect();

@@ -115,13 +115,14 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                         "{}°",
                         number(of(|apart| apart.orientation_rad).to_degrees())
                     ),
-                    match off_unweighed_m.is_empty() {
-                        true => String::new(),
-                        false => format!(
+                    if off_unweighed_m.is_empty() {
+                        String::new()
+                    } else {
+                        format!(
                             "{} mm, at most {} mm",
                             number(1e3 * median(&off_unweighed_m)),
                             number(1e3 * off_unweighed_m.iter().copied().fold(0.0, f64::max))
-                        ),
+                        )
                     },
                     number(median(&iterations)),
                     if late.is_empty() {

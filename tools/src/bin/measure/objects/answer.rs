@@ -78,12 +78,11 @@ impl Question<'_> {
                 at_bound: found.at_bound.map(AtBound::as_str),
             })
         };
-        let is_impact = |name: &str| name == IMPACT;
         let impact = outcome
             .scene
             .events
             .iter()
-            .position(|event| is_impact(&event.name) && event.kind.collision().is_some());
+            .position(|event| event.name == IMPACT && event.kind.collision().is_some());
         Answer {
             verdict: estimate.verdict.as_str(),
             is_physical: estimate.verdict == Verdict::Physical,

@@ -73,8 +73,8 @@ pub fn sketches() -> Result<Vec<Sketched>> {
 /// Number of residuals of samples.
 pub fn residuals(problem: &Problem) -> usize {
     let of = problem.views().map(|(_, view)| {
-        let kinds = view.shows.kinds().into_iter().zip(view.units);
-        3 * kinds.filter(|(is_seen, _)| *is_seen).count() * view.samples.len()
+        let seen = view.kinds().into_iter().filter(|is_seen| *is_seen);
+        3 * seen.count() * view.samples.len()
     });
     of.sum()
 }
