@@ -48,14 +48,17 @@ impl Scene {
 
     /// The scene of an edited sketch with the clock of every flight but the first of each track
     /// free; any other as it is.
-    pub fn with_flight_clocks(&self) -> Scene {
+    pub fn with_flight_clocks(self) -> Scene {
+        if self.timing != Timing::Edited {
+            return self;
+        }
         let clocks = self.tracks.keys().flat_map(|track| {
             let flights = 1..self.streams(track);
             flights.map(move |flight| (Quantity::FlightClock { track, flight }, 0.0))
         });
         let clocks: Vec<(Quantity, f64)> = clocks.collect();
-        if self.timing != Timing::Edited || clocks.iter().any(|(clock, _)| self.frees(*clock)) {
-            return self.clone();
+        if clocks.iter().any(|(clock, _)| self.frees(*clock)) {
+            return self;
         }
         self.with_free(&clocks)
     }

@@ -10,23 +10,22 @@ impl Scene {
     ///
     /// Where nothing says when a sketch, or a flight on a clock of its own, is at all, its first
     /// sample keeps its stamp: it is the zero of time.
-    pub fn with_sample_times(&self, sketch: &Sketch, segments: &[Segment]) -> Scene {
-        let mut scene = self.clone();
+    pub fn with_sample_times(mut self, sketch: &Sketch, segments: &[Segment]) -> Scene {
+        let mut free: Vec<FreeParameter> = Vec::new();
         let views = segments.iter().flat_map(|segment| &segment.views);
         for view in views {
             if sketch.tracks[view.track].open_times_s.is_empty() {
                 continue;
             }
             let zero = self.zero_of(sketch, segments, view);
-            let free = view.samples.clone().filter_map(|sample| {
+            free.extend(view.samples.clone().filter_map(|sample| {
                 let is_zero = zero == Some((view.track, sample));
                 let bounds = bounds_s(sketch, view, sample).filter(|_| !is_zero)?;
                 Some(self.free_time((view.track, sample), bounds))
-            });
-            let free: Vec<FreeParameter> = free.collect();
-            scene.parameters.extend(free);
+            }));
         }
-        scene
+        self.parameters.extend(free);
+        self
     }
 
     fn free_time(&self, (track, sample): (TrackIndex, usize), bounds_s: [f64; 2]) -> FreeParameter {

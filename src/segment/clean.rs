@@ -1,6 +1,7 @@
 //! Cleans a take: from readings in any order to poses of bodies in order of time, with counts of
 //! both.
 
+use std::cell::LazyCell;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -10,14 +11,17 @@ use typed_index_collections::{TiSlice, TiVec};
 use super::complete::completed;
 use super::edited::join;
 use super::error::SegmentError;
-use super::marks::{Extent, check_extents, mark_sd_s, matched, put_at_the_ends, seconds, union};
+use super::marks::{
+    Extent, annotated_sd_s, check_extents, mark_sd_s, matched, put_at_the_ends, seconds, union,
+};
 use super::outliers::drop_outliers;
+use super::reading::Reading;
 use super::refine::reach_s;
-use super::seen::{covariances, seen, shown};
+use super::seen::{covariances, seen, show};
 use super::units::check_units;
 use crate::motion::{
-    DropReason, EventKind, Holds, Mark, MarkTime, PoseSample, Sample, SampleCounts, Scene, Seen,
-    Sketch, Stamp, TakeEvent, Timing, Track, TrackIndex, TrackSketch,
+    DropReason, EventKind, Holds, Mark, MarkTime, Sample, SampleCounts, Scene, Seen, Sketch, Stamp,
+    TakeEvent, Timing, Track, TrackIndex, TrackSketch,
 };
 
 /// Greatest deviation of a quaternion's norm from 1 for the reading to be used.
@@ -33,7 +37,7 @@ const GAP_RATIO: f64 = 2.5;
 const SPAN_LIMIT_S: f64 = 86_400.0;
 
 /// Readings by track and stream.
-type SegmentStreams = TiVec<TrackIndex, Vec<Vec<PoseSample>>>;
+type SegmentStreams = TiVec<TrackIndex, Vec<Vec<Reading>>>;
 
 /// The sketch of a take, with counts of its samples: streams sorted by stamp, without unusable
 /// readings, as poses of the bodies, from the scene's start event to its end.
@@ -54,7 +58,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     let whole = union(&extents).expect("a scene has tracks");
     let mut stamps = match matched(scene, &marks, whole.first) {
         Err(error @ SegmentError::MarkCount { .. }) => {
-            let all = sketch(scene, &streams, &[], &mut SampleCounts::default());
+            let all = sketch((scene, events), &streams, &[], &mut SampleCounts::default());
             let (stamps, changes) = completed(scene, &marks, &all, error)?;
             counts.marks = changes;
             stamps
@@ -74,11 +78,12 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         }
         merge(&mut counts, &dropped);
     }
-    let mut sketch = sketch(scene, &streams, &stamps, &mut counts);
+    let mut sketch = sketch((scene, events), &streams, &stamps, &mut counts);
+    let annotated_s = LazyCell::new(|| annotated_sd_s(&sketch.tracks));
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
         let is_own = !changed.iter().any(|events| events.contains(&event));
-        let sd_s = mark_sd_s(scene, &sketch.tracks, event);
+        let sd_s = mark_sd_s(scene, event, || *annotated_s);
         *mark = (is_own && sd_s > 0.0).then_some(MarkTime {
             acted_s: sketch.marks_s[event],
             sd_s,
@@ -110,7 +115,7 @@ fn clean_edited(
         }
     }
     let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
-    let sketch = sketch(scene, &streams, &stamps, &mut counts);
+    let sketch = sketch((scene, events), &streams, &stamps, &mut counts);
     for (track, seen) in sketch.tracks.iter_enumerated() {
         check_units(scene.link_seen_by(track), &seen.samples)?;
     }
@@ -124,13 +129,13 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
         mut counts,
         ..
     } = usable(scene, events)?;
-    Ok(sketch(scene, &streams, &[], &mut counts))
+    Ok(sketch((scene, events), &streams, &[], &mut counts))
 }
 
 /// The usable part of a take.
 struct Usable {
-    /// SegmentStreams by track, in order of time; none is empty.
-    streams: TiVec<TrackIndex, Vec<PoseSample>>,
+    /// Readings by track, in order of time; none is empty.
+    streams: TiVec<TrackIndex, Vec<Reading>>,
     marks: Vec<Mark>,
     extents: TiVec<TrackIndex, Extent>,
     counts: SampleCounts,
@@ -163,7 +168,7 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         // Where times are not known, or readings show different parts, a path says nothing of jumps.
         let is_path = stream
             .iter()
-            .all(|reading| reading.open.is_none() && reading.holds == stream[0].holds);
+            .all(|reading| !reading.is_open && reading.holds == stream[0].holds);
         if is_path {
             drop_outliers(stream, &mut counts);
         }
@@ -202,12 +207,15 @@ fn sorted(
     counts: &mut SampleCounts,
 ) -> Result<(SegmentStreams, Vec<Mark>), SegmentError> {
     let tracks = scene.tracks.keys();
+    let count: usize = tracks.clone().map(|track| scene.streams(track)).sum();
+    // As many as there are if every stream has as many.
+    let readings = || Vec::with_capacity(events.len().div_ceil(count.max(1)));
     let mut streams: SegmentStreams = tracks
-        .map(|track| vec![Vec::new(); scene.streams(track)])
+        .map(|track| (0..scene.streams(track)).map(|_| readings()).collect())
         .collect();
     let mut latest: BTreeMap<(TrackIndex, usize), Stamp> = BTreeMap::new();
     let mut marks = Vec::new();
-    for event in events {
+    for (index, event) in events.iter().enumerate() {
         match event {
             TakeEvent::Mark(mark) => marks.push(mark.clone()),
             TakeEvent::Pose {
@@ -234,7 +242,7 @@ fn sorted(
                 let latest = latest.entry((*track, *stream)).or_insert(sample.stamp);
                 counts.reordered += usize::from(*latest > sample.stamp);
                 *latest = sample.stamp.max(*latest);
-                samples.push(*sample);
+                samples.push(Reading::new(index, sample));
             }
         }
     }
@@ -244,8 +252,8 @@ fn sorted(
     Ok((streams, marks))
 }
 
-fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
-    let numbers = |s: &PoseSample| {
+fn by_stamp_then_numbers(a: &Reading, b: &Reading) -> Ordering {
+    let numbers = |s: &Reading| {
         let [x, y, z, w] = s.quaternion_xyzw;
         [s.position_m.x, s.position_m.y, s.position_m.z, x, y, z, w]
     };
@@ -262,15 +270,15 @@ fn by_stamp_then_numbers(a: &PoseSample, b: &PoseSample) -> Ordering {
 /// Drops readings that are no pose, repeat a stamp, or repeat the pose before them bit for bit, unless
 /// what they show may stand still.
 fn drop_unusable(
-    stream: &mut Vec<PoseSample>,
+    stream: &mut Vec<Reading>,
     track: &Track,
     may_stand: bool,
     counts: &mut SampleCounts,
 ) {
-    let mut previous: Option<PoseSample> = None;
-    stream.retain_mut(|sample| {
-        let reason = unusable(track, sample).or_else(|| {
-            let previous = previous.as_ref()?;
+    let mut kept: usize = 0;
+    for index in 0..stream.len() {
+        let reason = unusable(track, &mut stream[index]).or_else(|| {
+            let (sample, previous) = (&stream[index], &stream[kept.checked_sub(1)?]);
             if previous.stamp == sample.stamp {
                 Some(DropReason::Duplicate)
             } else if !may_stand && same_bits(previous, sample) {
@@ -281,18 +289,20 @@ fn drop_unusable(
         });
         match reason {
             Some(reason) => counts.drop(reason, 1),
-            None => previous = Some(*sample),
+            None => {
+                stream.swap(kept, index);
+                kept += 1;
+            }
         }
-        reason.is_none()
-    });
+    }
+    stream.truncate(kept);
 }
 
 /// Why a reading is not used; one that is used keeps only what its track sees.
-fn unusable(track: &Track, sample: &mut PoseSample) -> Option<DropReason> {
-    let Some(seen) = shown(track, sample) else {
+fn unusable(track: &Track, sample: &mut Reading) -> Option<DropReason> {
+    if !show(track, sample) {
         return Some(DropReason::NotSeen);
-    };
-    *sample = seen;
+    }
     let finite = sample
         .position_m
         .iter()
@@ -306,8 +316,8 @@ fn unusable(track: &Track, sample: &mut PoseSample) -> Option<DropReason> {
     (!near_unit).then_some(DropReason::NotUnit)
 }
 
-fn same_bits(a: &PoseSample, b: &PoseSample) -> bool {
-    let bits = |s: &PoseSample| {
+fn same_bits(a: &Reading, b: &Reading) -> bool {
+    let bits = |s: &Reading| {
         (
             [s.position_m.x, s.position_m.y, s.position_m.z].map(f64::to_bits),
             s.quaternion_xyzw.map(f64::to_bits),
@@ -316,7 +326,7 @@ fn same_bits(a: &PoseSample, b: &PoseSample) -> bool {
     bits(a) == bits(b)
 }
 
-fn norm(sample: &PoseSample) -> f64 {
+fn norm(sample: &Reading) -> f64 {
     let [x, y, z, w] = sample.quaternion_xyzw;
     Quaternion::new(w, x, y, z).norm()
 }
@@ -325,7 +335,7 @@ fn norm(sample: &PoseSample) -> f64 {
 fn drop_outside(
     scene: &Scene,
     stamps: &[Stamp],
-    stream: &mut Vec<PoseSample>,
+    stream: &mut Vec<Reading>,
     counts: &mut SampleCounts,
 ) {
     let of = |kind: EventKind| {
@@ -348,8 +358,8 @@ fn drop_outside(
 
 /// From the first pose to the last, including repeated poses: marks made while the tracker was at
 /// rest are within the data.
-fn extent(track: &Track, stream: &[PoseSample]) -> Option<Extent> {
-    let usable = |sample: &&PoseSample| {
+fn extent(track: &Track, stream: &[Reading]) -> Option<Extent> {
+    let usable = |sample: &&Reading| {
         let mut sample = **sample;
         unusable(track, &mut sample).is_none()
     };
@@ -385,7 +395,7 @@ fn merge(counts: &mut SampleCounts, more: &SampleCounts) {
 }
 
 /// Interval above which there is a gap in the stream \[ns\].
-fn gap_limit_ns(stream: &[PoseSample]) -> i64 {
+fn gap_limit_ns(stream: &[Reading]) -> i64 {
     let mut intervals: Vec<i64> = stream
         .windows(2)
         .map(|pair| pair[1].stamp.0 - pair[0].stamp.0)
@@ -397,8 +407,8 @@ fn gap_limit_ns(stream: &[PoseSample]) -> i64 {
 
 /// Poses of links since the first kept sample, unit quaternions of continuous sign.
 fn sketch(
-    scene: &Scene,
-    streams: &TiSlice<TrackIndex, Vec<PoseSample>>,
+    (scene, events): (&Scene, &[TakeEvent]),
+    streams: &TiSlice<TrackIndex, Vec<Reading>>,
     stamps: &[Stamp],
     counts: &mut SampleCounts,
 ) -> Sketch {
@@ -415,6 +425,7 @@ fn sketch(
             .filter(|pair| pair[1].stamp.0 - pair[0].stamp.0 > limit_ns)
             .count();
         counts.used += stream.len();
+        let tracker_from_link = track.link_from_tracker.inverse();
         let mut samples: Vec<Sample> = Vec::with_capacity(stream.len());
         let mut open_times_s = BTreeMap::new();
         let mut last: Option<UnitQuaternion<f64>> = None;
@@ -422,7 +433,7 @@ fn sketch(
             let holds_orientation = matches!(reading.holds, Holds::Pose | Holds::Orientation);
             let is_off = holds_orientation && (norm(reading) - 1.0).abs() > NORM_ROUNDING;
             counts.normalised += usize::from(is_off);
-            let mut seen = seen(track, reading);
+            let mut seen = seen(&tracker_from_link, reading);
             if let Seen::Pose { orientation, .. } | Seen::Orientation(orientation) = &mut seen {
                 if last.is_some_and(|last| last.coords.dot(&orientation.coords) < 0.0) {
                     *orientation = UnitQuaternion::new_unchecked(-orientation.into_inner());
@@ -430,7 +441,7 @@ fn sketch(
                 }
                 last = Some(*orientation);
             }
-            if let Some(open) = reading.open {
+            if let Some(open) = reading.open(events) {
                 open_times_s.insert(samples.len(), open.range_s());
             }
             samples.push(Sample {
@@ -439,7 +450,7 @@ fn sketch(
                 seen,
             });
         }
-        let covariances = covariances(track, stream);
+        let covariances = covariances(track, stream, events);
         tracks.push(TrackSketch {
             samples,
             covariances,

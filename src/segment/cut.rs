@@ -134,6 +134,9 @@ pub fn median_interval_s(track: &TrackSketch) -> f64 {
         .windows(2)
         .map(|pair| pair[1].acted_s - pair[0].acted_s)
         .collect();
-    intervals.sort_by(f64::total_cmp);
-    intervals.get(intervals.len() / 2).copied().unwrap_or(0.0)
+    if intervals.is_empty() {
+        return 0.0;
+    }
+    let middle = intervals.len() / 2;
+    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -11,7 +11,8 @@ use typed_index_collections::{TiSlice, TiVec};
 
 use super::error::SegmentError;
 use super::marks::seconds;
-use crate::motion::{EventKind, PoseSample, Scene, Stamp, TrackIndex};
+use super::reading::Reading;
+use crate::motion::{EventKind, Scene, Stamp, TrackIndex};
 
 /// Interval of a track whose segments have one sample each \[ns\]; [`cut`](super::cut()) refuses
 /// them.
@@ -19,23 +20,23 @@ const INTERVAL_NS: i64 = 1_000_000;
 
 /// One track's position on the time line \[ns\].
 struct Joined<'a> {
-    segments: std::slice::Iter<'a, Vec<PoseSample>>,
+    segments: std::slice::Iter<'a, Vec<Reading>>,
     /// Beginning of the next segment.
     begin_ns: i64,
     /// Median interval, at least 2.
     interval_ns: i64,
-    joined: Vec<PoseSample>,
+    joined: Vec<Reading>,
 }
 
 /// One stream per track.
-type Streams = TiVec<TrackIndex, Vec<PoseSample>>;
+type Streams = TiVec<TrackIndex, Vec<Reading>>;
 
 /// The streams of all tracks and the stamps of all events on one line, whose zero is the least
 /// stamp of any first segment. `segments` are by track, as many as [`Scene::streams`] says, sorted,
 /// none empty. Fails where they are longer than `limit_s`, each or together.
 pub(super) fn join(
     scene: &Scene,
-    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
+    segments: &TiSlice<TrackIndex, Vec<Vec<Reading>>>,
     limit_s: f64,
 ) -> Result<(Streams, Vec<Stamp>), SegmentError> {
     check_spans(segments, limit_s)?;
@@ -80,7 +81,7 @@ pub(super) fn join(
 }
 
 fn check_spans(
-    segments: &TiSlice<TrackIndex, Vec<Vec<PoseSample>>>,
+    segments: &TiSlice<TrackIndex, Vec<Vec<Reading>>>,
     limit_s: f64,
 ) -> Result<(), SegmentError> {
     for segment in segments.iter().flatten() {
@@ -100,7 +101,7 @@ fn check_span(last: Stamp, first: Stamp, limit_s: f64) -> Result<(), SegmentErro
 }
 
 impl<'a> Joined<'a> {
-    fn new(segments: &'a [Vec<PoseSample>], zero_ns: i64) -> Self {
+    fn new(segments: &'a [Vec<Reading>], zero_ns: i64) -> Self {
         let mut intervals: Vec<i64> = segments
             .iter()
             .flat_map(|segment| segment.windows(2))
@@ -122,11 +123,11 @@ impl<'a> Joined<'a> {
             return self.begin_ns;
         };
         // Differences within one segment do not overflow; those between two may.
-        let since_ns = |sample: &PoseSample| sample.stamp.0 - segment[0].stamp.0;
-        self.joined.extend(segment.iter().map(|sample| PoseSample {
-            stamp: Stamp(self.begin_ns + since_ns(sample)),
-            ..*sample
-        }));
+        let since_ns = |reading: &Reading| reading.stamp.0 - segment[0].stamp.0;
+        let placed = |reading| Stamp(self.begin_ns + since_ns(reading));
+        let readings = segment.iter();
+        self.joined
+            .extend(readings.map(|reading| reading.at(placed(reading))));
         self.joined
             .last()
             .map_or(self.begin_ns, |last| last.stamp.0)

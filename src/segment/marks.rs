@@ -22,18 +22,16 @@ const PEOPLE_SD_S: f64 = 0.05;
 /// its intervals.
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
 
+/// Standard deviation of marks that were made by looking at the stream \[s\].
+pub(super) fn annotated_sd_s(tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
+    let intervals_s = tracks.iter().map(median_interval_s);
+    ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
+}
+
 /// Standard deviation of the mark of an event, in acted time \[s\]. Nothing in a stream shows where a
 /// waypoint is: nobody annotates it better than while acting.
-pub(super) fn mark_sd_s(
-    scene: &Scene,
-    tracks: &TiSlice<TrackIndex, TrackSketch>,
-    event: usize,
-) -> f64 {
+pub(super) fn mark_sd_s(scene: &Scene, event: usize, annotated_s: impl FnOnce() -> f64) -> f64 {
     let of = &scene.events[event];
-    let annotated_s = || {
-        let intervals_s = tracks.iter().map(median_interval_s);
-        ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
-    };
     let given_s = of.time.mark_sd_s.or(scene.mark_sd_s);
     given_s.unwrap_or_else(|| match scene.timing {
         Timing::Known | Timing::Edited if of.kind.waypoint().is_none() => annotated_s(),

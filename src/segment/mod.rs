@@ -19,6 +19,7 @@ mod marks;
 mod outliers;
 mod prefix;
 pub mod propose;
+mod reading;
 pub mod refine;
 pub mod relocate;
 mod seen;

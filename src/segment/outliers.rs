@@ -12,7 +12,8 @@
 
 use nalgebra::{Vector3, Vector4};
 
-use crate::motion::{DropReason, PoseSample, SampleCounts};
+use super::reading::Reading;
+use crate::motion::{DropReason, SampleCounts};
 
 /// Distance from its neighbours' line below which a reading is never an outlier, in position \[m\],
 const FLOOR_M: f64 = 0.01;
@@ -39,7 +40,7 @@ const BREAK_COST: u32 = 11;
 const SHARE_MAX: f64 = 0.4;
 
 /// Leaves out of a stream in order of time what [`outliers`] finds, and counts it.
-pub(super) fn drop_outliers(stream: &mut Vec<PoseSample>, counts: &mut SampleCounts) {
+pub(super) fn drop_outliers(stream: &mut Vec<Reading>, counts: &mut SampleCounts) {
     let is_outlier = outliers(stream);
     counts.drop(
         DropReason::Outlier,
@@ -50,7 +51,7 @@ pub(super) fn drop_outliers(stream: &mut Vec<PoseSample>, counts: &mut SampleCou
 }
 
 /// Which readings of a stream in order of time are outliers; empty if none is.
-fn outliers(stream: &[PoseSample]) -> Vec<bool> {
+fn outliers(stream: &[Reading]) -> Vec<bool> {
     let Some(path) = Path::new(stream) else {
         return Vec::new();
     };
@@ -134,7 +135,7 @@ struct Zone {
 }
 
 impl Path {
-    fn new(stream: &[PoseSample]) -> Option<Self> {
+    fn new(stream: &[Reading]) -> Option<Self> {
         if stream.len() < READINGS_MIN {
             return None;
         }

@@ -6,26 +6,26 @@
 
 use nalgebra::{Matrix6, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
+use super::reading::Reading;
 use crate::math::{Pose, so3};
-use crate::motion::{Covariance, Holds, PoseSample, Seen, Sees, Track, Weighing};
+use crate::motion::{Covariance, Holds, Seen, Sees, TakeEvent, Track, Weighing};
 
-/// The reading with only what its track sees; `None` where the message holds nothing of it.
-pub(super) fn shown(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
-    let mut shown = *reading;
+/// Leaves of a reading only what its track sees; `false` where the message holds nothing of it.
+pub(super) fn show(track: &Track, reading: &mut Reading) -> bool {
     let (no_place, no_turn) = (Vector3::zeros(), [0.0, 0.0, 0.0, 1.0]);
-    shown.holds = match (track.sees, reading.holds) {
+    let shown = match (track.sees, reading.holds) {
         (Sees::Pose, holds @ (Holds::Pose | Holds::Position | Holds::Orientation)) => holds,
         (Sees::Point, Holds::Pose | Holds::Position) => Holds::Position,
         (Sees::Orientation, Holds::Pose | Holds::Orientation) => Holds::Orientation,
         (Sees::Direction(_), Holds::Pose | Holds::Orientation | Holds::Direction) => {
             Holds::Direction
         }
-        _ => return None,
+        _ => return false,
     };
-    match shown.holds {
+    match shown {
         Holds::Pose => {}
-        Holds::Position => shown.quaternion_xyzw = no_turn,
-        Holds::Orientation => shown.position_m = no_place,
+        Holds::Position => reading.quaternion_xyzw = no_turn,
+        Holds::Orientation => reading.position_m = no_place,
         Holds::Direction => {
             let direction = match (track.sees, reading.holds) {
                 (_, Holds::Direction) => reading.position_m,
@@ -36,18 +36,18 @@ pub(super) fn shown(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
                     Quaternion::new(w, x, y, z).norm()
                         * (rotation(reading) * (tracker_from_link * axis.into_inner()))
                 }
-                _ => return None,
+                _ => return false,
             };
-            shown.position_m = no_place;
-            shown.quaternion_xyzw = pointing(&direction);
+            reading.position_m = no_place;
+            reading.quaternion_xyzw = pointing(&direction);
         }
     }
-    Some(shown)
+    reading.holds = shown;
+    true
 }
 
-/// What a reading that [`shown`] returned shows.
-pub(super) fn seen(track: &Track, shown: &PoseSample) -> Seen {
-    let tracker_from_link = track.link_from_tracker.inverse();
+/// What a reading on which [`show`] was called shows.
+pub(super) fn seen(tracker_from_link: &Pose, shown: &Reading) -> Seen {
     match shown.holds {
         Holds::Pose => {
             let world_from_tracker =
@@ -78,19 +78,23 @@ fn pointing(direction: &Vector3<f64>) -> [f64; 4] {
     [q.i, q.j, q.k, q.w]
 }
 
-fn rotation(reading: &PoseSample) -> UnitQuaternion<f64> {
+fn rotation(reading: &Reading) -> UnitQuaternion<f64> {
     let [x, y, z, w] = reading.quaternion_xyzw;
     UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))
 }
 
 /// The covariances of a track's readings, where it is weighed by them and every reading has one that is
 /// positive definite in what is seen; empty otherwise.
-pub(super) fn covariances(track: &Track, stream: &[PoseSample]) -> Vec<Matrix6<f64>> {
+pub(super) fn covariances(
+    track: &Track,
+    stream: &[Reading],
+    events: &[TakeEvent],
+) -> Vec<Matrix6<f64>> {
     if track.weighing != Weighing::Messages {
         return Vec::new();
     }
     let matrices = stream.iter().map(|reading| {
-        let matrix = reading.covariance.as_ref().map(Covariance::matrix)?;
+        let matrix = reading.covariance(events).map(Covariance::matrix)?;
         let is_sound = match reading.holds {
             Holds::Pose => matrix.cholesky().is_some(),
             Holds::Position => matrix

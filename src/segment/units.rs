@@ -18,17 +18,19 @@ const BASE_S: f64 = 0.05;
 pub(super) fn check_units(link: &Link, samples: &[Sample]) -> Result<(), SegmentError> {
     let places = samples.iter();
     let places = places.filter_map(|sample| Some((sample.acted_s, sample.seen.position_m()?)));
-    let places: Vec<(f64, Vector3<f64>)> = places.collect();
-    let Some((_, middle_m)) = places.get(places.len() / 2) else {
+    let count = places.clone().count();
+    let Some((_, middle_m)) = places.clone().nth(count / 2) else {
         return Ok(());
     };
-    let distances_m = places
-        .iter()
-        .map(|(_, place_m)| (place_m - middle_m).norm());
-    let mut distances_m: Vec<f64> = distances_m.collect();
-    let rank = places.len() * 9 / 10;
+    let mut distances_m = Vec::with_capacity(count);
+    distances_m.extend(
+        places
+            .clone()
+            .map(|(_, place_m)| (place_m - middle_m).norm()),
+    );
+    let rank = count * 9 / 10;
     let reach_m = *distances_m.select_nth_unstable_by(rank, f64::total_cmp).1;
-    let speed_m_s = median_speed_m_s(&places);
+    let speed_m_s = median_speed_m_s(places, count);
     let size_m = 2.0 * link.shape.radius_m();
     if reach_m > SIZES_MAX * size_m || speed_m_s > SPEED_MAX_M_S {
         return Err(SegmentError::Units {
@@ -41,15 +43,16 @@ pub(super) fn check_units(link: &Link, samples: &[Sample]) -> Result<(), Segment
     Ok(())
 }
 
-/// Median speed through places at acted times [m/s].
-fn median_speed_m_s(places: &[(f64, Vector3<f64>)]) -> f64 {
-    let mut after = 0;
-    let mut speeds: Vec<f64> = Vec::with_capacity(places.len());
+/// Median speed through so many places at acted times [m/s].
+fn median_speed_m_s(
+    places: impl Iterator<Item = (f64, Vector3<f64>)> + Clone,
+    count: usize,
+) -> f64 {
+    let mut speeds: Vec<f64> = Vec::with_capacity(count);
+    let mut later = places.clone().peekable();
     for (from_s, from_m) in places {
-        while after < places.len() && places[after].0 < from_s + BASE_S {
-            after += 1;
-        }
-        let Some((to_s, to_m)) = places.get(after) else {
+        while later.next_if(|(s, _)| *s < from_s + BASE_S).is_some() {}
+        let Some((to_s, to_m)) = later.peek() else {
             break;
         };
         speeds.push((to_m - from_m).norm() / (to_s - from_s));

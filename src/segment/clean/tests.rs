@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, Surface, Timing,
-    VelocityGaps, Weights,
+    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, PoseSample,
+    Surface, Timing, VelocityGaps, Weights,
 };
 use crate::physics::{Shape, contact};
 

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::math::Pose;
-use crate::motion::Stamp;
+use crate::motion::{PoseSample, Stamp};
 
 const STEP: i64 = 8_333_333;
 
@@ -21,8 +21,15 @@ fn bouncing() -> Vec<PoseSample> {
         .collect()
 }
 
+fn delivered(stream: &[PoseSample]) -> Vec<Reading> {
+    let samples = stream.iter().enumerate();
+    samples
+        .map(|(event, sample)| Reading::new(event, sample))
+        .collect()
+}
+
 fn found(stream: &[PoseSample]) -> Vec<usize> {
-    let is_outlier = outliers(stream).into_iter().enumerate();
+    let is_outlier = outliers(&delivered(stream)).into_iter().enumerate();
     is_outlier
         .filter_map(|(index, is)| is.then_some(index))
         .collect()
@@ -229,7 +236,7 @@ proptest! {
             .collect();
         let dropped = found(&stream);
         prop_assert!(dropped.len() as f64 <= SHARE_MAX * stream.len() as f64);
-        let mut left = stream.clone();
+        let mut left = delivered(&stream);
         let mut counts = SampleCounts::default();
         drop_outliers(&mut left, &mut counts);
         prop_assert_eq!(left.len() + dropped.len(), stream.len());
