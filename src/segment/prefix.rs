@@ -144,6 +144,62 @@ impl PrefixSums {
     }
 }
 
+/// Degree of a polynomial that has as many numbers as two straight lines.
+const BEND_DEGREE: usize = 3;
+
+impl PrefixSums {
+    /// Sum of squared distances of samples from their best cubic, which bends smoothly where two flights have
+    /// a kink; and the number of samples that show something.
+    pub(super) fn bent(&self, samples: impl Iterator<Item = usize>) -> (f64, usize) {
+        let points = samples.filter_map(|index| {
+            let (from, to) = (&self.sums[index], &self.sums[index + 1]);
+            let is_shown = to.powers[0] > from.powers[0];
+            is_shown.then(|| {
+                let a = to.powers[1] - from.powers[1];
+                (a, to.moments[0] - from.moments[0])
+            })
+        });
+        let (times, mut left): (Vec<f64>, Vec<Vector3<f64>>) = points.unzip();
+        let count = times.len();
+        let middle = times.iter().sum::<f64>() / count.max(1) as f64;
+        // Gram–Schmidt on 1, a, a², a³, in this order.
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for degree in 0..=BEND_DEGREE.min(count.saturating_sub(1)) {
+            let powers = times.iter().map(|a| (a - middle).powi(degree as i32));
+            let mut next: Vec<f64> = powers.collect();
+            for other in &basis {
+                let along = dot(other, &next);
+                subtract(&mut next, along, other);
+            }
+            let norm = dot(&next, &next).sqrt();
+            if !(norm > 0.0) {
+                break;
+            }
+            next.iter_mut().for_each(|value| *value /= norm);
+            let along = left.iter().zip(&next);
+            let along: Vector3<f64> = along.map(|(point, value)| point * *value).sum();
+            let points = left.iter_mut().zip(&next);
+            points.for_each(|(point, value)| *point -= along * *value);
+            basis.push(next);
+        }
+        (left.iter().map(Vector3::norm_squared).sum(), count)
+    }
+
+    /// Numbers that a flight has.
+    pub(super) fn numbers(&self) -> usize {
+        6 + usize::from(self.free_along.is_some())
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
+    let pairs = from.iter_mut().zip(what);
+    pairs.for_each(|(from, what)| *from -= times * what);
+}
+
 fn middle_s(track: &TrackSketch) -> f64 {
     let samples = &track.samples;
     samples.get(samples.len() / 2).map_or(0.0, |s| s.acted_s)

@@ -24,6 +24,11 @@ const KEEP_SAMPLES: usize = 5;
 const TOUCH_WEIGHT: f64 = 10.0;
 /// Least [`Proposal::score`] of a clear proposal.
 pub const CLEAR_SCORE: f64 = 2.0;
+/// Least number of places of superfluous cuts that tell what one gains.
+const PLACES_MIN: usize = 10;
+/// One more flight gains more from white noise by this over the number of degrees of freedom, as its variance is
+/// the less known the fewer they are.
+const FEW: f64 = 12.0;
 /// Greatest score; that of a cut where a superfluous one would gain nothing.
 const SCORE_MAX: f64 = 1e6;
 
@@ -38,7 +43,8 @@ pub struct Proposal {
     /// Acted time [s since `Sketch::origin`].
     pub acted_s: f64,
     /// Decrease of the cost by this cut over the decrease by one superfluous cut at its best place;
-    /// at most 10⁶. Above one, the kink is stronger than the wander of the hand.
+    /// at most 10⁶. Above one, the kink is stronger than the wander of the hand. Where flights are too
+    /// short for superfluous cuts, the kink is compared with a smooth bend.
     pub score: f64,
 }
 
@@ -177,14 +183,14 @@ impl<'a> Stream<'a> {
         if events.is_empty() {
             return Some(Vec::new());
         }
-        if events.len() > CUTS_MAX || count < (events.len() + 1) * (KEEP_SAMPLES + 2) {
+        if events.len() > CUTS_MAX || count < (events.len() + 1) * KEEP_SAMPLES {
             return None;
         }
         let most = PLACES.max(PLACES_PER_CUT * events.len());
         let stride = count.div_ceil(most);
         // Places of cuts between the beginning and the end.
         let mut places = vec![0];
-        places.extend((KEEP_SAMPLES..count - KEEP_SAMPLES).step_by(stride));
+        places.extend((KEEP_SAMPLES..=count - KEEP_SAMPLES).step_by(stride));
         places.push(count);
         let last = places.len() - 1;
         let keep = KEEP_SAMPLES.max(2);
@@ -302,6 +308,7 @@ impl<'a> Stream<'a> {
             whole - self.between(before, cut) - self.between(cut, after)
         };
         let ends = self.ends(cuts);
+        let mut tried = 0;
         let superfluous = ends
             .windows(2)
             .flat_map(|pair| {
@@ -310,18 +317,57 @@ impl<'a> Stream<'a> {
                     .step_by(stride)
                     .map(move |cut| spared(before, cut, after))
             })
+            .inspect(|_| tried += stride)
             .fold(0.0, f64::max);
         (0..cuts.len())
             .map(|index| {
                 let (before, after) = self.neighbours(cuts, index);
                 let gain = spared(before, cuts[index], after).max(0.0);
-                if gain > 0.0 {
+                let score = if gain > 0.0 {
                     (gain / superfluous).min(SCORE_MAX)
                 } else {
                     0.0
+                };
+                if tried < PLACES_MIN {
+                    score.min(self.sharpness(before, cuts[index], after))
+                } else {
+                    score
                 }
             })
             .collect()
+    }
+
+    /// How much nearer the flights on either side of a cut are to their samples than a smooth bend is that
+    /// has as many numbers, over what one more flight would gain from white noise. For stretches that
+    /// have no room for superfluous cuts: a wandering hand bends, and only an impact kinks.
+    fn sharpness(&self, before: usize, cut: usize, after: usize) -> f64 {
+        let begin = if before == 0 { 0 } else { before + 1 };
+        let end = if after == self.samples.len() {
+            after
+        } else {
+            after - 1
+        };
+        let weights = &self.scene.weights;
+        let of_turns = self
+            .turns
+            .as_ref()
+            .map(|turns| (turns, weights.orientation_rad));
+        let kinds = [Some((&self.positions, weights.position_m)), of_turns];
+        let (mut gain, mut noise) = (0.0, 0.0);
+        for (sums, unit) in kinds.into_iter().flatten() {
+            let parts = (begin..cut.saturating_sub(1)).chain(cut + 1..end);
+            let (bent, count) = sums.bent(parts);
+            let kinked = sums.cost(begin, cut.saturating_sub(1)) + sums.cost(cut + 1, end);
+            let numbers = sums.numbers() as f64;
+            let freedom = (3.0 * count as f64 - 2.0 * numbers).max(1.0);
+            gain += (bent - kinked) / unit.powi(2);
+            noise += numbers * kinked / freedom * (1.0 + FEW / freedom) / unit.powi(2);
+        }
+        if gain > 0.0 {
+            (gain / noise).min(SCORE_MAX)
+        } else {
+            0.0
+        }
     }
 }
 
