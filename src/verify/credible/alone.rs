@@ -36,19 +36,13 @@ pub(super) struct Alone {
 }
 
 /// Least number of readings of a flight.
-const LEAST: usize = 6;
+pub(super) const LEAST: usize = 6;
 
 impl Alone {
     pub(super) fn new(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Self {
         let mut sums = Self::default();
         for flight in flights.iter().filter(|f| f.readings.len() >= LEAST) {
-            let Dynamics::Free(body) = scene.dynamics(flight.arc.mechanism);
-            let fit = if body.is_ballistic() {
-                ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
-            } else {
-                dragged(flight, &body, &estimate.gravity_m_s2)
-            };
-            if let Some(fit) = fit {
+            if let Some(fit) = fitted(scene, estimate, flight) {
                 sums.add(flight, &estimate.gravity_m_s2, &fit);
             }
         }
@@ -85,15 +79,25 @@ impl Alone {
 }
 
 /// One flight fitted alone.
-struct Fit {
+pub(super) struct Fit {
     /// Residuals of the free flight \[m\], reading by reading.
-    left: Vec<Vector3<f64>>,
+    pub(super) left: Vec<Vector3<f64>>,
     /// Acceleration beyond that of the free flight that fits best [m/s²].
     pull: Vector3<f64>,
     /// By how much that lowers the sum of squares \[m²\].
-    gain_m2: f64,
+    pub(super) gain_m2: f64,
     /// Its information: the mean of that per (m/s²)² over all directions.
     weight: f64,
+}
+
+/// Fits a flight alone; `None` where the readings' times do not determine it.
+pub(super) fn fitted(scene: &Scene, estimate: &Estimate, flight: &Flight) -> Option<Fit> {
+    let Dynamics::Free(body) = scene.dynamics(flight.arc.mechanism);
+    if body.is_ballistic() {
+        ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
+    } else {
+        dragged(flight, &body, &estimate.gravity_m_s2)
+    }
 }
 
 /// Fits position and velocity, then the acceleration, which is orthogonal to them. `None` where the

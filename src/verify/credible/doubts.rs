@@ -1,7 +1,7 @@
 //! All doubts about one estimate.
 
 use super::flights::flights;
-use super::{fit, kinematics, marks, open_times, outside, parameters};
+use super::{brief, fit, kinematics, marks, open_times, outside, parameters};
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch};
 
 /// All doubts about an estimated motion, except those from overlaps of its shapes.
@@ -18,6 +18,7 @@ pub fn doubts(
     let flights = flights(scene, sketch, estimate);
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
     doubts.extend(fit::doubts((scene, sketch), estimate, &flights));
+    doubts.extend(brief::doubts((scene, sketch), estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(open_times::doubts(&flights));
     doubts.extend(outside::doubts(scene, &flights));

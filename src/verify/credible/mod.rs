@@ -13,6 +13,7 @@
 //! | joint residual over that of flights alone | 1.5 where the latter are white noise, to 12 where they are a hand's wander, or the joint residual is less than 2 weights | up to 1.05 and 8.6 |
 //! | the same where flights are acted for less than 0.15 s and residuals are less than 4 weights | and the change of slope at collisions is above 3 times that in flight | 16 of 30 small dice without it |
 //! | residual of free flights over that with a free acceleration | 4 | up to 3.5 |
+//! | the same of a flight with 4 or 5 samples, whose times are known | by the F law at 1/1000 where the weights explain it in less than 1 of 20, by the weights at 10⁻⁶ | white noise |
 //! | angle of that acceleration from gravity | 30°, if it fits better by a tenth | up to 16° in hat and pencils at 4×, 3 of 96 cubes beyond |
 //! | event after its mark, before its mark | 75 ms each; in unknown timing 120 and 150 ms acted | up to 30 ms at 4×; 102 ms |
 //! | estimated gravity, from the scene's | 8 % of it | 98 real tosses: 95 % within 6.4 % |
@@ -31,6 +32,7 @@
 //! Fits of flights alone use positions, at the estimate's own sample times.
 
 mod alone;
+mod brief;
 mod doubts;
 mod fit;
 mod flights;
