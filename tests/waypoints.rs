@@ -1,4 +1,4 @@
-//! Waypoints through the program: goals at a moment of a flight, on pencils, cubes and two bodies. What is
+//! Waypoints: goals at a moment of a flight, on pencils, cubes and two bodies. What is
 //! asked is where a neighbour of the performed motion is, so that a physical motion meets it.
 
 use enact::motion::{
@@ -7,119 +7,18 @@ use enact::motion::{
 };
 use enact::physics::State;
 use enact::pipeline::Outcome;
-use enact_tools::case::{Case, estimated};
+use enact_tools::case::estimated;
 use enact_tools::goals::Pair;
-use enact_tools::perform::{Acting, Truth, bounces, recording};
-use enact_tools::replay::Program;
+use enact_tools::perform::{Acting, Truth};
+use enact_tools::waypoints::{Asked, In, Kind, body, time_s};
 use nalgebra::Vector3;
-use tempfile::TempDir;
 
-const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
-
-/// Which flight of a body a waypoint is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum In {
-    First,
-    Last,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Pencil,
-    Cube,
-    Two,
-}
-
-const KINDS: [Kind; 3] = [Kind::Pencil, Kind::Cube, Kind::Two];
 /// Performances of each kind.
 const NUMBERS: std::ops::Range<u64> = 0..7;
-
-impl Kind {
-    fn pair(self, number: u64) -> Option<Pair> {
-        match self {
-            Kind::Pencil => Pair::of_one(8000 + 5 * number),
-            Kind::Cube => Pair::of_one(8001 + 5 * number),
-            Kind::Two => Pair::of_two(8000 + number),
-        }
-    }
-}
 
 /// With stamps of a tempo, and physical ones.
 fn actings() -> [Acting; 2] {
     [Acting::default(), Acting::timing_known()]
-}
-
-/// The body that is asked: the last.
-fn body(truth: &Truth) -> LinkIndex {
-    LinkIndex(truth.scene.links.len() - 1)
-}
-
-/// The time at a share of a flight \[s\].
-fn time_s(truth: &Truth, flight: In, share: f64) -> f64 {
-    let mechanism = truth.scene.mechanism_of(body(truth));
-    let mut arcs = truth.arcs.iter().filter(|arc| arc.mechanism == mechanism);
-    let arc = match flight {
-        In::First => arcs.next(),
-        In::Last => arcs.next_back(),
-    };
-    let arc = arc.unwrap();
-    arc.start_s + share * (arc.end_s - arc.start_s)
-}
-
-/// A performance with waypoints at these times, of which goals are asked in their order.
-struct Asked {
-    case: Case,
-    /// The waypoints' events.
-    events: Vec<usize>,
-}
-
-impl Asked {
-    /// Marks are off by as much, as far as they stay between those beside them \[s, acted\].
-    fn new(truth: &Truth, acting: &Acting, seed: u64, waypoints: &[(f64, f64)]) -> Self {
-        let mut truth = truth.clone();
-        for (number, (at_s, _)) in waypoints.iter().enumerate() {
-            let link = body(&truth);
-            truth = truth.with_waypoint(&name(number), link, *at_s).0;
-        }
-        let acting = Acting {
-            marks_named: true,
-            // They are off by what is said.
-            mark_error_s: 0.0,
-            ..*acting
-        };
-        let mut case = Case::new(&truth, &acting, seed);
-        for (number, (_, off_s)) in waypoints.iter().enumerate() {
-            case.move_mark(&name(number), *off_s);
-        }
-        let event_of = |number| {
-            let mut events = truth.scene.events.iter();
-            events.position(|of| of.name == name(number)).unwrap()
-        };
-        let events = (0..waypoints.len()).map(event_of).collect();
-        Self { case, events }
-    }
-
-    fn scene(&mut self) -> &mut Scene {
-        &mut self.case.performance.truth.scene
-    }
-
-    /// Asks something of the body at a waypoint.
-    fn ask(&mut self, waypoint: usize, target: GoalTarget) {
-        let (event, link) = (self.events[waypoint], body(&self.case.performance.truth));
-        self.scene().goals.push(Goal {
-            event,
-            link,
-            target,
-        });
-    }
-
-    fn outcome(&self) -> Outcome {
-        self.case.estimated(&mut ()).unwrap()
-    }
-}
-
-fn name(number: usize) -> String {
-    format!("way {number}")
 }
 
 fn position(there: &State) -> GoalTarget {
@@ -175,7 +74,7 @@ fn each(
     let mut all = Vec::new();
     for (acting, kind) in actings()
         .into_iter()
-        .flat_map(|a| KINDS.map(|kind| (a, kind)))
+        .flat_map(|a| Kind::ALL.map(|kind| (a, kind)))
     {
         for number in NUMBERS {
             let Some(pair) = kind.pair(number) else {
@@ -346,7 +245,7 @@ fn two_waypoints_of_one_flight_are_passed_in_order() {
 /// A wish at a waypoint is come nearer to the more it weighs.
 #[test]
 fn a_wish_at_a_waypoint_draws_the_motion() {
-    for (kind, acting) in KINDS
+    for (kind, acting) in Kind::ALL
         .into_iter()
         .flat_map(|kind| actings().map(|a| (kind, a)))
     {
@@ -397,7 +296,7 @@ fn a_wish_at_a_waypoint_draws_the_motion() {
 /// its mark says nothing either, its time is undetermined.
 #[test]
 fn without_goals_a_waypoint_is_at_its_mark() {
-    for kind in KINDS {
+    for kind in Kind::ALL {
         for number in NUMBERS.step_by(4) {
             let pair = kind.pair(number).unwrap();
             let at_s = time_s(&pair.truth, In::First, 0.6);
@@ -441,89 +340,4 @@ fn without_goals_a_waypoint_is_at_its_mark() {
             assert_eq!(unmarked.verdict, outcome.estimate.verdict);
         }
     }
-}
-
-/// The cube's scene file with two waypoints in its first flight and these goals, and what the program says.
-fn said_of_cube(number: u64, goals: &str) -> (String, serde_json::Value) {
-    let pair = Kind::Cube.pair(number).unwrap();
-    let waypoints = [0.3, 0.7].map(|share| (time_s(&pair.truth, In::First, share), 0.0));
-    let asked = Asked::new(
-        &pair.truth,
-        &Acting::timing_known(),
-        8000 + number,
-        &waypoints,
-    );
-    let scene_toml = bounces::scene_toml(&asked.case.performance.truth.scene) + goals;
-    let folder = TempDir::new().unwrap();
-    let written = |name: &str| {
-        let path = folder.path().join(name);
-        recording::write(&asked.case.performance, &scene_toml, &path).unwrap();
-        path
-    };
-    let account = ENACT.account(&written("account.mcap"), &[]);
-    let report = ENACT.report(&written("report.mcap"), &[]);
-    (account.said + &account.errors, report.said)
-}
-
-/// No flight falls first and rises then: which goal is missed is said, with its waypoint.
-#[test]
-fn what_no_flight_does_is_no_motion_and_is_named() {
-    let goal = |event: &str, speed: f64| {
-        let normal = speed.signum();
-        format!(
-            "\n[[goal]]\nevent = {event:?}\nbody = \"cube\"\n\
-             velocity_m_s = [0, 0, {speed:?}]\nnormal = [0, 0, {normal:?}]\n"
-        )
-    };
-    for number in NUMBERS.step_by(4) {
-        let goals = goal("way 0", -1.0) + &goal("way 1", 1.0);
-        let (account, said) = said_of_cube(number, &goals);
-        assert_eq!(said["verdict"], "failed", "{account}");
-        let missed = said["goals"].as_array().unwrap().iter();
-        let missed: Vec<_> = missed.filter(|goal| goal["is_met"] == false).collect();
-        assert!(!missed.is_empty(), "{said}");
-        for goal in missed {
-            let name = goal["event"].as_str().unwrap();
-            assert!(
-                account.contains(&format!("goal      {name}: cube")),
-                "{account}"
-            );
-        }
-    }
-}
-
-#[test]
-fn the_account_and_the_report_list_waypoints_among_the_events() {
-    let goals = "\n[[goal]]\nevent = \"way 1\"\nbody = \"cube\"\n\
-                 velocity_m_s = [0, 0, 5]\nnormal = [0, 0, -1]\n";
-    let (account, said) = said_of_cube(0, goals);
-    let events = said["events"].as_array().unwrap();
-    let names: Vec<&str> = events
-        .iter()
-        .map(|of| of["name"].as_str().unwrap())
-        .collect();
-    assert_eq!(names[..3], ["way 0", "way 1", "bounce 1"], "{names:?}");
-    for way in &events[..2] {
-        assert_eq!(way["kind"], "waypoint");
-        assert_eq!(way["bodies"], serde_json::json!(["cube"]));
-        assert_eq!(way["time_is"], "estimated");
-        assert!(way["time_sd_s"].as_f64().unwrap() > 0.0, "{way}");
-    }
-    let line = account.lines().find(|line| line.contains("way 0")).unwrap();
-    assert!(line.contains("waypoint") && line.contains('±'), "{line}");
-}
-
-/// Nothing in a stream shows where a waypoint is: it needs a mark, and the error says which is missing.
-#[test]
-fn a_waypoint_without_a_mark_is_refused_by_name() {
-    let pair = Kind::Pencil.pair(0).unwrap();
-    let at_s = time_s(&pair.truth, In::First, 0.5);
-    let mut asked = Asked::new(&pair.truth, &Acting::default(), 8000, &[(at_s, 0.0)]);
-    let is_other = |of: &TakeEvent| match of {
-        TakeEvent::Mark(mark) => mark.event.as_deref() != Some("way 0"),
-        TakeEvent::Pose { .. } => true,
-    };
-    asked.case.performance.events.retain(is_other);
-    let error = asked.case.estimated(&mut ()).unwrap_err().to_string();
-    assert!(error.contains("no mark names \"way 0\""), "{error}");
 }

@@ -33,4 +33,5 @@ pub mod starts;
 pub mod stress;
 pub mod tosses;
 pub mod tracker;
+pub mod waypoints;
 pub mod ways;

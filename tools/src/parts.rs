@@ -50,6 +50,11 @@ impl Part {
         Part::Covariances,
     ];
 
+    /// Whether it leaves the motion so open that few are found, and slowly.
+    pub fn is_slow(self) -> bool {
+        matches!(self, Part::Point | Part::Ends | Part::Axis)
+    }
+
     /// Its name on pages.
     pub fn as_str(self) -> &'static str {
         match self {

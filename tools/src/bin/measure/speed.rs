@@ -66,10 +66,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         ],
     );
     let mut all = Vec::new();
-    for sketched in sketches()? {
-        if !options.wants(sketched.kind) {
-            continue;
-        }
+    for sketched in sketches(options)? {
         let beside = beside(&sketched, pairs)?;
         let [own, full] = beside.iterations;
         let per_iteration = beside.ratios[2] * full as f64 / own as f64;

@@ -10,7 +10,11 @@ use enact_tools::case::{Case, Posed, estimated};
 use enact_tools::parts::Part;
 use enact_tools::perform::{Acting, Keyframed, Keyframing, Style, Truth};
 
+use crate::options::Options;
+
 const SEED: u64 = 1;
+/// Full poses with a goal at a moment of a flight.
+const WAYPOINT: &str = "pose, and a waypoint";
 /// Keyframes of a flight.
 const KEYFRAMES: usize = 8;
 
@@ -22,16 +26,20 @@ pub struct Sketched {
     pub full: Posed,
 }
 
-/// All kinds.
-pub fn sketches() -> Result<Vec<Sketched>> {
+/// All kinds that are asked for; of a quick run those that are solved at once.
+pub fn sketches(options: &Options) -> Result<Vec<Sketched>> {
     let mut all = Vec::new();
     let ways = [
         ("known", Acting::timing_known()),
         ("unknown", Acting::default()),
     ];
     let truth = Style::Tip.truth();
-    for (timing, acting) in ways {
-        for part in Part::ALL.into_iter().filter(|part| *part != Part::Pose) {
+    for (timing, acting) in ways.into_iter().take(options.either(1, 2)) {
+        let is_asked = |part: &Part| {
+            let is_slow = options.quick && part.is_slow();
+            *part != Part::Pose && !is_slow && options.wants(part.as_str())
+        };
+        for part in Part::ALL.into_iter().filter(is_asked) {
             let case = Case::new(&truth, &acting, SEED);
             let (scene, events) = part.seen(&case);
             let own = posed(&scene, &events).context(part.as_str())?;
@@ -42,9 +50,12 @@ pub fn sketches() -> Result<Vec<Sketched>> {
                 own,
             });
         }
+        if !options.wants(WAYPOINT) {
+            continue;
+        }
         let own = waypoint(&truth, &acting)?;
         all.push(Sketched {
-            kind: "pose, and a waypoint",
+            kind: WAYPOINT,
             timing,
             full: full(&truth, &acting, residuals(&own.problem))?,
             own,
@@ -55,6 +66,9 @@ pub fn sketches() -> Result<Vec<Sketched>> {
         ("keyframes", false),
         ("keyframes, one in two at open times", true),
     ] {
+        if !options.wants(kind) {
+            continue;
+        }
         let mut events = Keyframing::exact(KEYFRAMES).of(&truth, SEED);
         if is_open {
             open_times(&mut events);
