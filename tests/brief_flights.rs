@@ -42,7 +42,7 @@ fn flight(samples: usize, pull_m_s2: Vector3<f64>, noise_m: f64, seed: u64) -> V
         velocity_m_s: normal(1.0),
         angular_velocity_rad_s: normal(4.0) + Vector3::new(6.0, 8.0, 6.0),
     };
-    let body = scene(noise_m).links[LinkIndex(0)].body.clone();
+    let body = scene(noise_m).links[LinkIndex(0)].body;
     let stamp = |index: usize| Stamp((1e9 * index as f64 / RATE_HZ).round() as i64);
     let mut events: Vec<TakeEvent> = (0..samples)
         .map(|index| {

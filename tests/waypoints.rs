@@ -2,8 +2,8 @@
 //! asked is where a neighbour of the performed motion is, so that a physical motion meets it.
 
 use enact::motion::{
-    BodyPoint, Condition, Fits, Goal, GoalQuantity, GoalSet, GoalTarget, LinkIndex, Moment, Scene,
-    TakeEvent, Undetermined, Verdict,
+    BodyPoint, Condition, Fits, GoalQuantity, GoalSet, GoalTarget, Moment, TakeEvent, Undetermined,
+    Verdict,
 };
 use enact::physics::State;
 use enact::pipeline::Outcome;

@@ -34,7 +34,7 @@ pub fn sketches(options: &Options) -> Result<Vec<Sketched>> {
         ("unknown", Acting::default()),
     ];
     let truth = Style::Tip.truth();
-    for (timing, acting) in ways.into_iter().take(options.either(1, 2)) {
+    for (timing, acting) in ways {
         let is_asked = |part: &Part| {
             let is_slow = options.quick && part.is_slow();
             *part != Part::Pose && !is_slow && options.wants(part.as_str())
