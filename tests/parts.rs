@@ -68,15 +68,16 @@ fn an_orientation_alone_is_found_and_the_path_is_said_to_be_open() {
     }
 }
 
-/// A centre alone is enough for a motion, and the turn that nobody saw is said to be open. The path is that
-/// of whole poses whose orientations weigh nothing, to a small part of what the noise leaves of it, but where
-/// one of both, from a start of its own, ends in another optimum.
+/// A centre alone is enough for a motion, and the turn that nobody saw is said to be open. The motion is as near
+/// to what was seen as that of whole poses whose orientations weigh nothing, and where it is as near it is the
+/// same path; poses begin with the turns that were acted, so that either may end in an optimum that the other
+/// misses.
 #[test]
 fn a_centre_alone_is_enough_for_the_path_and_its_turn_is_said_to_be_open() {
-    let mut apart_m = Vec::new();
-    for seed in 8000..8004 {
-        let pencil = Case::pencil(Style::Eraser, &Acting::timing_known(), seed);
-        for case in [cube(seed), pencil] {
+    let mut nearer = 0;
+    for seed in 8000..8008 {
+        let timing = Acting::timing_known();
+        for case in [cube(seed), Case::pencil(Style::Eraser, &timing, seed)] {
             let [of_centre, of_unweighed] = [Part::Centre, Part::Unweighed].map(|part| {
                 let (scene, events) = part.seen(&case);
                 estimated(&scene, &events, &mut ()).expect("an estimate")
@@ -85,19 +86,43 @@ fn a_centre_alone_is_enough_for_the_path_and_its_turn_is_said_to_be_open() {
             assert_eq!(estimate.verdict, Verdict::Physical, "{seed}");
             assert!(opens(estimate, MotionPart::Orientation), "{seed}");
             assert!(opens(estimate, MotionPart::Spin), "{seed}");
-            let apart = apart_from_another(
-                &case,
-                (&of_centre.scene, estimate),
-                (&of_unweighed.scene, &of_unweighed.estimate),
-            );
-            apart_m.push(apart.expect("finite").position_m);
+            let other = &of_unweighed.estimate;
+            let ratio = estimate.objective / other.objective;
+            nearer += usize::from(ratio < 1.01);
+            let of_other = (&of_unweighed.scene, other);
+            let apart = apart_from_another(&case, (&of_centre.scene, estimate), of_other);
+            let apart_m = apart.expect("finite").position_m;
+            let is_same = (ratio - 1.0).abs() > 1e-5 || apart_m < 1e-3;
+            assert!(is_same, "{seed}: {ratio} {apart_m}");
             // What weighs nothing leaves no residual, not an infinite one.
-            for of in &of_unweighed.estimate.residuals {
+            for of in &other.residuals {
                 assert!(of.position_rms_m.is_some_and(f64::is_finite), "{seed}");
                 assert_eq!(of.orientation_rms_rad, None, "{seed}");
             }
         }
     }
-    let same = apart_m.iter().filter(|apart_m| **apart_m < 1e-3);
-    assert!(same.count() >= 6, "{apart_m:?}");
+    assert!(nearer >= 15, "{nearer} of 16");
+}
+
+/// A least motion is not all that there is: this pencil's ends in an optimum seventeen times as high.
+#[test]
+fn rebounds_tell_of_twirls() {
+    let case = Case::pencil(Style::Eraser, &Acting::timing_known(), 7002);
+    let (estimate, off_m, _) = off(&case, Part::Centre);
+    assert_eq!(estimate.verdict, Verdict::Physical);
+    assert!(estimate.objective < 500.0, "{}", estimate.objective);
+    assert!(off_m < 0.05, "{off_m}");
+}
+
+/// About a thin body's own axis nothing turns what is seen: the least roll is chosen, and found.
+#[test]
+fn an_axis_seen_alone_is_enough_for_a_thin_body() {
+    for seed in 8000..8004 {
+        let case = Case::pencil(Style::Tip, &Acting::timing_known(), seed);
+        for part in [Part::Ends, Part::Axis] {
+            let (estimate, off_m, _) = off(&case, part);
+            assert_eq!(estimate.verdict, Verdict::Physical, "{seed} {part:?}");
+            assert!(off_m < 0.05, "{seed} {part:?}: {off_m}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use super::{keyed, open_times, swing, unseen};
 use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
-/// Greatest number of guesses.
+/// Greatest number of choices of fits.
 const GUESSES_MAX: usize = 5;
 
 /// Root mean square angle \[rad\] above which the fit of a rotation may be ambiguous: below it, no
@@ -23,7 +23,7 @@ const RATE_OTHERWISE: f64 = 0.4;
 /// Guesses and the iterations they took.
 #[derive(Clone, Debug)]
 pub struct Guessed {
-    /// The best first; more than one only where the orientations fit in several ways.
+    /// The best first; more than one only where orientations fit in several ways or are not seen.
     pub guesses: Vec<Guess>,
     /// Iterations of all fits together.
     pub fit_iterations: usize,
@@ -119,9 +119,10 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         event_times_s: marks_s.map(|mark_s| time_line.at(*mark_s)).collect(),
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
-    let mut guesses = combine(segments, &guess, &fits);
+    let fitted = combine(segments, &guess, &fits).into_iter();
+    let filled = fitted.flat_map(|guess| unseen::guesses(scene, segments, &readings, &guess));
+    let mut guesses: Vec<Guess> = filled.collect();
     for guess in &mut guesses {
-        unseen::fill(scene, segments, &readings, guess);
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
         open_times::place(scene, sketch, segments, guess);
     }

@@ -9,12 +9,15 @@ pub mod between;
 pub mod clock;
 pub mod contact;
 mod fit;
+mod flights;
 pub mod guess;
 mod keyed;
 mod open_times;
 pub mod readings;
+mod rebound;
 mod swing;
 pub mod turn;
+mod twirl;
 mod unseen;
 pub mod weigh;
 

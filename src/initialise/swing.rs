@@ -141,7 +141,10 @@ impl Circle {
             return Vec::new();
         };
         let radius_m = self.radius_m().min(lever_m.norm());
-        let along_m = (lever_m.norm_squared() - radius_m * radius_m).sqrt();
+        // Not below zero by rounding.
+        let along_m = (lever_m.norm_squared() - radius_m * radius_m)
+            .max(0.0)
+            .sqrt();
         let across = cosine.normalize() * radius_m;
         let signs: &[f64] = if along_m > 0.0 { &[1.0, -1.0] } else { &[1.0] };
         let states = signs.iter().map(|sign| {

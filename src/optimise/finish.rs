@@ -31,6 +31,9 @@ const DAMPING: (f64, f64) = (1e-6, 1e4);
 const DAMPING_FACTOR: f64 = 4.0;
 /// How many times as many steps there may be where they are damped.
 const DAMPED_STEPS: usize = 3;
+/// Number of steps that together must gain something, where they are damped: directions that next to
+/// nothing determines are valleys along which steps could go on for long.
+const CREEPING_STEPS: usize = 8;
 /// Least objective to which the predicted decrease is relative. With a smaller objective, the
 /// remaining decrease is less than a nanometre and of the size of rounding.
 const NO_COST: f64 = 1e-6;
@@ -121,6 +124,7 @@ impl<P: Program> Finish<'_, P> {
         // At an apex the constraint's own curvature alone would be a wrong model.
         let mut is_slow = self.system.has_pulled_curvature(&self.multipliers);
         let mut was_damped = false;
+        let mut merits = Vec::new();
         for taken_before in 0..DAMPED_STEPS * tolerances.steps {
             // Where damping ends late one step without it is due.
             let is_damped = self.damping > 0.0;
@@ -145,10 +149,16 @@ impl<P: Program> Finish<'_, P> {
             if taken != Taken::Not {
                 self.go(&mut trial);
             }
+            let is_restored = taken != Taken::Not && may_damp && {
+                merits.push(self.merit());
+                finished.decrease = finished.decrease.max(self.gained(&merits));
+                finished.decrease < tolerances.decrease
+                    && self.restores(guidance, tolerances, &mut trial)
+            };
             finished.violation = self.system.violation();
             finished.converged = finished.violation < tolerances.violation
                 && finished.decrease < tolerances.decrease
-                && (self.damping == 0.0 || self.promises_undamped() < tolerances.decrease);
+                && (is_restored || self.damping == 0.0);
             if finished.converged || taken == Taken::Not && !self.can_damp() {
                 break;
             }
@@ -172,17 +182,12 @@ impl<P: Program> Finish<'_, P> {
         self.system.gradient.dot(&step.delta).abs() / self.system.cost.max(NO_COST)
     }
 
-    /// What a step with next to no damping predicts, since a damped one promises little wherever it is;
-    /// infinite where the model is not convex without more.
-    fn promises_undamped(&mut self) -> f64 {
-        let damping = std::mem::replace(&mut self.damping, DAMPING.0);
-        let step = self.curved_step();
-        let is_convex = self.damping == DAMPING.0;
-        self.damping = damping;
-        match step.filter(|_| is_convex) {
-            Some((_, step)) => self.promises(&step),
-            None => f64::INFINITY,
-        }
+    /// What the last steps gained together, relative to the objective; infinite where there were too few.
+    fn gained(&self, merits: &[f64]) -> f64 {
+        let Some(at) = merits.len().checked_sub(1 + CREEPING_STEPS) else {
+            return f64::INFINITY;
+        };
+        (merits[at] - merits[merits.len() - 1]).abs() / self.system.cost.max(NO_COST)
     }
 
     /// The step to the optimum of the quadratic programme at the current point. The active set is

@@ -31,7 +31,7 @@ const SWEEP_RATIO: f64 = 30.0;
 const LEADING_WEIGHT: f64 = 100.0;
 /// Least [`Tolerances::decrease`] where the cost leaves directions open ([`Program::is_open`]): what only
 /// terms next to nothing hold is not worth more digits.
-const OPEN_DECREASE: f64 = 1e-6;
+const OPEN_DECREASE: f64 = 1e-5;
 /// How many times as many steps a multiplier round may take where constraints are curved
 /// ([`Program::is_curved`]): the multipliers of a descent that is cut off say little.
 const CURVED_STEPS: usize = 4;

@@ -50,7 +50,7 @@ impl Part {
         Part::Covariances,
     ];
 
-    /// Whether it leaves the motion so open that few are found, and slowly.
+    /// Whether it leaves the motion so open that it is found slowly.
     pub fn is_slow(self) -> bool {
         matches!(self, Part::Point | Part::Ends | Part::Axis)
     }

@@ -11,7 +11,7 @@
 
 use nalgebra::DVector;
 
-use super::{Finish, Place, Taken};
+use super::{DAMPING, Finish, Place, Taken, Tolerances};
 use crate::optimise::kkt::{Kkt, KktStep};
 use crate::optimise::program::Program;
 use crate::optimise::system::System;
@@ -23,6 +23,8 @@ const HALVINGS: [usize; 2] = [12, 3];
 const CORRECTIONS: [usize; 2] = [1, 4];
 /// each of which must leave less than this share of the violation for another.
 const CORRECTED: f64 = 0.5;
+/// Greatest number of steps that lead back to the constraints without regard to the merit.
+const RESTORING_STEPS: usize = 4;
 /// Greatest number of steps after one that increased the merit, until it is no more than before.
 const FURTHER_STEPS: usize = 3;
 
@@ -44,6 +46,14 @@ impl Merit {
     }
 }
 
+/// `μ` for given multipliers.
+fn price(multipliers: &[f64]) -> f64 {
+    1.5 * multipliers
+        .iter()
+        .fold(0.0, |most: f64, of| most.max(of.abs()))
+        + 1e-12
+}
+
 impl<P: Program> Finish<'_, P> {
     /// The current place.
     pub(super) fn here(&self) -> Place<P::Point> {
@@ -52,6 +62,15 @@ impl<P: Program> Finish<'_, P> {
             system: self.system.clone(),
             multipliers: self.multipliers.clone(),
         }
+    }
+
+    /// The ℓ₁ merit of the current place.
+    pub(super) fn merit(&self) -> f64 {
+        let merit = Merit {
+            per_violation: price(&self.multipliers),
+            enough: 0.0,
+        };
+        merit.of(&self.system)
     }
 
     /// Exchanges the current place for another.
@@ -71,10 +90,8 @@ impl<P: Program> Finish<'_, P> {
         may_damp: bool,
         trial: &mut Place<P::Point>,
     ) -> Taken {
-        let largest =
-            |multipliers: &[f64]| multipliers.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let mut merit = Merit {
-            per_violation: 1.5 * largest(&step.multipliers).max(largest(&self.multipliers)) + 1e-12,
+            per_violation: price(&step.multipliers).max(price(&self.multipliers)),
             enough: 0.0,
         };
         merit.enough = merit.of(&self.system) * (1.0 + 1e-14);
@@ -160,6 +177,34 @@ impl<P: Program> Finish<'_, P> {
         self.go(&mut kept);
         self.damping = damping;
         is_back
+    }
+
+    /// Goes to the constraints by the shortest way, by steps that are damped so much that they gain
+    /// nothing. Returns whether all hold then.
+    pub(super) fn restores(
+        &mut self,
+        guidance: &P::Guidance,
+        tolerances: &Tolerances,
+        trial: &mut Place<P::Point>,
+    ) -> bool {
+        let damping = std::mem::replace(&mut self.damping, DAMPING.1);
+        for _ in 0..RESTORING_STEPS {
+            let violation = self.system.violation();
+            if violation < tolerances.violation {
+                break;
+            }
+            let Some((_, step)) = self.curved_step() else {
+                break;
+            };
+            trial.multipliers.clone_from(&step.multipliers);
+            self.evaluate(guidance, &step.delta, trial);
+            if !(trial.system.violation() < violation) {
+                break;
+            }
+            self.go(trial);
+        }
+        self.damping = damping;
+        self.system.violation() < tolerances.violation
     }
 
     fn evaluate(

@@ -18,9 +18,10 @@ use crate::record::Record;
 use crate::statistics::median;
 use crate::table::{Table, number, percent};
 
-/// Performances of each row, and of one whose motion is left so open that few are found and slowly.
+/// Performances of each row, and of those that take seconds each.
 const SEEDS: u64 = 100;
-const SLOW_SEEDS: u64 = 5;
+const SLOW_SEEDS: u64 = 20;
+const SLOWEST_SEEDS: u64 = 5;
 
 /// What the program makes of a performance.
 type Solved = Result<Outcome, PipelineError>;
@@ -37,6 +38,8 @@ struct Seen {
     late: Option<[f64; 2]>,
     /// Distance of the path from that of orientations weighed to nothing \[m\], of a centre alone.
     off_unweighed_m: Option<f64>,
+    /// Objective in such ones, of a centre alone.
+    objective_ratio: Option<f64>,
     /// Whether something of the motion is said to be open.
     is_open: bool,
 }
@@ -75,6 +78,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                     "path off the truth",
                     "turn off the truth",
                     "path off that of turns weighed to nothing",
+                    "objective beside it",
                     "iterations",
                     "clock",
                 ],
@@ -91,7 +95,11 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                 if !options.wants(&row) {
                     continue;
                 }
-                let seeds = options.seeds(if part.is_slow() { SLOW_SEEDS } else { SEEDS });
+                let seeds = options.seeds(match part {
+                    Part::Point => SLOWEST_SEEDS,
+                    part if part.is_slow() => SLOW_SEEDS,
+                    _ => SEEDS,
+                });
                 if matches!(part, Part::Centre | Part::Unweighed) && unweighed.is_empty() {
                     let solve = |seed| Some((seed, solved(&make(&acting, seed)?, Part::Unweighed)));
                     unweighed = seeds.clone().into_par_iter().filter_map(solve).collect();
@@ -148,6 +156,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                             number(1e3 * off_unweighed_m.iter().copied().fold(0.0, f64::max))
                         )
                     },
+                    beside(&all),
                     number(median(&iterations)),
                     if late.is_empty() {
                         String::new()
@@ -165,6 +174,22 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         centres[1], centres[0]
     ));
     Ok(())
+}
+
+/// In how many the objective is as low, within a hundredth, lower or higher.
+fn beside(all: &[Seen]) -> String {
+    const ALIKE: f64 = 0.01;
+    let ratios: Vec<f64> = all.iter().filter_map(|one| one.objective_ratio).collect();
+    if ratios.is_empty() {
+        return String::new();
+    }
+    let lower = ratios.iter().filter(|ratio| **ratio < 1.0 - ALIKE).count();
+    let higher = ratios.iter().filter(|ratio| **ratio > 1.0 + ALIKE);
+    let higher: Vec<f64> = higher.copied().collect();
+    let alike = ratios.len() - lower - higher.len();
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    let higher = higher.len();
+    format!("{alike} as low, {lower} lower, {higher} higher, at most {most:.2} times")
 }
 
 fn solved(case: &Case, part: Part) -> Solved {
@@ -192,6 +217,9 @@ fn seen(case: &Case, solved: &Solved, other: Option<&Solved>, seed: u64) -> Seen
                     .and_then(|parameter| Some([parameter.value, parameter.sd?])),
                 off_unweighed_m: other
                     .and_then(|other| off_m(case, (&outcome.scene, estimate), other)),
+                objective_ratio: other
+                    .and_then(|other| Some(other.as_ref().ok()?.estimate.objective))
+                    .map(|other| estimate.objective / other),
                 is_open: estimate.undetermined.iter().any(is_of_motion),
             }
         }
@@ -203,6 +231,7 @@ fn seen(case: &Case, solved: &Solved, other: Option<&Solved>, seed: u64) -> Seen
             objective: f64::NAN,
             late: None,
             off_unweighed_m: None,
+            objective_ratio: None,
             is_open: true,
         },
     }
