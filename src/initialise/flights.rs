@@ -12,7 +12,7 @@ pub(super) type Known<T> = BTreeMap<usize, T>;
 pub(super) struct Flights<'a> {
     pub(super) scene: &'a Scene,
     pub(super) segments: &'a [Segment],
-    pub(super) own: &'a [usize],
+    pub(super) own: Vec<usize>,
 }
 
 impl Flights<'_> {

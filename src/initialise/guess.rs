@@ -120,7 +120,7 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
     let fitted = combine(segments, &guess, &fits).into_iter();
-    let filled = fitted.flat_map(|guess| unseen::guesses(scene, segments, &readings, &guess));
+    let filled = fitted.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
     for guess in &mut guesses {
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);

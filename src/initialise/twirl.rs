@@ -9,7 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::flights::{Flights, Known, nearest};
 use super::rebound::{Rebound, Spin};
@@ -34,6 +34,12 @@ impl Twirl {
     }
 }
 
+/// What is known of a mechanism's rotation at events.
+struct Told {
+    orientations: Known<UnitQuaternion<f64>>,
+    spins: Known<Spin>,
+}
+
 impl Flights<'_> {
     /// Turns what is not seen to turn: as rebounds tell, else as little as may be. Returns whether rebounds
     /// tell something.
@@ -44,72 +50,101 @@ impl Flights<'_> {
         twirl: Option<Twirl>,
         guess: &mut Guess,
     ) -> bool {
-        let mut known = self.at_goals(mechanism, |target| match target {
-            GoalTarget::Pose { world_from_body } => Some(world_from_body.rotation),
-            _ => None,
-        });
-        self.at_ends(&mut known, &is_turned, guess, |state| state.orientation);
-        let events = self.own.iter().flat_map(|at| self.ends_of(*at)).flatten();
-        let open: Vec<usize> = events.filter(|event| !known.contains_key(event)).collect();
-        let mut touching = Known::new();
-        let mut spins: Known<Spin> = Known::new();
-        for event in open {
-            let Some(rebound) = Rebound::of(self.scene, mechanism, event) else {
-                continue;
-            };
-            let like = nearest(&known, Some(event)).unwrap_or_default();
-            let [before, after] = self.beside(event, guess);
-            let centre = before.or(after).expect("the event ends a flight");
-            let Some(twirl) = twirl else {
-                touching.insert(event, rebound.touching(&centre.position_m, &like));
-                continue;
-            };
-            let turn = rebound.leaning(&centre.position_m, &like, twirl.heading_rad);
-            touching.insert(event, turn);
-            let both = before.zip(after);
-            let spin =
-                both.and_then(|(before, after)| rebound.spin_rad_s(&turn, [&before, &after]));
-            spins.extend(spin.map(|spin| (event, spin)));
-        }
-        known.extend(touching);
+        let told = self.told(mechanism, &is_turned, twirl, guess);
         // Backwards: what a rebound leads to tells how fast the body came.
         for at in self.own.iter().rev().filter(|at| !is_turned(at)) {
-            let [start, end] = self.ends_of(*at);
             let [start_s, end_s] = self.ends_s(*at, guess);
             let lasts_s = (end_s - start_s).max(1e-3);
-            let of = |event: Option<usize>| known.get(&event?).copied();
-            let left = start.and_then(|event| {
-                let spin = spins.get(&event)?;
-                Some(spin.mean_rad_s + spin.change_rad_s * 0.5)
-            });
-            let came = end.and_then(|event| {
-                let spin = spins.get(&event)?;
-                let after = self.beside(event, guess)[1]?;
-                Some(after.orientation * after.angular_velocity_rad_s - spin.change_rad_s)
-            });
-            let (from, turn) = match (of(start), of(end), left, came) {
-                (Some(from), None, Some(left), _) => (from, from.inverse() * left * lasts_s),
-                (None, Some(to), _, Some(came)) => {
-                    let turn = to.inverse() * came * lasts_s;
-                    (to * so3::exp(&-turn), turn)
-                }
-                _ => {
-                    let from = nearest(&known, start).or(nearest(&known, end));
-                    let from = from.unwrap_or_default();
-                    let to = nearest(&known, end).unwrap_or(from);
-                    let shortest = so3::log(&(from.inverse() * to));
-                    let left = left.map(|left| from.inverse() * left * lasts_s);
-                    let more = twirl.map_or(0.0, |twirl| twirl.turns);
-                    (from, wound(&shortest, &left.unwrap_or_default(), more))
-                }
-            };
+            let (from, turn) = self.turned(*at, lasts_s, &told, twirl, guess);
             let rate_rad_s = turn / lasts_s;
             let arc = &mut guess.arcs[*at];
             let since_s = arc.epoch_s - start_s;
             arc.state.orientation = from * so3::exp(&(rate_rad_s * since_s));
             arc.state.angular_velocity_rad_s = rate_rad_s;
         }
-        !spins.is_empty()
+        !told.spins.is_empty()
+    }
+
+    fn told(
+        &self,
+        mechanism: MechanismIndex,
+        is_turned: impl Fn(&usize) -> bool,
+        twirl: Option<Twirl>,
+        guess: &Guess,
+    ) -> Told {
+        let mut orientations = self.at_goals(mechanism, |target| match target {
+            GoalTarget::Pose { world_from_body } => Some(world_from_body.rotation),
+            _ => None,
+        });
+        self.at_ends(&mut orientations, is_turned, guess, |state| {
+            state.orientation
+        });
+        let events = self.own.iter().flat_map(|at| self.ends_of(*at)).flatten();
+        let open = events.filter(|event| !orientations.contains_key(event));
+        let mut touching = Known::new();
+        let mut spins = Known::new();
+        for event in open {
+            let Some(rebound) = Rebound::of(self.scene, mechanism, event) else {
+                continue;
+            };
+            let like = nearest(&orientations, Some(event)).unwrap_or_default();
+            let [before, after] = self.beside(event, guess);
+            let centre_m = before.or(after).expect("it ends a flight").position_m;
+            let Some(twirl) = twirl else {
+                touching.insert(event, rebound.touching(&centre_m, &like));
+                continue;
+            };
+            let leaning = rebound.leaning(&centre_m, &like, twirl.heading_rad);
+            touching.insert(event, leaning);
+            let both = before.zip(after);
+            let spin =
+                both.and_then(|(before, after)| rebound.spin_rad_s(&leaning, [&before, &after]));
+            spins.extend(spin.map(|spin| (event, spin)));
+        }
+        orientations.extend(touching);
+        Told {
+            orientations,
+            spins,
+        }
+    }
+
+    /// The orientation at the beginning of a flight, and the turn until its end \[rad, body\].
+    fn turned(
+        &self,
+        at: usize,
+        lasts_s: f64,
+        told: &Told,
+        twirl: Option<Twirl>,
+        guess: &Guess,
+    ) -> (UnitQuaternion<f64>, Vector3<f64>) {
+        let [start, end] = self.ends_of(at);
+        let of = |event: Option<usize>| told.orientations.get(&event?).copied();
+        let left = start.and_then(|event| {
+            let spin = told.spins.get(&event)?;
+            Some(spin.mean_rad_s + spin.change_rad_s * 0.5)
+        });
+        let came = end.and_then(|event| {
+            let spin = told.spins.get(&event)?;
+            let after = self.beside(event, guess)[1]?;
+            Some(after.orientation * after.angular_velocity_rad_s - spin.change_rad_s)
+        });
+        match (of(start), of(end), left, came) {
+            (Some(from), None, Some(left), _) => (from, from.inverse() * left * lasts_s),
+            (None, Some(to), _, Some(came)) => {
+                let turn = to.inverse() * came * lasts_s;
+                (to * so3::exp(&-turn), turn)
+            }
+            _ => {
+                let orientations = &told.orientations;
+                let from = nearest(orientations, start).or(nearest(orientations, end));
+                let from = from.unwrap_or_default();
+                let to = nearest(orientations, end).unwrap_or(from);
+                let shortest = so3::log(&(from.inverse() * to));
+                let left = left.map(|left| from.inverse() * left * lasts_s);
+                let more = twirl.map_or(0.0, |twirl| twirl.turns);
+                (from, wound(&shortest, &left.unwrap_or_default(), more))
+            }
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 //! Goals and the flights beside it say where it begins and ends; where neither does, it ends as the nearest
 //! event that is known. Between both ends it falls.
 
+use std::iter;
+
 use nalgebra::Vector3;
 
 use super::between::is_fitted;
@@ -18,48 +20,43 @@ pub(super) fn guesses(
     scene: &Scene,
     segments: &[Segment],
     readings: &[Readings],
-    guess: &Guess,
+    mut guess: Guess,
 ) -> Vec<Guess> {
-    let filled = |twirl| {
-        let mut guess = guess.clone();
-        let is_told = fill(scene, segments, readings, twirl, &mut guess);
-        (guess, is_told)
-    };
-    let told = Twirl::all().map_while(|twirl| {
-        let (guess, is_told) = filled(Some(twirl));
-        is_told.then_some(guess)
-    });
-    [filled(None).0].into_iter().chain(told).collect()
-}
-
-/// Returns whether rebounds tell something.
-fn fill(
-    scene: &Scene,
-    segments: &[Segment],
-    readings: &[Readings],
-    twirl: Option<Twirl>,
-    guess: &mut Guess,
-) -> bool {
-    let mut is_told = false;
+    let is_placed = |at: &usize| !readings[*at].places.is_empty();
+    let is_turned = |at: &usize| !readings[*at].turns.is_empty() || readings[*at].lever_m.is_some();
+    let mut to_turn = Vec::new();
     for mechanism in scene.mechanisms.keys() {
         let own = (0..segments.len()).filter(|at| segments[*at].mechanism == mechanism);
         let own: Vec<usize> = own.filter(|at| is_fitted(&segments[*at])).collect();
-        let of = Flights {
+        let flights = Flights {
             scene,
             segments,
-            own: &own,
+            own,
         };
-        let is_placed = |at: &usize| !readings[*at].places.is_empty();
-        let is_turned =
-            |at: &usize| !readings[*at].turns.is_empty() || readings[*at].lever_m.is_some();
-        if !own.iter().all(is_placed) {
-            of.place(mechanism, is_placed, guess);
+        if !flights.own.iter().all(is_placed) {
+            flights.place(mechanism, is_placed, &mut guess);
         }
-        if !own.iter().all(is_turned) {
-            is_told |= of.turn(mechanism, is_turned, twirl, guess);
+        if !flights.own.iter().all(is_turned) {
+            to_turn.push((mechanism, flights));
         }
     }
-    is_told
+    if to_turn.is_empty() {
+        return vec![guess];
+    }
+    let turned = |twirl| {
+        let mut guess = guess.clone();
+        let mut is_told = false;
+        for (mechanism, flights) in &to_turn {
+            is_told |= flights.turn(*mechanism, is_turned, twirl, &mut guess);
+        }
+        (guess, is_told)
+    };
+    let (least, _) = turned(None);
+    let told = Twirl::all().map(|twirl| turned(Some(twirl)));
+    let told = told.take_while(|(_, is_told)| *is_told);
+    iter::once(least)
+        .chain(told.map(|(guess, _)| guess))
+        .collect()
 }
 
 impl Flights<'_> {

@@ -9,7 +9,7 @@
 //!
 //! so that prefix sums of `a^k`, `a^k p` and `|p|²` over the stream give the cost of any stretch.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use crate::math::so3;
 use crate::motion::{Scene, Timing, TrackIndex, TrackSketch};
@@ -21,6 +21,9 @@ pub(super) struct PrefixSums {
     /// time is unknown too.
     free_along: Option<Vector3<f64>>,
 }
+
+/// Coefficients of a cubic: as many as of two straight lines.
+const BEND_NUMBERS: usize = 4;
 
 /// `Σ a^k`, `Σ a^k p` and `Σ |p|²`.
 #[derive(Clone, Copy, Default)]
@@ -142,12 +145,7 @@ impl PrefixSums {
         }
         cost.max(0.0)
     }
-}
 
-/// Degree of a polynomial that has as many numbers as two straight lines.
-const BEND_DEGREE: usize = 3;
-
-impl PrefixSums {
     /// Sum of squared distances of samples from their best cubic, which bends smoothly where two flights have
     /// a kink; and the number of samples that show something.
     pub(super) fn bent(&self, samples: impl Iterator<Item = usize>) -> (f64, usize) {
@@ -159,45 +157,27 @@ impl PrefixSums {
                 (a, to.moments[0] - from.moments[0])
             })
         });
-        let (times, mut left): (Vec<f64>, Vec<Vector3<f64>>) = points.unzip();
+        let (times, points): (Vec<f64>, Vec<Vector3<f64>>) = points.unzip();
         let count = times.len();
-        let middle = times.iter().sum::<f64>() / count.max(1) as f64;
-        // Gram–Schmidt on 1, a, a², a³, in this order.
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for degree in 0..=BEND_DEGREE.min(count.saturating_sub(1)) {
-            let powers = times.iter().map(|a| (a - middle).powi(degree as i32));
-            let mut next: Vec<f64> = powers.collect();
-            for other in &basis {
-                let along = dot(other, &next);
-                subtract(&mut next, along, other);
-            }
-            let norm = dot(&next, &next).sqrt();
-            if !(norm > 0.0) {
-                break;
-            }
-            next.iter_mut().for_each(|value| *value /= norm);
-            let along = left.iter().zip(&next);
-            let along: Vector3<f64> = along.map(|(point, value)| point * *value).sum();
-            let points = left.iter_mut().zip(&next);
-            points.for_each(|(point, value)| *point -= along * *value);
-            basis.push(next);
+        if count <= BEND_NUMBERS {
+            return (0.0, count);
         }
-        (left.iter().map(Vector3::norm_squared).sum(), count)
+        let middle = times.iter().sum::<f64>() / count as f64;
+        let half = times.iter().map(|a| (a - middle).abs()).fold(0.0, f64::max);
+        let powers = DMatrix::from_fn(count, BEND_NUMBERS, |row, degree| {
+            ((times[row] - middle) / half).powi(degree as i32)
+        });
+        let mut points = DMatrix::from_fn(count, 3, |row, axis| points[row][axis]);
+        // What is left of them is in the rows below those of the cubic.
+        powers.qr().q_tr_mul(&mut points);
+        let left = points.rows(BEND_NUMBERS, count - BEND_NUMBERS);
+        (left.norm_squared(), count)
     }
 
     /// Numbers that a flight has.
     pub(super) fn numbers(&self) -> usize {
         6 + usize::from(self.free_along.is_some())
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
-    let pairs = from.iter_mut().zip(what);
-    pairs.for_each(|(from, what)| *from -= times * what);
 }
 
 fn middle_s(track: &TrackSketch) -> f64 {
