@@ -13,6 +13,8 @@
 
 mod lanes;
 
+pub use lanes::{Turned, Turner, turn_errors};
+
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::Body;
