@@ -92,6 +92,7 @@ impl Between {
     }
 
     /// Adds a sample's terms by its time; `each` is called with nodes whose terms are complete.
+    #[inline]
     pub(super) fn add(
         &mut self,
         sample: &ArcSample,
