@@ -75,11 +75,12 @@ impl<'a> Stamped<'a> {
             point,
             mount: problem.mount_at(arc, view.track, &point.parameters),
             has_clock: false,
-            depends: false,
+            depends: problem.times_are_unknown(),
         };
-        let is_open = view.samples.iter().any(|sample| sample.open.is_some());
-        stamped.depends =
-            problem.times_are_unknown() || is_open || stamped.clocks().next().is_some();
+        let has_clock = stamped.clocks().next().is_some();
+        stamped.has_clock = has_clock;
+        let mut samples = view.samples.iter();
+        stamped.depends |= has_clock || samples.any(|sample| sample.open.is_some());
         stamped
     }
 
