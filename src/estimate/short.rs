@@ -34,7 +34,7 @@ impl Problem {
         let mut acting = arc.acting.iter().filter(|acting| acting.is_on(view.track));
         let is_direction = matches!(view.shows, Shows::Direction(_));
         body.is_ballistic()
-            && !(is_direction && !view.whitenings.is_empty())
+            && (!is_direction || view.whitenings.is_empty())
             && (knows_gravity || self.free_gravity().next().is_none())
             && acting.all(|acting| match acting.influence {
                 Influence::ClockRate | Influence::ClockOffset | Influence::SampleTime => true,
