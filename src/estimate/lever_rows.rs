@@ -13,7 +13,7 @@ use wide::f64x4;
 
 use super::levered::{Four, Rows};
 use crate::math::lanes::{SYMMETRIC, Vectors};
-use crate::physics::observe::turn_errors;
+use crate::physics::observe::lanes::turn_errors;
 
 /// Points or directions, all with one weight.
 pub(super) struct Lever<const IS_POINT: bool> {

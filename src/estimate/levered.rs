@@ -18,7 +18,7 @@ use super::samples::TimeTerms;
 use crate::math::lanes::{LANES, SYMMETRIC, Vectors, sum_of_columns, symmetric};
 use crate::math::so3;
 use crate::physics::flow::Fall;
-use crate::physics::observe::{Turned, Turner};
+use crate::physics::observe::lanes::{Turned, Turner};
 use crate::physics::{Body, State};
 
 /// Half the sum of squares with its derivatives by the arc's state: by position, orientation, velocity

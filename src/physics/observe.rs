@@ -11,9 +11,7 @@
 //! gradient   Σ e, Σ s Kᵀe        Hessian   Σ 1, Σ s K; ·, Σ s² KᵀK
 //! ```
 
-mod lanes;
-
-pub use lanes::{Turned, Turner, turn_errors};
+pub mod lanes;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
