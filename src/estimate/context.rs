@@ -119,6 +119,7 @@ mod tests {
             shows: Shows::Pose,
             units: [1.0; 2],
             whitenings: Vec::new(),
+            informations: Vec::new(),
             is_plain: true,
             samples: (0..samples).map(sample).collect(),
         }

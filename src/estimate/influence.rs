@@ -75,6 +75,13 @@ pub struct Acting {
     pub track: Option<TrackIndex>,
 }
 
+impl Acting {
+    /// Whether it acts on what a track shows.
+    pub fn is_on(&self, track: TrackIndex) -> bool {
+        self.track.is_none_or(|of| of == track)
+    }
+}
+
 /// Whether a parameter of the drag is among those that act on an arc.
 pub fn drag_is_free(acting: &[Acting]) -> bool {
     let mut influences = acting.iter().map(|acting| acting.influence);

@@ -3,7 +3,7 @@
 //!
 //! - The problem: [`problem`], made of a scene and a sketch by `posing`, goals in general ([`arc_condition`]) by `conditions`, with the indices of the unknowns in [`layout`], the `nodes` at which
 //!   sample times are unknowns, and their values in a [`point`].
-//! - Its terms: [`samples`], [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
+//! - Its terms: [`samples`], `levered` (points, directions, covariances), [`tempo`] and [`mark`], summed into an `objective`; a [`constraint`]
 //!   for each hard condition. `evaluate` joins them for the [optimiser](crate::optimise), with a
 //!   [`context`] that is fixed during a solve and the `curvature` of constraints and residuals.
 //! - The way to the solution: [`events`] gives the first event times, `hand_on` the first states of
@@ -11,7 +11,7 @@
 //! - Waypoints are moments of flights (`waypoint`): one unknown each, and no cut.
 //! - Bodies in the hand have no flights, but a state at each of their collisions ([`held`]).
 //! - Parameters beside gravity and laws have roles ([`influence`]); where one acts, residuals
-//!   (`observed`, those of points and directions summed by `levered`) and arrivals (`arrival`) take their general form.
+//!   (`observed`) and arrivals (`arrival`) take their general form.
 //! - Its result: [`outcome`], [`covariance`], `timing`, `deviation`; whether it explains the
 //!   performance: [`adequacy`].
 //!
@@ -37,6 +37,7 @@ pub mod held;
 mod held_motion;
 pub mod influence;
 pub mod layout;
+mod lever_rows;
 mod levered;
 pub mod mark;
 mod modelled;
@@ -52,6 +53,7 @@ pub mod recipe;
 mod sample_order;
 pub mod samples;
 mod seen;
+mod short;
 mod simulate;
 pub mod solve;
 pub mod tempo;

@@ -82,7 +82,7 @@ impl Problem {
         let (mut turn, mut to_m) = (Vector3::zeros(), from_m);
         let (mut rate, mut offset_s) = (0.0, 0.0);
         for acting in &arc.acting {
-            if acting.track.is_some_and(|of| of != track) {
+            if !acting.is_on(track) {
                 continue;
             }
             let value = parameters[acting.parameter];

@@ -5,16 +5,15 @@
 //! f = ½ Σ |r|²,   g = Σ Jᵀ r,   H = Σ JᵀJ
 //! ```
 
-use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::context::{Guidance, SolveContext};
-use super::levered::LeverTerms;
+use super::levered::StateTerms;
 use super::observed::Observer;
 use super::point::Point;
 use super::problem::View;
 use super::samples::{self, ArcTerms, TimeTerms};
 use super::tempo;
-use crate::math::so3;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::physics::Dynamics;
@@ -22,12 +21,12 @@ use crate::physics::state::{StateTangent, part};
 
 /// The objective while its terms are being added: value, gradient and Gauss–Newton Hessian.
 pub(super) struct Objective<'a> {
-    context: &'a SolveContext<'a>,
-    guidance: &'a Guidance,
-    point: &'a Point,
+    pub(super) context: &'a SolveContext<'a>,
+    pub(super) guidance: &'a Guidance,
+    pub(super) point: &'a Point,
     pattern: &'a Pattern,
     cost: &'a mut f64,
-    gradient: &'a mut DVector<f64>,
+    pub(super) gradient: &'a mut DVector<f64>,
     hessian: &'a mut Envelope,
 }
 
@@ -57,25 +56,19 @@ impl<'a> Objective<'a> {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
         for (number, (index, view)) in problem.views().enumerate() {
-            if !view.is_plain {
-                self.add_general((index, view), &gravity);
-                continue;
-            }
             let Dynamics::Free(body) = problem.dynamics_of(index);
             let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
-            let times_s = &self.point.node_times_s;
-            let terms = if problem.times_are_unknown() {
-                let of = (view, self.guidance.stride(view));
-                samples::unknown_times(body, of, flight, &gravity, times_s, |node, terms| {
-                    self.add_node(index, node, &terms);
-                })
-            } else {
-                let sums = self.context.sums[number].as_ref();
-                let sums = sums.expect("sums of a plain view");
+            if let Some(Some(sums)) = self.context.sums.get(number) {
+                let times_s = &self.point.node_times_s;
                 let stride = (view.samples.len() / self.guidance.orientations_per_arc).max(1);
-                samples::known_times(body, view, (sums, stride), flight, &gravity, times_s)
-            };
-            self.add_arc(layout.arcs[index], &terms);
+                let sums = (sums, stride);
+                let terms = samples::known_times(body, view, sums, flight, &gravity, times_s);
+                self.add_arc(layout.arcs[index], &terms);
+            } else if problem.is_short((index, view)) {
+                self.add_short((index, view), body, &gravity);
+            } else {
+                self.add_general((index, view), &gravity);
+            }
         }
     }
 
@@ -93,14 +86,6 @@ impl<'a> Objective<'a> {
         let of = (index, view);
         let mut observer = Observer::new(problem, of, (body, gravity_m_s2), flight, parameters);
         let stride = self.guidance.stride(view);
-        if observer.is_swung(body) && problem.gravity_parameters.iter().all(Option::is_none) {
-            let times_s = &self.point.node_times_s;
-            let each = |node, terms: TimeTerms| self.add_node(index, node, &terms);
-            let each = problem.times_are_unknown().then_some(each);
-            let terms = LeverTerms::of(&mut observer, (view, stride), times_s, each);
-            self.add_levered(layout.arcs[index], &flight.0.orientation, &terms);
-            return;
-        }
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;
         let state = layout.state(problem, index);
@@ -157,7 +142,7 @@ impl<'a> Objective<'a> {
 
     /// Adds the terms of a node's time, and of it with the next node's.
     #[inline]
-    fn add_node(&mut self, arc: usize, node: usize, terms: &TimeTerms) {
+    pub(super) fn add_node(&mut self, arc: usize, node: usize, terms: &TimeTerms) {
         let layout = self.context.layout;
         if let Some(at) = layout.nodes[node] {
             self.add_time(arc, at, terms);
@@ -169,30 +154,35 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Adds to the Hessian's entry of two unknowns.
     #[inline]
-    fn add_time(&mut self, arc: usize, at: usize, terms: &TimeTerms) {
+    pub(super) fn add_pair(&mut self, one: usize, other: usize, value: f64) {
+        let (row, column) = (one.max(other), one.min(other));
+        self.hessian.add(self.pattern, row, column, value);
+    }
+
+    /// Adds terms of a flight by an unknown time.
+    #[inline]
+    pub(super) fn add_time(&mut self, arc: usize, at: usize, terms: &TimeTerms) {
         let layout = self.context.layout;
         self.gradient[at] += terms.gradient;
         self.hessian.add(self.pattern, at, at, terms.square);
         let state = layout.arcs[arc];
         for (block, cross) in terms.cross[..4].iter().enumerate() {
             for axis in 0..3 {
-                self.hessian
-                    .add(self.pattern, state + 3 * block + axis, at, cross[axis]);
+                self.add_pair(state + 3 * block + axis, at, cross[axis]);
             }
         }
         for axis in 0..3 {
             if let Some(parameter) = self.context.problem.gravity_parameters[axis] {
                 let row = layout.parameters[parameter];
-                self.hessian
-                    .add(self.pattern, row, at, terms.cross[4][axis]);
+                self.add_pair(row, at, terms.cross[4][axis]);
             }
         }
     }
 
-    /// Adds the terms of points or directions.
-    fn add_levered(&mut self, at: usize, orientation: &UnitQuaternion<f64>, terms: &LeverTerms) {
-        let to_world = so3::matrix(orientation);
+    /// Adds terms of a flight by its state.
+    pub(super) fn add_state(&mut self, at: usize, terms: &StateTerms) {
         *self.cost += terms.cost;
         let [x, r, v, w] = [
             part::POSITION,
@@ -201,26 +191,12 @@ impl<'a> Objective<'a> {
             part::ANGULAR_VELOCITY,
         ]
         .map(|part| at + part);
-        let [by_x, by_r, by_v, by_w] = &terms.gradient;
-        let gradients = [
-            (x, to_world * by_x),
-            (r, *by_r),
-            (v, to_world * by_v),
-            (w, *by_w),
-        ];
-        for (at, gradient) in gradients {
+        for (at, gradient) in [x, r, v, w].into_iter().zip(&terms.gradient) {
             for axis in 0..3 {
                 self.gradient[at + axis] += gradient[axis];
             }
         }
         let pattern = self.pattern;
-        let [p0, p1, p2] = terms.powers;
-        for axis in 0..3 {
-            self.hessian.add(pattern, x + axis, x + axis, p0);
-            self.hessian.add(pattern, v + axis, x + axis, p1);
-            self.hessian.add(pattern, v + axis, v + axis, p2);
-        }
-        let [turn, turn_spin, spin] = terms.turns;
         let mut add = |row: usize, column: usize, block: &Matrix3<f64>| {
             for i in 0..3 {
                 for j in (0..3).filter(|j| column + j <= row + i) {
@@ -229,18 +205,23 @@ impl<'a> Objective<'a> {
                 }
             }
         };
-        add(r, r, &turn);
+        let [place, place_velocity, velocity] = &terms.places;
+        add(x, x, place);
+        add(v, x, place_velocity);
+        add(v, v, velocity);
+        let [turn, turn_spin, spin] = &terms.turns;
+        add(r, r, turn);
         add(w, r, &turn_spin.transpose());
-        add(w, w, &spin);
-        let [x_turn, v_turn] = terms.by_turn.map(|block| to_world * block);
-        let [x_spin, v_spin] = terms.by_spin.map(|block| to_world * block);
+        add(w, w, spin);
+        let [x_turn, v_turn] = &terms.by_turn;
+        let [x_spin, v_spin] = &terms.by_spin;
         add(r, x, &x_turn.transpose());
-        add(v, r, &v_turn);
+        add(v, r, v_turn);
         add(w, x, &x_spin.transpose());
         add(w, v, &v_spin.transpose());
     }
 
-    fn add_arc(&mut self, at: usize, terms: &ArcTerms) {
+    pub(super) fn add_arc(&mut self, at: usize, terms: &ArcTerms) {
         let pattern = self.pattern;
         let [p0, p1, p2, p3, p4] = terms.powers;
         *self.cost += terms.cost + terms.turn.cost;

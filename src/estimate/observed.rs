@@ -1,9 +1,8 @@
 //! Residuals of the samples of one view with their derivatives by everything that they depend on:
 //! state, time, and parameters that act on the flight or on what the tracker sees of it.
 //!
-//! This is the general form of the residuals, for points, directions and samples with covariances, for
-//! arcs on which such parameters act and for bodies with drag; [`samples`](super::samples) is the short
-//! one for all others. In the frame of the arc's epoch, in which `T(s) = R₀ᵀ R(s)`,
+//! This is the general form of the residuals, for arcs on which such parameters act and for bodies with
+//! drag; [`samples`](super::samples) and [`levered`](super::levered) are the short ones for all others. In the frame of the arc's epoch, in which `T(s) = R₀ᵀ R(s)`,
 //!
 //! ```text
 //! position      x(s) − x_i                       [world]     changed by δx
@@ -24,7 +23,6 @@ use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use super::influence::{Acting, Influence, drag_is_free};
 use super::modelled::Mount;
 use super::problem::{Problem, Shows, View};
-use super::samples::TimeTerms;
 use crate::math::so3;
 use crate::physics::flow::{Fall, Spin, SpinByMoments};
 use crate::physics::state::{self, part};
@@ -45,20 +43,6 @@ pub(super) struct Observed {
     pub(super) by_acting: Vec<Six>,
     /// `R₀ᵀ R(s)`, from the body's axes to the frame of the epoch.
     pub(super) turn: UnitQuaternion<f64>,
-}
-
-/// What one sample shows of a point or of an axis, in the frame of the epoch.
-pub(super) struct Swung {
-    /// Since the epoch \[s\].
-    pub(super) s: f64,
-    /// Derivative of the turn, as a vector in that frame, by the angular velocity, over `s`.
-    pub(super) k: Matrix3<f64>,
-    /// Where the point is, from the centre of mass \[m\], or where the axis points.
-    pub(super) lever: Vector3<f64>,
-    /// The residual \[m\], or as a chord.
-    pub(super) residual: Vector3<f64>,
-    /// Its derivative by the velocity's way alone [m/s].
-    pub(super) pace: Vector3<f64>,
 }
 
 /// The flight of one arc as its tracker sees it.
@@ -200,65 +184,6 @@ impl<'a> Observer<'a> {
         [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
     }
 
-    /// Whether [`Observer::swung`] says all: samples show points or directions, all with one weight, of
-    /// which nothing is free but the flight of a body without drag.
-    pub(super) fn is_swung(&self, body: &Body) -> bool {
-        matches!(self.view.shows, Shows::Point | Shows::Direction(_))
-            && self.view.whitenings.is_empty()
-            && self.acting.is_empty()
-            && body.is_ballistic()
-    }
-
-    /// What a sample shows of a point or of an axis.
-    pub(super) fn swung(&mut self, sample: usize, node_times_s: &[f64]) -> Swung {
-        let s = self.time_s(sample, node_times_s) - self.epoch_s;
-        let (turn, k) = self.spin.turn_and_derivative(s);
-        let of = &self.view.samples[sample];
-        let to_epoch = |v: Vector3<f64>| self.state.orientation.inverse_transform_vector(&v);
-        let (lever, residual, pace) = match self.view.shows {
-            Shows::Direction(axis) => {
-                let lever = turn * axis;
-                (
-                    lever,
-                    lever - to_epoch(of.orientation * axis),
-                    Vector3::zeros(),
-                )
-            }
-            _ => {
-                let lever = turn * self.mount.to_m;
-                let fallen = self.fall.fallen(s);
-                let off_m = to_epoch(fallen.position_m - of.position_m);
-                (lever, off_m + lever, to_epoch(fallen.velocity_m_s))
-            }
-        };
-        Swung {
-            s,
-            k,
-            lever,
-            residual,
-            pace,
-        }
-    }
-
-    /// Derivatives by a sample's time, with `spun = [q]× K` ([`LeverTerms`](super::levered::LeverTerms)).
-    pub(super) fn by_time(&self, of: &Swung, spun: &Matrix3<f64>, weight: f64) -> TimeTerms {
-        let slope = of.pace - spun * self.state.angular_velocity_rad_s;
-        let pull = slope * weight;
-        let place = self.state.orientation * pull * self.view.shows.kinds().map(f64::from)[0];
-        TimeTerms {
-            gradient: pull.dot(&of.residual),
-            square: pull.dot(&slope),
-            with_next: 0.0,
-            cross: [
-                place,
-                of.lever.cross(&pull),
-                place * of.s,
-                spun.tr_mul(&pull) * -of.s,
-                Vector3::zeros(),
-            ],
-        }
-    }
-
     /// The residual of a sample with its derivatives.
     pub(super) fn observed(&mut self, sample: usize, node_times_s: &[f64]) -> Observed {
         self.observed_in(sample, node_times_s, Vec::new())
@@ -345,7 +270,7 @@ impl<'a> Observer<'a> {
         let flown = self.state.orientation * turn;
         let track = self.view.track;
         let by_acting = self.acting.iter().map(|acting| {
-            if acting.track.is_some_and(|of| of != track) {
+            if !acting.is_on(track) {
                 return [0.0; 6];
             }
             // The place on the body that is seen, moved by a unit along an axis of the link.

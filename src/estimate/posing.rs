@@ -74,7 +74,8 @@ impl Problem {
             let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
             for view in &mut arc.views {
-                view.is_plain &= arc.is_plain;
+                let acts = |acting: &Acting| acting.is_on(view.track);
+                view.is_plain &= body.is_ballistic() && !arc.acting.iter().any(acts);
             }
             if arc.views.iter().any(|view| !view.is_plain) || !arc.is_plain {
                 arc.acting.extend(gravity(&gravity_parameters));

@@ -110,8 +110,11 @@ pub struct View {
     /// Where the weights of samples differ, for every sample `L⁻¹`, with the covariance `L Lᵀ` of the
     /// tracker's position and rotation vector in world axes; empty otherwise.
     pub whitenings: Vec<Matrix6<f64>>,
-    /// Whether the short form of its residuals serves ([`samples`](super::samples)): its arc is plain,
-    /// and it shows the centre of mass, the orientation or both, with the same weight in all samples.
+    /// `(L Lᵀ)⁻¹` of each of them.
+    pub informations: Vec<Matrix6<f64>>,
+    /// Whether the short form of its residuals serves ([`samples`](super::samples)): of a parabola on
+    /// which at most gravity acts it shows the centre of mass, the orientation or both, with the same
+    /// weight in all samples and at times that no parameter changes.
     pub is_plain: bool,
 }
 

@@ -64,7 +64,7 @@ pub struct TimeTerms {
 impl TimeTerms {
     /// Adds terms of a sample time that moves by `share` of the node's time.
     #[inline]
-    fn add(&mut self, terms: &Self, share: f64) {
+    pub(super) fn add(&mut self, terms: &Self, share: f64) {
         self.gradient += share * terms.gradient;
         self.square += share * share * terms.square;
         for (entry, cross) in self.cross.iter_mut().zip(&terms.cross) {
@@ -74,32 +74,37 @@ impl TimeTerms {
 }
 
 /// Collects the terms of the samples between two nodes and hands them over node by node.
-pub(super) struct Between<F> {
+pub(super) struct Between {
     /// The current node; `terms` are its terms and those of the next node.
     node: usize,
     terms: [TimeTerms; 2],
     /// Whether a sample lies after the node, so that the next node has terms.
     reaches: bool,
-    each: F,
 }
 
-impl<F: FnMut(usize, TimeTerms)> Between<F> {
-    pub(super) fn new(node: usize, each: F) -> Self {
+impl Between {
+    pub(super) fn new(node: usize) -> Self {
         Self {
             node,
             terms: [TimeTerms::default(); 2],
             reaches: false,
-            each,
         }
     }
 
-    pub(super) fn add(&mut self, sample: &ArcSample, terms: &TimeTerms) {
+    /// Adds a sample's terms by its time; `each` is called with nodes whose terms are complete.
+    #[inline]
+    pub(super) fn add(
+        &mut self,
+        sample: &ArcSample,
+        terms: &TimeTerms,
+        mut each: impl FnMut(usize, &TimeTerms),
+    ) {
         if sample.node != self.node {
             let [here, next] = self.terms;
-            (self.each)(self.node, here);
+            each(self.node, &here);
             self.terms = [next, TimeTerms::default()];
             if self.reaches && sample.node != self.node + 1 {
-                (self.each)(self.node + 1, next);
+                each(self.node + 1, &next);
                 self.terms[0] = TimeTerms::default();
             }
             (self.node, self.reaches) = (sample.node, false);
@@ -114,11 +119,11 @@ impl<F: FnMut(usize, TimeTerms)> Between<F> {
         }
     }
 
-    pub(super) fn end(mut self) {
-        let [here, next] = self.terms;
-        (self.each)(self.node, here);
+    pub(super) fn end(&self, mut each: impl FnMut(usize, &TimeTerms)) {
+        let [here, next] = &self.terms;
+        each(self.node, here);
         if self.reaches {
-            (self.each)(self.node + 1, next);
+            each(self.node + 1, next);
         }
     }
 }
@@ -218,15 +223,16 @@ pub fn known_times(
     terms
 }
 
-/// Terms of a plain view whose sample times are unknowns. Every `stride`-th sample is used, with the
-/// weight of `stride`. `each` is called with its nodes in order and their terms.
+/// Terms of a view in the short form whose sample times are unknowns or depend on some. Every
+/// `stride`-th sample is used, with the weight of `stride`. `each` is called with every sample and its
+/// terms by its time.
 pub fn unknown_times(
     body: &Body,
     (view, stride): (&View, usize),
     (state, epoch_s): (&State, f64),
     gravity_m_s2: &Vector3<f64>,
-    times_s: &[f64],
-    each: impl FnMut(usize, TimeTerms),
+    time_s: impl Fn(&ArcSample) -> f64,
+    mut each: impl FnMut(&ArcSample, &TimeTerms),
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     assert!(body.is_ballistic(), "derivatives of a parabola");
@@ -234,10 +240,8 @@ pub fn unknown_times(
     let samples = view.samples.iter().skip(stride / 2).step_by(stride);
     let for_each = view.samples.len() as f64 / samples.len().max(1) as f64;
     let [weight, turn_weight] = view.units.map(|unit| for_each / (unit * unit));
-    let first = samples.clone().next().map_or(0, |sample| sample.node);
-    let mut between = Between::new(first, each);
     for sample in samples {
-        let s = sample.time_s(times_s) - epoch_s;
+        let s = time_s(sample) - epoch_s;
         let (k, error) = if turn_weight > 0.0 {
             terms.turn.add(
                 &mut spin,
@@ -276,8 +280,7 @@ pub fn unknown_times(
                 pull * half_square,
             ],
         };
-        between.add(sample, &by_time);
+        each(sample, &by_time);
     }
-    between.end();
     terms
 }

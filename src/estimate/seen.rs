@@ -25,6 +25,7 @@ pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &N
             samples: Vec::with_capacity(of.samples.len()),
             units: units(scene, track, shows),
             whitenings: Vec::new(),
+            informations: Vec::new(),
             is_plain: covariances.is_empty() && is_plain(track, shows),
         };
         for (sample, index) in sketch.samples_of(of).iter().zip(of.samples.clone()) {
@@ -41,7 +42,9 @@ pub(super) fn views(scene: &Scene, sketch: &Sketch, segment: &Segment, nodes: &N
             let placed = placed(sample, shows, nodes);
             kinds[at].samples.push(ArcSample { open, ..placed });
             if let Some(covariance) = covariances.get(index) {
-                kinds[at].whitenings.push(whitening(covariance, shows));
+                let whitening = whitening(covariance, shows);
+                kinds[at].informations.push(whitening.tr_mul(&whitening));
+                kinds[at].whitenings.push(whitening);
             }
         }
         if kinds.is_empty() {

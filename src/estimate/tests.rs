@@ -369,6 +369,41 @@ fn modelled_rod(timing: Timing) -> Scene {
     modelled(scene(timing))
 }
 
+/// Adds clocks of the tracks that [`see_in_parts`] makes, and samples of theirs whose times are not known.
+fn clocked(mut scene: Scene) -> Scene {
+    let mut add = |quantity: Quantity, value: f64| {
+        let name = format!("{quantity:?}");
+        let limits = quantity.limits().into();
+        let free = parameter(&name, quantity, value, limits);
+        scene.parameters.push(free);
+    };
+    for track in [0, 1, 2, 4, 5].map(TrackIndex) {
+        add(Quantity::ClockOffset { track }, -0.004);
+    }
+    if scene.timing == Timing::Known {
+        for track in [1, 2, 4].map(TrackIndex) {
+            add(Quantity::ClockRate { track }, 0.03);
+        }
+    }
+    // The order of such samples is told by their own times alone, which it is where nodes are fixed.
+    let open: &[(usize, usize)] = match scene.timing {
+        Timing::Unknown { .. } => &[],
+        _ => &[(0, 3), (0, 4), (1, 12), (3, 2), (4, 5)],
+    };
+    for (track, sample) in open.iter().copied() {
+        let track = TrackIndex(track);
+        add(Quantity::SampleTime { track, sample }, 0.002);
+    }
+    scene
+}
+
+fn is_of_time(quantity: Quantity) -> bool {
+    matches!(
+        quantity,
+        Quantity::ClockOffset { .. } | Quantity::ClockRate { .. } | Quantity::SampleTime { .. }
+    )
+}
+
 /// Adds tracks to the one that sees the pose of the first link: a point, a direction, an orientation
 /// with a weight of its own, and poses with covariances.
 fn see_in_parts(
@@ -495,7 +530,8 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         // A body of which several tracks see parts, with gravity free and known.
         let mut falling = scene(timing);
         falling.parameters.remove(0);
-        let parts = [scene(timing), modelled_rod(timing), falling];
+        let clocked = clocked(falling.clone());
+        let parts = [scene(timing), modelled_rod(timing), falling, clocked];
         let parts = parts.into_iter().map(|scene| (scene, 1.0, true));
         whole.chain(parts).collect::<Vec<_>>()
     });
@@ -509,9 +545,11 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             if let Some(g) = free.find(|free| free.quantity == Quantity::Gravity { axis: 2 }) {
                 g.initial = GRAVITY.z;
             }
-            for index in 4..scene.parameters.len() {
+            for index in 0..scene.parameters.len() {
                 let quantity = scene.parameters[index].quantity;
-                scene.parameters[index].initial = scene.value_of(quantity);
+                if index >= 4 || is_of_time(quantity) {
+                    scene.parameters[index].initial = scene.value_of(quantity);
+                }
             }
         }
         let (mut sketch, mut segments, mut guess) = sketch(&scene, offset);

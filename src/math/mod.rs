@@ -3,6 +3,7 @@
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
 
+pub mod lanes;
 mod pose;
 pub mod random;
 pub mod so3;

@@ -11,7 +11,7 @@
 //! gradient   Σ e, Σ s Kᵀe        Hessian   Σ 1, Σ s K; ·, Σ s² KᵀK
 //! ```
 
-mod lanes;
+pub mod lanes;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 

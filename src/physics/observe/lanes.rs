@@ -17,11 +17,10 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use wide::f64x4;
 
 use super::TurnTerms;
+use crate::math::lanes::{LANES, Vectors};
 use crate::math::so3;
-use crate::physics::flow::Precession;
-
-/// Number of samples that are processed at once.
-const LANES: usize = 4;
+use crate::physics::Body;
+use crate::physics::flow::{Precession, Spin};
 
 /// Terms of measured orientations, each with its time from the epoch \[s\], at which the body has
 /// the orientation and the `precession` begins.
@@ -56,6 +55,115 @@ pub(super) fn terms<'m>(
     frame.gather(&sums, count as f64)
 }
 
+/// The free rotation of a body from one start, at four durations at a time.
+pub struct Turner {
+    kind: Kind,
+    /// Body from the axes by which a change of the angular velocity is told.
+    pub axes: Matrix3<f64>,
+}
+
+enum Kind {
+    Closed(LaneFrame),
+    /// One after the other, where three moments differ.
+    Steps {
+        spin: Spin,
+        orientation: UnitQuaternion<f64>,
+        from_epoch: Matrix3<f64>,
+    },
+}
+
+/// Orientations at four durations.
+pub struct Turned {
+    /// World from body as `(i, j, k, w)`.
+    pub orientation: [f64x4; 4],
+    /// By how much a change of the initial angular velocity turns them, over the duration: `R(0) K`
+    /// in world axes, a column for each of [`Turner::axes`].
+    pub by_spin: [Vectors; 3],
+}
+
+impl Turner {
+    /// The rotation from an orientation and an angular velocity `ω` [rad/s, body].
+    pub fn new(
+        body: &Body,
+        orientation: &UnitQuaternion<f64>,
+        angular_velocity_rad_s: &Vector3<f64>,
+    ) -> Self {
+        let spin = Spin::new(body, angular_velocity_rad_s);
+        if let Some(precession) = spin.precession() {
+            let frame = LaneFrame::new(precession, orientation);
+            return Self {
+                axes: frame.body,
+                kind: Kind::Closed(frame),
+            };
+        }
+        Self {
+            axes: Matrix3::identity(),
+            kind: Kind::Steps {
+                spin,
+                orientation: *orientation,
+                from_epoch: so3::matrix(orientation),
+            },
+        }
+    }
+
+    /// Orientations and their derivatives at four durations \[s\].
+    #[inline]
+    pub fn at(&mut self, s: f64x4) -> Turned {
+        match &mut self.kind {
+            Kind::Closed(frame) => {
+                let h = s * frame.half_rates[0];
+                let sin_cos = h.sin_cos();
+                Turned {
+                    orientation: frame.orientation(s, sin_cos),
+                    by_spin: frame.by_spin(h, sin_cos),
+                }
+            }
+            Kind::Steps {
+                spin,
+                orientation,
+                from_epoch,
+            } => {
+                let all = s.to_array().map(|s| {
+                    let (turn, k) = spin.turn_and_derivative(s);
+                    (*orientation * turn, *from_epoch * k)
+                });
+                Turned {
+                    orientation: [0, 1, 2, 3].map(|part| f64x4::from(all.map(|of| of.0[part]))),
+                    by_spin: [0, 1, 2].map(|column| {
+                        Vectors([0, 1, 2].map(|row| f64x4::from(all.map(|of| of.1[(row, column)]))))
+                    }),
+                }
+            }
+        }
+    }
+}
+
+/// Residuals `Log(R R_i⁻¹)` of four orientations in world axes \[rad\], and the columns of `J_l⁻¹` of
+/// them: of a residual's change by a turn of `R` in world axes.
+#[inline]
+pub fn turn_errors(orientation: [f64x4; 4], measured: [f64x4; 4]) -> (Vectors, [Vectors; 3]) {
+    let [x, y, z, scalar] = between(orientation, measured);
+    let scale = logarithm_scale(scalar, [x, y, z]);
+    let error = Vectors([x, y, z]).times(scale);
+    // With the half angle's cosine |w| and sine |v|, of which `e = v·scale`: `1/θ² − cot(θ/2)/2θ`.
+    let square = error.dot(&error);
+    let series = square * (1.0 / 720.0) + square * square * (1.0 / 30240.0) + 1.0 / 12.0;
+    let closed = (f64x4::ONE - scalar * scale * 0.5) / square;
+    let b = square
+        .simd_lt(f64x4::splat(so3::SERIES_BELOW))
+        .select(series, closed);
+    let [e0, e1, e2] = error.0;
+    let diagonal = f64x4::ONE - b * square;
+    let half = error.times(f64x4::splat(0.5)).0;
+    let [be0, be1, be2] = error.times(b).0;
+    let columns = [
+        Vectors([diagonal + be0 * e0, be0 * e1 - half[2], be0 * e2 + half[1]]),
+        Vectors([be0 * e1 + half[2], diagonal + be1 * e1, be1 * e2 - half[0]]),
+        Vectors([be0 * e2 - half[1], be1 * e2 + half[0], diagonal + be2 * e2]),
+    ];
+    (error, columns)
+}
+
 /// The part of a vector across `n`.
 #[derive(Clone, Copy, Default)]
 struct Complex<T> {
@@ -79,7 +187,7 @@ struct LaneFrame {
     excess: f64,
 }
 
-/// LaneSums over samples, lane by lane; `e` is the residual along the frame's axes.
+/// Sums over samples, lane by lane; `e` is the residual along the frame's axes.
 #[derive(Default)]
 struct LaneSums {
     /// `½ Σ |e|²`
@@ -120,9 +228,7 @@ impl LaneSums {
         self.times[0] += s;
         self.times[1] += s * s;
 
-        // sin h/h is one at zero.
-        let still = h.simd_eq(f64x4::ZERO);
-        let cardinal = still.select(f64x4::ONE, sin / h);
+        let cardinal = cardinal_sine(h, sin);
         let weight = s * cardinal;
         let j = Complex {
             re: weight * cos,
@@ -177,40 +283,60 @@ impl LaneFrame {
         }
     }
 
+    /// `R(0) R(s)` as `(i, j, k, w)`.
+    #[inline]
+    fn orientation(&self, s: f64x4, (sin, cos): (f64x4, f64x4)) -> [f64x4; 4] {
+        let [r, rn, ra, rna] = &self.turned;
+        if self.excess == 0.0 {
+            return [0, 1, 2, 3].map(|part| cos * r[part] + sin * rn[part]);
+        }
+        let (sin_b, cos_b) = (s * self.half_rates[1]).sin_cos();
+        let weights = [cos * cos_b, sin * cos_b, cos * sin_b, sin * sin_b];
+        [0, 1, 2, 3].map(|part| {
+            weights[0] * r[part]
+                + weights[1] * rn[part]
+                + weights[2] * ra[part]
+                + weights[3] * rna[part]
+        })
+    }
+
+    /// `R(0) K` in world axes, by the axes of this frame.
+    #[inline]
+    fn by_spin(&self, h: f64x4, (sin, cos): (f64x4, f64x4)) -> [Vectors; 3] {
+        let cardinal = cardinal_sine(h, sin);
+        let (re, im) = (cardinal * cos, cardinal * sin);
+        let axes = [0, 1, 2].map(|axis| Vectors::splat(&self.world.column(axis).into()));
+        let [u, v, n] = &axes;
+        let mut columns = [
+            u.times(re).plus(&v.times(im)),
+            v.times(re).minus(&u.times(im)),
+            *n,
+        ];
+        if self.excess != 0.0 {
+            let beyond = (cos * cos - sin * sin - re, sin * cos * 2.0 - im);
+            let (x, y) = (self.excess * self.axis.x, self.excess * self.axis.y);
+            let of_axis = u
+                .times(beyond.0 * x - beyond.1 * y)
+                .plus(&v.times(beyond.0 * y + beyond.1 * x));
+            for (column, along) in columns.iter_mut().zip(self.axis.iter()) {
+                column.add(&of_axis, f64x4::splat(*along));
+            }
+        }
+        columns
+    }
+
     /// The residual `Log(R(0) R(s) R_i⁻¹)` in world axes, expressed in this frame.
+    #[inline]
     fn error(
         &self,
         s: f64x4,
-        (sin, cos): (f64x4, f64x4),
-        [i, j, k, w]: [f64x4; 4],
+        sin_cos: (f64x4, f64x4),
+        measured: [f64x4; 4],
         present: usize,
     ) -> [f64x4; 3] {
-        let [r, rn, ra, rna] = &self.turned;
-        let (x, y, z, u);
-        if self.excess == 0.0 {
-            let at = |part: usize| cos * r[part] + sin * rn[part];
-            (x, y, z, u) = (at(0), at(1), at(2), at(3));
-        } else {
-            let (sin_b, cos_b) = (s * self.half_rates[1]).sin_cos();
-            let weights = [cos * cos_b, sin * cos_b, cos * sin_b, sin * sin_b];
-            let at = |part: usize| {
-                weights[0] * r[part]
-                    + weights[1] * rn[part]
-                    + weights[2] * ra[part]
-                    + weights[3] * rna[part]
-            };
-            (x, y, z, u) = (at(0), at(1), at(2), at(3));
-        }
-        // Times the inverse of what was measured.
-        let scalar = u * w + x * i + y * j + z * k;
-        let vector = [
-            w * x - u * i - (y * k - z * j),
-            w * y - u * j - (z * i - x * k),
-            w * z - u * k - (x * j - y * i),
-        ];
-        let scale = logarithm_scale(scalar, vector);
+        let error = logarithm(between(self.orientation(s, sin_cos), measured));
         let is_there = f64x4::from([0, 1, 2, 3].map(|lane| f64::from(u8::from(lane < present))));
-        let [p, q, t] = vector.map(|part| part * scale * is_there);
+        let [p, q, t] = error.0.map(|part| part * is_there);
         [0, 1, 2].map(|axis| {
             let along = self.world.column(axis);
             p * along[0] + q * along[1] + t * along[2]
@@ -255,6 +381,29 @@ impl LaneFrame {
             square: frame * squared * frame.transpose(),
         }
     }
+}
+
+/// `sin h/h`, one at zero.
+#[inline]
+fn cardinal_sine(h: f64x4, sin: f64x4) -> f64x4 {
+    h.simd_eq(f64x4::ZERO).select(f64x4::ONE, sin / h)
+}
+
+/// `R Q⁻¹`.
+#[inline]
+fn between([x, y, z, u]: [f64x4; 4], [i, j, k, w]: [f64x4; 4]) -> [f64x4; 4] {
+    [
+        w * x - u * i - (y * k - z * j),
+        w * y - u * j - (z * i - x * k),
+        w * z - u * k - (x * j - y * i),
+        u * w + x * i + y * j + z * k,
+    ]
+}
+
+/// `Log`, see [`so3::log`].
+#[inline]
+fn logarithm([x, y, z, scalar]: [f64x4; 4]) -> Vectors {
+    Vectors([x, y, z]).times(logarithm_scale(scalar, [x, y, z]))
 }
 
 /// What `Log` multiplies the vector part of a unit quaternion by; see [`so3::log`].

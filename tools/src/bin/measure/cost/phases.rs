@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::estimate::point::Point;
-use enact::estimate::samples;
+use enact::estimate::problem::ArcSample;
+use enact::estimate::samples::{self, TimeTerms};
 use enact::motion::Phase;
 use enact::physics::Dynamics;
 use serde::Serialize;
@@ -162,11 +163,11 @@ fn floor_s(case: &Case, quick: bool) -> f64 {
         for (index, view) in problem.views() {
             let Dynamics::Free(body) = problem.dynamics_of(index);
             let flight = (&point.arcs[index], guess.arcs[index].epoch_s);
-            let times_s = &point.node_times_s;
-            let each = |node, terms| {
-                black_box((node, &terms));
+            let time_s = |sample: &ArcSample| sample.time_s(&point.node_times_s);
+            let each = |sample: &ArcSample, terms: &TimeTerms| {
+                black_box((sample, terms));
             };
-            let terms = samples::unknown_times(body, (view, 1), flight, &gravity, times_s, each);
+            let terms = samples::unknown_times(body, (view, 1), flight, &gravity, time_s, each);
             black_box(&terms);
         }
     };
