@@ -149,7 +149,8 @@ impl<P: Program> Finish<'_, P> {
             if taken != Taken::Not {
                 self.go(&mut trial);
             }
-            let is_restored = taken != Taken::Not && may_damp && {
+            // A damped step promises little wherever it is.
+            let is_restored = taken != Taken::Not && self.damping > 0.0 && {
                 merits.push(self.merit());
                 finished.decrease = finished.decrease.max(self.gained(&merits));
                 finished.decrease < tolerances.decrease
