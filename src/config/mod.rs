@@ -173,6 +173,7 @@ mod event;
 mod free_flight;
 mod goal;
 mod held;
+mod joint;
 mod keyframes;
 mod keys;
 mod law;

@@ -8,6 +8,7 @@ use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
 use super::held::hold;
+use super::joint::join;
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -77,6 +78,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         scene.tracks.extend(of_link);
     }
     hold(raw, &mut scene)?;
+    join(raw, &mut scene)?;
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;

@@ -1,0 +1,8 @@
+//! Trees against formulas, against each other and against differences.
+
+mod accelerations;
+mod examples;
+mod flow;
+mod forms;
+mod motions;
+mod refusals;
