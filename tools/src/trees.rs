@@ -1,16 +1,24 @@
 //! Performances of bodies joined in trees: true motions of chains and pendulums, and how a hand acts them.
 
+use std::path::Path;
+
 use enact::config::scene_from_toml;
+use enact::estimate::tree::TreeProblem;
+use enact::estimate::tree::program::{Part, TreeProgram};
 use enact::motion::{
     Holds, JointTree, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex,
 };
+use enact::optimise::Program;
 use enact::physics::State;
 use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
+use enact::segment::clean::clean;
+use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::perform::recording;
 use crate::perform::wander::{HAND_POSITION, Wander};
 
 /// A kind of joint in scene files.
@@ -68,7 +76,10 @@ impl Kind {
 }
 
 /// Length of a rod \[m\].
-const ROD_M: f64 = 0.2;
+pub const ROD_M: f64 = 0.2;
+
+/// Samples per second.
+const RATE_HZ: f64 = 120.0;
 
 /// A performance of a tree.
 pub struct TreePerformance {
@@ -103,10 +114,43 @@ impl TreeActing {
         Self {
             wander_m: 0.02 * distortion,
             noise_m: 0.001,
-            rate_hz: 120.0,
+            rate_hz: RATE_HZ,
             asks_start: true,
         }
     }
+}
+
+impl TreePerformance {
+    /// The equations of motion.
+    pub fn tree(&self) -> Tree {
+        let (_, joined) = self.scene.joint_trees().next().expect("a tree");
+        self.scene.tree_model(joined)
+    }
+
+    /// Writes it with its scene.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        recording::write_events_of(&self.scene, &self.scene_toml, &self.events, path)
+    }
+
+    /// The objective of the true motion.
+    pub fn truth_cost(&self) -> f64 {
+        let (sketch, _) = clean(&self.scene, &self.events).expect("a sketch");
+        let tree = self.scene.joint_trees().next().expect("a tree");
+        let mut problem = TreeProblem::new(&self.scene, &sketch, tree);
+        problem.step_s = 1.0 / RATE_HZ;
+        let nodes = vec![self.truth.clone()];
+        let program = TreeProgram::new(&problem, nodes.clone());
+        2.0 * program.evaluated(&Part::whole(), &nodes).cost
+    }
+}
+
+/// The recording that the repository keeps, in the scene of `config/chain.toml`.
+pub fn kept() -> (&'static str, TreePerformance) {
+    const SEED: u64 = 7001;
+    let mut performance = perform(&Kind::CHAIN, &TreeActing::of(1.0), SEED);
+    performance.scene_toml = include_str!("../../config/chain.toml").into();
+    performance.scene = scene_from_toml(&performance.scene_toml).expect("a valid scene");
+    ("chain.mcap", performance)
 }
 
 /// Acts a motion.

@@ -6,10 +6,15 @@
 //! state, which follows from the tree's ([`program`]). [`solve`] grows the part of the sketch that counts from
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
+mod leg;
 pub mod outcome;
 pub mod problem;
 pub mod program;
 pub mod solve;
+mod weak;
+
+#[cfg(test)]
+mod tests;
 
 pub use outcome::estimate;
 pub use problem::TreeProblem;

@@ -1,10 +1,10 @@
 //! The solver's result as an estimate of the scene.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::program::{Part, TreeProgram};
 use super::solve::{self, Solved};
+use super::weak;
 use crate::estimate::constraint::quantity;
 use crate::motion::{
     Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, JointTree, Measured,
@@ -207,43 +207,15 @@ fn residuals(problem: &TreeProblem, knots: &[TreeKnot]) -> Vec<TrackResidual> {
     lines.collect()
 }
 
-/// Parts of the state at the beginning of which the prior says more than sketch and goals do: of the
-/// generalised eigenvectors of the information with and without the prior, on what hard goals leave free.
+/// Parts of the state at the beginning of which the prior says more than sketch and goals do.
 fn open(solved: &Solved, joined: &JointTree) -> Vec<Undetermined> {
-    let (problem, solution) = (&solved.problem, &solved.solution);
-    let width = problem.width();
-    let program = TreeProgram::new(problem, solution.point.clone());
-    let [all, told] = [RATE_SD_RAD_S, f64::INFINITY].map(|rate_sd_rad_s| {
-        let part = Part {
-            rate_sd_rad_s,
-            ..Part::whole()
-        };
-        program.information_at(&part, &solution.point)
-    });
-    let free = program.free_directions(&solution.system);
-    let reduced = |matrix: &DMatrix<f64>| free.tr_mul(&(matrix * &free));
-    let Some(factor) = reduced(&all).cholesky() else {
-        return Vec::new();
-    };
-    let inverse = factor
-        .l()
-        .solve_lower_triangular(&DMatrix::identity(free.ncols(), free.ncols()));
-    let Some(inverse) = inverse else {
-        return Vec::new();
-    };
-    let share = &inverse * reduced(&told) * inverse.transpose();
-    let eigen = share.symmetric_eigen();
+    let problem = &solved.problem;
+    let directions = weak::directions(problem, &solved.solution, TOLD);
+    let parts = directions.iter().flat_map(|of| parts(problem, joined, of));
     let mut open = Vec::new();
-    for (at, value) in eigen.eigenvalues.iter().enumerate() {
-        if *value >= TOLD {
-            continue;
-        }
-        let direction = &free * (inverse.transpose() * eigen.eigenvectors.column(at));
-        let start = direction.rows(0, width).into_owned();
-        for part in parts(problem, joined, &start) {
-            if !open.contains(&part) {
-                open.push(part);
-            }
+    for part in parts {
+        if !open.contains(&part) {
+            open.push(part);
         }
     }
     open

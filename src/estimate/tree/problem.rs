@@ -8,6 +8,7 @@ use crate::motion::{
     Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex, Weighing,
 };
 use crate::physics::tree::Tree;
+use crate::physics::tree::tableau::{self, Tableau};
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
 /// motions that are as near to the sketch the one that whirls less is kept.
@@ -70,7 +71,9 @@ pub struct TreeProblem {
     pub goals: Vec<TreeGoal>,
     /// Where states are unknown \[s\]: at the beginning, and where errors would grow too much.
     pub nodes_s: Vec<f64>,
-    /// Longest step of the integrator \[s\].
+    /// The integrator,
+    pub tableau: Tableau,
+    /// and its longest step \[s\].
     pub step_s: f64,
     /// Least and greatest information of residuals, as
     /// [`Program::information`](crate::optimise::Program::information) says.
@@ -134,6 +137,7 @@ impl TreeProblem {
             samples,
             goals,
             nodes_s: vec![span_s[0]],
+            tableau: tableau::DORMAND_PRINCE,
             step_s: f64::INFINITY,
             information: (least, most),
         }

@@ -11,8 +11,10 @@ use crate::physics::tree::{Flow, TreeState, tableau};
 
 /// Standard deviation of the rates at the start while the part grows [rad/s].
 const GROWING_SD_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
-/// Samples of the first parts; of further ones the last grows by half.
+/// Samples of the first parts,
 const FIRST_PARTS: [usize; 5] = [1, 2, 4, 8, 12];
+/// and by how much further ones grow: as a rule, and where that leads to no optimum.
+const GROWTHS: [f64; 2] = [1.5, 1.25];
 /// Weight of goals at the start while the part grows, per information,
 const START_WEIGHT: f64 = 100.0;
 /// and how long a descent goes on there.
@@ -37,12 +39,33 @@ pub struct Solved {
     pub solution: Solution<Nodes>,
 }
 
-/// Solves a problem from a state at its start.
-pub fn solve(mut problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
+/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth
+/// is tried.
+pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
+    let mut solved = grown(problem.clone(), start.clone(), GROWTHS[0], observer);
+    for growth in &GROWTHS[1..] {
+        if solved.solution.finished.converged || solved.solution.stopped {
+            break;
+        }
+        let mut again = grown(problem.clone(), start.clone(), *growth, observer);
+        again.solution.work.add(&solved.solution.work);
+        solved = again;
+    }
+    solved
+}
+
+/// Lets the part that counts grow, each time by this share.
+fn grown(
+    mut problem: TreeProblem,
+    start: TreeState,
+    growth: f64,
+    observer: &mut dyn Observer,
+) -> Solved {
     let mut nodes = vec![start];
     let mut work = Work::default();
     observer.phase(Phase::ArcFits);
-    for until_s in problem.parts_s() {
+    problem.tableau = tableau::BUTCHER;
+    for until_s in problem.parts_s(growth) {
         problem.step_s = problem.step_for(&nodes[0], until_s);
         let program = TreeProgram::new(&problem, nodes.clone());
         let part = Part {
@@ -64,6 +87,7 @@ pub fn solve(mut problem: TreeProblem, start: TreeState, observer: &mut dyn Obse
             break;
         }
     }
+    problem.tableau = tableau::DORMAND_PRINCE;
     problem.step_s = problem.step_for(&nodes[0], problem.span_s[1]);
     let program = TreeProgram::new(&problem, nodes.clone());
     let schedule = Schedule {
@@ -72,27 +96,22 @@ pub fn solve(mut problem: TreeProblem, start: TreeState, observer: &mut dyn Obse
         ..Schedule::default()
     };
     let guidance = |_: Stage| Part::whole();
-    let mut solution = optimise::solve(
-        &program,
-        nodes,
-        &schedule,
-        &guidance,
-        &mut Watched(observer),
-    );
+    let watch = &mut Watched(observer);
+    let mut solution = optimise::solve(&program, nodes, &schedule, &guidance, watch);
     solution.work.add(&work);
     Solved { problem, solution }
 }
 
 impl TreeProblem {
     /// Times at which the growing parts end \[s\]: before the goals at the end.
-    fn parts_s(&self) -> Vec<f64> {
+    fn parts_s(&self, growth: f64) -> Vec<f64> {
         let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
         times_s.dedup();
         let mut counts = FIRST_PARTS.to_vec();
         while let Some(last) = counts.last().copied()
             && last < times_s.len()
         {
-            counts.push(last + last / 2);
+            counts.push((last as f64 * growth) as usize);
         }
         counts.retain(|count| *count < times_s.len());
         counts.push(times_s.len());

@@ -4,15 +4,16 @@ use nalgebra::{DMatrix, DVector};
 
 use super::examples::{GRAVITY, PIN, chain, off, rods, some_state, trees};
 use crate::math::random::Random;
-use crate::physics::tree::tableau::{BUTCHER, CLASSICAL, COOPER_VERNER, DORMAND_PRINCE, Tableau};
+use crate::physics::tree::tableau::{BUTCHER, DORMAND_PRINCE, Tableau};
 use crate::physics::tree::{Flow, Snapshot, Tree, TreeState};
 
-/// Coarse steps, so that the discrete map is not the continuous one: 1e-9 of the greatest entry.
+/// Coarse steps, so that the discrete map is not the continuous one: 5e-9 of the greatest entry,
+/// which differences give.
 #[test]
 fn derivatives_of_the_flow_are_those_of_its_steps() {
     let mut random = Random::default();
     for (name, tree) in trees() {
-        for tableau in [CLASSICAL, BUTCHER, COOPER_VERNER, DORMAND_PRINCE] {
+        for tableau in [BUTCHER, DORMAND_PRINCE] {
             let state = some_state(&tree, &mut random, 1.0, 3.0);
             let size = 2 * tree.freedoms();
             let mut flow = Flow::new(&tree, &GRAVITY, tableau);
@@ -30,7 +31,7 @@ fn derivatives_of_the_flow_are_those_of_its_steps() {
                 flow.advance(0.03 + 0.5 * time, 1, 0.0);
                 tree.minus(&flow.state(), &end)
             });
-            assert!(off < 1e-9, "{name} {}: {off:e}", tableau.b.len());
+            assert!(off < 5e-9, "{name} {}: {off:e}", tableau.b.len());
         }
     }
 }
@@ -47,12 +48,7 @@ fn methods_have_their_order() {
         flow.state()
     };
     let exact = after(DORMAND_PRINCE, 1000);
-    for (tableau, steps) in [
-        (CLASSICAL, 400),
-        (BUTCHER, 100),
-        (COOPER_VERNER, 40),
-        (DORMAND_PRINCE, 30),
-    ] {
+    for (tableau, steps) in [(BUTCHER, 100), (DORMAND_PRINCE, 30)] {
         let [coarse, fine] = [steps, 2 * steps].map(|steps| {
             let off = tree.minus(&after(tableau, steps), &exact);
             off.iter().map(|x| x * x).sum::<f64>().sqrt()

@@ -4,5 +4,6 @@ mod accelerations;
 mod examples;
 mod flow;
 mod forms;
+mod links;
 mod motions;
 mod refusals;
