@@ -10,6 +10,7 @@ mod diagnose;
 mod follow;
 mod free;
 mod infer;
+mod joined;
 mod outcome;
 mod perform;
 mod preview;
@@ -125,6 +126,10 @@ impl Pipeline {
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
+        if let Some(outcome) = joined::outcome(&self.scene, &self.events, observer)? {
+            observer.phase(Phase::Done);
+            return Ok(outcome);
+        }
         let mut solved = self.solved(observer)?;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
@@ -160,12 +165,18 @@ impl Pipeline {
 
     /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
     pub fn diagnose(&self, observer: &mut dyn Observer) -> Vec<Diagnosis> {
+        if self.scene.joint_trees().next().is_some() {
+            return Vec::new();
+        }
         diagnose(&self.scene, &self.events, None, observer)
     }
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let outcome = self.solved(observer)?.outcome(observer);
+        let outcome = match joined::outcome(&self.scene, &self.events, observer)? {
+            Some(joined) => joined,
+            None => self.solved(observer)?.outcome(observer),
+        };
         observer.phase(Phase::Done);
         Ok(outcome)
     }

@@ -11,6 +11,7 @@ use super::number::{direction, name, not_negative, positive, unique, vector, vec
 use super::raw::{Number, RawBody, RawShape};
 use super::solid::{SizeLimits, shape};
 use super::track::tracks;
+use crate::math::Pose;
 use crate::motion::{Feature, FreeBody, Track, Weights};
 use crate::physics::{Body, BodyError, Drag, Shape, ShapeError, contact};
 
@@ -40,10 +41,14 @@ pub(super) fn body(
     let tracks = tracks(raw, (&name, &features), weights)?;
     let body = FreeBody {
         name,
-        topic: tracks[0].topic.clone(),
+        topic: tracks
+            .first()
+            .map_or_else(String::new, |of| of.topic.clone()),
         body,
         shape,
-        body_from_tracker: tracks[0].link_from_tracker,
+        body_from_tracker: tracks
+            .first()
+            .map_or_else(Pose::identity, |of| of.link_from_tracker),
         features,
     };
     Ok((body, tracks))

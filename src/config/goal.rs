@@ -1,5 +1,6 @@
 //! Goals at events: `[[goal]]` tables become conditions, each of one quantity.
 
+mod angles;
 mod keys;
 mod point;
 mod set;
@@ -71,6 +72,9 @@ impl<'a> Table<'a> {
             .raw
             .given()
             .any(|(key, _)| !matches!(key, "time_ms" | "time_within_ms" | "since" | "sd_ms"));
+        if let (Some(_), Some(joint)) = (&self.raw.body, &self.raw.joint) {
+            return fault(joint.span(), "expected one of body, joint");
+        }
         match &self.raw.body {
             Some(body) => {
                 let link = link_of(body, self.scene)?;
@@ -87,6 +91,7 @@ impl<'a> Table<'a> {
                     target,
                 }));
             }
+            None if self.raw.joint.is_some() => goals.push(self.of_joint()?),
             None if is_of_body || goals.is_empty() => {
                 return fault(self.span, "missing key `body`: what the goal is about");
             }

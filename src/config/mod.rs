@@ -63,6 +63,11 @@
 //! is estimated: it stays within the flight and, with others of that body, in order. Without goals it is
 //! where its mark is. See `docs/goals.md`.
 //!
+//! # Joints
+//!
+//! `[[joint]]` ties a body, its `child`, to a `parent` or to the world; what joints connect moves as one
+//! mechanism. `docs/joints.md` has every key.
+//!
 //! # Goals
 //!
 //! What must hold at an event, for a body or for the time of the event: positions of points and contacts,
@@ -144,6 +149,11 @@
 //! | `body.track.topic`, `body.track.sees` | `"/tracker/<body>/<name>"`, `"pose"` |
 //! | `body.track.position_sd_mm`, `body.track.orientation_sd_deg` | the scene's weights |
 //! | `body.held` | `false` |
+//! | `body.tracked` | `true` |
+//! | `joint.parent` | the world |
+//! | `joint.parent_at_mm`, `joint.child_at_mm` | the centre of mass, the world's origin |
+//! | `joint.child_orientation_wxyz` | the parent's axes |
+//! | `joint.damping_n_m_s`, `joint.stiffness_n_m` | none |
 //! | `body.tracker_sd_mm`, `body.tracker_sd_deg`, of a held body | as its stream shows, at least 0.01 mm and 0.003° |
 //! | `velocity_gaps` | `"when needed"` |
 //! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
@@ -173,6 +183,7 @@ mod event;
 mod free_flight;
 mod goal;
 mod held;
+mod joint;
 mod keyframes;
 mod keys;
 mod law;

@@ -26,6 +26,8 @@ pub(super) struct RawScene {
     #[serde(default)]
     pub(super) body: Vec<Spanned<RawBody>>,
     #[serde(default)]
+    pub(super) joint: Vec<Spanned<RawJoint>>,
+    #[serde(default)]
     pub(super) surface: Vec<RawSurface>,
     #[serde(default)]
     pub(super) obstacle: Vec<RawObstacle>,
@@ -65,6 +67,7 @@ pub(super) struct RawBody {
     pub(super) tracker: Option<Spanned<RawTracker>>,
     #[serde(default)]
     pub(super) track: Vec<Spanned<RawTrack>>,
+    pub(super) tracked: Option<Spanned<bool>>,
     pub(super) held: Option<Spanned<bool>>,
     pub(super) tracker_sd_mm: Option<Number>,
     pub(super) tracker_sd_deg: Option<Number>,
@@ -77,6 +80,22 @@ pub(super) struct RawBody {
     pub(super) features_mm: BTreeMap<Text, Triple>,
     #[serde(default)]
     pub(super) face: Vec<RawSurface>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a joint")]
+pub(super) struct RawJoint {
+    pub(super) name: Text,
+    pub(super) kind: Text,
+    pub(super) parent: Option<Text>,
+    pub(super) child: Text,
+    pub(super) parent_at_mm: Option<Triple>,
+    pub(super) child_at_mm: Option<Triple>,
+    pub(super) child_orientation_wxyz: Option<Quadruple>,
+    pub(super) axis: Option<Triple>,
+    pub(super) axes: Option<Spanned<[[f64; 3]; 2]>>,
+    pub(super) damping_n_m_s: Option<Number>,
+    pub(super) stiffness_n_m: Option<Number>,
 }
 
 #[derive(Deserialize)]
@@ -170,6 +189,9 @@ pub(super) enum RawCount {
 pub(super) struct RawGoal {
     pub(super) event: Text,
     pub(super) body: Option<Text>,
+    pub(super) joint: Option<Text>,
+    pub(super) angles_deg: Option<Spanned<Vec<f64>>>,
+    pub(super) angles_within_deg: Option<Spanned<[Vec<f64>; 2]>>,
     pub(super) after: Option<Spanned<bool>>,
     pub(super) position_mm: Option<Triple>,
     pub(super) position_within_mm: Option<Corners>,

@@ -8,6 +8,7 @@ use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
 use super::held::hold;
+use super::joint::join;
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -77,6 +78,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         scene.tracks.extend(of_link);
     }
     hold(raw, &mut scene)?;
+    join(raw, &mut scene)?;
+    check_tracked(raw, &scene)?;
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
@@ -99,6 +102,31 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     }
     check(&scene, &goal_spans)?;
     Ok(scene)
+}
+
+/// A body by itself is seen by a tracker, and so is one of joined ones.
+fn check_tracked(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+    for mechanism in scene.mechanisms.keys() {
+        if scene.tracks_of(mechanism).next().is_some() {
+            continue;
+        }
+        let first = scene.name_of_mechanism(mechanism);
+        let of = raw
+            .body
+            .iter()
+            .find(|of| *of.get_ref().name.get_ref() == first);
+        let of = of.expect("a body of the scene").get_ref();
+        let span = of
+            .tracked
+            .as_ref()
+            .unwrap_or_else(|| unreachable!("it says so"))
+            .span();
+        return fault(
+            span,
+            "no tracker sees the body or what it is joined to, expected one that does",
+        );
+    }
+    Ok(())
 }
 
 fn gravity_m_s2(raw: &RawScene) -> Result<Vector3<f64>, Fault> {

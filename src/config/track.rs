@@ -25,6 +25,15 @@ pub(super) fn tracks(
         weighing: Weighing::Scene,
     };
     let usual = || format!("/tracker/{body}/pose");
+    if let Some(tracked) = raw.tracked.as_ref().filter(|of| !*of.get_ref()) {
+        let given = raw.topic.is_some() || raw.tracker.is_some() || !raw.track.is_empty();
+        if given {
+            let said =
+                "tracked = false beside topic, tracker or [[body.track]], expected none of them";
+            return fault(tracked.span(), said);
+        }
+        return Ok(Vec::new());
+    }
     if raw.track.is_empty() {
         let topic = raw.topic.as_ref().map(|text| topic("topic", text));
         let topic = topic.transpose()?.unwrap_or_else(usual);

@@ -236,13 +236,7 @@ fn acting(
 impl ArcCondition {
     /// One unit of its rows, in the unit of its quantity.
     pub fn unit(&self) -> f64 {
-        match self.condition.quantity.unit() {
-            GoalUnit::Metre => unit::POSITION_M,
-            GoalUnit::Radian => unit::ORIENTATION_RAD,
-            GoalUnit::MetrePerSecond => unit::VELOCITY_M_S,
-            GoalUnit::RadianPerSecond => unit::ANGULAR_VELOCITY_RAD_S,
-            GoalUnit::Second => unit::TIME_S,
-        }
+        unit::of(self.condition.quantity.unit())
     }
 }
 

@@ -60,6 +60,7 @@ pub mod tempo;
 #[cfg(test)]
 mod tests;
 mod timing;
+pub mod tree;
 mod waypoint;
 mod whitened;
 

@@ -58,6 +58,7 @@ pub fn estimate(
         arcs,
         residuals: residuals(problem, errors),
         held,
+        trees: Vec::new(),
         sample_times,
         events,
         duration: DurationEstimate {

@@ -16,6 +16,8 @@ use crate::physics::impact::{ContactSet, Law};
 
 /// Units of constraints: violations of one unit have equal weight.
 pub mod unit {
+    use crate::motion::GoalUnit;
+
     /// Contact gap and position \[m\].
     pub const POSITION_M: f64 = 0.01;
     /// Orientation \[rad\].
@@ -26,6 +28,17 @@ pub mod unit {
     pub const ANGULAR_VELOCITY_RAD_S: f64 = 1.0;
     /// Time of an event, or interval between two \[s\].
     pub const TIME_S: f64 = 0.01;
+
+    /// One unit of a row, in the unit of its quantity.
+    pub fn of(quantity: GoalUnit) -> f64 {
+        match quantity {
+            GoalUnit::Metre => POSITION_M,
+            GoalUnit::Radian => ORIENTATION_RAD,
+            GoalUnit::MetrePerSecond => VELOCITY_M_S,
+            GoalUnit::RadianPerSecond => ANGULAR_VELOCITY_RAD_S,
+            GoalUnit::Second => TIME_S,
+        }
+    }
 }
 
 /// Weight of a squared unit of velocity gap, per [`Problem::information`]. At one the motion stays

@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 use crate::math::{Pose, so3};
 use crate::motion::held::Mounted;
 use crate::motion::{
-    Contacts, Goal, GoalTarget, Guess, HeldMotion, LinkIndex, Mechanism, Partner, Scene, Seen,
-    Segment, Sketch, Touching,
+    Contacts, Goal, GoalTarget, Guess, HeldMotion, LinkIndex, Partner, Scene, Seen, Segment,
+    Sketch, Touching,
 };
 use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::shape::Solid;
@@ -168,7 +168,7 @@ impl View<'_> {
     fn state(&self, arc: usize, after_s: f64) -> State {
         let fit = &self.guess.arcs[arc];
         let mechanism = self.segments[arc].mechanism;
-        let Mechanism::Free(link) = self.scene.mechanisms[mechanism];
+        let link = self.scene.free_link(mechanism);
         let dynamics = self.scene.dynamics(mechanism);
         let advance = |state: &State, duration_s: f64| {
             dynamics.advance(&self.scene.gravity_m_s2, state, duration_s)

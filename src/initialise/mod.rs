@@ -16,6 +16,7 @@ mod open_times;
 pub mod readings;
 mod rebound;
 mod swing;
+pub mod tree;
 pub mod turn;
 mod twirl;
 mod unseen;

@@ -12,7 +12,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::motion::{Mechanism, MechanismIndex, Partner, Scene};
+use crate::motion::{MechanismIndex, Partner, Scene};
 use crate::physics::contact::Feature;
 use crate::physics::{Body, State};
 
@@ -46,7 +46,7 @@ impl<'a> Rebound<'a> {
     /// What a mechanism does at an event, if it is that.
     pub(super) fn of(scene: &'a Scene, mechanism: MechanismIndex, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
-        let Mechanism::Free(link) = scene.mechanisms[mechanism];
+        let link = scene.free_link(mechanism);
         let [touching] = collision.contacts.as_slice() else {
             return None;
         };

@@ -6,6 +6,7 @@ use super::doubt::Doubt;
 use super::fit::Fit;
 use super::held::HeldEstimate;
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
+use super::joined::TreeEstimate;
 use super::reason::Reason;
 use super::sample_time::SampleTime;
 use super::suspect::Suspect;
@@ -147,6 +148,13 @@ pub enum Undetermined {
         /// The part.
         part: MotionPart,
     },
+    /// A part of the state of one of several joined bodies, against what it hangs from.
+    Link {
+        /// The body.
+        link: LinkIndex,
+        /// The part.
+        part: MotionPart,
+    },
 }
 
 /// A part of the state of a moving body.
@@ -222,17 +230,20 @@ impl Counters {
 impl Estimate {
     /// Root mean square distance \[m\] and angle \[rad\] from all samples that show them.
     pub fn residual_rms(&self) -> (f64, f64) {
-        let rms = |of: fn(&SegmentResidual) -> Option<f64>| {
-            let seen = self.residuals.iter();
-            let seen = seen.filter_map(|residual| Some((residual.samples as f64, of(residual)?)));
+        let of_flights = self.residuals.iter();
+        let of_flights =
+            of_flights.map(|of| (of.samples, [of.position_rms_m, of.orientation_rms_rad]));
+        let of_trees = self.trees.iter().flat_map(|tree| &tree.residuals);
+        let of_trees = of_trees.map(|of| (of.samples, [of.position_rms_m, of.orientation_rms_rad]));
+        let all: Vec<(usize, [Option<f64>; 2])> = of_flights.chain(of_trees).collect();
+        let rms = |kind: usize| {
+            let seen = all.iter();
+            let seen = seen.filter_map(|(samples, rms)| Some((*samples as f64, rms[kind]?)));
             let sum: f64 = seen.clone().map(|(samples, rms)| samples * rms * rms).sum();
             let samples: f64 = seen.map(|(samples, _)| samples).sum();
             (sum / samples.max(1.0)).sqrt()
         };
-        (
-            rms(|of| of.position_rms_m),
-            rms(|of| of.orientation_rms_rad),
-        )
+        (rms(0), rms(1))
     }
 
     /// The motion of a link in the hand.
@@ -246,11 +257,16 @@ impl Estimate {
         self.sample_times.iter().chain(held)
     }
 
-    /// First and last time of the motion \[s\]: of its flights; `None` where there are none.
+    /// The motion of a tree.
+    pub fn tree_motion(&self, mechanism: MechanismIndex) -> Option<&TreeEstimate> {
+        self.trees.iter().find(|tree| tree.mechanism == mechanism)
+    }
+
+    /// First and last time of the motion \[s\]: of its flights and trees; `None` where there are none.
     pub fn extent_s(&self) -> Option<[f64; 2]> {
-        let start_s = self.arcs.iter().map(|arc| arc.start_s).reduce(f64::min)?;
-        let end_s = self.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
-        Some([start_s, end_s])
+        let flights = self.arcs.iter().map(|arc| [arc.start_s, arc.end_s]);
+        let spans = flights.chain(self.trees.iter().map(TreeEstimate::span_s));
+        spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// Adds doubts: the verdict becomes the best that all of them permit.
@@ -302,6 +318,8 @@ pub struct Estimate {
     pub arcs: Vec<ArcEstimate>,
     /// The motions of bodies in the hand.
     pub held: Vec<HeldEstimate>,
+    /// The motions of bodies joined in trees.
+    pub trees: Vec<TreeEstimate>,
     /// The scene's events.
     pub events: Vec<EventEstimate>,
     /// The duration of the motion.

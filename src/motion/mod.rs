@@ -13,7 +13,8 @@ pub(crate) mod fixture;
 pub mod guess;
 pub mod held;
 pub mod index;
-pub mod keyframe;
+pub mod joined;
+mod keyframe;
 pub mod keyframes;
 pub mod observe;
 pub mod open;
@@ -44,6 +45,7 @@ pub use fit::{EventFit, Fit, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
+pub use joined::{TrackResidual, TreeEstimate, TreeKnot};
 pub use keyframe::{Keyframe, KeyframeTime, SketchRow};
 pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
@@ -53,9 +55,9 @@ pub use sample_time::SampleTime;
 pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
-    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Link, Mechanism, Moment, Obstacle, Partner,
-    Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track, Untold,
-    VelocityGaps, Weighing, Weights,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Joint, JointTree, Link, Mechanism, Moment,
+    Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track,
+    Untold, VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

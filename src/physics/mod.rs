@@ -12,6 +12,7 @@ pub mod impact;
 pub mod observe;
 pub mod shape;
 pub mod state;
+pub mod tree;
 
 pub use body::{Body, BodyError};
 pub use drag::Drag;

@@ -169,8 +169,11 @@ impl Preview {
         }))
     }
 
-    /// The marked part of the scene.
+    /// The marked part of the scene. Joined bodies are estimated when the take is over.
     fn scene_so_far(&self) -> Option<Scene> {
+        if self.scene.joint_trees().next().is_some() {
+            return None;
+        }
         let events = &self.scene.events;
         let marks = self.marks();
         let is_named = |name: &str| self.mark_names().any(|mark| mark == Some(name));

@@ -81,6 +81,7 @@ fn of_condition(scene: &Scene, condition: &Condition) -> String {
         }
         GoalQuantity::Velocity { point } => format!("velocity of {}", of(point)),
         GoalQuantity::Spin { .. } => "spin".into(),
+        GoalQuantity::Angles { .. } => "angles of its joint".into(),
         GoalQuantity::Time { since } => {
             let since = since.map_or("the first sample", |event| &scene.events[event].name);
             format!("time since {since}")

@@ -162,16 +162,26 @@ pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<Par
 pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
     let residuals = estimate.residuals.iter();
     let with_arcs = residuals.map(|residual| (residual, &estimate.arcs[residual.arc]));
-    with_arcs
-        .map(|(residual, arc)| SegmentLine {
+    let of_flights = with_arcs.map(|(residual, arc)| SegmentLine {
+        body: scene.tracks[residual.track].name.clone(),
+        start_s: arc.start_s,
+        end_s: arc.end_s,
+        samples: residual.samples,
+        residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
+        residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
+    });
+    let of_trees = estimate.trees.iter().flat_map(|tree| {
+        let [start_s, end_s] = tree.span_s();
+        tree.residuals.iter().map(move |residual| SegmentLine {
             body: scene.tracks[residual.track].name.clone(),
-            start_s: arc.start_s,
-            end_s: arc.end_s,
+            start_s,
+            end_s,
             samples: residual.samples,
             residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
             residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
         })
-        .collect()
+    });
+    of_flights.chain(of_trees).collect()
 }
 
 /// Names of what the performance does not determine.
@@ -186,6 +196,9 @@ pub(super) fn undetermined_names(scene: &Scene, estimate: &Estimate) -> Vec<Stri
                 part.as_str(),
                 scene.name_of_mechanism(*mechanism)
             )
+        }
+        Undetermined::Link { link, part } => {
+            format!("{} of {}", part.as_str(), scene.links[*link].name)
         }
     };
     estimate.undetermined.iter().map(name).collect()

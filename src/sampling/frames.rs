@@ -8,10 +8,11 @@ use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{
-    ArcEstimate, Estimate, LinkIndex, PoseSample, Scene, Seen, Settled, Sketch, Stamp,
+    ArcEstimate, Estimate, JointTree, LinkIndex, PoseSample, Scene, Seen, Settled, Sketch, Stamp,
 };
 use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
+use crate::physics::tree::Snapshot;
 
 /// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
 /// estimation that ran away, and would fill the disk.
@@ -54,6 +55,9 @@ pub fn estimate_frames(
         return held_frames(scene, estimate, held, (zero, frame_rate_hz));
     }
     let mechanism = scene.mechanism_of(link);
+    if let Some(joined) = scene.joint_tree(mechanism) {
+        return tree_frames((scene, joined), estimate, link, (zero, frame_rate_hz));
+    }
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
         .iter()
@@ -146,6 +150,31 @@ fn held_frames(
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let poses = poses
         .map(|(stamp, time_s)| PoseSample::from_pose(stamp, &held.state(time_s).world_from_body()));
+    let mut samples = poses.collect();
+    make_signs_continuous(&mut samples);
+    Ok(samples)
+}
+
+/// The poses of a link of a tree.
+fn tree_frames(
+    (scene, joined): (&Scene, &JointTree),
+    estimate: &Estimate,
+    link: LinkIndex,
+    at: (Stamp, f64),
+) -> Result<Vec<PoseSample>, SamplingError> {
+    let Some(motion) = estimate.tree_motion(scene.mechanism_of(link)) else {
+        return Ok(Vec::new());
+    };
+    let span_s = motion.span_s();
+    let times_s = times_s((scene, link), (estimate, span_s), span_s.into_iter(), at)?;
+    let tree = scene.tree_model(joined);
+    let place = joined.place_of(link).expect("a link of the tree");
+    let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
+    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let poses = poses.map(|(stamp, time_s)| {
+        snapshot.set(&motion.state(&tree, &estimate.gravity_m_s2, time_s));
+        PoseSample::from_pose(stamp, &snapshot.world_from_link(place))
+    });
     let mut samples = poses.collect();
     make_signs_continuous(&mut samples);
     Ok(samples)

@@ -50,6 +50,7 @@ fn estimate(scene: &Scene, state: State) -> Estimate {
             end_s: 0.8,
         }],
         held: Vec::new(),
+        trees: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {
             duration_s: 0.6,

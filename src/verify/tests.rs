@@ -86,6 +86,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         gravity_m_s2: scene.gravity_m_s2,
         arcs,
         held: Vec::new(),
+        trees: Vec::new(),
         events: events_s.iter().enumerate().map(event).collect(),
         duration: DurationEstimate {
             duration_s: 1.0,

@@ -209,7 +209,7 @@ impl EstimatePublisher {
 }
 
 fn duration_s(estimate: &Estimate) -> f64 {
-    let starts = estimate.arcs.iter().map(|arc| arc.start_s);
-    let ends = estimate.arcs.iter().map(|arc| arc.end_s);
-    (ends.fold(f64::NEG_INFINITY, f64::max) - starts.fold(f64::INFINITY, f64::min)).max(0.0)
+    estimate
+        .extent_s()
+        .map_or(0.0, |[start_s, end_s]| (end_s - start_s).max(0.0))
 }

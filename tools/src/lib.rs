@@ -33,5 +33,6 @@ pub mod starts;
 pub mod stress;
 pub mod tosses;
 pub mod tracker;
+pub mod trees;
 pub mod waypoints;
 pub mod ways;

@@ -10,6 +10,8 @@ use crate::config::raw::RawGoal;
 /// Keys that say nothing alone, with what they need.
 const NEEDS: &[(&str, &str)] = &[
     ("within_mm", "position_mm, about which it is a ball"),
+    ("angles_deg", "joint, whose angles they are"),
+    ("angles_within_deg", "joint, whose angles they are"),
     ("sd_mm", "a position, of which it is the weight"),
     (
         "point_mm",
@@ -56,7 +58,8 @@ const NEEDS: &[(&str, &str)] = &[
 
 /// What a goal may be about.
 pub(super) const ABOUT: &str = "position_mm, position_within_mm, orientation_wxyz, axis, velocity_m_s, \
-     velocity_within_m_s, spin_rad_s, spin_within_rad_s, at_rest, time_ms, time_within_ms, or face_up at rest";
+     velocity_within_m_s, spin_rad_s, spin_within_rad_s, at_rest, time_ms, time_within_ms, \
+     angles_deg or angles_within_deg of a joint, or face_up at rest";
 
 impl RawGoal {
     /// The keys that are given, but for `event` and `body`, with their places.
@@ -66,6 +69,8 @@ impl RawGoal {
         }
         let all = [
             ("after", at(&self.after)),
+            ("angles_deg", at(&self.angles_deg)),
+            ("angles_within_deg", at(&self.angles_within_deg)),
             ("position_mm", at(&self.position_mm)),
             ("position_within_mm", at(&self.position_within_mm)),
             ("within_mm", at(&self.within_mm)),

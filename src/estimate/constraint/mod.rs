@@ -15,10 +15,10 @@ mod general;
 mod goal;
 mod kind;
 mod order;
-mod quantity;
+pub(in crate::estimate) mod quantity;
 mod rows;
 mod sample_order;
 mod time;
-mod within;
+pub(in crate::estimate) mod within;
 
 pub use self::kind::{At, Constraint, Filled};

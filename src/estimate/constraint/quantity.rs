@@ -18,16 +18,16 @@ use crate::physics::contact::Feature;
 use crate::physics::state::part;
 
 /// Derivatives of a vector by a state.
-pub(super) type ByState = SMatrix<f64, 3, 12>;
+pub(in crate::estimate) type ByState = SMatrix<f64, 3, 12>;
 
 /// A quantity with its derivatives.
 #[derive(Clone, Debug)]
-pub(super) struct Valued {
-    pub(super) value: Vector3<f64>,
+pub(in crate::estimate) struct Valued {
+    pub(in crate::estimate) value: Vector3<f64>,
     /// By the state of the body, and of that in whose axes it is seen.
-    pub(super) by: [ByState; 2],
+    pub(in crate::estimate) by: [ByState; 2],
     /// By the point [body axes].
-    pub(super) by_point: Matrix3<f64>,
+    pub(in crate::estimate) by_point: Matrix3<f64>,
 }
 
 impl Valued {
@@ -46,7 +46,7 @@ impl Valued {
 
 /// The quantity at the state of the body and of the one in whose axes it is seen, about a point
 /// [m, body axes]. A time has no states.
-pub(super) fn valued(
+pub(in crate::estimate) fn valued(
     quantity: &GoalQuantity,
     body: &State,
     other: Option<&State>,
@@ -115,7 +115,8 @@ pub(super) fn valued(
             }
             valued
         }
-        GoalQuantity::Time { .. } => Valued::of(Vector3::zeros()),
+        // Neither is of a body's state.
+        GoalQuantity::Angles { .. } | GoalQuantity::Time { .. } => Valued::of(Vector3::zeros()),
     }
 }
 

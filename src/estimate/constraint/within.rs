@@ -15,16 +15,16 @@ use crate::motion::GoalSet;
 
 /// A row: its value, bounds, and derivatives by the vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct WithinRow {
-    pub(super) value: f64,
-    pub(super) bounds: (f64, f64),
-    pub(super) by: Vector3<f64>,
+pub(in crate::estimate) struct WithinRow {
+    pub(in crate::estimate) value: f64,
+    pub(in crate::estimate) bounds: (f64, f64),
+    pub(in crate::estimate) by: Vector3<f64>,
     /// Second derivatives.
-    pub(super) second: Matrix3<f64>,
+    pub(in crate::estimate) second: Matrix3<f64>,
 }
 
 /// The row of a box for one number.
-pub(super) fn along(set: &GoalSet, x: &Vector3<f64>, axis: usize) -> WithinRow {
+pub(in crate::estimate) fn along(set: &GoalSet, x: &Vector3<f64>, axis: usize) -> WithinRow {
     let GoalSet::Box { lower, upper } = set else {
         unreachable!("only boxes are bounded axis by axis");
     };
@@ -50,7 +50,7 @@ pub(super) fn equal_along(set: &GoalSet, x: &Vector3<f64>, along: &Vector3<f64>)
 }
 
 /// The one row of a ball or a half-space.
-pub(super) fn single(set: &GoalSet, x: &Vector3<f64>) -> WithinRow {
+pub(in crate::estimate) fn single(set: &GoalSet, x: &Vector3<f64>) -> WithinRow {
     match set {
         GoalSet::Ball { centre, radius } => {
             let offset = x - centre;

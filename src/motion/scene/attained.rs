@@ -13,6 +13,7 @@ use crate::motion::estimate::{ArcEstimate, Estimate};
 use crate::motion::index::LinkIndex;
 use crate::physics::State;
 use crate::physics::contact::{Contact, Feature, Frame};
+use crate::physics::tree::Snapshot;
 
 /// How far an estimate is from one of the scene's goals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +107,7 @@ impl GoalQuantity {
             }
             Self::Spin { axes: Axes::World } => body.orientation * body.angular_velocity_rad_s,
             Self::Spin { axes: Axes::Body } => body.angular_velocity_rad_s,
-            Self::Time { .. } => Vector3::zeros(),
+            Self::Angles { .. } | Self::Time { .. } => Vector3::zeros(),
         }
     }
 }
@@ -195,8 +196,29 @@ impl Scene {
             Some(events.find(|of| of.event == event)?.time_s)
         };
         let time_s = time_of(goal.event)?;
+        if matches!(condition.quantity, GoalQuantity::Angles { .. }) {
+            let mechanism = self.mechanism_of(goal.link);
+            let joined = self.joint_tree(mechanism)?;
+            let tree = self.tree_model(joined);
+            let motion = estimate.tree_motion(mechanism)?;
+            let state = motion.state(&tree, &estimate.gravity_m_s2, time_s);
+            let [_, angles] = tree.angles_of(joined.place_of(goal.link)?)?;
+            let angles = &state.coordinates[angles];
+            let value = Vector3::from_fn(|axis, _| angles.get(axis).copied().unwrap_or(0.0));
+            return Some(condition.set.distance(&value));
+        }
         let state_of = |link: LinkIndex| {
             let mechanism = self.mechanism_of(link);
+            if let Some(joined) = self.joint_tree(mechanism) {
+                let tree = self.tree_model(joined);
+                let state =
+                    estimate
+                        .tree_motion(mechanism)?
+                        .state(&tree, &estimate.gravity_m_s2, time_s);
+                let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
+                snapshot.set(&state);
+                return Some(snapshot.link_state(joined.place_of(link)?));
+            }
             let arcs = estimate
                 .arcs
                 .iter()

@@ -83,6 +83,11 @@ pub enum GoalQuantity {
         /// In which axes.
         axes: Axes,
     },
+    /// Angles of the joint from which the body hangs, a pin's or a universal joint's \[rad\].
+    Angles {
+        /// How many it has.
+        count: usize,
+    },
     /// Time of the event \[s\].
     Time {
         /// The event since which it is counted (index into `Scene::events`); `None`: the first
@@ -144,7 +149,9 @@ impl GoalQuantity {
     pub fn unit(&self) -> GoalUnit {
         match self {
             GoalQuantity::Position { .. } => GoalUnit::Metre,
-            GoalQuantity::Turn { .. } | GoalQuantity::Direction { .. } => GoalUnit::Radian,
+            GoalQuantity::Turn { .. }
+            | GoalQuantity::Direction { .. }
+            | GoalQuantity::Angles { .. } => GoalUnit::Radian,
             GoalQuantity::Velocity { .. } => GoalUnit::MetrePerSecond,
             GoalQuantity::Spin { .. } => GoalUnit::RadianPerSecond,
             GoalQuantity::Time { .. } => GoalUnit::Second,
@@ -155,6 +162,7 @@ impl GoalQuantity {
     pub fn dimension(&self) -> usize {
         match self {
             GoalQuantity::Direction { .. } => 2,
+            GoalQuantity::Angles { count } => *count,
             GoalQuantity::Time { .. } => 1,
             _ => 3,
         }

@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
+use super::joint::JointTree;
 use super::weights::Weighing;
 use crate::math::Pose;
 use crate::motion::index::{LinkIndex, MechanismIndex};
@@ -61,17 +62,39 @@ impl Link {
 }
 
 /// What moves as one system of ordinary differential equations between its collisions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Mechanism {
     /// One rigid body by itself: in free flight, unless it is held ([`Link::held`]).
     Free(LinkIndex),
+    /// Bodies joined in a tree.
+    Tree(JointTree),
 }
 
 impl Mechanism {
     /// Its links.
-    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + use<> {
-        let Mechanism::Free(link) = *self;
-        std::iter::once(link)
+    pub fn links(&self) -> impl Iterator<Item = LinkIndex> + '_ {
+        let (free, tree) = match self {
+            Mechanism::Free(link) => (Some(*link), None),
+            Mechanism::Tree(tree) => (None, Some(tree)),
+        };
+        free.into_iter()
+            .chain(tree.into_iter().flat_map(JointTree::links))
+    }
+
+    /// The link, if it is one by itself.
+    pub fn free(&self) -> Option<LinkIndex> {
+        match self {
+            Mechanism::Free(link) => Some(*link),
+            Mechanism::Tree(_) => None,
+        }
+    }
+
+    /// The tree, if it is one.
+    pub fn tree(&self) -> Option<&JointTree> {
+        match self {
+            Mechanism::Free(_) => None,
+            Mechanism::Tree(tree) => Some(tree),
+        }
     }
 }
 

@@ -127,10 +127,19 @@ impl Scene {
         self.links[link].mechanism
     }
 
-    /// A mechanism's name: that of its link.
+    /// A mechanism's name: that of its first link.
     pub fn name_of_mechanism(&self, mechanism: MechanismIndex) -> &str {
-        let Mechanism::Free(link) = self.mechanisms[mechanism];
-        &self.links[link].name
+        let first = self.mechanisms[mechanism].links().next();
+        &self.links[first.expect("a mechanism has links")].name
+    }
+
+    /// The link that moves by itself as a mechanism.
+    ///
+    /// # Panics
+    /// Of a tree: what asks is about bodies by themselves.
+    pub fn free_link(&self, mechanism: MechanismIndex) -> LinkIndex {
+        let link = self.mechanisms[mechanism].free();
+        link.expect("a body by itself")
     }
 
     /// The link that the tracker is mounted on.
@@ -204,10 +213,12 @@ impl Scene {
         })
     }
 
-    /// The equations of motion of a mechanism.
+    /// The equations of motion of a body by itself.
+    ///
+    /// # Panics
+    /// Of a tree; see [`Scene::tree_model`].
     pub fn dynamics(&self, mechanism: MechanismIndex) -> Dynamics {
-        let Mechanism::Free(link) = self.mechanisms[mechanism];
-        Dynamics::Free(self.links[link].body)
+        Dynamics::Free(self.links[self.free_link(mechanism)].body)
     }
 
     /// Streams of poses that a track has: one; in an edited sketch one per segment, and the

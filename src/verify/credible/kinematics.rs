@@ -1,7 +1,7 @@
 //! Checks speeds, distances and tempo.
 
 use super::flights::{Flight, FlightSample};
-use crate::motion::{About, Doubt, Estimate, Mechanism, Place, Scene, Timing};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
 use crate::physics::flow;
 use crate::verify::moving::spin_bound_rad_s;
 
@@ -25,7 +25,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
     let mut doubts = Vec::new();
     for flight in flights {
         let arc = flight.arc;
-        let Mechanism::Free(link) = scene.mechanisms[arc.mechanism];
+        let link = scene.free_link(arc.mechanism);
         let link = &scene.links[link];
         let spin_rad_s = spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s);
         // |v| is largest at an end, with drag as without.

@@ -8,6 +8,7 @@ use anyhow::Context;
 use clap::Parser;
 use enact_tools::perform::recording;
 use enact_tools::perform::wish::{Manner, Motion, Wanted};
+use enact_tools::trees;
 
 /// Make recordings of acted motions whose truth is known.
 #[derive(Parser)]
@@ -38,6 +39,10 @@ fn main() -> anyhow::Result<()> {
             kept.write(&path)?;
             println!("{}", path.display());
         }
+        let (name, performance) = trees::kept();
+        let path = arguments.output.join(name);
+        performance.write(&path)?;
+        println!("{}", path.display());
         return Ok(());
     }
     let wanted = match arguments.bounces {

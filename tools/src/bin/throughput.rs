@@ -65,6 +65,7 @@ fn estimate() -> Estimate {
             end_s: 1.0,
         }],
         held: Vec::new(),
+        trees: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {
             duration_s: 1.0,

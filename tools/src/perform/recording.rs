@@ -98,6 +98,23 @@ pub fn write(performance: &Performance, scene_toml: &str, path: &Path) -> Result
     writer.finish()
 }
 
+/// Writes samples and marks that arrive at once, with their scene.
+pub fn write_events_of(
+    scene: &Scene,
+    scene_toml: &str,
+    events: &[TakeEvent],
+    path: &Path,
+) -> Result<(), WriteError> {
+    let mut writer = RecordingWriter::create(path)?;
+    writer.attach("scene.toml", "application/toml", scene_toml.as_bytes())?;
+    let stamped = events.iter().map(|event| match event {
+        TakeEvent::Pose { sample, .. } => (event, sample.stamp),
+        TakeEvent::Mark(mark) => (event, mark.stamp),
+    });
+    write_events(&mut writer, scene, stamped)?;
+    writer.finish()
+}
+
 /// Writes samples and marks of a scene, each with its arrival.
 pub fn write_events<'a>(
     writer: &mut RecordingWriter,

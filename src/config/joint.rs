@@ -1,0 +1,243 @@
+//! Joints: `[[joint]]` tables tie bodies to trees.
+
+use std::ops::Range;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use toml::Spanned;
+
+use super::error::{Fault, fault};
+use super::event::link_of;
+use super::number::{direction, name, not_negative, orientation, unique, vector_from_mm};
+use super::raw::{Number, RawJoint, RawScene, Triple};
+use crate::math::Pose;
+use crate::motion::{Joint, JointTree, LinkIndex, Mechanism, Scene, Timing};
+use crate::physics::tree::{self, JointKind};
+
+/// Ties the scene's bodies together: those that joints connect become one mechanism.
+pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
+    let mut joints: Vec<(Joint, Range<usize>)> = Vec::new();
+    for spanned in &raw.joint {
+        let joint = joint(spanned, scene)?;
+        let taken = joints.iter().map(|(of, _)| of.name.as_str());
+        unique("joint", &spanned.get_ref().name, &joint.name, taken)?;
+        if let Some((other, _)) = joints.iter().find(|(of, _)| of.child == joint.child) {
+            let said = format!(
+                "{:?} hangs from {:?} already, expected one joint for each child: bodies form trees, not circles",
+                scene.links[joint.child].name, other.name
+            );
+            return fault(spanned.get_ref().child.span(), said);
+        }
+        joints.push((joint, spanned.span()));
+    }
+    let Some(first) = joints.first().map(|(_, span)| span.clone()) else {
+        return Ok(());
+    };
+    refuse_others(raw, scene, &first)?;
+    let mut mechanisms: Vec<Mechanism> = Vec::new();
+    let mut left = joints;
+    for link in scene.links.keys() {
+        let is_child = |(of, _): &(Joint, Range<usize>)| of.child == link;
+        let hangs_from_world =
+            |(of, _): &(Joint, Range<usize>)| of.child == link && of.parent.is_none();
+        let is_base = !left.iter().any(is_child);
+        let is_parent = left.iter().any(|(of, _)| of.parent == Some(link));
+        if is_base && !is_parent && !mechanisms.iter().any(|of| of.links().any(|l| l == link)) {
+            mechanisms.push(Mechanism::Free(link));
+        } else if is_base && is_parent || left.iter().any(hangs_from_world) {
+            let base = is_base.then_some(link);
+            mechanisms.push(Mechanism::Tree(taken(base, link, &mut left)));
+        }
+    }
+    if let Some((of, span)) = left.first() {
+        let said = format!(
+            "{:?} ties bodies to a circle, expected a tree: each child hangs from a parent, and the first from the world or from nothing",
+            of.name
+        );
+        return fault(span.clone(), said);
+    }
+    if mechanisms.len() > 1 {
+        let said = "the joints make several trees, expected one: a scene has one at most";
+        return fault(first, said);
+    }
+    for tree in mechanisms.iter().filter_map(Mechanism::tree) {
+        let model = tree.model(|link| scene.links[link].clone());
+        if let Err(error) = model {
+            return fault(
+                first.clone(),
+                format!("the joints allow no motion: {error}"),
+            );
+        }
+    }
+    scene.mechanisms = mechanisms.into();
+    for (index, mechanism) in scene.mechanisms.iter_enumerated() {
+        for link in mechanism.links() {
+            scene.links[link].mechanism = index;
+        }
+    }
+    Ok(())
+}
+
+/// The tree that begins with a link, whose joints are taken out of those left.
+fn taken(
+    base: Option<LinkIndex>,
+    first: LinkIndex,
+    left: &mut Vec<(Joint, Range<usize>)>,
+) -> JointTree {
+    let mut known = vec![first];
+    let mut joints = Vec::new();
+    if base.is_none() {
+        let at = left.iter().position(|(of, _)| of.child == first);
+        joints.push(left.remove(at.expect("it hangs from the world")).0);
+    }
+    let hangs = |of: &Joint, known: &[LinkIndex]| of.parent.is_some_and(|of| known.contains(&of));
+    while let Some(at) = left.iter().position(|(of, _)| hangs(of, &known)) {
+        let (joint, _) = left.remove(at);
+        known.push(joint.child);
+        joints.push(joint);
+    }
+    JointTree { base, joints }
+}
+
+fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
+    let raw = spanned.get_ref();
+    let name = name("joint", &raw.name)?;
+    let child = link_of(&raw.child, scene)?;
+    let parent = raw.parent.as_ref().map(|text| link_of(text, scene));
+    let parent = parent.transpose()?;
+    if parent == Some(child) {
+        return fault(
+            raw.child.span(),
+            "a body hangs from itself, expected another",
+        );
+    }
+    for (link, text) in [
+        (Some(child), Some(&raw.child)),
+        (parent, raw.parent.as_ref()),
+    ] {
+        let (Some(link), Some(text)) = (link, text) else {
+            continue;
+        };
+        if scene.is_held(link) {
+            let said = format!(
+                "{:?} is held, expected bodies that move by themselves",
+                scene.links[link].name
+            );
+            return fault(text.span(), said);
+        }
+    }
+    let kind = kind(spanned)?;
+    let place = |key: &str, triple: &Option<Triple>| match triple {
+        Some(triple) => vector_from_mm(key, triple),
+        None => Ok(Vector3::zeros()),
+    };
+    let turned = match &raw.child_orientation_wxyz {
+        Some(wxyz) => orientation("child_orientation_wxyz", wxyz)?,
+        None => UnitQuaternion::identity(),
+    };
+    let number = |key: &str, number: &Option<Number>| match number {
+        Some(number) => not_negative(key, number),
+        None => Ok(0.0),
+    };
+    let parent_at_m = place("parent_at_mm", &raw.parent_at_mm)?;
+    let child_at_m = place("child_at_mm", &raw.child_at_mm)?;
+    let mut made = tree::Joint::new(
+        kind,
+        Pose::from_parts(parent_at_m.into(), UnitQuaternion::identity()),
+        Pose::from_parts(child_at_m.into(), turned.inverse()),
+    );
+    made.damping_n_m_s = number("damping_n_m_s", &raw.damping_n_m_s)?;
+    made.stiffness_n_m = number("stiffness_n_m", &raw.stiffness_n_m)?;
+    let is_stiff = made.damping_n_m_s > 0.0 || made.stiffness_n_m > 0.0;
+    if is_stiff && kind == JointKind::Fixed {
+        let said = "a fixed joint has neither damping nor stiffness, expected another kind";
+        return fault(raw.kind.span(), said);
+    }
+    Ok(Joint {
+        name,
+        parent,
+        child,
+        joint: made,
+    })
+}
+
+fn kind(spanned: &Spanned<RawJoint>) -> Result<JointKind, Fault> {
+    let raw = spanned.get_ref();
+    let said = raw.kind.get_ref().as_str();
+    let kind = match (said, &raw.axis, &raw.axes) {
+        ("pin", Some(axis), None) => JointKind::Pin {
+            axis: direction("axis", axis)?,
+        },
+        ("universal", None, Some(axes)) => {
+            let axis = |of: usize| {
+                let spanned = Spanned::new(axes.span(), axes.get_ref()[of]);
+                direction("an axis", &spanned)
+            };
+            JointKind::Universal {
+                axes: [axis(0)?, axis(1)?],
+            }
+        }
+        ("ball", None, None) => JointKind::Ball,
+        ("fixed", None, None) => JointKind::Fixed,
+        ("pin", ..) => return fault(spanned.span(), "a pin needs axis, and no axes"),
+        ("universal", ..) => {
+            return fault(
+                spanned.span(),
+                "a universal joint needs axes, two of them, and no axis",
+            );
+        }
+        ("ball" | "fixed", ..) => {
+            let said = format!("a {said} joint has no axis, expected neither axis nor axes");
+            return fault(spanned.span(), said);
+        }
+        (other, ..) => {
+            let said = format!(
+                "kind is {other:?}, expected \"pin\", \"universal\", \"ball\" or \"fixed\""
+            );
+            return fault(raw.kind.span(), said);
+        }
+    };
+    Ok(kind)
+}
+
+/// What joined bodies cannot be part of.
+fn refuse_others(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
+    if scene.timing != Timing::Known {
+        return fault(
+            raw.timing.stamps.span(),
+            "joined bodies are estimated from physical stamps, expected stamps = \"physical\"",
+        );
+    }
+    let collides = |of: &&Spanned<super::raw::RawEvent>| {
+        !matches!(of.get_ref().kind.get_ref().as_str(), "start" | "end")
+    };
+    if let Some(event) = raw.event.iter().find(collides) {
+        let said = "joined bodies move between a start and an end, expected no other events";
+        return fault(event.span(), said);
+    }
+    if let Some(free) = raw.free.first() {
+        let said = "nothing is estimated beside the motion of joined bodies, expected no [[free]]";
+        return fault(free.quantity.span(), said);
+    }
+    if let Some(settle) = &raw.settle_s {
+        let said = "joined bodies are not continued until they rest, expected no settle_s";
+        return fault(settle.span(), said);
+    }
+    let joined = |link: LinkIndex| {
+        raw.joint.iter().any(|of| {
+            let of = of.get_ref();
+            let names = [Some(&of.child), of.parent.as_ref()];
+            names
+                .iter()
+                .flatten()
+                .any(|text| *text.get_ref() == scene.links[link].name)
+        })
+    };
+    if let Some(link) = scene.links.keys().find(|link| !joined(*link)) {
+        let said = format!(
+            "{:?} is not joined, expected a joint for it: a scene has either joined bodies or bodies by themselves",
+            scene.links[link].name
+        );
+        return fault(joint.clone(), said);
+    }
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! A tree's motion as a program for the [optimiser](crate::optimise): its legs (`leg`) summed, what holds rates
+//! at the start and what nothing else does, and the curvature of all of it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use crate::estimate::problem::unit;
+use crate::optimise::block::BlockPattern;
+use crate::optimise::envelope::{Envelope, Pattern};
+use crate::optimise::{Program, Structure, System};
+use crate::physics::tree::TreeState;
+
+/// Weight of a squared radian, metre or their rates that holds what nothing else does where it began, per
+/// information: next to nothing.
+const CALM: f64 = 1e-8;
+/// Typical changes of coordinates and of rates, in radians, metres and seconds.
+const LENGTHS: [f64; 2] = [0.3, 3.0];
+/// Step of the differences that give second derivatives.
+const STEP: f64 = 1e-6;
+
+/// What of a problem counts.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Samples and goals later than this do not \[s\].
+    pub until_s: f64,
+    /// Standard deviation of the rates at the start [rad/s].
+    pub rate_sd_rad_s: f64,
+}
+
+impl Part {
+    /// All.
+    pub fn whole() -> Self {
+        Self {
+            until_s: f64::INFINITY,
+            rate_sd_rad_s: RATE_SD_RAD_S,
+        }
+    }
+}
+
+/// States at the nodes.
+pub type Nodes = Vec<TreeState>;
+
+/// A problem for the optimiser.
+pub struct TreeProgram<'a> {
+    pub(super) problem: &'a TreeProblem,
+    pub(super) structure: Structure,
+    /// Where what nothing determines stays.
+    calm: Nodes,
+}
+
+impl<'a> TreeProgram<'a> {
+    /// The program of a problem; what nothing determines stays where it is in `calm`.
+    pub fn new(problem: &'a TreeProblem, calm: Nodes) -> Self {
+        let (width, nodes) = (problem.width(), problem.nodes_s.len());
+        let of = |node: usize| node * width..(node + 1) * width;
+        let mut blocks: Vec<BlockPattern> = Vec::new();
+        for goal in &problem.goals {
+            let node = problem.node_of(goal.time_s);
+            blocks.push(BlockPattern::dense(goal.row_count(), of(node).collect()));
+        }
+        for node in 1..nodes {
+            let columns = of(node - 1).chain(of(node)).collect();
+            blocks.push(BlockPattern::dense(width, columns));
+        }
+        let couplings = (0..nodes * width).flat_map(|row| {
+            let first = (row / width).saturating_sub(1) * width;
+            (first..=row).map(move |column| (row, column))
+        });
+        let pattern = Pattern::new(nodes * width, couplings);
+        Self {
+            structure: Structure {
+                pattern,
+                priced: blocks.iter().map(|_| BlockPattern::default()).collect(),
+                blocks,
+            },
+            problem,
+            calm,
+        }
+    }
+
+    /// Hessian of a part's cost.
+    pub(super) fn information_at(&self, part: &Part, nodes: &Nodes) -> DMatrix<f64> {
+        let system = self.evaluated(part, nodes);
+        let pattern = &self.structure.pattern;
+        DMatrix::from_fn(pattern.size(), pattern.size(), |row, column| {
+            system
+                .hessian
+                .get(pattern, row.max(column), row.min(column))
+        })
+    }
+
+    /// Directions that rows leave free which act: a column each, orthonormal.
+    pub(super) fn free_directions(&self, system: &System) -> DMatrix<f64> {
+        /// Share of the largest eigenvalue of `JᵀJ` below which nothing holds a direction.
+        const FREE: f64 = 1e-14;
+        let size = self.structure.size();
+        let mut square = DMatrix::zeros(size, size);
+        for (pattern, block) in self.structure.blocks.iter().zip(&system.blocks) {
+            for row in (0..block.values.len()).filter(|row| block.acts(*row)) {
+                let entries = block.derivatives(pattern, row);
+                let mut whole = DVector::zeros(size);
+                for (at, entry) in pattern.unknowns(row).iter().zip(entries) {
+                    whole[*at] = *entry;
+                }
+                square.ger(1.0, &whole, &whole, 1.0);
+            }
+        }
+        let eigen = square.symmetric_eigen();
+        let largest = eigen.eigenvalues.max();
+        let is_free = |at: &usize| eigen.eigenvalues[*at] <= FREE * largest;
+        let free = (0..size)
+            .filter(is_free)
+            .map(|at| eigen.eigenvectors.column(at));
+        let free: Vec<_> = free.collect();
+        if free.is_empty() {
+            return DMatrix::zeros(size, 0);
+        }
+        DMatrix::from_columns(&free)
+    }
+
+    /// What holds rates of the start, and what nothing else does.
+    fn calm(&self, part: &Part, nodes: &Nodes, system: &mut System) {
+        let problem = self.problem;
+        let (width, freedoms) = (problem.width(), problem.tree.freedoms());
+        let flight = width / 2 - problem.tree.angular_freedoms();
+        for (node, (state, calm)) in nodes.iter().zip(&self.calm).enumerate() {
+            let off = problem.tree.minus(state, calm);
+            for (at, off) in off.into_iter().enumerate() {
+                let is_rate = node == 0 && at >= freedoms + flight;
+                let (off, weight) = if is_rate {
+                    (state.rates[at - freedoms], part.rate_sd_rad_s.powi(-2))
+                } else {
+                    (off, CALM * problem.information.0)
+                };
+                let row = node * width + at;
+                system.cost += 0.5 * weight * off * off;
+                system.gradient[row] += weight * off;
+                system
+                    .hessian
+                    .add(&self.structure.pattern, row, row, weight);
+            }
+        }
+    }
+}
+
+impl Program for TreeProgram<'_> {
+    type Point = Nodes;
+    type Guidance = Part;
+
+    fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    fn evaluate(&self, part: &Part, nodes: &Nodes, system: &mut System) {
+        let width = self.problem.width();
+        system.cost = 0.0;
+        system.gradient.fill(0.0);
+        system.hessian.clear();
+        for node in 0..nodes.len() {
+            let sums = self.leg(node, part, nodes, &mut system.blocks);
+            system.cost += sums.cost;
+            let first = node * width;
+            for row in 0..width {
+                system.gradient[first + row] += sums.gradient[row];
+                for column in 0..=row {
+                    let entry = sums.hessian[(row, column)];
+                    let pattern = &self.structure.pattern;
+                    system
+                        .hessian
+                        .add(pattern, first + row, first + column, entry);
+                }
+            }
+        }
+        self.calm(part, nodes, system);
+    }
+
+    fn retract(&self, from: &Nodes, step: &DVector<f64>, to: &mut Nodes) {
+        let tree = &self.problem.tree;
+        let steps = step.as_slice().chunks_exact(self.problem.width());
+        for ((from, step), to) in from.iter().zip(steps).zip(to) {
+            *to = tree.retract(from, step);
+        }
+    }
+
+    fn damping(&self) -> DVector<f64> {
+        let (width, freedoms) = (self.problem.width(), self.problem.tree.freedoms());
+        let weight = |length: f64| 10.0 * self.problem.information.0 / (length * length);
+        DVector::from_fn(width * self.problem.nodes_s.len(), |at, _| {
+            weight(LENGTHS[usize::from(at % width >= freedoms)])
+        })
+    }
+
+    fn is_curved(&self) -> bool {
+        true
+    }
+
+    fn information(&self) -> (f64, f64) {
+        self.problem.information
+    }
+
+    /// By differences of the Lagrangian's gradient: the flow's second derivatives are nowhere else.
+    fn add_curvature(
+        &self,
+        (nodes, system): (&Nodes, &System),
+        multipliers: &[f64],
+        hessian: &mut Envelope,
+    ) {
+        let size = self.structure.size();
+        let part = Part::whole();
+        let slope = |system: &System| {
+            let mut gradient = system.gradient.clone();
+            system.add_pull(&self.structure, |row| multipliers[row], &mut gradient);
+            gradient
+        };
+        let here = slope(system);
+        let mut curved = DMatrix::zeros(size, size);
+        let mut moved = nodes.clone();
+        let mut there = System::new(&self.structure);
+        for column in 0..size {
+            let mut step = DVector::zeros(size);
+            step[column] = STEP;
+            self.retract(nodes, &step, &mut moved);
+            self.evaluate(&part, &moved, &mut there);
+            curved.set_column(column, &((slope(&there) - &here) / STEP));
+        }
+        let pattern = &self.structure.pattern;
+        let width = self.problem.width();
+        for row in 0..size {
+            let first = (row / width).saturating_sub(1) * width;
+            for column in first..=row {
+                let exact = 0.5 * (curved[(row, column)] + curved[(column, row)]);
+                let given = system.hessian.get(pattern, row, column);
+                hessian.add(pattern, row, column, exact - given);
+            }
+        }
+    }
+}
+
+impl TreeProblem {
+    /// The node from which the motion reaches a time.
+    pub fn node_of(&self, time_s: f64) -> usize {
+        let after = self.nodes_s.partition_point(|node_s| *node_s <= time_s);
+        after.max(1) - 1
+    }
+
+    /// Beginning and end of the motion from a node to the next \[s\].
+    pub fn leg_s(&self, node: usize) -> [f64; 2] {
+        let to_s = self.nodes_s.get(node + 1).copied();
+        [self.nodes_s[node], to_s.unwrap_or(self.span_s[1])]
+    }
+
+    /// Number of steps of the integrator for an interval.
+    pub fn steps(&self, interval_s: f64) -> usize {
+        ((interval_s / self.step_s).ceil() as usize).max(1)
+    }
+
+    /// One unit of a number of a tangent.
+    pub fn unit_of(&self, at: usize) -> f64 {
+        let freedoms = self.tree.freedoms();
+        let flight = freedoms - self.tree.angular_freedoms();
+        match (at / freedoms, at % freedoms < flight) {
+            (0, true) => unit::POSITION_M,
+            (0, false) => unit::ORIENTATION_RAD,
+            (_, true) => unit::VELOCITY_M_S,
+            (_, false) => unit::ANGULAR_VELOCITY_RAD_S,
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! From a first guess to the optimum: grow the part of the sketch that counts from the start, so that no fit
+//! has to find more than a part of a whirl; bring the goals in by a sweep; finish.
+
+use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::program::{Nodes, Part, TreeProgram};
+use crate::motion::{Observer, Phase};
+use crate::optimise::descend::{Descent, Patience};
+use crate::optimise::lagrangian::AugmentedLagrangian;
+use crate::optimise::{self, Schedule, Solution, Stage, Watch, Work};
+use crate::physics::tree::{Flow, TreeState, tableau};
+
+/// Standard deviation of the rates at the start while the part grows [rad/s].
+const GROWING_SD_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
+/// Samples of the first parts,
+const FIRST_PARTS: [usize; 5] = [1, 2, 4, 8, 12];
+/// and by how much further ones grow: as a rule, and where that leads to no optimum.
+const GROWTHS: [f64; 2] = [1.5, 1.25];
+/// Weight of goals at the start while the part grows, per information,
+const START_WEIGHT: f64 = 100.0;
+/// and how long a descent goes on there.
+const GROWING: Patience = Patience {
+    steps: 12,
+    gain: 1e-3,
+};
+/// Weights of the sweep that brings goals in, and steps at each.
+const SWEEP: ([f64; 4], usize) = ([0.1, 1.0, 10.0, 100.0], 8);
+/// Greatest turn of any joint in a step of the integrator \[rad\],
+const STEP_RAD: f64 = 0.25;
+/// and longest step \[s\].
+const STEP_S: f64 = 1.0 / 60.0;
+/// Fastest joint for which steps are shortened [rad/s]: faster ones are far from any hand's.
+const RATE_MOST_RAD_S: f64 = 400.0;
+
+/// The optimum that a start leads to, with the problem whose steps are as short as it needs.
+pub struct Solved {
+    /// The problem.
+    pub problem: TreeProblem,
+    /// Its solution.
+    pub solution: Solution<Nodes>,
+}
+
+/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth
+/// is tried.
+pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
+    let mut solved = grown(problem.clone(), start.clone(), GROWTHS[0], observer);
+    for growth in &GROWTHS[1..] {
+        if solved.solution.finished.converged || solved.solution.stopped {
+            break;
+        }
+        let mut again = grown(problem.clone(), start.clone(), *growth, observer);
+        again.solution.work.add(&solved.solution.work);
+        solved = again;
+    }
+    solved
+}
+
+/// Lets the part that counts grow, each time by this share.
+fn grown(
+    mut problem: TreeProblem,
+    start: TreeState,
+    growth: f64,
+    observer: &mut dyn Observer,
+) -> Solved {
+    let mut nodes = vec![start];
+    let mut work = Work::default();
+    observer.phase(Phase::ArcFits);
+    problem.tableau = tableau::BUTCHER;
+    for until_s in problem.parts_s(growth) {
+        problem.step_s = problem.step_for(&nodes[0], until_s);
+        let program = TreeProgram::new(&problem, nodes.clone());
+        let part = Part {
+            until_s,
+            rate_sd_rad_s: GROWING_SD_RAD_S,
+        };
+        let mut descent = Descent::new(&program, nodes);
+        descent.refresh(&part);
+        let information = problem.information.1;
+        let lagrangian = AugmentedLagrangian::new(&descent.system, START_WEIGHT * information);
+        let patience = Patience {
+            gain: GROWING.gain * problem.information.0,
+            ..GROWING
+        };
+        descent.run(&part, &lagrangian, patience);
+        work.add(&descent.work);
+        nodes = descent.point;
+        if observer.should_stop() {
+            break;
+        }
+    }
+    problem.tableau = tableau::DORMAND_PRINCE;
+    problem.step_s = problem.step_for(&nodes[0], problem.span_s[1]);
+    let program = TreeProgram::new(&problem, nodes.clone());
+    let schedule = Schedule {
+        sweep_weights: SWEEP.0.to_vec(),
+        sweep_steps: SWEEP.1,
+        ..Schedule::default()
+    };
+    let guidance = |_: Stage| Part::whole();
+    let watch = &mut Watched(observer);
+    let mut solution = optimise::solve(&program, nodes, &schedule, &guidance, watch);
+    solution.work.add(&work);
+    Solved { problem, solution }
+}
+
+impl TreeProblem {
+    /// Times at which the growing parts end \[s\]: before the goals at the end.
+    fn parts_s(&self, growth: f64) -> Vec<f64> {
+        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+        times_s.dedup();
+        let mut counts = FIRST_PARTS.to_vec();
+        while let Some(last) = counts.last().copied()
+            && last < times_s.len()
+        {
+            counts.push((last as f64 * growth) as usize);
+        }
+        counts.retain(|count| *count < times_s.len());
+        counts.push(times_s.len());
+        // A goal at the last sample's time does not count yet.
+        let end_s = self.span_s[1];
+        let last = counts.iter().filter_map(|count| times_s.get(count - 1));
+        last.map(|time_s| time_s.min(end_s.next_down())).collect()
+    }
+
+    /// Longest step of the integrator for the motion from a state.
+    fn step_for(&self, start: &TreeState, until_s: f64) -> f64 {
+        let tree = &self.tree;
+        let flight = tree.freedoms() - tree.angular_freedoms();
+        let mut flow = Flow::new(tree, &self.gravity_m_s2, tableau::DORMAND_PRINCE);
+        flow.begin(start, false);
+        let mut fastest_rad_s: f64 = 0.0;
+        let mut now_s = self.span_s[0];
+        let end_s = until_s.min(self.span_s[1]);
+        loop {
+            let rates = flow.state().rates;
+            let here = rates[flight..]
+                .iter()
+                .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+            fastest_rad_s = fastest_rad_s.max(here.min(RATE_MOST_RAD_S));
+            if now_s >= end_s || !here.is_finite() {
+                break;
+            }
+            let step_s = STEP_S
+                .min(end_s - now_s)
+                .min(STEP_RAD / fastest_rad_s.max(1e-9));
+            flow.advance(step_s, 1, 0.0);
+            now_s += step_s;
+        }
+        STEP_S.min(STEP_RAD / fastest_rad_s.max(1e-9))
+    }
+}
+
+/// The observer as the optimiser's [`Watch`].
+struct Watched<'o>(&'o mut dyn Observer);
+
+impl Watch for Watched<'_> {
+    fn begins(&mut self, stage: Stage) {
+        self.0.phase(match stage {
+            Stage::Sweep { .. } => Phase::Sweep,
+            Stage::Multipliers => Phase::Multipliers,
+            Stage::Finish => Phase::Finish,
+        });
+    }
+
+    fn should_stop(&mut self) -> bool {
+        self.0.should_stop()
+    }
+}

@@ -1,0 +1,32 @@
+//! Trees of rigid bodies: bodies joined by joints, without circles.
+
+mod articulated;
+mod centre;
+mod change;
+mod error;
+mod field;
+mod flow;
+mod jacobian;
+mod joint;
+mod kinematics;
+mod link_state;
+mod model;
+mod points;
+mod snapshot;
+mod spatial;
+mod state;
+mod steps;
+pub mod tableau;
+mod tangent;
+
+pub use error::TreeError;
+pub use flow::Flow;
+pub use joint::{Joint, JointKind};
+pub use kinematics::Root;
+pub use model::{Link, Tree};
+pub use snapshot::Snapshot;
+pub use spatial::{Force, Inertia, Motion};
+pub use state::TreeState;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,208 @@
+//! Bodies joined in trees: pendulums and a chain from the path of one point, through the program.
+
+use std::path::Path;
+
+use enact::config::scene_from_toml;
+use enact::motion::{About, LinkIndex, TakeEvent, Verdict};
+use enact::physics::tree::Snapshot;
+use enact::pipeline::{Outcome, Pipeline};
+use enact::sampling::SampledMotion;
+use enact_tools::replay::Program;
+use enact_tools::trees::{self, Jointed, Kind, TreeActing, TreePerformance};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use tempfile::TempDir;
+
+const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
+
+fn finished(performance: &TreePerformance) -> Outcome {
+    let events = performance.events.iter().cloned();
+    let outcome = Pipeline::of(performance.scene.clone(), events).finish(&mut ());
+    outcome.expect("an estimate")
+}
+
+/// A usual hand, and nothing asked but where the tip ends.
+fn hung() -> TreeActing {
+    TreeActing {
+        asks_start: false,
+        ..TreeActing::of(1.0)
+    }
+}
+
+const PENDULUMS: [Kind; 3] = [
+    Kind::pendulum(2, Jointed::Pin),
+    Kind::pendulum(2, Jointed::Universal),
+    Kind::pendulum(2, Jointed::Ball),
+];
+
+/// From exact samples of its tip a pendulum's motion comes back, as far as they determine it.
+#[test]
+fn an_exact_sketch_gives_the_motion_back() {
+    let exact = TreeActing {
+        wander_m: 0.0,
+        noise_m: 0.0,
+        ..hung()
+    };
+    for kind in &PENDULUMS[..2] {
+        for seed in 8000..8003 {
+            let performance = trees::perform(kind, &exact, seed);
+            let outcome = finished(&performance);
+            let estimate = &outcome.estimate;
+            assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
+            let tree = performance.tree();
+            let found = &estimate.trees[0].knots[0].state;
+            let off = tree.minus(found, &performance.truth);
+            let off = off.iter().fold(0.0, |most: f64, of| most.max(of.abs()));
+            // The prior on the rates draws by as much.
+            assert!(off < 0.02, "{kind:?} {seed}: {off}");
+        }
+    }
+}
+
+/// Rough sketches: the motion is nearer to the samples than the true one, all goals are met, and the joints hold
+/// in every frame that is written.
+#[test]
+fn pendulums_meet_their_goals_and_stay_joined() {
+    for kind in &PENDULUMS {
+        for seed in 8010..8014 {
+            let performance = trees::perform(kind, &hung(), seed);
+            let outcome = finished(&performance);
+            let estimate = &outcome.estimate;
+            assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
+            for goal in performance.scene.goals_attained(estimate) {
+                assert!(goal.is_met(), "{kind:?} {seed}: {goal:?}");
+            }
+            let truth = performance.truth_cost();
+            assert!(estimate.objective < truth, "{kind:?} {seed}: {truth}");
+            stay_joined(&performance, &outcome);
+        }
+    }
+}
+
+/// The end of each rod is where the next begins.
+fn stay_joined(performance: &TreePerformance, outcome: &Outcome) {
+    let motion = SampledMotion::new(
+        (&outcome.scene, &outcome.sketch),
+        &outcome.estimate,
+        None,
+        100.0,
+    );
+    let motion = motion.expect("frames");
+    let end = |link: usize, frame: usize, up: f64| {
+        let sample = &motion.estimates[LinkIndex(link)][frame];
+        let [x, y, z, w] = sample.quaternion_xyzw;
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        sample.position_m + turn * Vector3::new(0.0, 0.0, up * 0.5 * trees::ROD_M)
+    };
+    let frames = motion.estimates[LinkIndex(0)].len();
+    assert!(frames > 80, "{frames}");
+    for link in 1..performance.scene.links.len() {
+        for frame in 0..frames {
+            let apart_m = (end(link - 1, frame, -1.0) - end(link, frame, 1.0)).norm();
+            assert!(apart_m < 1e-9, "{link} {frame}: {apart_m}");
+        }
+    }
+}
+
+/// The paper's chain: its whole configuration at the start and the place of its end are hard, one point is seen.
+#[test]
+fn the_chain_flies_to_its_hook_and_what_nothing_tells_is_named() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let kept = root.join("recordings/chain.mcap");
+    let folder = TempDir::new().unwrap();
+    let (name, performance) = trees::kept();
+    let again = folder.path().join(name);
+    performance.write(&again).unwrap();
+    assert!(std::fs::read(&kept).unwrap() == std::fs::read(&again).unwrap());
+    let report = ENACT.report(&again, &[]).said;
+    assert_eq!(report["verdict"], "physical", "{report}");
+    let goals = report["goals"].as_array().unwrap();
+    assert_eq!(goals.len(), 4, "{report}");
+    assert!(goals.iter().all(|goal| goal["is_met"] == true), "{report}");
+    let open = report["undetermined"].as_array().unwrap();
+    assert!(open.iter().any(|name| name == "spin of rod 1"), "{report}");
+    assert!(report["residual_mm"].as_f64().unwrap() < 20.0, "{report}");
+}
+
+/// A sketch that no pendulum moves along is not called physical.
+#[test]
+fn what_no_pendulum_does_is_doubted() {
+    let mut performance = trees::perform(&PENDULUMS[0], &hung(), 8020);
+    for (index, event) in performance.events.iter_mut().enumerate() {
+        if let TakeEvent::Pose { sample, .. } = event {
+            // Far out of its plane and its reach.
+            sample.position_m += Vector3::new(0.3, 0.0, 0.004 * index as f64);
+        }
+    }
+    let estimate = finished(&performance).estimate;
+    assert_ne!(estimate.verdict, Verdict::Physical);
+    let mut doubts = estimate.doubts.iter();
+    assert!(
+        estimate.verdict == Verdict::Failed || doubts.any(|doubt| doubt.about == About::Residual)
+    );
+}
+
+#[test]
+fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
+    let whole = trees::perform(&PENDULUMS[1], &hung(), 8040).scene_toml;
+    assert!(scene_from_toml(&whole).is_ok());
+    for (from, to, said) in [
+        (
+            "child = \"rod 2\"",
+            "child = \"rod 1\"",
+            "hangs from itself",
+        ),
+        ("parent = \"rod 1\"", "parent = \"rod 3\"", "rod 3"),
+        (
+            "kind = \"universal\"",
+            "kind = \"hinge\"",
+            "expected \"pin\"",
+        ),
+        (
+            "axes = [[1, 0, 0], [0, 1, 0]]",
+            "axes = [[1, 0, 0], [2, 0, 0]]",
+            "parallel",
+        ),
+        (
+            "axes = [[1, 0, 0], [0, 1, 0]]",
+            "axis = [1, 0, 0]",
+            "needs axes",
+        ),
+        (
+            "stamps = \"physical\"",
+            "stamps = \"tempo\"",
+            "physical stamps",
+        ),
+        (
+            "kind = \"end\"",
+            "kind = \"end\"\nbody = \"rod 1\"",
+            "does not apply",
+        ),
+        (
+            "tracked = false",
+            "tracked = false\ntopic = \"/x\"",
+            "expected none of them",
+        ),
+    ] {
+        let text = whole.replacen(from, to, 1);
+        assert_ne!(text, whole, "{from}");
+        let error = scene_from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains(said), "{said}: {error}");
+    }
+}
+
+/// What hangs and is let go swings back as the energy says.
+#[test]
+fn energy_is_kept_over_the_motion() {
+    let performance = trees::perform(&PENDULUMS[1], &hung(), 8050);
+    let estimate = finished(&performance).estimate;
+    let tree = performance.tree();
+    let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
+    let energies = estimate.trees[0].knots.iter().map(|knot| {
+        snapshot.set(&knot.state);
+        snapshot.energy(0.0)
+    });
+    let energies: Vec<f64> = energies.collect();
+    let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = energies.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(most - least < 1e-8, "{least} {most}");
+}

@@ -1,0 +1,358 @@
+//! Performances of bodies joined in trees: true motions of chains and pendulums, and how a hand acts them.
+
+use std::path::Path;
+
+use enact::config::scene_from_toml;
+use enact::estimate::tree::TreeProblem;
+use enact::estimate::tree::program::{Part, TreeProgram};
+use enact::motion::{
+    Holds, JointTree, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex,
+};
+use enact::optimise::Program;
+use enact::physics::State;
+use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
+use enact::segment::clean::clean;
+use enact::write::WriteError;
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::perform::recording;
+use crate::perform::wander::{HAND_POSITION, Wander};
+
+/// A kind of joint in scene files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Jointed {
+    /// Pins about one axis.
+    Pin,
+    /// Universal joints.
+    Universal,
+    /// Balls.
+    Ball,
+}
+
+impl Jointed {
+    fn toml(self) -> &'static str {
+        match self {
+            Self::Pin => "kind = \"pin\"\naxis = [1, 0, 0]",
+            Self::Universal => "kind = \"universal\"\naxes = [[1, 0, 0], [0, 1, 0]]",
+            Self::Ball => "kind = \"ball\"",
+        }
+    }
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kind {
+    /// Number of rods.
+    pub links: usize,
+    /// How they are joined.
+    pub joints: Jointed,
+    /// Whether the first hangs from the world.
+    pub is_clamped: bool,
+    /// Duration \[s\].
+    pub duration_s: f64,
+}
+
+impl Kind {
+    /// The paper's chain: three rods that fly, with universal joints.
+    pub const CHAIN: Kind = Kind {
+        links: 3,
+        joints: Jointed::Universal,
+        is_clamped: false,
+        duration_s: 0.9,
+    };
+
+    /// A pendulum of some rods.
+    pub const fn pendulum(links: usize, joints: Jointed) -> Self {
+        Self {
+            links,
+            joints,
+            is_clamped: true,
+            duration_s: 0.9,
+        }
+    }
+}
+
+/// Length of a rod \[m\].
+pub const ROD_M: f64 = 0.2;
+
+/// Samples per second.
+const RATE_HZ: f64 = 120.0;
+
+/// A performance of a tree.
+pub struct TreePerformance {
+    /// Its scene file.
+    pub scene_toml: String,
+    /// The scene.
+    pub scene: Scene,
+    /// What was recorded.
+    pub events: Vec<TakeEvent>,
+    /// The true state at the beginning.
+    pub truth: TreeState,
+    /// Its duration \[s\].
+    pub duration_s: f64,
+}
+
+/// How it is acted.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeActing {
+    /// Smooth wander: rms distance \[m\].
+    pub wander_m: f64,
+    /// White noise per axis \[m\].
+    pub noise_m: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Whether the whole configuration at the start is a goal.
+    pub asks_start: bool,
+}
+
+impl TreeActing {
+    /// A hand whose wander is so many times a usual one's.
+    pub fn of(distortion: f64) -> Self {
+        Self {
+            wander_m: 0.02 * distortion,
+            noise_m: 0.001,
+            rate_hz: RATE_HZ,
+            asks_start: true,
+        }
+    }
+}
+
+impl TreePerformance {
+    /// The equations of motion.
+    pub fn tree(&self) -> Tree {
+        let (_, joined) = self.scene.joint_trees().next().expect("a tree");
+        self.scene.tree_model(joined)
+    }
+
+    /// Writes it with its scene.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        recording::write_events_of(&self.scene, &self.scene_toml, &self.events, path)
+    }
+
+    /// The objective of the true motion.
+    pub fn truth_cost(&self) -> f64 {
+        let (sketch, _) = clean(&self.scene, &self.events).expect("a sketch");
+        let tree = self.scene.joint_trees().next().expect("a tree");
+        let mut problem = TreeProblem::new(&self.scene, &sketch, tree);
+        problem.step_s = 1.0 / RATE_HZ;
+        let nodes = vec![self.truth.clone()];
+        let program = TreeProgram::new(&problem, nodes.clone());
+        2.0 * program.evaluated(&Part::whole(), &nodes).cost
+    }
+}
+
+/// The recording that the repository keeps, in the scene of `config/chain.toml`.
+pub fn kept() -> (&'static str, TreePerformance) {
+    const SEED: u64 = 7001;
+    let mut performance = perform(&Kind::CHAIN, &TreeActing::of(1.0), SEED);
+    performance.scene_toml = include_str!("../../config/chain.toml").into();
+    performance.scene = scene_from_toml(&performance.scene_toml).expect("a valid scene");
+    ("chain.mcap", performance)
+}
+
+/// Acts a motion.
+pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let bare = scene_from_toml(&scene_toml(kind, "")).expect("a valid scene");
+    let (_, joined) = bare.joint_trees().next().expect("a tree");
+    let tree = bare.tree_model(joined);
+    let truth = drawn(kind, &tree, &mut random);
+    let states = motion(&bare, &tree, &truth, kind.duration_s, acting.rate_hz);
+    let last = states.last().expect("samples");
+    let mut snapshot = Snapshot::new(&tree, &bare.gravity_m_s2);
+    snapshot.set(last);
+    let end_m = snapshot.point(kind.links - 1, &Vector3::new(0.0, 0.0, -0.5 * ROD_M));
+    let goals = goals((kind, acting), (&bare, joined, &tree), &truth, &end_m);
+    let scene_toml = scene_toml(kind, &goals);
+    let scene = scene_from_toml(&scene_toml).expect("a valid scene");
+    let wanders: Vec<Wander> = (0..3)
+        .map(|_| Wander::draw(&HAND_POSITION, &mut random))
+        .collect();
+    let track = TrackIndex(0);
+    let (place, point_m) = (
+        joined
+            .place_of(scene.tracks[track].link)
+            .expect("of the tree"),
+        scene.tracks[track].point_m(),
+    );
+    assert_eq!(scene.tracks[track].sees, Sees::Point);
+    let start = 1_000_000_000;
+    let stamp = |index: usize| Stamp(start + (1e9 * index as f64 / acting.rate_hz).round() as i64);
+    let mut events: Vec<TakeEvent> = Vec::new();
+    for (index, state) in states.iter().enumerate() {
+        snapshot.set(state);
+        let at_m = snapshot.point(place, &point_m);
+        let per_axis = acting.wander_m / 3.0_f64.sqrt();
+        // A hand acts at a third of the motion's speed.
+        let acted_s = 3.0 * index as f64 / acting.rate_hz;
+        let off = Vector3::from_fn(|axis, _| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            per_axis * wanders[axis].at(acted_s) + acting.noise_m * noise
+        });
+        let mut sample = PoseSample::from_pose(
+            stamp(index),
+            &enact::math::Pose::from_parts((at_m + off).into(), UnitQuaternion::identity()),
+        );
+        sample.holds = Holds::Position;
+        events.push(TakeEvent::Pose {
+            track,
+            stream: 0,
+            sample,
+        });
+    }
+    let mark = |name: &str, index: usize| {
+        TakeEvent::Mark(Mark {
+            stamp: stamp(index),
+            event: Some(name.into()),
+        })
+    };
+    events.push(mark("start", 0));
+    events.push(mark("end", states.len() - 1));
+    TreePerformance {
+        scene_toml,
+        scene,
+        events,
+        truth,
+        duration_s: kind.duration_s,
+    }
+}
+
+/// States at every sample of a motion.
+pub fn motion(
+    scene: &Scene,
+    tree: &Tree,
+    start: &TreeState,
+    duration_s: f64,
+    rate_hz: f64,
+) -> Vec<TreeState> {
+    const STEPS: usize = 8;
+    let mut flow = Flow::new(tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
+    flow.begin(start, false);
+    let mut states = vec![flow.state()];
+    for _ in 0..(duration_s * rate_hz).round() as usize {
+        flow.advance(1.0 / rate_hz, STEPS, 0.0);
+        states.push(flow.state());
+    }
+    states
+}
+
+fn drawn(kind: &Kind, tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
+    let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
+    let mut state = tree.at_rest();
+    let flight = tree.freedoms() - tree.angular_freedoms();
+    let mut delta = vec![0.0; 2 * tree.freedoms()];
+    for entry in &mut delta[flight..tree.freedoms()] {
+        *entry = signed(0.8);
+    }
+    for entry in &mut delta[tree.freedoms() + flight..] {
+        *entry = signed(4.0);
+    }
+    if !kind.is_clamped {
+        delta[2] = 1.0;
+        let up_m_s = 0.5 * 9.80665 * kind.duration_s;
+        let first = tree.freedoms();
+        (delta[first], delta[first + 1], delta[first + 2]) = (signed(1.0), signed(1.0), up_m_s);
+    }
+    state = tree.retract(&state, &delta);
+    state
+}
+
+fn scene_toml(kind: &Kind, goals: &str) -> String {
+    let mut text = String::from(
+        "name = \"rods\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 10\n",
+    );
+    let tracked = if kind.is_clamped { kind.links - 1 } else { 0 };
+    for link in 0..kind.links {
+        text += &format!(
+            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 5 }}\nmass_g = 100\n",
+            link + 1,
+            1e3 * ROD_M,
+        );
+        if link == tracked {
+            let at_mm = if kind.is_clamped { -500.0 * ROD_M } else { 0.0 };
+            text += &format!(
+                "\n[[body.track]]\nsees = \"point\"\ntracker = {{ position_mm = [0, 0, {at_mm:?}] }}\n"
+            );
+        } else {
+            text += "tracked = false\n";
+        }
+    }
+    let half_mm = 500.0 * ROD_M;
+    for link in 0..kind.links {
+        if link == 0 && !kind.is_clamped {
+            continue;
+        }
+        let parent = match link.checked_sub(1) {
+            Some(parent) => format!(
+                "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
+                parent + 1,
+                -half_mm
+            ),
+            None => "parent_at_mm = [0, 0, 1500]\n".into(),
+        };
+        text += &format!(
+            "\n[[joint]]\nname = \"joint {}\"\n{}\n{parent}child = \"rod {}\"\nchild_at_mm = [0, 0, {half_mm:?}]\n",
+            link + 1,
+            kind.joints.toml(),
+            link + 1,
+        );
+    }
+    text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
+    text + goals
+}
+
+/// The whole configuration at the start, where that is asked, and the place of the last rod's end at the end.
+fn goals(
+    (kind, acting): (&Kind, &TreeActing),
+    (scene, joined, tree): (&Scene, &JointTree, &Tree),
+    truth: &TreeState,
+    end_m: &Vector3<f64>,
+) -> String {
+    let mut text = String::new();
+    let list = |numbers: &[f64], factor: f64| {
+        let numbers = numbers
+            .iter()
+            .map(|number| format!("{:?}", number * factor));
+        numbers.collect::<Vec<_>>().join(", ")
+    };
+    if acting.asks_start {
+        let mut snapshot = Snapshot::new(tree, &scene.gravity_m_s2);
+        snapshot.set(truth);
+        let states: Vec<State> = (0..kind.links)
+            .map(|link| snapshot.link_state(link))
+            .collect();
+        for (place, state) in states.iter().enumerate() {
+            if let Some([_, angles]) = tree.angles_of(place) {
+                let angles = list(&truth.coordinates[angles], 180.0 / std::f64::consts::PI);
+                text += &format!(
+                    "\n[[goal]]\nevent = \"start\"\njoint = \"joint {}\"\nangles_deg = [{angles}]\n",
+                    place + 1
+                );
+                continue;
+            }
+            let q = state.orientation.coords;
+            let wxyz = list(&[q.w, q.x, q.y, q.z], 1.0);
+            let at = match place == 0 && joined.base.is_some() {
+                true => format!(
+                    "position_mm = [{}]\n",
+                    list(state.position_m.as_slice(), 1e3)
+                ),
+                false => String::new(),
+            };
+            text += &format!(
+                "\n[[goal]]\nevent = \"start\"\nbody = \"rod {}\"\n{at}orientation_wxyz = [{wxyz}]\n",
+                place + 1
+            );
+        }
+    }
+    text += &format!(
+        "\n[[goal]]\nevent = \"end\"\nbody = \"rod {}\"\npoint_mm = [0, 0, {:?}]\nposition_mm = [{}]\n",
+        kind.links,
+        -500.0 * ROD_M,
+        list(end_m.as_slice(), 1e3)
+    );
+    text
+}
