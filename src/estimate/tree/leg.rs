@@ -16,6 +16,9 @@ use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::State;
 use crate::physics::tree::{Flow, Snapshot, TreeState};
 
+/// A link's state with its derivatives by the tree's.
+type LinkState = (State, DMatrix<f64>);
+
 /// What one part of the motion, from a node to the next, adds up.
 pub(super) struct Sums {
     pub(super) cost: f64,
@@ -41,7 +44,7 @@ impl TreeProgram<'_> {
         flow.begin(&nodes[node], true);
         let mut snapshot = Snapshot::new(tree, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, width + 1);
-        let mut links: Vec<Option<(State, DMatrix<f64>)>> = vec![None; tree.link_count()];
+        let mut links: Vec<Option<LinkState>> = vec![None; tree.link_count()];
         let mut sums = Sums {
             cost: 0.0,
             gradient: DVector::zeros(width),
@@ -115,7 +118,7 @@ impl TreeProgram<'_> {
         &self,
         goal: &TreeGoal,
         state: &TreeState,
-        (snapshot, links): (&Snapshot, &mut [Option<(State, DMatrix<f64>)>]),
+        (snapshot, links): (&Snapshot, &mut [Option<LinkState>]),
         jacobian: &DMatrix<f64>,
     ) -> (Vector3<f64>, Matrix3xX<f64>) {
         let width = self.problem.width();
@@ -151,9 +154,9 @@ enum Item<'a> {
 /// States of links with their derivatives by the tree's state, each computed once per time.
 fn states<'l, const N: usize>(
     places: [usize; N],
-    (snapshot, links): (&Snapshot, &'l mut [Option<(State, DMatrix<f64>)>]),
+    (snapshot, links): (&Snapshot, &'l mut [Option<LinkState>]),
     width: usize,
-) -> [&'l (State, DMatrix<f64>); N] {
+) -> [&'l LinkState; N] {
     for place in places {
         links[place].get_or_insert_with(|| {
             let mut by = DMatrix::zeros(crate::physics::state::DIMENSION, width);
@@ -165,11 +168,7 @@ fn states<'l, const N: usize>(
 }
 
 /// `y_link L Φ`.
-fn chained(
-    valued: &Valued,
-    links: &[&(State, DMatrix<f64>)],
-    jacobian: &DMatrix<f64>,
-) -> Matrix3xX<f64> {
+fn chained(valued: &Valued, links: &[&LinkState], jacobian: &DMatrix<f64>) -> Matrix3xX<f64> {
     let width = jacobian.nrows();
     let mut by = Matrix3xX::zeros(width);
     for (by_link, (_, link)) in valued.by.iter().zip(links) {
