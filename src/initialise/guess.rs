@@ -6,7 +6,7 @@ use super::clock;
 use super::fit::Fit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{keyed, open_times, swing, unseen};
+use super::{keyed, open_times, pointing, roll, swing, unseen};
 use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
@@ -98,7 +98,13 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         fit_iterations += turn.iterations;
         let count = turns.len() as f64;
         let mut all = vec![turn];
-        if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
+        if let Some((axis, shown)) = &readings.pointed {
+            let since = |(acted_s, way): &Place| (time_line.at(*acted_s) - epoch_s, *way);
+            let shown: Vec<Place> = shown.iter().map(since).collect();
+            let (found, iterations) = pointing::fits(&body, axis, &shown, turn);
+            fit_iterations += iterations;
+            all = found;
+        } else if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
             let (others, iterations) = turn::alternatives(&body, &turns, turn);
             fit_iterations += iterations;
             all = others;
@@ -120,7 +126,8 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
     let fitted = combine(segments, &guess, &fits).into_iter();
-    let filled = fitted.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
+    let rolled = fitted.flat_map(|guess| roll::guesses(scene, segments, &readings, guess));
+    let filled = rolled.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
     for guess in &mut guesses {
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
