@@ -24,6 +24,13 @@ use crate::physics::flow::Spin;
 const AMBIGUOUS_RMS: f64 = 0.35;
 /// Number of rates that are kept.
 const RATES: usize = 2;
+/// Fits of a body that is not alike about the axis are kept up to so many times the least sum of squares: a
+/// hand's wander may hide which one is right.
+const ALIKE: f64 = 2.0;
+/// Greatest number of such fits.
+const FITS: usize = 4;
+/// Least angle between two of them \[rad\].
+const APART_RAD: f64 = 0.3;
 /// Rolls about the axis from which a body begins that is not alike about it.
 const ROLLS: [f64; 4] = [0.0, FRAC_PI_2, 2.0 * FRAC_PI_2, 3.0 * FRAC_PI_2];
 
@@ -54,20 +61,36 @@ pub(super) fn fits(
     }
     found.sort_by(|a, b| a.square_rad2.total_cmp(&b.square_rad2));
     let clear = some.len() as f64 * AMBIGUOUS_RMS * AMBIGUOUS_RMS;
-    let count = if found[0].square_rad2 < clear {
-        1
+    if body.symmetry() == Symmetry::Spherical {
+        let is_clear = found[0].square_rad2 < clear;
+        found.truncate(if is_clear { 1 } else { RATES });
     } else {
-        RATES
-    };
-    found.truncate(count);
+        let most = found[0].square_rad2 * ALIKE + f64::EPSILON;
+        found.retain(|fit| fit.square_rad2 <= most);
+        found = distinct(found);
+    }
     for fit in &mut found {
         fit.square_rad2 *= stride as f64;
     }
     (found, iterations)
 }
 
+/// The first of fits that are one.
+fn distinct(fits: Vec<TurnFit>) -> Vec<TurnFit> {
+    let mut distinct: Vec<TurnFit> = Vec::new();
+    for fit in fits {
+        let is_new = distinct
+            .iter()
+            .all(|other| other.orientation.angle_to(&fit.orientation) > APART_RAD);
+        if is_new && distinct.len() < FITS {
+            distinct.push(fit);
+        }
+    }
+    distinct
+}
+
 /// The same fit, turned about an axis of the body.
-pub(super) fn rolled(fit: &TurnFit, axis: &Vector3<f64>, roll_rad: f64) -> TurnFit {
+fn rolled(fit: &TurnFit, axis: &Vector3<f64>, roll_rad: f64) -> TurnFit {
     let roll = so3::exp(&(axis.normalize() * roll_rad));
     TurnFit {
         orientation: fit.orientation * roll,
@@ -145,8 +168,7 @@ mod tests {
                 iterations: 0,
             };
             let (found, _) = fits(&body, &axis, &directions, least);
-            assert_eq!(found.len(), 1);
-            let [fit] = found[..] else { unreachable!() };
+            let fit = found[0];
             assert!(fit.square_rad2 < 1e-9, "{moments:?} {fit:?}");
             // The angular velocity in the world, however the body is rolled about the axis.
             let apart_rad_s = fit.orientation * fit.angular_velocity_rad_s - orientation * omega;
