@@ -126,3 +126,23 @@ fn an_axis_seen_alone_is_enough_for_a_thin_body() {
         }
     }
 }
+
+/// Of a cube one axis that is seen tells, with what touches, how it is turned about it: as near to what was seen
+/// as from the truth, and near the truth.
+#[test]
+fn an_axis_seen_alone_is_enough_for_a_cube_that_bounces() {
+    let mut near = 0;
+    for seed in [8000, 8001, 8002, 8004, 8006, 8008] {
+        let case = cube(seed);
+        let (_, whole_m, _) = off(&case, Part::Pose);
+        for (part, most) in [(Part::Ends, 1600.0), (Part::Axis, 400.0)] {
+            let (estimate, off_m, off_rad) = off(&case, part);
+            assert_eq!(estimate.verdict, Verdict::Physical, "{seed} {part:?}");
+            let objective = estimate.objective;
+            assert!(objective < most, "{seed} {part:?}: {objective}");
+            assert!(off_m < whole_m + 0.005, "{seed} {part:?}: {off_m}");
+            near += usize::from(off_rad < 0.3);
+        }
+    }
+    assert!(near >= 11, "{near} of 12");
+}

@@ -6,12 +6,15 @@ use super::clock;
 use super::fit::Fit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{keyed, open_times, swing, unseen};
+use super::{keyed, open_times, pointing, roll, swing, unseen};
 use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
 /// Greatest number of choices of fits.
 const GUESSES_MAX: usize = 5;
+
+/// Greatest number of choices of which those are taken that go together.
+const COMPARED_MAX: usize = 64;
 
 /// Root mean square angle \[rad\] above which the fit of a rotation may be ambiguous: below it, no
 /// measured performance had two minima.
@@ -98,7 +101,13 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         fit_iterations += turn.iterations;
         let count = turns.len() as f64;
         let mut all = vec![turn];
-        if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
+        if let Some((axis, shown)) = &readings.pointed {
+            let since = |(acted_s, way): &Place| (time_line.at(*acted_s) - epoch_s, *way);
+            let shown: Vec<Place> = shown.iter().map(since).collect();
+            let (found, iterations) = pointing::fits(&body, axis, &shown, turn);
+            fit_iterations += iterations;
+            all = found;
+        } else if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
             let (others, iterations) = turn::alternatives(&body, &turns, turn);
             fit_iterations += iterations;
             all = others;
@@ -119,8 +128,15 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         event_times_s: marks_s.map(|mark_s| time_line.at(*mark_s)).collect(),
         parameters: scene.parameters.iter().map(|free| free.initial).collect(),
     };
-    let fitted = combine(segments, &guess, &fits).into_iter();
-    let filled = fitted.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
+    let is_pointed = readings.iter().any(|of| of.pointed.is_some());
+    let most = if is_pointed {
+        COMPARED_MAX
+    } else {
+        GUESSES_MAX
+    };
+    let fitted = combine(segments, &guess, (&fits, most));
+    let rolled = roll::guesses(scene, segments, &readings, fitted).into_iter();
+    let filled = rolled.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
     for guess in &mut guesses {
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
@@ -141,7 +157,7 @@ fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
 
 /// The guess with every choice of the fitted flights' fits, those with the least sum of squares
 /// first.
-fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<Fit>]) -> Vec<Guess> {
+fn combine(segments: &[Segment], guess: &Guess, (fits, most): (&[Vec<Fit>], usize)) -> Vec<Guess> {
     let mut choices: Vec<(f64, Vec<Fit>)> = vec![(0.0, Vec::new())];
     for fits in fits {
         choices = choices
@@ -154,7 +170,7 @@ fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<Fit>]) -> Vec<Guess>
             })
             .collect();
         choices.sort_by(|a, b| a.0.total_cmp(&b.0));
-        choices.truncate(GUESSES_MAX);
+        choices.truncate(most);
     }
     choices
         .into_iter()

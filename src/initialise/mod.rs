@@ -6,6 +6,7 @@
 
 pub mod ballistic;
 pub mod between;
+mod circle;
 pub mod clock;
 pub mod contact;
 mod fit;
@@ -13,8 +14,10 @@ mod flights;
 pub mod guess;
 mod keyed;
 mod open_times;
+mod pointing;
 pub mod readings;
 mod rebound;
+mod roll;
 mod swing;
 pub mod tree;
 pub mod turn;

@@ -6,9 +6,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::ballistic::Place;
 use crate::math::so3;
 use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch};
+use crate::physics::body::Symmetry;
+use crate::physics::{Body, Dynamics};
 
 /// An orientation at an acted time \[s, world from body\].
 pub type Turn = (f64, UnitQuaternion<f64>);
+
+/// An axis in the body, and where it points at acted times.
+type Axis = (Vector3<f64>, Vec<Place>);
 
 /// The readings of one segment.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +24,9 @@ pub struct Readings {
     pub turns: Vec<Turn>,
     /// Where only a point is seen, and no orientation: where it is in body axes \[m\].
     pub lever_m: Option<Vector3<f64>>,
+    /// Where one axis alone is seen of how it is turned, about which the body is not symmetric: the axis in
+    /// the body and where it points, unit vectors.
+    pub pointed: Option<(Vector3<f64>, Vec<Place>)>,
 }
 
 impl Readings {
@@ -26,7 +34,7 @@ impl Readings {
     pub fn of(scene: &Scene, sketch: &Sketch, segment: &Segment) -> Self {
         let mut readings = Self::default();
         let mut points: Vec<(Vector3<f64>, Vec<Place>)> = Vec::new();
-        let mut directions: Vec<(Vector3<f64>, Vec<Place>)> = Vec::new();
+        let mut directions: Vec<Axis> = Vec::new();
         for view in &segment.views {
             let track = &scene.tracks[view.track];
             let (mut seen_at, mut pointed) = (Vec::new(), Vec::new());
@@ -50,12 +58,20 @@ impl Readings {
             }
         }
         if readings.turns.is_empty() {
-            readings.turns = turns(&points, &directions);
+            let axes = axes(&points, directions);
+            readings.turns = turns(&axes);
+            let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+            readings.pointed = alone(&axes).filter(|(axis, _)| !is_symmetry_axis(&body, axis));
         }
         readings.add_points(&points);
         readings.places.sort_by(|a, b| a.0.total_cmp(&b.0));
         readings.turns.sort_by(|a, b| a.0.total_cmp(&b.0));
         readings
+    }
+
+    /// The axis that alone is seen, in the body.
+    pub(super) fn axis(&self) -> Option<Vector3<f64>> {
+        self.pointed.as_ref().map(|(axis, _)| *axis)
     }
 
     /// Adds the centres of mass below points that are seen, where orientations are known; of points
@@ -83,14 +99,10 @@ impl Readings {
     }
 }
 
-/// Orientations that turn axes of the body to where they are seen: given directions, and lines from one
-/// point to the others. One axis alone is followed without rotation about it.
-fn turns(
-    points: &[(Vector3<f64>, Vec<Place>)],
-    directions: &[(Vector3<f64>, Vec<Place>)],
-) -> Vec<Turn> {
-    // Axes in the body, each with where it points at acted times.
-    let mut axes: Vec<(Vector3<f64>, Vec<Place>)> = directions.to_vec();
+/// Axes in the body, each with where it points at acted times: given directions, and lines from one point
+/// to the others.
+fn axes(points: &[(Vector3<f64>, Vec<Place>)], directions: Vec<Axis>) -> Vec<Axis> {
+    let mut axes = directions;
     if let Some(((first_m, from), others)) = points.split_first() {
         for (other_m, to) in others {
             let lines = from
@@ -102,6 +114,37 @@ fn turns(
             }
         }
     }
+    axes
+}
+
+/// The first axis, if no other tells how the body is turned about it.
+fn alone(axes: &[Axis]) -> Option<Axis> {
+    let ((axis, shown), others) = axes.split_first()?;
+    let units = shown
+        .iter()
+        .filter_map(|(acted_s, way)| Some((*acted_s, way.try_normalize(0.0)?)));
+    others
+        .iter()
+        .all(|(other, _)| !is_across(other, axis))
+        .then(|| (axis.normalize(), units.collect()))
+}
+
+/// Whether a body is the same however it is turned about an axis: the least rotation about it is as good as
+/// any.
+fn is_symmetry_axis(body: &Body, axis: &Vector3<f64>) -> bool {
+    match body.symmetry() {
+        Symmetry::Axial { axis: own } => !is_across(&Vector3::ith(own, 1.0), axis),
+        _ => false,
+    }
+}
+
+fn is_across(other: &Vector3<f64>, axis: &Vector3<f64>) -> bool {
+    other.cross(axis).norm() > 1e-6 * other.norm() * axis.norm()
+}
+
+/// Orientations that turn axes of the body to where they are seen. One axis alone is followed without
+/// rotation about it.
+fn turns(axes: &[Axis]) -> Vec<Turn> {
     let Some(((axis, shown), others)) = axes.split_first() else {
         return Vec::new();
     };
@@ -110,9 +153,7 @@ fn turns(
         let before = last.unwrap_or_default();
         let mut turn = so3::between(&(before * axis), direction) * before;
         // The second axis says how the body is turned about the first.
-        let second = others
-            .iter()
-            .find(|(other, _)| other.cross(axis).norm() > 1e-6 * other.norm());
+        let second = others.iter().find(|(other, _)| is_across(other, axis));
         if let Some((other, shown)) = second
             && let Some(there) = between(shown, *acted_s)
         {

@@ -10,8 +10,9 @@
 //! of which the least mean `ω` is along `r × n`. So the velocities of the centre before and after tell
 //! how fast it turns about one axis.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3, Vector4};
 
+use crate::math::so3;
 use crate::motion::{MechanismIndex, Partner, Scene};
 use crate::physics::contact::Feature;
 use crate::physics::{Body, State};
@@ -113,6 +114,24 @@ impl<'a> Rebound<'a> {
             mean_rad_s,
             change_rad_s,
         })
+    }
+
+    /// How far two states are off at a bounce between them \[m\]: the point's height over the plane, and
+    /// what the lever across the impulse lacks to turn the body as it does; of the mean orientation.
+    pub(super) fn off_m(&self, [before, after]: &[State; 2]) -> Vector4<f64> {
+        let between = before.orientation.inverse() * after.orientation;
+        let orientation = before.orientation * so3::exp(&(so3::log(&between) * 0.5));
+        let centre_m = (before.position_m + after.position_m) * 0.5;
+        let point_m = orientation * self.point_m - self.normal * self.radius_m;
+        let height_m = self.normal.dot(&(centre_m + point_m - self.plane_m));
+        let impulse_n_s = (after.velocity_m_s - before.velocity_m_s) * self.body.mass_kg();
+        let [came, left] = [before, after].map(|state| {
+            let moments_kg_m2 = self.body.moments_kg_m2();
+            state.orientation * moments_kg_m2.component_mul(&state.angular_velocity_rad_s)
+        });
+        let lacks_n_m_s = left - came - point_m.cross(&impulse_n_s);
+        let lacks_m = lacks_n_m_s / impulse_n_s.norm().max(f64::MIN_POSITIVE);
+        Vector4::new(height_m, lacks_m.x, lacks_m.y, lacks_m.z)
     }
 
     /// The share of the lever along the normal in which the point reaches the plane.

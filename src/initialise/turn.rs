@@ -28,7 +28,7 @@ const FIRST_WINDOW: (usize, usize) = (4, 8);
 /// wrong.
 const FIRST_TURN_RAD: f64 = 3.0;
 /// Of more than twice as many readings only so many are used: they suffice for a start.
-const READINGS_MAX: usize = 512;
+pub(super) const READINGS_MAX: usize = 512;
 /// Greatest number of iterations of one fit.
 const ITERATIONS_MAX: usize = 25;
 
@@ -237,15 +237,53 @@ fn start(body: &Body, readings: &[OrientationReading]) -> TurnFit {
     }
 }
 
-fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> TurnTerms {
+fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> Quadratic {
     let start = (&fit.orientation, &fit.angular_velocity_rad_s);
     let readings = readings.iter().map(|(s, measured)| (*s, measured));
-    TurnTerms::of(body, start, readings)
+    Quadratic::of(&TurnTerms::of(body, start, readings))
 }
 
 pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {
+    descend_on(|fit| evaluate(body, readings, fit), from)
+}
+
+/// Half a sum of squares about a rotation, by orientation and angular velocity at the epoch.
+pub(super) struct Quadratic {
+    pub(super) cost: f64,
+    pub(super) gradient: Vector6<f64>,
+    pub(super) matrix: Matrix6<f64>,
+}
+
+impl Quadratic {
+    fn of(terms: &TurnTerms) -> Self {
+        let mut matrix = Matrix6::zeros();
+        matrix
+            .fixed_view_mut::<3, 3>(0, 0)
+            .fill_diagonal(terms.count);
+        matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&terms.cross);
+        matrix
+            .fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&terms.cross.transpose());
+        matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&terms.square);
+        let mut gradient = Vector6::zeros();
+        gradient
+            .fixed_rows_mut::<3>(0)
+            .copy_from(&terms.gradient_orientation);
+        gradient
+            .fixed_rows_mut::<3>(3)
+            .copy_from(&terms.gradient_spin);
+        Self {
+            cost: terms.cost,
+            gradient,
+            matrix,
+        }
+    }
+}
+
+/// The least sum of squares near a start.
+pub(super) fn descend_on(evaluate: impl Fn(&TurnFit) -> Quadratic, from: TurnFit) -> TurnFit {
     let mut fit = from;
-    let mut terms = evaluate(body, readings, &fit);
+    let mut terms = evaluate(&fit);
     let (mut damping, mut growth) = (1e-4, 2.0);
     for iteration in 1..=ITERATIONS_MAX {
         let (delta, predicted) = match step(&terms, damping) {
@@ -265,7 +303,7 @@ pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFi
             angular_velocity_rad_s: fit.angular_velocity_rad_s + delta.fixed_rows::<3>(3),
             ..fit
         };
-        let trial_terms = evaluate(body, readings, &trial);
+        let trial_terms = evaluate(&trial);
         let ratio = (terms.cost - trial_terms.cost) / predicted.max(f64::MIN_POSITIVE);
         let small = predicted < 1e-5 * terms.cost.max(1e-12);
         if ratio > 1e-4 {
@@ -288,27 +326,11 @@ pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFi
 }
 
 /// A damped step and its predicted decrease; `None` where the matrix is not positive definite.
-fn step(terms: &TurnTerms, damping: f64) -> Option<(Vector6<f64>, f64)> {
-    let mut matrix = Matrix6::zeros();
-    matrix
-        .fixed_view_mut::<3, 3>(0, 0)
-        .fill_diagonal(terms.count);
-    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&terms.cross);
-    matrix
-        .fixed_view_mut::<3, 3>(3, 0)
-        .copy_from(&terms.cross.transpose());
-    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&terms.square);
-    let scale = matrix.diagonal().map(|d| damping * d + 1e-12);
-    let damped = matrix + Matrix6::from_diagonal(&scale);
-    let mut gradient = Vector6::zeros();
-    gradient
-        .fixed_rows_mut::<3>(0)
-        .copy_from(&terms.gradient_orientation);
-    gradient
-        .fixed_rows_mut::<3>(3)
-        .copy_from(&terms.gradient_spin);
-    let delta = -damped.cholesky()?.solve(&gradient);
-    let predicted = 0.5 * (delta.component_mul(&scale).dot(&delta) - gradient.dot(&delta));
+fn step(terms: &Quadratic, damping: f64) -> Option<(Vector6<f64>, f64)> {
+    let scale = terms.matrix.diagonal().map(|d| damping * d + 1e-12);
+    let damped = terms.matrix + Matrix6::from_diagonal(&scale);
+    let delta = -damped.cholesky()?.solve(&terms.gradient);
+    let predicted = 0.5 * (delta.component_mul(&scale).dot(&delta) - terms.gradient.dot(&delta));
     Some((delta, predicted))
 }
 
