@@ -190,6 +190,23 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
     }
 }
 
+/// The tables of the document are a scene.
+#[test]
+fn the_document_shows_a_scene_that_is_one() {
+    let text = include_str!("../docs/joints.md");
+    let tables = text.split("```toml\n").skip(1);
+    let tables = tables.map(|rest| rest.split("```").next().expect("an end"));
+    let head = "name = \"pendulum\"\n[timing]\nstamps = \"physical\"\n\
+                [[event]]\nname = \"start\"\nkind = \"start\"\n\
+                [[event]]\nname = \"end\"\nkind = \"end\"\n";
+    let whole = tables.fold(head.to_owned(), |whole, table| whole + "\n" + table);
+    let scene = scene_from_toml(&whole).expect("a valid scene");
+    let (_, joined) = scene.joint_trees().next().expect("a tree");
+    assert_eq!((joined.joints.len(), joined.base), (2, None));
+    assert_eq!(scene.goals.len(), 1);
+    assert_eq!(scene.tree_model(joined).freedoms(), 3);
+}
+
 /// What hangs and is let go swings back as the energy says.
 #[test]
 fn energy_is_kept_over_the_motion() {

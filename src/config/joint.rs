@@ -60,7 +60,7 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
         return fault(first, said);
     }
     for tree in mechanisms.iter().filter_map(Mechanism::tree) {
-        let model = tree.model(|link| scene.links[link].clone());
+        let model = tree.model(|link| scene.links[link].body);
         if let Err(error) = model {
             return fault(
                 first.clone(),

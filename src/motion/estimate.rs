@@ -239,7 +239,10 @@ impl Estimate {
         let rms = |kind: usize| {
             let seen = all.iter();
             let seen = seen.filter_map(|(samples, rms)| Some((*samples as f64, rms[kind]?)));
-            let sum: f64 = seen.clone().map(|(samples, rms)| samples * rms * rms).sum();
+            // The sum of nothing is not minus zero.
+            let sum = seen
+                .clone()
+                .fold(0.0, |sum, (samples, rms)| sum + samples * rms * rms);
             let samples: f64 = seen.map(|(samples, _)| samples).sum();
             (sum / samples.max(1.0)).sqrt()
         };

@@ -1,9 +1,8 @@
 //! Bodies joined in a tree.
 
-use super::link::Link;
-use super::whole::Scene;
 use crate::math::Pose;
-use crate::motion::index::{LinkIndex, MechanismIndex};
+use crate::motion::index::LinkIndex;
+use crate::physics::Body;
 use crate::physics::tree::{self, JointKind, Tree, TreeError};
 
 /// A joint between two links, or between a link and the world.
@@ -40,42 +39,20 @@ impl JointTree {
         self.links().position(|of| of == link)
     }
 
-    /// The equations of motion of these links. Fails where joints or masses allow none.
-    pub fn model(&self, links: impl Fn(LinkIndex) -> Link) -> Result<Tree, TreeError> {
+    /// The equations of motion of links with these masses. Fails where joints or masses allow none.
+    pub fn model(&self, body: impl Fn(LinkIndex) -> Body) -> Result<Tree, TreeError> {
         let free = tree::Joint::new(JointKind::Free, Pose::identity(), Pose::identity());
         let base = self.base.map(|link| tree::Link {
             parent: None,
             joint: free,
-            body: links(link).body,
+            body: body(link),
         });
         let hanging = self.joints.iter().map(|of| tree::Link {
             parent: of.parent.and_then(|parent| self.place_of(parent)),
             joint: of.joint,
-            body: links(of.child).body,
+            body: body(of.child),
         });
         let all: Vec<tree::Link> = base.into_iter().chain(hanging).collect();
         Tree::new(&all)
-    }
-}
-
-impl Scene {
-    /// The tree that a mechanism is; `None` of a body by itself.
-    pub fn joint_tree(&self, mechanism: MechanismIndex) -> Option<&JointTree> {
-        self.mechanisms[mechanism].tree()
-    }
-
-    /// The mechanisms that are trees.
-    pub fn joint_trees(&self) -> impl Iterator<Item = (MechanismIndex, &JointTree)> {
-        let all = self.mechanisms.iter_enumerated();
-        all.filter_map(|(index, mechanism)| Some((index, mechanism.tree()?)))
-    }
-
-    /// The equations of motion of a tree.
-    ///
-    /// # Panics
-    /// Where its joints or masses allow none, which the makers of scenes exclude.
-    pub fn tree_model(&self, tree: &JointTree) -> Tree {
-        let model = tree.model(|link| self.links[link].clone());
-        model.expect("scenes have valid trees")
     }
 }

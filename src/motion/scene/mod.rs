@@ -18,6 +18,7 @@ mod link;
 mod parameter;
 mod quantity;
 mod rest;
+mod trees;
 mod untold;
 mod weights;
 mod whole;

@@ -1,0 +1,28 @@
+//! The trees of a scene.
+
+use super::joint::JointTree;
+use super::whole::Scene;
+use crate::motion::index::MechanismIndex;
+use crate::physics::tree::Tree;
+
+impl Scene {
+    /// The tree that a mechanism is; `None` of a body by itself.
+    pub fn joint_tree(&self, mechanism: MechanismIndex) -> Option<&JointTree> {
+        self.mechanisms[mechanism].tree()
+    }
+
+    /// The mechanisms that are trees.
+    pub fn joint_trees(&self) -> impl Iterator<Item = (MechanismIndex, &JointTree)> {
+        let all = self.mechanisms.iter_enumerated();
+        all.filter_map(|(index, mechanism)| Some((index, mechanism.tree()?)))
+    }
+
+    /// The equations of motion of a tree.
+    ///
+    /// # Panics
+    /// Where its joints or masses allow none, which the makers of scenes exclude.
+    pub fn tree_model(&self, tree: &JointTree) -> Tree {
+        let model = tree.model(|link| self.links[link].body);
+        model.expect("scenes have valid trees")
+    }
+}
