@@ -190,6 +190,35 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
     }
 }
 
+#[test]
+fn goals_of_joints_that_make_no_sense_are_refused() {
+    let whole = include_str!("../config/chain.toml");
+    for (from, to, said) in [
+        ("joint = \"joint 2\"", "joint = \"joint 9\"", "joint 9"),
+        ("angles_deg = [", "angles_deg = [1, ", "has 3 numbers"),
+        (
+            "angles_deg = [",
+            "position_mm = [0, 0, 0]\nangles_deg = [",
+            "position_mm",
+        ),
+        (
+            "joint = \"joint 2\"",
+            "joint = \"joint 2\"\nbody = \"rod 1\"",
+            "one of body, joint",
+        ),
+        (
+            "[[body.track]]\nsees = \"point\"\ntracker = { position_mm = [0, 0, 0.0] }",
+            "tracked = false",
+            "no tracker sees",
+        ),
+    ] {
+        let text = whole.replacen(from, to, 1);
+        assert_ne!(text, whole, "{from}");
+        let error = scene_from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains(said), "{said}: {error}");
+    }
+}
+
 /// The tables of the document are a scene.
 #[test]
 fn the_document_shows_a_scene_that_is_one() {

@@ -75,6 +75,9 @@ impl<'a> Table<'a> {
         if let (Some(_), Some(joint)) = (&self.raw.body, &self.raw.joint) {
             return fault(joint.span(), "expected one of body, joint");
         }
+        if let Some(joint) = &self.raw.joint {
+            goals.push(self.of_joint(joint)?);
+        }
         match &self.raw.body {
             Some(body) => {
                 let link = link_of(body, self.scene)?;
@@ -91,8 +94,7 @@ impl<'a> Table<'a> {
                     target,
                 }));
             }
-            None if self.raw.joint.is_some() => goals.push(self.of_joint()?),
-            None if is_of_body || goals.is_empty() => {
+            None if self.raw.joint.is_none() && (is_of_body || goals.is_empty()) => {
                 return fault(self.span, "missing key `body`: what the goal is about");
             }
             None => {}

@@ -85,9 +85,9 @@ fn taken(
 ) -> JointTree {
     let mut known = vec![first];
     let mut joints = Vec::new();
-    if base.is_none() {
-        let at = left.iter().position(|(of, _)| of.child == first);
-        joints.push(left.remove(at.expect("it hangs from the world")).0);
+    let is_root = |(of, _): &(Joint, Range<usize>)| of.child == first && of.parent.is_none();
+    if let Some(at) = left.iter().position(is_root) {
+        joints.push(left.remove(at).0);
     }
     let hangs = |of: &Joint, known: &[LinkIndex]| of.parent.is_some_and(|of| known.contains(&of));
     while let Some(at) = left.iter().position(|(of, _)| hangs(of, &known)) {

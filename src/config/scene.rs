@@ -111,16 +111,10 @@ fn check_tracked(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
             continue;
         }
         let first = scene.name_of_mechanism(mechanism);
-        let of = raw
-            .body
-            .iter()
-            .find(|of| *of.get_ref().name.get_ref() == first);
-        let of = of.expect("a body of the scene").get_ref();
-        let span = of
-            .tracked
-            .as_ref()
-            .unwrap_or_else(|| unreachable!("it says so"))
-            .span();
+        let mut bodies = raw.body.iter().map(toml::Spanned::get_ref);
+        let of = bodies.find(|of| *of.name.get_ref() == first);
+        let says = of.and_then(|of| of.tracked.as_ref());
+        let span = says.map_or(raw.name.span(), toml::Spanned::span);
         return fault(
             span,
             "no tracker sees the body or what it is joined to, expected one that does",

@@ -7,14 +7,14 @@ use super::vector::sd;
 use super::{DEG, Table};
 use crate::config::error::{Fault, fault};
 use crate::config::number::index_of;
+use crate::config::raw::Text;
 use crate::motion::{Condition, Goal, GoalQuantity, GoalSet, GoalTarget, Joint, Moment};
 use crate::physics::tree::JointKind;
 
 impl Table<'_> {
     /// The goal on the angles of the joint that is named.
-    pub(super) fn of_joint(&mut self) -> Result<Goal, Fault> {
+    pub(super) fn of_joint(&mut self, text: &Text) -> Result<Goal, Fault> {
         let raw = self.raw;
-        let text = raw.joint.as_ref().expect("asked of a joint");
         let joints = self.scene.joint_trees().flat_map(|(_, tree)| &tree.joints);
         let joints: Vec<&Joint> = joints.collect();
         let names = joints.iter().map(|joint| joint.name.as_str());

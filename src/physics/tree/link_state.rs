@@ -14,7 +14,7 @@ use super::spatial::Motion;
 use crate::physics::state::{self, State, part};
 
 impl Snapshot<'_> {
-    /// State of a link: centre of mass and its velocity [world], orientation, angular velocity
+    /// State of a link: centre of mass and its velocity in world axes, orientation, angular velocity
     /// [rad/s, link].
     pub fn link_state(&self, link: usize) -> State {
         let pose = self.world_from_link(link);
