@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use enact::config::scene_from_toml;
-use enact::motion::{About, LinkIndex, TakeEvent, Verdict};
+use enact::motion::{About, GoalSet, GoalTarget, LinkIndex, TakeEvent, Verdict};
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::sampling::SampledMotion;
@@ -141,6 +141,33 @@ fn what_no_pendulum_does_is_doubted() {
     );
 }
 
+/// A goal that weighs pulls, and does not hold: the less deviation, the nearer.
+#[test]
+fn a_wish_draws_as_much_as_it_weighs() {
+    let performance = trees::perform(&PENDULUMS[0], &hung(), 8060);
+    let mut off_m = Vec::new();
+    for sd_m in [1e-3, 1e-2, 1.0] {
+        let mut wished = performance.clone();
+        let GoalTarget::Condition(condition) = &mut wished.scene.goals[0].target else {
+            panic!("a goal for the tip");
+        };
+        let GoalSet::Box { lower, upper } = &mut condition.set else {
+            panic!("a place");
+        };
+        // A hand's width from where it ended.
+        lower.z += 0.05;
+        upper.z += 0.05;
+        condition.sd = Some(sd_m);
+        let estimate = finished(&wished).estimate;
+        assert_eq!(estimate.verdict, Verdict::Physical, "{sd_m}");
+        let attained = wished.scene.goals_attained(&estimate);
+        off_m.push(attained[0].distance);
+    }
+    assert!(off_m[0] > 1e-9, "{off_m:?}");
+    assert!(off_m[0] < 0.5 * off_m[1], "{off_m:?}");
+    assert!(off_m[1] < off_m[2], "{off_m:?}");
+}
+
 #[test]
 fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
     let whole = trees::perform(&PENDULUMS[1], &hung(), 8040).scene_toml;
@@ -181,6 +208,26 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
             "tracked = false",
             "tracked = false\ntopic = \"/x\"",
             "expected none of them",
+        ),
+        (
+            "tracked = false",
+            "tracked = false\ndrag_linear_per_s = 0.1",
+            "neither force nor drag",
+        ),
+        (
+            "sees = \"point\"",
+            "sees = \"point\"\nweights = \"messages\"",
+            "expected no weights",
+        ),
+        (
+            "kind = \"end\"",
+            "kind = \"end\"\ntime = \"unknown\"",
+            "at the marks",
+        ),
+        (
+            "[[goal]]",
+            "[[goal]]\nevent = \"end\"\ntime_ms = 500\nsd_ms = 10\n[[goal]]",
+            "no goal of a time",
         ),
     ] {
         let text = whole.replacen(from, to, 1);

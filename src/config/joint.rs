@@ -1,5 +1,7 @@
 //! Joints: `[[joint]]` tables tie bodies to trees.
 
+mod refused;
+
 use std::ops::Range;
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -10,7 +12,7 @@ use super::event::link_of;
 use super::number::{direction, name, not_negative, orientation, unique, vector_from_mm};
 use super::raw::{Number, RawJoint, RawScene, Triple};
 use crate::math::Pose;
-use crate::motion::{Joint, JointTree, LinkIndex, Mechanism, Scene, Timing};
+use crate::motion::{Joint, JointTree, LinkIndex, Mechanism, Scene};
 use crate::physics::tree::{self, JointKind};
 
 /// Ties the scene's bodies together: those that joints connect become one mechanism.
@@ -32,7 +34,7 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
     let Some(first) = joints.first().map(|(_, span)| span.clone()) else {
         return Ok(());
     };
-    refuse_others(raw, scene, &first)?;
+    refused::refuse(raw, scene, &first)?;
     let mut mechanisms: Vec<Mechanism> = Vec::new();
     let mut left = joints;
     for link in scene.links.keys() {
@@ -197,47 +199,4 @@ fn kind(spanned: &Spanned<RawJoint>) -> Result<JointKind, Fault> {
         }
     };
     Ok(kind)
-}
-
-/// What joined bodies cannot be part of.
-fn refuse_others(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
-    if scene.timing != Timing::Known {
-        return fault(
-            raw.timing.stamps.span(),
-            "joined bodies are estimated from physical stamps, expected stamps = \"physical\"",
-        );
-    }
-    let collides = |of: &&Spanned<super::raw::RawEvent>| {
-        !matches!(of.get_ref().kind.get_ref().as_str(), "start" | "end")
-    };
-    if let Some(event) = raw.event.iter().find(collides) {
-        let said = "joined bodies move between a start and an end, expected no other events";
-        return fault(event.span(), said);
-    }
-    if let Some(free) = raw.free.first() {
-        let said = "nothing is estimated beside the motion of joined bodies, expected no [[free]]";
-        return fault(free.quantity.span(), said);
-    }
-    if let Some(settle) = &raw.settle_s {
-        let said = "joined bodies are not continued until they rest, expected no settle_s";
-        return fault(settle.span(), said);
-    }
-    let joined = |link: LinkIndex| {
-        raw.joint.iter().any(|of| {
-            let of = of.get_ref();
-            let names = [Some(&of.child), of.parent.as_ref()];
-            names
-                .iter()
-                .flatten()
-                .any(|text| *text.get_ref() == scene.links[link].name)
-        })
-    };
-    if let Some(link) = scene.links.keys().find(|link| !joined(*link)) {
-        let said = format!(
-            "{:?} is not joined, expected a joint for it: a scene has either joined bodies or bodies by themselves",
-            scene.links[link].name
-        );
-        return fault(joint.clone(), said);
-    }
-    Ok(())
 }

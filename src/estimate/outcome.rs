@@ -15,6 +15,7 @@ use crate::motion::{
     ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch, Verdict,
 };
 use crate::optimise::System;
+use crate::optimise::finish::Finished;
 use crate::physics::{Dynamics, State};
 
 /// Greatest gaps of a physical motion: rounding.
@@ -152,6 +153,16 @@ fn gap(problem: &Problem, system: &System, event: usize) -> Gap {
         .fold(Gap::default(), |a, b| a.max(&b))
 }
 
+/// How near to its tolerances the finish came.
+pub(super) fn progress(finished: &Finished) -> Progress {
+    let measured = |value, bound| Measured { value, bound };
+    let tolerances = &finished.tolerances;
+    Progress {
+        violation: measured(finished.violation, tolerances.violation),
+        decrease: measured(finished.decrease, tolerances.decrease),
+    }
+}
+
 /// The verdict and how the estimation ended. A motion whose events or flights are not in order of time
 /// (paper eq. 7) fails.
 fn judge(
@@ -161,16 +172,7 @@ fn judge(
 ) -> (Verdict, End) {
     let is_bent = problem.velocity_gap_weight.is_some();
     let finished = &solution.finished;
-    let progress = Progress {
-        violation: Measured {
-            value: finished.violation,
-            bound: finished.tolerances.violation,
-        },
-        decrease: Measured {
-            value: finished.decrease,
-            bound: finished.tolerances.decrease,
-        },
-    };
+    let progress = progress(finished);
     let end = match (finished.converged, solution.stopped) {
         (true, _) => End::Converged(progress),
         (false, true) => End::Stopped(progress),

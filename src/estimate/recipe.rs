@@ -186,7 +186,7 @@ impl Lead {
 }
 
 /// The observer as the optimiser's [`Watch`].
-struct Watched<'o>(&'o mut dyn Observer);
+pub(super) struct Watched<'o>(pub(super) &'o mut dyn Observer);
 
 impl Watch for Watched<'_> {
     fn begins(&mut self, stage: Stage) {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix6, Vector3};
 use super::nodes::Nodes;
 use super::problem::{ArcSample, Shows, View, unit};
 use crate::math::so3;
-use crate::motion::{Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track, Weighing};
+use crate::motion::{Quantity, Sample, Scene, Seen, Sees, Segment, Sketch, Track};
 
 /// A unit of so many metres or radians, since no performance reaches as far,
 const NOTHING: f64 = 30.0;
@@ -87,10 +87,7 @@ fn is_plain(track: &Track, shows: Shows) -> bool {
 /// Units of residuals of places \[m\] and orientations \[rad\], infinite where they are not seen or weigh
 /// nothing.
 fn units(scene: &Scene, track: &Track, shows: Shows) -> [f64; 2] {
-    let weights = match &track.weighing {
-        Weighing::Own(weights) => weights,
-        Weighing::Scene | Weighing::Messages => &scene.weights,
-    };
+    let weights = track.weights(&scene.weights);
     let units = [weights.position_m, weights.orientation_rad];
     // What weighs as much as the scene's units of the other kind.
     let beside = [

@@ -3,7 +3,7 @@
 use super::outcome::{Outcome, PipelineError};
 use crate::estimate::tree::{TreeProblem, estimate};
 use crate::motion::{
-    About, Doubt, DropReason, Observer, Phase, Place, Scene, TakeEvent, TrackResidual, Weighing,
+    About, Doubt, DropReason, Observer, Phase, Place, Scene, TakeEvent, TrackResidual,
 };
 use crate::{initialise, segment};
 
@@ -62,10 +62,7 @@ pub(super) fn outcome(
 
 /// The larger residual of a track in units of its weights.
 fn in_weights(scene: &Scene, residual: &TrackResidual) -> f64 {
-    let weights = match &scene.tracks[residual.track].weighing {
-        Weighing::Own(weights) => weights,
-        Weighing::Scene | Weighing::Messages => &scene.weights,
-    };
+    let weights = scene.tracks[residual.track].weights(&scene.weights);
     let position = residual
         .position_rms_m
         .map(|rms_m| rms_m / weights.position_m);

@@ -82,6 +82,7 @@ pub const ROD_M: f64 = 0.2;
 const RATE_HZ: f64 = 120.0;
 
 /// A performance of a tree.
+#[derive(Clone)]
 pub struct TreePerformance {
     /// Its scene file.
     pub scene_toml: String,

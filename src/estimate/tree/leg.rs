@@ -94,8 +94,13 @@ impl TreeProgram<'_> {
                     let rows = goal.rows(&value);
                     let (pattern, block) = (&self.structure.blocks[index], &mut blocks[index]);
                     block.reset(pattern);
-                    for (row, of) in rows.iter().enumerate() {
-                        put(goal, row, of, &by, (pattern, &mut *block));
+                    match goal.condition.sd {
+                        Some(sd) => rows.iter().for_each(|of| sums.wish(of, &by, sd)),
+                        None => {
+                            for (row, of) in rows.iter().enumerate() {
+                                put(goal, row, of, &by, (pattern, &mut *block));
+                            }
+                        }
                     }
                 }
                 Item::Next => {
@@ -185,6 +190,19 @@ impl Sums {
         self.cost += 0.5 * residual.norm_squared();
         self.gradient.gemv_tr(1.0, &by, &residual, 1.0);
         self.hessian.gemm_tr(1.0, &by, &by, 1.0);
+    }
+
+    /// A row of a goal that weighs: half the square of how far it is from its bounds, in deviations.
+    fn wish(&mut self, of: &WithinRow, by: &Matrix3xX<f64>, sd: f64) {
+        let (lower, upper) = of.bounds;
+        let off = (of.value - of.value.clamp(lower, upper)) / sd;
+        if off == 0.0 && lower != upper {
+            return;
+        }
+        let by = by.tr_mul(&of.by) / sd;
+        self.cost += 0.5 * off * off;
+        self.gradient.axpy(off, &by, 1.0);
+        self.hessian.ger(1.0, &by, &by, 1.0);
     }
 }
 

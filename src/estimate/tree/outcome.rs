@@ -6,10 +6,11 @@ use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::solve::{self, Solved};
 use super::weak;
 use crate::estimate::constraint::quantity;
+use crate::estimate::outcome::progress;
 use crate::motion::{
-    Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, JointTree, Measured,
-    MotionPart, Observer, Progress, Reason, SampleTime, Scene, Sketch, TrackIndex, TrackResidual,
-    TreeEstimate, TreeKnot, Undetermined, Verdict,
+    Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, JointTree, MotionPart,
+    Observer, Reason, SampleTime, Scene, Sketch, TrackIndex, TrackResidual, TreeEstimate, TreeKnot,
+    Undetermined, Verdict,
 };
 use crate::physics::tree::{Flow, Snapshot, TreeState, tableau};
 
@@ -29,11 +30,7 @@ pub fn estimate(
     let solved = solve::solve(problem, start, observer);
     let (problem, solution) = (&solved.problem, &solved.solution);
     let finished = &solution.finished;
-    let measured = |value, bound| Measured { value, bound };
-    let progress = Progress {
-        violation: measured(finished.violation, finished.tolerances.violation),
-        decrease: measured(finished.decrease, finished.tolerances.decrease),
-    };
+    let progress = progress(finished);
     let is_finite = solution.system.cost.is_finite()
         && solution
             .point

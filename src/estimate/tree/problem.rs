@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::estimate::problem::unit;
 use crate::motion::{
     BodyPoint, Condition, EventKind, GoalQuantity, GoalSet, GoalUnit, JointTree, MechanismIndex,
-    Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex, Weighing,
+    Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
 };
 use crate::physics::tree::Tree;
 use crate::physics::tree::tableau::{self, Tableau};
@@ -93,10 +93,7 @@ impl TreeProblem {
             let Some(place) = joined.place_of(track.link) else {
                 continue;
             };
-            let weights = match &track.weighing {
-                Weighing::Own(weights) => weights,
-                Weighing::Scene | Weighing::Messages => &scene.weights,
-            };
+            let weights = track.weights(&scene.weights);
             let within = |sample: &&Sample| (span_s[0]..=span_s[1]).contains(&sample.acted_s);
             for sample in sketch.tracks[index].samples.iter().filter(within) {
                 let begun = TreeSample {
@@ -248,9 +245,12 @@ fn goals(scene: &Scene, sketch: &Sketch, joined: &JointTree, span_s: [f64; 2]) -
 }
 
 impl TreeGoal {
-    /// Number of its rows.
+    /// Number of its rows that must hold: none of one that weighs.
     pub fn row_count(&self) -> usize {
-        self.axes.len().max(1)
+        match self.condition.sd {
+            Some(_) => 0,
+            None => self.axes.len().max(1),
+        }
     }
 
     /// One unit of its rows, in the unit of its quantity.

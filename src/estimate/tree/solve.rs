@@ -3,10 +3,11 @@
 
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::program::{Nodes, Part, TreeProgram};
+use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
-use crate::optimise::{self, Schedule, Solution, Stage, Watch, Work};
+use crate::optimise::{self, Schedule, Solution, Stage, Work};
 use crate::physics::tree::{Flow, TreeState, tableau};
 
 /// Standard deviation of the rates at the start while the part grows [rad/s].
@@ -146,22 +147,5 @@ impl TreeProblem {
             now_s += step_s;
         }
         STEP_S.min(STEP_RAD / fastest_rad_s.max(1e-9))
-    }
-}
-
-/// The observer as the optimiser's [`Watch`].
-struct Watched<'o>(&'o mut dyn Observer);
-
-impl Watch for Watched<'_> {
-    fn begins(&mut self, stage: Stage) {
-        self.0.phase(match stage {
-            Stage::Sweep { .. } => Phase::Sweep,
-            Stage::Multipliers => Phase::Multipliers,
-            Stage::Finish => Phase::Finish,
-        });
-    }
-
-    fn should_stop(&mut self) -> bool {
-        self.0.should_stop()
     }
 }

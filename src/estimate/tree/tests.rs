@@ -52,6 +52,8 @@ fn derivatives_are_those_of_differences() {
     let tree = scene.joint_trees().next().expect("a tree");
     let mut problem = TreeProblem::new(&scene, &sketch, tree);
     problem.step_s = 0.01;
+    // One of the goals weighs instead.
+    problem.goals[1].condition.sd = Some(0.2);
     for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
         problem.nodes_s = nodes_s;
         let nodes = vec![some_state(&problem); problem.nodes_s.len()];

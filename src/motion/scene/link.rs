@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
 use super::joint::JointTree;
-use super::weights::Weighing;
+use super::weights::{Weighing, Weights};
 use crate::math::Pose;
 use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::contact;
@@ -119,6 +119,14 @@ impl Track {
     /// The point of the link on which the tracker is mounted [m, link axes].
     pub fn point_m(&self) -> Vector3<f64> {
         self.link_from_tracker.translation.vector
+    }
+
+    /// Weights of its samples in a scene with those weights, where its messages say none.
+    pub fn weights<'a>(&'a self, of_scene: &'a Weights) -> &'a Weights {
+        match &self.weighing {
+            Weighing::Own(weights) => weights,
+            Weighing::Scene | Weighing::Messages => of_scene,
+        }
     }
 }
 
