@@ -110,10 +110,8 @@ impl SolveContext<'_> {
 
     fn fill_constraints(&self, guidance: &Guidance, point: &Point, system: &mut System) {
         let structure = &self.layout.structure;
-        let mut at = At {
-            approach_limits_m_s: &guidance.approach_limits_m_s,
-            ..At::new(self.problem, point, &self.epochs_s)
-        };
+        let mut at = At::new(self.problem, point, &self.epochs_s);
+        at.approach_limits_m_s = &guidance.approach_limits_m_s;
         let rows = structure.blocks.iter().zip(&mut system.blocks);
         let priced = structure.priced.iter().zip(&mut system.priced);
         for ((constraint, rows), priced) in self.problem.constraints().zip(rows).zip(priced) {

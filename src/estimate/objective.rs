@@ -221,6 +221,7 @@ impl<'a> Objective<'a> {
         add(w, v, &v_spin.transpose());
     }
 
+    #[inline]
     pub(super) fn add_arc(&mut self, at: usize, terms: &ArcTerms) {
         let pattern = self.pattern;
         let [p0, p1, p2, p3, p4] = terms.powers;

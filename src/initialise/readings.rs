@@ -38,6 +38,8 @@ impl Readings {
         for view in &segment.views {
             let track = &scene.tracks[view.track];
             let (mut seen_at, mut pointed) = (Vec::new(), Vec::new());
+            readings.places.reserve(view.samples.len());
+            readings.turns.reserve(view.samples.len());
             for Sample { acted_s, seen, .. } in sketch.samples_of(view) {
                 match seen {
                     Seen::Pose {

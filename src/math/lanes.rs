@@ -40,19 +40,22 @@ impl Vectors {
     /// `a + b`.
     #[inline]
     pub fn plus(&self, other: &Self) -> Self {
-        Self([0, 1, 2].map(|axis| self.0[axis] + other.0[axis]))
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a + x, b + y, c + z])
     }
 
     /// `a − b`.
     #[inline]
     pub fn minus(&self, other: &Self) -> Self {
-        Self([0, 1, 2].map(|axis| self.0[axis] - other.0[axis]))
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a - x, b - y, c - z])
     }
 
     /// `a s`.
     #[inline]
     pub fn times(&self, scale: f64x4) -> Self {
-        Self(self.0.map(|part| part * scale))
+        let [x, y, z] = self.0;
+        Self([x * scale, y * scale, z * scale])
     }
 
     /// `Σ c a` over three vectors `a` with one coefficient each: a matrix of those columns times `c`.
@@ -67,14 +70,16 @@ impl Vectors {
     /// The products with each of three vectors: the transpose of a matrix of those columns times this.
     #[inline]
     pub fn along(&self, columns: &[Self; 3]) -> Self {
-        Self([0, 1, 2].map(|axis| columns[axis].dot(self)))
+        let [a, b, c] = columns;
+        Self([a.dot(self), b.dot(self), c.dot(self)])
     }
 
     /// Each turned by one matrix.
     #[inline]
     pub fn turned(&self, by: &Matrix3<f64>) -> Self {
         let [x, y, z] = self.0;
-        Self([0, 1, 2].map(|row| x * by[(row, 0)] + y * by[(row, 1)] + z * by[(row, 2)]))
+        let along = |row: usize| x * by[(row, 0)] + y * by[(row, 1)] + z * by[(row, 2)];
+        Self([along(0), along(1), along(2)])
     }
 
     /// A vector turned by the unit quaternions `(i, j, k, w)`.

@@ -27,6 +27,7 @@ pub struct At<'a> {
 
 impl<'a> At<'a> {
     /// A point without guidance.
+    #[inline]
     pub fn new(problem: &'a Problem, point: &'a Point, epochs_s: &'a [f64]) -> Self {
         Self {
             problem,

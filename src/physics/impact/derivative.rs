@@ -35,6 +35,7 @@ pub struct ImpactDerivative {
 
 impl ImpactDerivative {
     /// All zero.
+    #[inline]
     pub fn zeros() -> Self {
         Self {
             gap: [[RowSVector::zeros(); 2]; MOST_CONTACTS],

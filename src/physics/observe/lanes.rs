@@ -288,16 +288,18 @@ impl LaneFrame {
     fn orientation(&self, s: f64x4, (sin, cos): (f64x4, f64x4)) -> [f64x4; 4] {
         let [r, rn, ra, rna] = &self.turned;
         if self.excess == 0.0 {
-            return [0, 1, 2, 3].map(|part| cos * r[part] + sin * rn[part]);
+            let at = |part: usize| cos * r[part] + sin * rn[part];
+            return [at(0), at(1), at(2), at(3)];
         }
         let (sin_b, cos_b) = (s * self.half_rates[1]).sin_cos();
         let weights = [cos * cos_b, sin * cos_b, cos * sin_b, sin * sin_b];
-        [0, 1, 2, 3].map(|part| {
+        let at = |part: usize| {
             weights[0] * r[part]
                 + weights[1] * rn[part]
                 + weights[2] * ra[part]
                 + weights[3] * rna[part]
-        })
+        };
+        [at(0), at(1), at(2), at(3)]
     }
 
     /// `R(0) K` in world axes, by the axes of this frame.
@@ -336,11 +338,10 @@ impl LaneFrame {
     ) -> [f64x4; 3] {
         let error = logarithm(between(self.orientation(s, sin_cos), measured));
         let is_there = f64x4::from([0, 1, 2, 3].map(|lane| f64::from(u8::from(lane < present))));
-        let [p, q, t] = error.0.map(|part| part * is_there);
-        [0, 1, 2].map(|axis| {
-            let along = self.world.column(axis);
-            p * along[0] + q * along[1] + t * along[2]
-        })
+        let [p, q, t] = error.times(is_there).0;
+        let world = &self.world;
+        let at = |axis: usize| p * world[(0, axis)] + q * world[(1, axis)] + t * world[(2, axis)];
+        [at(0), at(1), at(2)]
     }
 
     /// The terms that follow from the sums.
@@ -407,6 +408,7 @@ fn logarithm([x, y, z, scalar]: [f64x4; 4]) -> Vectors {
 }
 
 /// What `Log` multiplies the vector part of a unit quaternion by; see [`so3::log`].
+#[inline]
 fn logarithm_scale(scalar: f64x4, vector: [f64x4; 3]) -> f64x4 {
     let [x, y, z] = vector;
     let square = x * x + y * y + z * z;
