@@ -27,6 +27,7 @@ mod program;
 pub mod qp;
 pub mod schedule;
 pub mod system;
+pub mod trust;
 mod work;
 
 pub use self::program::Program;

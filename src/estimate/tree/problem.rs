@@ -14,6 +14,9 @@ use crate::physics::tree::tableau::{self, Tableau};
 /// motions that are as near to the sketch the one that whirls less is kept.
 pub const RATE_SD_RAD_S: f64 = 10.0;
 
+/// How many times as long steps are where they need not be exact.
+const COARSER: f64 = 1.5;
+
 /// A part of a sample: a quantity of one link at a time, and where it was seen.
 #[derive(Clone, Debug)]
 pub struct TreeSample {
@@ -137,6 +140,30 @@ impl TreeProblem {
             tableau: tableau::DORMAND_PRINCE,
             step_s: f64::INFINITY,
             information: (least, most),
+        }
+    }
+
+    /// The same problem read coarsely, for what need not be exact: of the samples those that are this far
+    /// apart, with the weight of all, and steps of a cheaper integrator that may be as long.
+    pub fn coarse(&self, apart_s: f64) -> Self {
+        let mut last_s = f64::NEG_INFINITY;
+        let mut kept = self.samples.clone();
+        kept.retain(|sample| {
+            let is_next = sample.time_s >= last_s + apart_s;
+            if is_next {
+                last_s = sample.time_s;
+            }
+            sample.time_s == last_s
+        });
+        let share = kept.len() as f64 / self.samples.len() as f64;
+        for sample in &mut kept {
+            sample.unit *= share.sqrt();
+        }
+        Self {
+            samples: kept,
+            tableau: tableau::BUTCHER,
+            step_s: COARSER * self.step_s,
+            ..self.clone()
         }
     }
 

@@ -15,8 +15,11 @@ use crate::physics::tree::TreeState;
 const CALM: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds.
 const LENGTHS: [f64; 2] = [0.3, 3.0];
-/// Step of the differences that give second derivatives.
+/// Step of the differences that give second derivatives,
 const STEP: f64 = 1e-6;
+/// and how far samples are apart of which they are told \[s\]: a step by a Hessian that is nearly right leads
+/// to the same optimum, and differences cost an evaluation for every unknown.
+const CURVATURE_S: f64 = 1.0 / 60.0;
 
 /// What of a problem counts.
 #[derive(Clone, Debug)]
@@ -198,21 +201,25 @@ impl Program for TreeProgram<'_> {
         self.problem.information
     }
 
-    /// By differences of the Lagrangian's gradient: the flow's second derivatives are nowhere else.
+    /// By differences of the Lagrangian's gradient, of a coarse reading of the problem: the flow's second
+    /// derivatives are nowhere else.
     fn add_curvature(
         &self,
-        (nodes, system): (&Nodes, &System),
+        (nodes, _): (&Nodes, &System),
         multipliers: &[f64],
         hessian: &mut Envelope,
     ) {
         let size = self.structure.size();
+        let coarse = self.problem.coarse(CURVATURE_S);
+        let program = TreeProgram::new(&coarse, self.calm.clone());
         let part = Part::whole();
         let slope = |system: &System| {
             let mut gradient = system.gradient.clone();
             system.add_pull(&self.structure, |row| multipliers[row], &mut gradient);
             gradient
         };
-        let here = slope(system);
+        let here = program.evaluated(&part, nodes);
+        let before = slope(&here);
         let mut curved = DMatrix::zeros(size, size);
         let mut moved = nodes.clone();
         let mut there = System::new(&self.structure);
@@ -220,17 +227,17 @@ impl Program for TreeProgram<'_> {
             let mut step = DVector::zeros(size);
             step[column] = STEP;
             self.retract(nodes, &step, &mut moved);
-            self.evaluate(&part, &moved, &mut there);
-            curved.set_column(column, &((slope(&there) - &here) / STEP));
+            program.evaluate(&part, &moved, &mut there);
+            curved.set_column(column, &((slope(&there) - &before) / STEP));
         }
         let pattern = &self.structure.pattern;
         let width = self.problem.width();
         for row in 0..size {
             let first = (row / width).saturating_sub(1) * width;
             for column in first..=row {
-                let exact = 0.5 * (curved[(row, column)] + curved[(column, row)]);
-                let given = system.hessian.get(pattern, row, column);
-                hessian.add(pattern, row, column, exact - given);
+                let curvature = 0.5 * (curved[(row, column)] + curved[(column, row)]);
+                let given = here.hessian.get(pattern, row, column);
+                hessian.add(pattern, row, column, curvature - given);
             }
         }
     }

@@ -7,7 +7,8 @@ use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
-use crate::optimise::{self, Schedule, Solution, Stage, Work};
+use crate::optimise::trust::{self, Nearness};
+use crate::optimise::{self, Program, Schedule, Solution, Stage, Work};
 use crate::physics::tree::{Flow, TreeState, tableau};
 
 /// Standard deviation of the rates at the start while the part grows [rad/s].
@@ -23,8 +24,14 @@ const GROWING: Patience = Patience {
     steps: 12,
     gain: 1e-3,
 };
-/// Weights of the sweep that brings goals in, and steps at each.
-const SWEEP: ([f64; 4], usize) = ([0.1, 1.0, 10.0, 100.0], 8);
+/// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
+const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
+/// How near steps in a trust region come to the optimum before the finish.
+const NEARNESS: Nearness = Nearness {
+    steps: 40,
+    decrease: 1e-6,
+    violation: 1e-6,
+};
 /// Greatest turn of any joint in a step of the integrator \[rad\],
 const STEP_RAD: f64 = 0.25;
 /// and longest step \[s\].
@@ -40,30 +47,71 @@ pub struct Solved {
     pub solution: Solution<Nodes>,
 }
 
-/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth
-/// is tried.
+/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth is
+/// tried, and then multiplier rounds from where each led.
 pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
-    let mut solved = grown(problem.clone(), start.clone(), GROWTHS[0], observer);
-    for growth in &GROWTHS[1..] {
-        if solved.solution.finished.converged || solved.solution.stopped {
-            break;
+    let mut work = Work::default();
+    let mut tried: Vec<(TreeProblem, Nodes)> = Vec::new();
+    for growth in GROWTHS {
+        let (problem, nodes) = grown((&problem, start.clone()), growth, &mut work, observer);
+        let at_once = Schedule::default().from_the_last();
+        let solved = finished(&problem, &nodes, &at_once, &mut work, observer);
+        if solved.has_ended() {
+            return solved;
         }
-        let mut again = grown(problem.clone(), start.clone(), *growth, observer);
-        again.solution.work.add(&solved.solution.work);
-        solved = again;
+        tried.push((problem, nodes));
     }
-    solved
+    let rounds = Schedule {
+        sweep_weights: Vec::new(),
+        ..Schedule::default()
+    };
+    let mut last = None;
+    for (problem, nodes) in &tried {
+        let solved = finished(problem, nodes, &rounds, &mut work, observer);
+        if solved.has_ended() {
+            return solved;
+        }
+        last = Some(solved);
+    }
+    last.expect("it grew at least once")
+}
+
+/// The optimum near some nodes, with all the work so far.
+fn finished(
+    problem: &TreeProblem,
+    nodes: &Nodes,
+    schedule: &Schedule,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Solved {
+    let program = TreeProgram::new(problem, nodes.clone());
+    let guidance = |_: Stage| Part::whole();
+    let watch = &mut Watched(observer);
+    let mut solution = optimise::solve(&program, nodes.clone(), schedule, &guidance, watch);
+    work.add(&solution.work);
+    solution.work = *work;
+    Solved {
+        problem: problem.clone(),
+        solution,
+    }
+}
+
+impl Solved {
+    fn has_ended(&self) -> bool {
+        self.solution.finished.converged || self.solution.stopped
+    }
 }
 
 /// Lets the part that counts grow, each time by this share.
+/// Where that leads, with the problem whose steps are as short as it needs.
 fn grown(
-    mut problem: TreeProblem,
-    start: TreeState,
+    (problem, start): (&TreeProblem, TreeState),
     growth: f64,
+    work: &mut Work,
     observer: &mut dyn Observer,
-) -> Solved {
+) -> (TreeProblem, Nodes) {
+    let mut problem = problem.clone();
     let mut nodes = vec![start];
-    let mut work = Work::default();
     observer.phase(Phase::ArcFits);
     problem.tableau = tableau::BUTCHER;
     for until_s in problem.parts_s(growth) {
@@ -91,16 +139,39 @@ fn grown(
     problem.tableau = tableau::DORMAND_PRINCE;
     problem.step_s = problem.step_for(&nodes[0], problem.span_s[1]);
     let program = TreeProgram::new(&problem, nodes.clone());
-    let schedule = Schedule {
-        sweep_weights: SWEEP.0.to_vec(),
-        sweep_steps: SWEEP.1,
-        ..Schedule::default()
-    };
-    let guidance = |_: Stage| Part::whole();
-    let watch = &mut Watched(observer);
-    let mut solution = optimise::solve(&program, nodes, &schedule, &guidance, watch);
-    solution.work.add(&work);
-    Solved { problem, solution }
+    let nodes = swept(&program, nodes, work, observer);
+    (problem, nodes)
+}
+
+/// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
+/// spin of a whole chain, the valley is curved.
+fn swept(
+    program: &TreeProgram,
+    nodes: Nodes,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Nodes {
+    observer.phase(Phase::Sweep);
+    let (least, most) = program.information();
+    let whole = Part::whole();
+    let mut descent = Descent::new(program, nodes);
+    descent.refresh(&whole);
+    for weight in SWEEP.0 {
+        let lagrangian = AugmentedLagrangian::new(&descent.system, weight * most);
+        let patience = Patience {
+            steps: SWEEP.1,
+            gain: SWEEP.2 * least,
+        };
+        descent.run(&whole, &lagrangian, patience);
+        if observer.should_stop() {
+            break;
+        }
+    }
+    work.add(&descent.work);
+    let stop = &mut || observer.should_stop();
+    let near = trust::approach(program, descent.point, &whole, &NEARNESS, stop);
+    work.add(&near.work);
+    near.point
 }
 
 impl TreeProblem {
