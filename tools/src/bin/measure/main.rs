@@ -27,6 +27,7 @@ mod goals;
 mod held;
 mod keyframes;
 mod ladder;
+mod mechanisms;
 mod methods;
 mod nonsense;
 mod objects;
@@ -191,6 +192,11 @@ const SUBJECTS: &[Subject] = &[
         "flow",
         "the free turn of a body beside other ways to compute it",
         flow::run
+    ),
+    subject!(
+        "mechanisms",
+        "accelerations of trees, with derivatives, beside Pinocchio's and MuJoCo's",
+        mechanisms::run
     ),
     subject!(
         "tosses",
