@@ -46,6 +46,7 @@ mod statistics;
 mod stress;
 mod table;
 mod tosses;
+mod trees;
 mod uncertainty;
 
 use std::time::Instant;
@@ -192,6 +193,11 @@ const SUBJECTS: &[Subject] = &[
         "flow",
         "the free turn of a body beside other ways to compute it",
         flow::run
+    ),
+    subject!(
+        "trees",
+        "the motion of chains and pendulums by several integrators, and what its derivatives cost",
+        trees::run
     ),
     subject!(
         "mechanisms",

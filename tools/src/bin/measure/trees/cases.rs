@@ -22,7 +22,12 @@ pub struct Kinds {
 /// All of them.
 pub fn all() -> Vec<Kinds> {
     use Jointed::{Ball, Pin, Universal};
-    let usual = |name, title, kind| Kinds { name, title, kind, is_fast: false };
+    let usual = |name, title, kind| Kinds {
+        name,
+        title,
+        kind,
+        is_fast: false,
+    };
     let pendulum = Kind::pendulum;
     let mut all = vec![
         usual("chain", "the chain", Kind::CHAIN),
@@ -30,18 +35,43 @@ pub fn all() -> Vec<Kinds> {
         usual("pin_3", "pendulum of 3, pins", pendulum(3, Pin)),
         usual("pin_5", "pendulum of 5, pins", pendulum(5, Pin)),
         usual("pin_8", "pendulum of 8, pins", pendulum(8, Pin)),
-        usual("universal_2", "pendulum of 2, universal", pendulum(2, Universal)),
-        usual("universal_3", "pendulum of 3, universal", pendulum(3, Universal)),
-        usual("universal_5", "pendulum of 5, universal", pendulum(5, Universal)),
-        usual("universal_8", "pendulum of 8, universal", pendulum(8, Universal)),
+        usual(
+            "universal_2",
+            "pendulum of 2, universal",
+            pendulum(2, Universal),
+        ),
+        usual(
+            "universal_3",
+            "pendulum of 3, universal",
+            pendulum(3, Universal),
+        ),
+        usual(
+            "universal_5",
+            "pendulum of 5, universal",
+            pendulum(5, Universal),
+        ),
+        usual(
+            "universal_8",
+            "pendulum of 8, universal",
+            pendulum(8, Universal),
+        ),
         usual("ball_2", "pendulum of 2, balls", pendulum(2, Ball)),
         usual("ball_3", "pendulum of 3, balls", pendulum(3, Ball)),
         usual("ball_5", "pendulum of 5, balls", pendulum(5, Ball)),
         usual("ball_8", "pendulum of 8, balls", pendulum(8, Ball)),
     ];
-    let fast = |name, title, kind| Kinds { name, title, kind, is_fast: true };
+    let fast = |name, title, kind| Kinds {
+        name,
+        title,
+        kind,
+        is_fast: true,
+    };
     all.push(fast("chain_fast", "the chain, fast", Kind::CHAIN));
-    all.push(fast("ball_3_fast", "pendulum of 3, balls, fast", pendulum(3, Ball)));
+    all.push(fast(
+        "ball_3_fast",
+        "pendulum of 3, balls, fast",
+        pendulum(3, Ball),
+    ));
     all
 }
 

@@ -23,9 +23,8 @@ impl Gauss {
     pub fn new(stages: usize) -> Self {
         let nodes = nodes(stages);
         let power = |x: f64, k: usize| x.powi(k as i32);
-        let values = |at: &dyn Fn(usize) -> f64| {
-            DMatrix::from_fn(stages, stages, |i, k| power(at(i), k))
-        };
+        let values =
+            |at: &dyn Fn(usize) -> f64| DMatrix::from_fn(stages, stages, |i, k| power(at(i), k));
         // Polynomials through the slopes: their coefficients are `V⁻¹ k`.
         let inverse = values(&|i| nodes[i])
             .try_inverse()
@@ -71,12 +70,16 @@ impl Gauss {
                     system.slope(&stage_y, &mut first);
                     for row in 0..size {
                         let off = (first[row] - slopes[(row, stage)]) * step_s;
-                        change = if off.is_nan() { f64::INFINITY } else { change.max(off.abs()) };
+                        change = if off.is_nan() {
+                            f64::INFINITY
+                        } else {
+                            change.max(off.abs())
+                        };
                         slopes[(row, stage)] = first[row];
                     }
                 }
                 // Down to rounding: nothing moves, or it no longer gets less.
-                if change < 1e-15 || change < 1e-12 && change >= last {
+                if change < 1e-15 || change < 1e-9 && change >= last {
                     is_found = true;
                     break;
                 }
@@ -104,7 +107,10 @@ fn nodes(stages: usize) -> Vec<f64> {
             let (mut before, mut value) = (1.0, x);
             for k in 2..=stages {
                 let k = k as f64;
-                (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
+                (before, value) = (
+                    value,
+                    ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
+                );
             }
             x -= value * (x * x - 1.0) / (n * (x * value - before));
         }

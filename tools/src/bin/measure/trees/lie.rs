@@ -12,8 +12,17 @@ fn pulled_back(theta: &Vector3<f64>, omega: &Vector3<f64>) -> Vector3<f64> {
     let square = theta.norm_squared();
     let factor = if square < 1e-2 {
         // The series to rounding at a tenth of a radian.
-        let terms = [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30_240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0];
-        terms.iter().rev().fold(0.0, |sum, term| sum * square + term)
+        let terms = [
+            1.0 / 12.0,
+            1.0 / 720.0,
+            1.0 / 30_240.0,
+            1.0 / 1_209_600.0,
+            1.0 / 47_900_160.0,
+        ];
+        terms
+            .iter()
+            .rev()
+            .fold(0.0, |sum, term| sum * square + term)
     } else {
         let half = 0.5 * square.sqrt();
         (1.0 - half / half.tan()) / square
@@ -29,7 +38,13 @@ fn turned(q: &[f64], theta: &Vector3<f64>) -> [f64; 4] {
 }
 
 /// Moves a list on for a time, in equal steps.
-pub fn advance(system: &mut System, y: &mut [f64], duration_s: f64, steps: usize, tableau: &Tableau) {
+pub fn advance(
+    system: &mut System,
+    y: &mut [f64],
+    duration_s: f64,
+    steps: usize,
+    tableau: &Tableau,
+) {
     let (split, rates) = (system.layout.coordinates, system.layout.rates);
     let parts = system.layout.parts.clone();
     let stages = tableau.b.len();

@@ -1,0 +1,150 @@
+//! What is compared: ways to move a tree's angular state on.
+
+use enact::physics::tree::tableau::{BUTCHER, DORMAND_PRINCE, Tableau};
+use enact::physics::tree::{Flow, TreeState};
+
+use super::cases::Case;
+use super::gauss::Gauss;
+use super::library::{self, Scheme};
+use super::lie;
+use super::system::System;
+
+/// The classic method of Kutta.
+pub const CLASSIC: Tableau = Tableau {
+    a: &[&[], &[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]],
+    b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0],
+    order: 4,
+};
+
+/// A way.
+#[derive(Clone, Copy)]
+pub enum Way {
+    /// The program's flow with a method's coefficients.
+    Flow(Tableau),
+    /// On the group.
+    Lie(Tableau),
+    /// Implicit, of so many stages.
+    Gauss(usize),
+    /// Steps by tolerance.
+    Library(Scheme),
+}
+
+/// Name, and the way.
+pub const METHODS: [(&str, Way); 11] = [
+    ("RK4", Way::Flow(CLASSIC)),
+    ("Butcher 6", Way::Flow(BUTCHER)),
+    (PROGRAM, Way::Flow(DORMAND_PRINCE)),
+    ("Munthe-Kaas RK4", Way::Lie(CLASSIC)),
+    ("Munthe-Kaas DOP853", Way::Lie(DORMAND_PRINCE)),
+    ("Gauss 2 stages", Way::Gauss(2)),
+    ("Gauss 3 stages", Way::Gauss(3)),
+    ("Gauss 4 stages", Way::Gauss(4)),
+    ("adaptive DOP853", Way::Library(Scheme::DormandPrince853)),
+    ("adaptive Verner 9", Way::Library(Scheme::Verner9)),
+    ("adaptive Radau 5", Way::Library(Scheme::Radau5)),
+];
+
+/// The program's final one.
+pub const PROGRAM: &str = "DOP853, fixed steps";
+
+/// How finely.
+#[derive(Clone, Copy)]
+pub enum Setting {
+    /// So many equal steps.
+    Steps(usize),
+    /// Relative and absolute tolerance.
+    Tolerance(f64),
+}
+
+impl Setting {
+    /// In words.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Steps(steps) => format!("{steps} steps"),
+            Self::Tolerance(tolerance) => format!("{tolerance:.0e}"),
+        }
+    }
+}
+
+impl Way {
+    /// Settings that are measured, from coarse to fine.
+    pub fn settings(&self, is_quick: bool) -> Vec<Setting> {
+        let keep = |index: usize| !is_quick || index % 4 == 2;
+        match self {
+            Self::Library(scheme) => {
+                let finest = if matches!(scheme, Scheme::Radau5) {
+                    9
+                } else {
+                    13
+                };
+                let digits = (3..=finest).filter(|digits| keep(*digits as usize));
+                digits
+                    .map(|digits| Setting::Tolerance(10_f64.powi(-digits)))
+                    .collect()
+            }
+            Self::Gauss(_) => steps(4..12, keep),
+            _ => steps(3..13, keep),
+        }
+    }
+}
+
+fn steps(powers: std::ops::Range<usize>, keep: impl Fn(usize) -> bool) -> Vec<Setting> {
+    powers
+        .filter(|power| keep(*power))
+        .map(|power| Setting::Steps(1 << power))
+        .collect()
+}
+
+/// A way made ready for a case.
+pub struct Ready<'c> {
+    case: &'c Case,
+    way: Way,
+    system: System<'c>,
+    flow: Flow<'c>,
+    gauss: Gauss,
+}
+
+impl<'c> Ready<'c> {
+    /// Room for it.
+    pub fn new(case: &'c Case, way: Way) -> Self {
+        let (tableau, stages) = match way {
+            Way::Flow(tableau) => (tableau, 2),
+            Way::Gauss(stages) => (DORMAND_PRINCE, stages),
+            _ => (DORMAND_PRINCE, 2),
+        };
+        Self {
+            case,
+            way,
+            system: System::new(case),
+            flow: Flow::new(&case.tree, &case.gravity_m_s2, tableau),
+            gauss: Gauss::new(stages),
+        }
+    }
+
+    /// The end and the number of right sides; none where the method does not get there.
+    pub fn run(&mut self, setting: Setting) -> Option<(TreeState, usize)> {
+        let (case, system) = (self.case, &mut self.system);
+        let duration_s = case.duration_s;
+        if let (Way::Flow(tableau), Setting::Steps(steps)) = (self.way, setting) {
+            self.flow.begin(&case.start, false);
+            self.flow.advance(duration_s, steps, 0.0);
+            return Some((self.flow.state(), steps * tableau.b.len()));
+        }
+        system.count = 0;
+        let mut y = system.list(&case.start);
+        let is_there = match (self.way, setting) {
+            (Way::Lie(tableau), Setting::Steps(steps)) => {
+                lie::advance(system, &mut y, duration_s, steps, &tableau);
+                true
+            }
+            (Way::Gauss(_), Setting::Steps(steps)) => {
+                self.gauss.advance(system, &mut y, duration_s, steps)
+            }
+            (Way::Library(scheme), Setting::Tolerance(tolerance)) => {
+                library::advance(system, &mut y, duration_s, scheme, tolerance)
+            }
+            _ => false,
+        };
+        (is_there && y.iter().all(|x| x.is_finite())).then(|| (system.state(&y), system.count))
+    }
+}
