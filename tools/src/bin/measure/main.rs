@@ -25,6 +25,7 @@ mod figure;
 mod flow;
 mod goals;
 mod held;
+mod joined;
 mod keyframes;
 mod ladder;
 mod mechanisms;
@@ -193,6 +194,11 @@ const SUBJECTS: &[Subject] = &[
         "flow",
         "the free turn of a body beside other ways to compute it",
         flow::run
+    ),
+    subject!(
+        "joined",
+        "chains and pendulums from their sketches: how often, in what time",
+        joined::run
     ),
     subject!(
         "trees",

@@ -1,4 +1,4 @@
-//! A library's methods that choose their steps by tolerance: explicit ones of high order, and Radau's.
+//! A library's explicit methods of high order, which choose their steps by tolerance.
 
 use std::cell::RefCell;
 
@@ -13,8 +13,6 @@ pub enum Scheme {
     DormandPrince853,
     /// Verner's efficient pair, order 9.
     Verner9,
-    /// Implicit, order 5, its Jacobians by differences.
-    Radau5,
 }
 
 struct Equations<'s, 'c>(&'s RefCell<&'s mut System<'c>>);
@@ -72,7 +70,6 @@ fn moved<const N: usize>(
     let solution = match scheme {
         Scheme::DormandPrince853 => solved!(ExplicitRungeKutta::dop853()),
         Scheme::Verner9 => solved!(ExplicitRungeKutta::rkv989e()),
-        Scheme::Radau5 => solved!(ImplicitRungeKutta::radau5()),
     };
     solution.ok()?.y.last().map(|end| end.to_vec())
 }

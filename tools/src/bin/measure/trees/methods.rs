@@ -4,7 +4,7 @@ use enact::physics::tree::tableau::{BUTCHER, DORMAND_PRINCE, Tableau};
 use enact::physics::tree::{Flow, TreeState};
 
 use super::cases::Case;
-use super::gauss::Gauss;
+use super::collocation::Collocation;
 use super::library::{self, Scheme};
 use super::lie;
 use super::system::System;
@@ -25,6 +25,8 @@ pub enum Way {
     Lie(Tableau),
     /// Implicit, of so many stages.
     Gauss(usize),
+    /// Implicit, of three.
+    Radau,
     /// Steps by tolerance.
     Library(Scheme),
 }
@@ -39,9 +41,9 @@ pub const METHODS: [(&str, Way); 11] = [
     ("Gauss 2 stages", Way::Gauss(2)),
     ("Gauss 3 stages", Way::Gauss(3)),
     ("Gauss 4 stages", Way::Gauss(4)),
+    ("Radau 3 stages", Way::Radau),
     ("adaptive DOP853", Way::Library(Scheme::DormandPrince853)),
     ("adaptive Verner 9", Way::Library(Scheme::Verner9)),
-    ("adaptive Radau 5", Way::Library(Scheme::Radau5)),
 ];
 
 /// The program's final one.
@@ -71,18 +73,13 @@ impl Way {
     pub fn settings(&self, is_quick: bool) -> Vec<Setting> {
         let keep = |index: usize| !is_quick || index % 4 == 2;
         match self {
-            Self::Library(scheme) => {
-                let finest = if matches!(scheme, Scheme::Radau5) {
-                    9
-                } else {
-                    13
-                };
-                let digits = (3..=finest).filter(|digits| keep(*digits as usize));
+            Self::Library(_) => {
+                let digits = (3..=13).filter(|digits| keep(*digits as usize));
                 digits
                     .map(|digits| Setting::Tolerance(10_f64.powi(-digits)))
                     .collect()
             }
-            Self::Gauss(_) => steps(4..12, keep),
+            Self::Gauss(_) | Self::Radau => steps(4..12, keep),
             _ => steps(3..13, keep),
         }
     }
@@ -101,23 +98,26 @@ pub struct Ready<'c> {
     way: Way,
     system: System<'c>,
     flow: Flow<'c>,
-    gauss: Gauss,
+    collocation: Collocation,
 }
 
 impl<'c> Ready<'c> {
     /// Room for it.
     pub fn new(case: &'c Case, way: Way) -> Self {
-        let (tableau, stages) = match way {
-            Way::Flow(tableau) => (tableau, 2),
-            Way::Gauss(stages) => (DORMAND_PRINCE, stages),
-            _ => (DORMAND_PRINCE, 2),
+        let tableau = match way {
+            Way::Flow(tableau) => tableau,
+            _ => DORMAND_PRINCE,
+        };
+        let collocation = match way {
+            Way::Gauss(stages) => Collocation::gauss(stages),
+            _ => Collocation::radau(),
         };
         Self {
             case,
             way,
             system: System::new(case),
             flow: Flow::new(&case.tree, &case.gravity_m_s2, tableau),
-            gauss: Gauss::new(stages),
+            collocation,
         }
     }
 
@@ -137,8 +137,8 @@ impl<'c> Ready<'c> {
                 lie::advance(system, &mut y, duration_s, steps, &tableau);
                 true
             }
-            (Way::Gauss(_), Setting::Steps(steps)) => {
-                self.gauss.advance(system, &mut y, duration_s, steps)
+            (Way::Gauss(_) | Way::Radau, Setting::Steps(steps)) => {
+                self.collocation.advance(system, &mut y, duration_s, steps)
             }
             (Way::Library(scheme), Setting::Tolerance(tolerance)) => {
                 library::advance(system, &mut y, duration_s, scheme, tolerance)

@@ -145,10 +145,10 @@ pub fn program(all: &[Measured]) -> Table {
             measured.directions.to_string(),
             number(1e6 * order_8.plain_s),
             number(1e6 * order_8.derived_s),
-            number(order_8.derived_s / order_8.plain_s),
+            number(order_8.ratio),
             number(1e6 * order_6.plain_s),
             number(1e6 * order_6.derived_s),
-            number(order_6.derived_s / order_6.plain_s),
+            number(order_6.ratio),
         ]);
     }
     table

@@ -1,7 +1,7 @@
-//! Collocation at Gauss's points: implicit, symmetric, of order twice the stages, and it keeps quadratic
-//! invariants such as the length of a quaternion (Hairer, Lubich and Wanner, "Geometric Numerical
-//! Integration", 2006, II.1 and IV.2). Stages are found by simple iteration, begun where the
-//! polynomial of the last step leads.
+//! Implicit methods of collocation. At Gauss's points: symmetric, of order twice the stages, and quadratic
+//! invariants such as the length of a quaternion are kept (Hairer, Lubich and Wanner, "Geometric Numerical
+//! Integration", 2006, II.1 and IV.2). At Radau's: of order 5, for what is stiff. Stages are found by
+//! simple iteration, begun where the polynomial of the last step leads.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,17 +11,27 @@ use super::system::System;
 const MOST: usize = 100;
 
 /// A method of some stages.
-pub struct Gauss {
+pub struct Collocation {
     a: DMatrix<f64>,
     b: DVector<f64>,
     /// Slopes of the next step's stages from this one's.
     ahead: DMatrix<f64>,
 }
 
-impl Gauss {
-    /// Of so many stages.
-    pub fn new(stages: usize) -> Self {
-        let nodes = nodes(stages);
+impl Collocation {
+    /// At Gauss's points, of so many stages.
+    pub fn gauss(stages: usize) -> Self {
+        Self::at(&roots(stages))
+    }
+
+    /// At Radau's points with the end of the step, of three stages.
+    pub fn radau() -> Self {
+        let root = 6.0_f64.sqrt();
+        Self::at(&[(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0])
+    }
+
+    fn at(nodes: &[f64]) -> Self {
+        let stages = nodes.len();
         let power = |x: f64, k: usize| x.powi(k as i32);
         let values =
             |at: &dyn Fn(usize) -> f64| DMatrix::from_fn(stages, stages, |i, k| power(at(i), k));
@@ -99,7 +109,7 @@ impl Gauss {
 }
 
 /// Roots of Legendre's polynomial on `[0, 1]`, by Newton's method.
-fn nodes(stages: usize) -> Vec<f64> {
+fn roots(stages: usize) -> Vec<f64> {
     let n = stages as f64;
     let root = |index: usize| {
         let mut x = -(std::f64::consts::PI * (index as f64 + 0.75) / (n + 0.5)).cos();
