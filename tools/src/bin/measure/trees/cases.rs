@@ -1,6 +1,7 @@
 //! The motions.
 
-use enact::physics::tree::{Snapshot, Tree, TreeState};
+use enact::physics::tree::tableau::Tableau;
+use enact::physics::tree::{Flow, Snapshot, Tree, TreeState};
 use enact_tools::trees::{Jointed, Kind, ROD_M, TreeActing, perform};
 use nalgebra::Vector3;
 
@@ -109,6 +110,14 @@ impl Kinds {
 }
 
 impl Case {
+    /// The end by the program's flow.
+    pub fn flown(&self, tableau: Tableau, steps: usize) -> TreeState {
+        let mut flow = Flow::new(&self.tree, &self.gravity_m_s2, tableau);
+        flow.begin(&self.start, false);
+        flow.advance(self.duration_s, steps, 0.0);
+        flow.state()
+    }
+
     /// Energy that the motion keeps, gravity's included, and the kinetic one now \[J\]: of a free tree about its centre of
     /// mass, where both are one.
     pub fn energy_j(&self, state: &TreeState) -> [f64; 2] {

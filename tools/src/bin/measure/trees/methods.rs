@@ -121,14 +121,20 @@ impl<'c> Ready<'c> {
         }
     }
 
-    /// The end and the number of right sides; none where the method does not get there.
-    pub fn run(&mut self, setting: Setting) -> Option<(TreeState, usize)> {
+    /// The end, none where the method does not get there, and the number of right sides.
+    pub fn run(&mut self, setting: Setting) -> (Option<TreeState>, usize) {
         let (case, system) = (self.case, &mut self.system);
         let duration_s = case.duration_s;
         if let (Way::Flow(tableau), Setting::Steps(steps)) = (self.way, setting) {
             self.flow.begin(&case.start, false);
             self.flow.advance(duration_s, steps, 0.0);
-            return Some((self.flow.state(), steps * tableau.b.len()));
+            let end = self.flow.state();
+            let is_there = end
+                .coordinates
+                .iter()
+                .chain(&end.rates)
+                .all(|x| x.is_finite());
+            return (is_there.then_some(end), steps * tableau.b.len());
         }
         system.count = 0;
         let mut y = system.list(&case.start);
@@ -145,6 +151,7 @@ impl<'c> Ready<'c> {
             }
             _ => false,
         };
-        (is_there && y.iter().all(|x| x.is_finite())).then(|| (system.state(&y), system.count))
+        let is_there = is_there && y.iter().all(|x| x.is_finite());
+        (is_there.then(|| system.state(&y)), system.count)
     }
 }
