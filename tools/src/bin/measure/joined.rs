@@ -15,13 +15,8 @@ use crate::record::Record;
 use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent, share};
 
-/// Performances of each row, and of those that take seconds each.
-const SEEDS: u64 = 20;
-const SLOW_SEEDS: u64 = 5;
-/// Number of links from which on they do.
-const SLOW_LINKS: usize = 4;
 /// After which an answer is told to stop \[s\]; it has failed then.
-const LIMIT_S: f64 = 15.0;
+const LIMIT_S: f64 = 10.0;
 /// Of the wander of a usual hand.
 const DISTORTIONS: [f64; 3] = [1.0, 2.0, 4.0];
 /// An objective within this of the best known one, relative, is as good.
@@ -155,6 +150,16 @@ fn kinds() -> Vec<(String, Kind)> {
     kinds
 }
 
+/// Performances of a row: fewer of what takes seconds each.
+fn performances(kind: &Kind) -> u64 {
+    match (kind.is_clamped, kind.links) {
+        (true, 2) => 20,
+        (true, 3) => 10,
+        (true, 5) => 2,
+        _ => 5,
+    }
+}
+
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let header = [
@@ -180,10 +185,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             if !options.wants(&format!("{name}, {distortion}x")) {
                 continue;
             }
-            let seeds = options.seeds(match kind.links < SLOW_LINKS {
-                true => SEEDS,
-                false => SLOW_SEEDS,
-            });
+            let seeds = options.seeds(performances(&kind));
             let all: Vec<Performed> = seeds
                 .map(|seed| Performed::of(&kind, distortion, seed))
                 .collect();
