@@ -6,5 +6,5 @@ cd "$(dirname "$0")"
 
 python3 -m venv .venv
 .venv/bin/pip install --quiet --disable-pip-version-check \
-    casadi==3.8.2 drake==1.51.1 numpy==2.4.6
+    casadi==3.8.2 drake==1.51.1 mujoco==4.0.0 numpy==2.4.6 pin==4.1.0 scipy==1.17.1
 .venv/bin/python compiled.py

@@ -172,7 +172,7 @@ fn point(method: &Method, start: &Start, times_s: &[f64], truth: &Truth, quick: 
 
 /// Seconds of one call: the fastest and the median of several runs of some milliseconds, or of one
 /// call where that is longer.
-fn time_s(quick: bool, mut call: impl FnMut()) -> [f64; 2] {
+pub fn time_s(quick: bool, mut call: impl FnMut()) -> [f64; 2] {
     let (runs, least_s) = if quick { (3, 1e-4) } else { (9, 1e-3) };
     let mut repeat = 1_u32;
     let mut times_s = Vec::new();

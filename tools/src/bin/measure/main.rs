@@ -25,8 +25,10 @@ mod figure;
 mod flow;
 mod goals;
 mod held;
+mod joined;
 mod keyframes;
 mod ladder;
+mod mechanisms;
 mod methods;
 mod nonsense;
 mod objects;
@@ -45,6 +47,7 @@ mod statistics;
 mod stress;
 mod table;
 mod tosses;
+mod trees;
 mod uncertainty;
 
 use std::time::Instant;
@@ -191,6 +194,21 @@ const SUBJECTS: &[Subject] = &[
         "flow",
         "the free turn of a body beside other ways to compute it",
         flow::run
+    ),
+    subject!(
+        "joined",
+        "chains and pendulums from their sketches: how often, in what time",
+        joined::run
+    ),
+    subject!(
+        "trees",
+        "the motion of chains and pendulums by several integrators, and what its derivatives cost",
+        trees::run
+    ),
+    subject!(
+        "mechanisms",
+        "accelerations of trees, with derivatives, beside Pinocchio's and MuJoCo's",
+        mechanisms::run
     ),
     subject!(
         "tosses",

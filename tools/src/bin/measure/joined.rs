@@ -1,0 +1,225 @@
+//! The recipe on trees: chains and pendulums from the sketch, beside the same solver from the true state.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use enact::estimate::tree::{TreeProblem, estimate};
+use enact::motion::{Estimate, Observer, Verdict};
+use enact::pipeline::Pipeline;
+use enact::segment::clean::clean;
+use enact_tools::trees::{Jointed, Kind, TreeActing, TreePerformance, perform};
+use serde::Serialize;
+
+use crate::options::Options;
+use crate::record::Record;
+use crate::statistics::{largest, median};
+use crate::table::{Table, number, percent, share};
+
+/// After which an answer is told to stop \[s\]; it has failed then.
+const LIMIT_S: f64 = 10.0;
+/// Of the wander of a usual hand.
+const DISTORTIONS: [f64; 3] = [1.0, 2.0, 4.0];
+/// An objective within this of the best known one, relative, is as good.
+const SAME: f64 = 1e-4;
+
+/// Stops an answer that takes too long.
+struct Limit(Instant);
+
+impl Observer for Limit {
+    fn should_stop(&mut self) -> bool {
+        self.0.elapsed().as_secs_f64() > LIMIT_S
+    }
+}
+
+/// What came of one start.
+#[derive(Serialize)]
+struct Solved {
+    verdict: String,
+    is_physical: bool,
+    objective: Option<f64>,
+    iterations: usize,
+    evaluations: usize,
+    seconds: f64,
+}
+
+impl Solved {
+    fn of(estimate: Option<&Estimate>, begin: Instant) -> Self {
+        let seconds = begin.elapsed().as_secs_f64();
+        let Some(estimate) = estimate else {
+            return Self {
+                verdict: "refused".to_owned(),
+                is_physical: false,
+                objective: None,
+                iterations: 0,
+                evaluations: 0,
+                seconds,
+            };
+        };
+        Self {
+            verdict: format!("{:?}", estimate.verdict).to_lowercase(),
+            is_physical: estimate.verdict == Verdict::Physical,
+            objective: Some(estimate.objective).filter(|objective| objective.is_finite()),
+            iterations: estimate.counters.iterations,
+            evaluations: estimate.counters.evaluations,
+            seconds,
+        }
+    }
+
+    /// The objective of a motion.
+    fn best(&self) -> Option<f64> {
+        self.objective.filter(|_| self.is_physical)
+    }
+}
+
+/// One performance.
+#[derive(Serialize)]
+struct Performed {
+    seed: u64,
+    sketched: Solved,
+    from_truth: Solved,
+    /// Of the true motion, which the best one is below.
+    truth_objective: f64,
+}
+
+impl Performed {
+    fn of(kind: &Kind, distortion: f64, seed: u64) -> Self {
+        let performance = perform(kind, &TreeActing::of(distortion), seed);
+        Self {
+            seed,
+            sketched: sketched(&performance),
+            from_truth: from_truth(&performance),
+            truth_objective: performance.truth_cost(),
+        }
+    }
+
+    /// The lower objective of those of motions.
+    fn best(&self) -> Option<f64> {
+        let both = [self.sketched.best(), self.from_truth.best()];
+        both.into_iter().flatten().reduce(f64::min)
+    }
+
+    /// Whether one of the two found the best known motion.
+    fn has_best(&self, solved: &Solved) -> bool {
+        let found = solved.best().zip(self.best());
+        found.is_some_and(|(found, best)| found <= best * (1.0 + SAME))
+    }
+}
+
+/// The program, from the recording.
+fn sketched(performance: &TreePerformance) -> Solved {
+    let begin = Instant::now();
+    let events = performance.events.iter().cloned();
+    let outcome = Pipeline::of(performance.scene.clone(), events).finish(&mut Limit(begin));
+    Solved::of(
+        outcome.as_ref().ok().map(|outcome| &outcome.estimate),
+        begin,
+    )
+}
+
+/// Its solver, from the true state.
+fn from_truth(performance: &TreePerformance) -> Solved {
+    let begin = Instant::now();
+    let scene = &performance.scene;
+    let (Ok((sketch, _)), Some(tree)) = (
+        clean(scene, &performance.events),
+        scene.joint_trees().next(),
+    ) else {
+        return Solved::of(None, begin);
+    };
+    let problem = TreeProblem::new(scene, &sketch, tree);
+    let truth = performance.truth.clone();
+    let estimate = estimate(scene, &sketch, problem, truth, &mut Limit(begin));
+    Solved::of(Some(&estimate), begin)
+}
+
+fn kinds() -> Vec<(String, Kind)> {
+    let mut kinds = vec![("the chain".to_owned(), Kind::CHAIN)];
+    let joints = [
+        ("pins", Jointed::Pin),
+        ("universal", Jointed::Universal),
+        ("balls", Jointed::Ball),
+    ];
+    for links in 2..=5 {
+        kinds.extend(joints.map(|(name, joints)| {
+            (
+                format!("pendulum of {links}, {name}"),
+                Kind::pendulum(links, joints),
+            )
+        }));
+    }
+    kinds
+}
+
+/// Performances of a row: fewer of what takes seconds each.
+fn performances(kind: &Kind) -> u64 {
+    match (kind.is_clamped, kind.links) {
+        (true, 2) => 20,
+        (true, 3) => 10,
+        (true, 5) => 2,
+        _ => 5,
+    }
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let header = [
+        "motion",
+        "hand",
+        "performances",
+        "physical",
+        "best known",
+        "from the truth: physical",
+        "best known",
+        "iterations",
+        "evaluations",
+        "time, ms",
+        "longest, ms",
+        "from the truth: iterations",
+        "time, ms",
+    ];
+    let mut table = Table::new("recipe", "", &header);
+    let mut numbers = Vec::new();
+    let mut shares = DISTORTIONS.map(|_| (0, 0));
+    for (name, kind) in kinds() {
+        for (distortion, counted) in DISTORTIONS.into_iter().zip(&mut shares) {
+            if !options.wants(&format!("{name}, {distortion}x")) {
+                continue;
+            }
+            let seeds = options.seeds(performances(&kind));
+            let all: Vec<Performed> = seeds
+                .map(|seed| Performed::of(&kind, distortion, seed))
+                .collect();
+            let of = |of: &dyn Fn(&Performed) -> f64| all.iter().map(of).collect::<Vec<f64>>();
+            let times_s = of(&|one| one.sketched.seconds);
+            table.row([
+                name.clone(),
+                format!("{distortion}×"),
+                all.len().to_string(),
+                share(&all, |one| one.sketched.is_physical),
+                share(&all, |one| one.has_best(&one.sketched)),
+                share(&all, |one| one.from_truth.is_physical),
+                share(&all, |one| one.has_best(&one.from_truth)),
+                number(median(&of(&|one| one.sketched.iterations as f64))),
+                number(median(&of(&|one| one.sketched.evaluations as f64))),
+                number(1e3 * median(&times_s)),
+                number(1e3 * largest(&times_s)),
+                number(median(&of(&|one| one.from_truth.iterations as f64))),
+                number(1e3 * median(&of(&|one| one.from_truth.seconds))),
+            ]);
+            eprintln!("  {name}, {distortion}x");
+            counted.0 += all.iter().filter(|one| one.has_best(&one.sketched)).count();
+            counted.1 += all.len();
+            numbers.push((name.clone(), distortion, all));
+        }
+    }
+    let said = DISTORTIONS.iter().zip(shares);
+    let said: Vec<String> = said
+        .map(|(distortion, (found, of))| format!("{} at {distortion}×", percent(found, of)))
+        .collect();
+    record.say(format!(
+        "Chains and pendulums of 2 to 5 rods from their sketches: the best known motion is found of {}.",
+        said.join(", ")
+    ));
+    record.table(table);
+    record.numbers("joined", &numbers)
+}
