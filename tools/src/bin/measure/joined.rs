@@ -35,7 +35,8 @@ impl Observer for Limit {
 #[derive(Serialize)]
 struct Solved {
     verdict: String,
-    is_physical: bool,
+    /// Whether it is a motion: doubted ones, far from their sketch, obey the laws too.
+    is_motion: bool,
     objective: Option<f64>,
     iterations: usize,
     evaluations: usize,
@@ -48,7 +49,7 @@ impl Solved {
         let Some(estimate) = estimate else {
             return Self {
                 verdict: "refused".to_owned(),
-                is_physical: false,
+                is_motion: false,
                 objective: None,
                 iterations: 0,
                 evaluations: 0,
@@ -57,7 +58,7 @@ impl Solved {
         };
         Self {
             verdict: format!("{:?}", estimate.verdict).to_lowercase(),
-            is_physical: estimate.verdict == Verdict::Physical,
+            is_motion: estimate.verdict != Verdict::Failed,
             objective: Some(estimate.objective).filter(|objective| objective.is_finite()),
             iterations: estimate.counters.iterations,
             evaluations: estimate.counters.evaluations,
@@ -67,7 +68,7 @@ impl Solved {
 
     /// The objective of a motion.
     fn best(&self) -> Option<f64> {
-        self.objective.filter(|_| self.is_physical)
+        self.objective.filter(|_| self.is_motion)
     }
 }
 
@@ -166,9 +167,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         "motion",
         "hand",
         "performances",
-        "physical",
+        "motions",
         "best known",
-        "from the truth: physical",
+        "from the truth: motions",
         "best known",
         "iterations",
         "evaluations",
@@ -195,9 +196,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                 name.clone(),
                 format!("{distortion}×"),
                 all.len().to_string(),
-                share(&all, |one| one.sketched.is_physical),
+                share(&all, |one| one.sketched.is_motion),
                 share(&all, |one| one.has_best(&one.sketched)),
-                share(&all, |one| one.from_truth.is_physical),
+                share(&all, |one| one.from_truth.is_motion),
                 share(&all, |one| one.has_best(&one.from_truth)),
                 number(median(&of(&|one| one.sketched.iterations as f64))),
                 number(median(&of(&|one| one.sketched.evaluations as f64))),
