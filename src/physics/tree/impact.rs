@@ -6,6 +6,7 @@
 //! then is singular, and what the law says of `W⁻¹` is said of its pseudo-inverse.
 
 mod derivative;
+mod point;
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
