@@ -5,7 +5,7 @@
 //! ([`Law`]), with this `W`. Joints may hold the contact along some directions, a pin's tip along all but one: `W`
 //! then is singular, and what the law says of `W⁻¹` is said of its pseudo-inverse.
 
-mod derivative;
+pub(super) mod derivative;
 mod point;
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -14,8 +14,6 @@ use super::snapshot::Snapshot;
 use super::state::TreeState;
 use crate::physics::contact::{Contact, Frame, Touch};
 use crate::physics::impact::{Coulomb, ImpactError, Law, tilted};
-
-pub use derivative::TreeImpactDerivative;
 
 /// The result of an impact of a tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,18 +57,6 @@ impl Snapshot<'_> {
         law: &Law,
     ) -> Result<TreeImpact, ImpactError> {
         Ok(self.solved(link, contact, law)?.impact(state))
-    }
-
-    /// The same, with its derivatives.
-    pub fn impact_derivative(
-        &self,
-        state: &TreeState,
-        (link, contact): (usize, &Contact),
-        law: &Law,
-    ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
-        let solved = self.solved(link, contact, law)?;
-        let derivative = self.derivative_of(&solved, state, (link, contact))?;
-        Ok((solved.impact(state), derivative))
     }
 
     fn solved(&self, link: usize, contact: &Contact, law: &Law) -> Result<Solved, ImpactError> {

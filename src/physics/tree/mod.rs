@@ -22,7 +22,8 @@ mod tangent;
 
 pub use error::TreeError;
 pub use flow::Flow;
-pub use impact::{TreeImpact, TreeImpactDerivative};
+pub use impact::TreeImpact;
+pub use impact::derivative::TreeImpactDerivative;
 pub use joint::{Joint, JointKind};
 pub use kinematics::Root;
 pub use model::{Link, Tree};

@@ -3,10 +3,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::Solved;
 use super::point::Point;
+use super::{Solved, TreeImpact};
 use crate::physics::contact::{Contact, Frame};
-use crate::physics::impact::{CoulombChange, ImpactError};
+use crate::physics::impact::{CoulombChange, ImpactError, Law};
 use crate::physics::state::{DIMENSION, part};
 use crate::physics::tree::snapshot::Snapshot;
 use crate::physics::tree::state::TreeState;
@@ -32,7 +32,19 @@ pub struct TreeImpactDerivative {
 }
 
 impl Snapshot<'_> {
-    pub(super) fn derivative_of(
+    /// [`Snapshot::impact`] with its derivatives. Fails and panics as that does.
+    pub fn impact_derivative(
+        &self,
+        state: &TreeState,
+        (link, contact): (usize, &Contact),
+        law: &Law,
+    ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
+        let solved = self.solved(link, contact, law)?;
+        let derivative = self.derivative_of(&solved, state, (link, contact))?;
+        Ok((solved.impact(state), derivative))
+    }
+
+    fn derivative_of(
         &self,
         solved: &Solved,
         state: &TreeState,
