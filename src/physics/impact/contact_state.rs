@@ -152,7 +152,7 @@ impl<'a> ContactState<'a> {
 
 /// The normal rotated by the law's tilt about these axes [world], with its derivatives by the
 /// tilts.
-pub(super) fn tilted(
+pub(crate) fn tilted(
     normal: &Vector3<f64>,
     axes: &[Vector3<f64>; 2],
     law: &Law,

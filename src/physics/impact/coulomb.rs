@@ -12,13 +12,18 @@ use super::error::ImpactError;
 use super::law::Law;
 use super::rows::Change;
 
+/// Share of the greatest eigenvalue of `W` below which an impulse along an eigenvector moves nothing.
+const RIGID: f64 = 1e-12;
+
 /// The impulse with the intermediate results that its derivatives need.
-pub(super) struct Coulomb {
+pub(crate) struct Coulomb {
     law: Law,
     normal: Vector3<f64>,
     velocity: Vector3<f64>,
     delassus: Matrix3<f64>,
     inverse_delassus: Matrix3<f64>,
+    /// `I − W⁻¹ W`: on directions along which no impulse moves the contact.
+    rigid: Matrix3<f64>,
     /// `n·W n`.
     normal_delassus: f64,
     /// `n·P_I` [N s].
@@ -41,24 +46,80 @@ enum Slide {
 }
 
 /// Changes of the law's inputs.
-pub(super) struct CoulombChange<const C: usize> {
-    pub(super) normal: Change<C>,
-    pub(super) velocity: Change<C>,
+pub(crate) struct CoulombChange<const C: usize> {
+    pub(crate) normal: Change<C>,
+    pub(crate) velocity: Change<C>,
     /// Change of `W`, times `n`.
-    pub(super) delassus_normal: Change<C>,
+    pub(crate) delassus_normal: Change<C>,
     /// Change of `W`, times `P_II`.
-    pub(super) delassus_stuck: Change<C>,
+    pub(crate) delassus_stuck: Change<C>,
+    /// Change of `W`, times `W⁻¹ P_II`; of bodies it does not count.
+    pub(crate) delassus_rigid: Change<C>,
 }
 
 impl Coulomb {
-    pub(super) fn new(
+    /// Of bodies by themselves, whose `W` is regular.
+    pub(crate) fn new(
         law: &Law,
         normal: &Vector3<f64>,
         velocity: &Vector3<f64>,
         delassus: &Matrix3<f64>,
     ) -> Result<Self, ImpactError> {
         let factor = delassus.cholesky().ok_or(ImpactError::NoResponse)?;
-        let inverse_delassus = factor.inverse();
+        let inverses = [factor.inverse(), Matrix3::zeros()];
+        Ok(Self::with_inverse(
+            (law, normal),
+            velocity,
+            (delassus, inverses),
+        ))
+    }
+
+    /// Of bodies that joints may hold along some directions: `W⁻¹` is the pseudo-inverse. A contact's velocity
+    /// `v = J u` is in the range of `W = J M⁻¹ Jᵀ`, so that `W P_II = −v` and all that the law promises stays.
+    ///
+    /// Fails where the normal is a direction along which nothing moves, or poses are not finite.
+    pub(crate) fn of_joined(
+        law: &Law,
+        normal: &Vector3<f64>,
+        velocity: &Vector3<f64>,
+        delassus: &Matrix3<f64>,
+    ) -> Result<Self, ImpactError> {
+        if !delassus.iter().chain(velocity).all(|x| x.is_finite()) {
+            return Err(ImpactError::NoResponse);
+        }
+        let eigen = delassus.symmetric_eigen();
+        let least = RIGID * eigen.eigenvalues.max();
+        if !(normal.dot(&(delassus * normal)) > least) {
+            return Err(ImpactError::NoResponse);
+        }
+        let (mut inverse, mut rigid) = (Matrix3::zeros(), Matrix3::identity());
+        for (value, vector) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
+            if *value > least {
+                let square = vector * vector.transpose();
+                inverse += square / *value;
+                rigid -= square;
+            }
+        }
+        if eigen.eigenvalues.iter().all(|value| *value > least) {
+            rigid = Matrix3::zeros();
+        }
+        let inverses = [inverse, rigid];
+        Ok(Self::with_inverse(
+            (law, normal),
+            velocity,
+            (delassus, inverses),
+        ))
+    }
+
+    fn with_inverse(
+        (law, normal): (&Law, &Vector3<f64>),
+        velocity: &Vector3<f64>,
+        (delassus, [inverse_delassus, rigid]): (&Matrix3<f64>, [Matrix3<f64>; 2]),
+    ) -> Self {
         let normal_delassus = normal.dot(&(delassus * normal));
         let plastic = -normal.dot(velocity) / normal_delassus;
         let to_stick = -(inverse_delassus * velocity) - normal * plastic;
@@ -77,56 +138,65 @@ impl Coulomb {
         } else {
             (0.0, Slide::Free)
         };
-        Ok(Self {
+        Self {
             law: *law,
             normal: *normal,
             velocity: *velocity,
             delassus: *delassus,
             inverse_delassus,
+            rigid,
             normal_delassus,
             plastic,
             to_stick,
             share,
             slide,
-        })
+        }
     }
 
-    pub(super) fn impulse(&self) -> Vector3<f64> {
+    pub(crate) fn impulse(&self) -> Vector3<f64> {
         self.normal * ((1.0 + self.law.restitution) * self.plastic) + self.to_stick * self.share
     }
 
-    pub(super) fn sticks(&self) -> bool {
+    pub(crate) fn sticks(&self) -> bool {
         matches!(self.slide, Slide::Sticks)
     }
 
     /// The tilted normal `n` of the law.
-    pub(super) fn normal(&self) -> &Vector3<f64> {
+    pub(crate) fn normal(&self) -> &Vector3<f64> {
         &self.normal
     }
 
     /// `P_II`.
-    pub(super) fn stuck(&self) -> Vector3<f64> {
+    pub(crate) fn stuck(&self) -> Vector3<f64> {
         self.to_stick + self.normal * self.plastic
     }
 
     /// Changes of the impulse under changes of the relative velocity only.
-    pub(super) fn by_velocity<const C: usize>(&self, velocity: Change<C>) -> Change<C> {
+    pub(crate) fn by_velocity<const C: usize>(&self, velocity: Change<C>) -> Change<C> {
         self.change(&CoulombChange {
             normal: Change::zeros(),
             velocity,
             delassus_normal: Change::zeros(),
             delassus_stuck: Change::zeros(),
+            delassus_rigid: Change::zeros(),
         })
     }
 
+    /// `W⁻¹ P_II`.
+    pub(crate) fn stuck_twice(&self) -> Vector3<f64> {
+        self.inverse_delassus * self.stuck()
+    }
+
     /// Changes of the impulse under changes of all inputs.
-    pub(super) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
+    pub(crate) fn change<const C: usize>(&self, by: &CoulombChange<C>) -> Change<C> {
         let (n, e) = (&self.normal, self.law.restitution);
         let speed = self.velocity.tr_mul(&by.normal) + n.tr_mul(&by.velocity);
         let delassus = (self.delassus * n).tr_mul(&by.normal) * 2.0 + n.tr_mul(&by.delassus_normal);
         let plastic = -(speed + delassus * self.plastic) / self.normal_delassus;
         let plastic_vector = n * plastic + by.normal * self.plastic;
-        let stuck = -(self.inverse_delassus * (by.velocity + by.delassus_stuck));
+        // With `δ(W⁻¹) = −W⁻¹ δW W⁻¹ + (I − W⁻¹ W) δW W⁻²` on the range of `W`.
+        let stuck = self.rigid * by.delassus_rigid
+            - self.inverse_delassus * (by.velocity + by.delassus_stuck);
         let to_stick = stuck - plastic_vector;
         let change = plastic_vector * (1.0 + e) + to_stick * self.share;
         let Slide::Slides(direction, margin) = &self.slide else {
@@ -140,7 +210,7 @@ impl Coulomb {
     }
 
     /// Derivative of the impulse by the restitution.
-    pub(super) fn by_restitution(&self) -> Vector3<f64> {
+    pub(crate) fn by_restitution(&self) -> Vector3<f64> {
         let share = match self.slide {
             Slide::Slides(_, margin) => self.law.friction * self.plastic / margin,
             Slide::Sticks | Slide::Free => 0.0,
@@ -149,7 +219,7 @@ impl Coulomb {
     }
 
     /// Derivative of the impulse by the coefficient of friction.
-    pub(super) fn by_friction(&self) -> Vector3<f64> {
+    pub(crate) fn by_friction(&self) -> Vector3<f64> {
         match self.slide {
             Slide::Slides(_, margin) => {
                 let rebound = (1.0 + self.law.restitution) * self.plastic;

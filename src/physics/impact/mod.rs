@@ -28,5 +28,8 @@ pub use error::{ContactSetError, ImpactError};
 pub use law::{Impact, Law, Side, Velocities};
 pub use model::ImpactByModel;
 
+pub(crate) use contact_state::tilted;
+pub(crate) use coulomb::{Coulomb, CoulombChange};
+
 #[cfg(test)]
 mod tests;

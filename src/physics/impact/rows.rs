@@ -11,7 +11,7 @@ use super::inertia::InverseInertia;
 use super::law::{Side, Velocities};
 
 /// Changes of a vector, one column for each variable.
-pub(super) type Change<const C: usize> = SMatrix<f64, 3, C>;
+pub(crate) type Change<const C: usize> = SMatrix<f64, 3, C>;
 
 /// Number of rows; rows of absent contacts are zero.
 pub(super) const ROWS: usize = 3;

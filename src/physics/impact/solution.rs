@@ -137,6 +137,7 @@ impl<'a> Solution<'a> {
                 velocity,
                 delassus_normal: self.rows.delassus_change(law.normal(), by),
                 delassus_stuck: self.rows.delassus_change(&law.stuck(), by),
+                delassus_rigid: Change::zeros(),
             }),
             Solved::Newton(law) => {
                 law.change(&velocity, &self.rows.delassus_change(&self.impulses, by))
@@ -168,6 +169,7 @@ impl<'a> Solution<'a> {
                 velocity: Change::zeros(),
                 delassus_normal: delassus(law.normal()),
                 delassus_stuck: delassus(&law.stuck()),
+                delassus_rigid: Change::zeros(),
             }),
             Solved::Newton(law) => law.change(&Change::zeros(), &delassus(&self.impulses)),
         }

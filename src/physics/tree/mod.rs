@@ -6,6 +6,7 @@ mod change;
 mod error;
 mod field;
 mod flow;
+mod impact;
 mod jacobian;
 mod joint;
 mod kinematics;
@@ -21,6 +22,8 @@ mod tangent;
 
 pub use error::TreeError;
 pub use flow::Flow;
+pub use impact::TreeImpact;
+pub use impact::derivative::TreeImpactDerivative;
 pub use joint::{Joint, JointKind};
 pub use kinematics::Root;
 pub use model::{Link, Tree};

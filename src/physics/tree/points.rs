@@ -74,7 +74,7 @@ impl Snapshot<'_> {
 
     /// Change of the rates by an impulse [N s, world] at a point of a link, `M⁻¹ Jᵀ p`.
     pub fn impulse_response(
-        &mut self,
+        &self,
         link: usize,
         point: &Vector3<f64>,
         impulse: &Vector3<f64>,
@@ -98,17 +98,8 @@ impl Snapshot<'_> {
     }
 
     /// What an impulse at a point does to the point's own velocity, `K = J M⁻¹ Jᵀ` [1/kg].
-    pub fn inverse_mass_at(&mut self, link: usize, point: &Vector3<f64>) -> Matrix3<f64> {
-        let freedoms = self.tree.freedoms();
-        let mut jacobian = DMatrix::zeros(3, freedoms);
-        self.point_jacobian(link, point, &mut jacobian);
-        let mut response = DMatrix::zeros(freedoms, 3);
-        for axis in 0..3 {
-            let mut column = response.column_mut(axis);
-            self.impulse_response(link, point, &Vector3::ith(axis, 1.0), column.as_mut_slice());
-        }
-        let product = jacobian * response;
-        product.fixed_view::<3, 3>(0, 0).into_owned()
+    pub fn inverse_mass_at(&self, link: usize, point: &Vector3<f64>) -> Matrix3<f64> {
+        self.response_at(link, point).0
     }
 
     /// Kinetic and potential energy \[J\], springs' included; heights are against the world's origin.

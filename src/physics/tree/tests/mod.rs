@@ -4,6 +4,7 @@ mod accelerations;
 mod examples;
 mod flow;
 mod forms;
+mod impacts;
 mod links;
 mod motions;
 mod refusals;
