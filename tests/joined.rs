@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use enact::config::scene_from_toml;
-use enact::motion::{About, GoalSet, GoalTarget, LinkIndex, TakeEvent, Verdict};
+use enact::motion::{About, Estimate, GoalSet, GoalTarget, LinkIndex, TakeEvent, Verdict};
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::sampling::SampledMotion;
+use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::trees::{self, Jointed, Kind, TreeActing, TreePerformance};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -298,4 +299,25 @@ fn energy_is_kept_over_the_motion() {
     let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = energies.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(most - least < 1e-8, "{least} {most}");
+}
+
+/// What the equations of motion do not lead to, and what no hand makes, is doubted.
+#[test]
+fn knots_that_do_not_follow_from_the_first_are_doubted() {
+    let performance = trees::perform(&PENDULUMS[1], &hung(), 8051);
+    let estimate = finished(&performance).estimate;
+    let doubts = |estimate: &Estimate| -> Vec<About> {
+        let doubts = verify::joined::doubts(&performance.scene, estimate);
+        doubts.iter().map(|doubt| doubt.about).collect()
+    };
+    assert_eq!(doubts(&estimate), []);
+    let mut moved = estimate.clone();
+    moved.trees[0].knots.last_mut().unwrap().state.coordinates[0] += 1e-4;
+    assert_eq!(doubts(&moved), [About::Steps]);
+    let mut unknown = estimate.clone();
+    unknown.trees[0].knots[3].state.coordinates[0] = f64::NAN;
+    assert!(doubts(&unknown).contains(&About::Steps));
+    let mut whirled = estimate.clone();
+    whirled.trees[0].knots[2].state.rates[0] = 2000.0;
+    assert_eq!(doubts(&whirled), [About::Speed, About::Spin]);
 }

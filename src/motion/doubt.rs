@@ -69,6 +69,8 @@ pub enum About {
     OpenTimes,
     /// Number of other motions that are as near to the keyframes.
     Rivals,
+    /// How far the motion of joined bodies is from one integrated with steps of half the length.
+    Steps,
     /// Angle of a body's axis from where it should point at rest.
     Rest,
 }
@@ -100,6 +102,7 @@ impl About {
             About::Keyframes => "keyframes",
             About::OpenTimes => "open_times",
             About::Rivals => "rivals",
+            About::Steps => "steps",
             About::Rest => "rest",
         }
     }
@@ -107,7 +110,7 @@ impl About {
     /// Its unit; empty for ratios, and for a parameter, which has its own.
     pub fn unit(self) -> &'static str {
         match self {
-            About::Overlap | About::WrongFeature => "m",
+            About::Overlap | About::WrongFeature | About::Steps => "m",
             About::Speed => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest => "rad",
@@ -148,7 +151,8 @@ impl About {
             | About::GravitySpread
             | About::Keyframes
             | About::OpenTimes
-            | About::Rivals => Verdict::Plausible,
+            | About::Rivals
+            | About::Steps => Verdict::Plausible,
             About::Speed
             | About::Spin
             | About::Way

@@ -2,13 +2,8 @@
 
 use super::outcome::{Outcome, PipelineError};
 use crate::estimate::tree::{TreeProblem, estimate};
-use crate::motion::{
-    About, Doubt, DropReason, Observer, Phase, Place, Scene, TakeEvent, TrackResidual,
-};
-use crate::{initialise, segment};
-
-/// Greatest root mean square residual of a track, in units of its weights.
-const RESIDUAL: f64 = 3.0;
+use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
+use crate::{initialise, segment, verify};
 
 /// The outcome of a take of joined bodies; `None` of a scene of bodies by themselves.
 pub(super) fn outcome(
@@ -35,12 +30,7 @@ pub(super) fn outcome(
     counts.used = samples().count() - before - after;
     counts.drop(DropReason::BeforeStart, before);
     counts.drop(DropReason::AfterEnd, after);
-    let residuals = estimate.trees.iter().flat_map(|tree| &tree.residuals);
-    let doubts = residuals.filter_map(|residual| {
-        let rms = in_weights(scene, residual);
-        Doubt::beyond(About::Residual, Place::Motion, rms, RESIDUAL)
-    });
-    let doubts = doubts.collect();
+    let doubts = verify::joined::doubts(scene, &estimate);
     estimate.doubt(doubts);
     let marks_made_s = sketch.marks_s.iter().copied().map(Some).collect();
     Ok(Some(Outcome {
@@ -58,16 +48,4 @@ pub(super) fn outcome(
         diagnoses: Vec::new(),
         rest: None,
     }))
-}
-
-/// The larger residual of a track in units of its weights.
-fn in_weights(scene: &Scene, residual: &TrackResidual) -> f64 {
-    let weights = scene.tracks[residual.track].weights(&scene.weights);
-    let position = residual
-        .position_rms_m
-        .map(|rms_m| rms_m / weights.position_m);
-    let turn = residual
-        .orientation_rms_rad
-        .map(|rms_rad| rms_rad / weights.orientation_rad);
-    position.into_iter().chain(turn).fold(0.0, f64::max)
 }

@@ -74,6 +74,11 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             )
         }
         About::Rest => not_at_rest_so(scene, doubt, &subject),
+        About::Steps => format!(
+            "integrated with steps of half the length {subject} ends {:.3} mm elsewhere, expected at most {:.3} mm",
+            value * 1e3,
+            bound * 1e3
+        ),
         About::WrongFeature => wrong_feature(scene, doubt, &subject),
         About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
         About::Spin => format!("{subject} spins at {value:.0} rad/s, expected at most {bound:.0}"),

@@ -5,12 +5,13 @@
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
 //! Euler's equations (`series`), collisions by distance. `balance` checks energy and momentum.
 //! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
-//! be what was acted.
+//! be what was acted; [`joined`] checks what is checked of joined bodies.
 
 mod balance;
 pub mod credible;
 mod expected;
 mod gap;
+pub mod joined;
 mod law;
 mod meeting;
 mod moving;

@@ -6,9 +6,9 @@ use crate::physics::flow;
 use crate::verify::moving::spin_bound_rad_s;
 
 /// Greatest speed of a point of a body [m/s].
-const SPEED_M_S: f64 = 80.0;
+pub(in crate::verify) const SPEED_M_S: f64 = 80.0;
 /// Greatest angular speed [rad/s].
-const SPIN_RAD_S: f64 = 1000.0;
+pub(in crate::verify) const SPIN_RAD_S: f64 = 1000.0;
 /// Greatest ratio of the estimated to the acted way of a flight.
 const WAY: f64 = 5.0;
 /// Greatest ratio of acted to physical duration of the motion,

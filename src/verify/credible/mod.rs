@@ -36,7 +36,7 @@ mod brief;
 mod doubts;
 mod fit;
 mod flights;
-mod kinematics;
+pub(super) mod kinematics;
 mod kink;
 mod marks;
 mod open_times;
