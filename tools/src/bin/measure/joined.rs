@@ -183,7 +183,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut shares = DISTORTIONS.map(|_| (0, 0));
     for (name, kind) in kinds() {
         for (distortion, counted) in DISTORTIONS.into_iter().zip(&mut shares) {
-            if !options.wants(&format!("{name}, {distortion}x")) {
+            // A quick run leaves out what takes seconds each.
+            let is_slow = distortion > DISTORTIONS[0] || kind.is_clamped && kind.links > 3;
+            if options.quick && is_slow || !options.wants(&format!("{name}, {distortion}x")) {
                 continue;
             }
             let seeds = options.seeds(performances(&kind));
