@@ -75,7 +75,7 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
         }
         About::Rest => not_at_rest_so(scene, doubt, &subject),
         About::Steps => format!(
-            "integrated with steps of half the length {subject} ends {:.3} mm elsewhere, expected at most {:.3} mm",
+            "integrated with steps of half the length {subject} is {:.3} mm elsewhere, expected at most {:.3} mm",
             value * 1e3,
             bound * 1e3
         ),

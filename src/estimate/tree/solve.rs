@@ -1,5 +1,6 @@
 //! From a first guess to the optimum: grow the part of the sketch that counts from the start, so that no fit
-//! has to find more than a part of a whirl; bring the goals in by a sweep; finish.
+//! has to find more than a part of a whirl; bring the goals in by a sweep; come near by steps in a trust region;
+//! finish.
 
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::program::{Nodes, Part, TreeProgram};

@@ -56,7 +56,7 @@ pub fn precision(measured: &Measured, cost: Cost) -> Figure {
     }
 }
 
-/// Error across, drift of the energy up.
+/// Work across, drift of the energy up.
 pub fn drift(measured: &Measured) -> Figure {
     let mark = |point: &Point| Mark {
         x: point.right_sides,
