@@ -223,7 +223,7 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
         (
             "kind = \"end\"",
             "kind = \"end\"\ntime = \"unknown\"",
-            "at the marks",
+            "by their marks",
         ),
         (
             "[[goal]]",
@@ -305,12 +305,13 @@ fn energy_is_kept_over_the_motion() {
 #[test]
 fn knots_that_do_not_follow_from_the_first_are_doubted() {
     let performance = trees::perform(&PENDULUMS[1], &hung(), 8051);
-    let estimate = finished(&performance).estimate;
+    let outcome = finished(&performance);
+    let (estimate, made) = (&outcome.estimate, (&outcome.sketch, &*outcome.marks_made_s));
     let doubts = |estimate: &Estimate| -> Vec<About> {
-        let doubts = verify::joined::doubts(&performance.scene, estimate);
+        let doubts = verify::joined::doubts(&performance.scene, made, estimate);
         doubts.iter().map(|doubt| doubt.about).collect()
     };
-    assert_eq!(doubts(&estimate), []);
+    assert_eq!(doubts(estimate), []);
     let mut moved = estimate.clone();
     moved.trees[0].knots.last_mut().unwrap().state.coordinates[0] += 1e-4;
     assert_eq!(doubts(&moved), [About::Steps]);

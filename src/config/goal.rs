@@ -255,7 +255,8 @@ impl<'a> Table<'a> {
             return Ok(Moment::Before);
         };
         let collision = self.scene.events[self.event].kind.collision();
-        if collision.is_some_and(|of| of.links().any(|other| other == link)) {
+        let mechanism = self.scene.mechanism_of(link);
+        if collision.is_some_and(|of| self.scene.takes_part(mechanism, of)) {
             return Ok(Moment::After);
         }
         fault(

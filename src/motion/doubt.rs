@@ -71,6 +71,12 @@ pub enum About {
     Rivals,
     /// How far the motion of joined bodies is from one integrated with steps of half the length.
     Steps,
+    /// How far what hits is from touching at its impact.
+    Gap,
+    /// How fast what hits recedes before its impact.
+    Receding,
+    /// Share of its kinetic energy that a motion gains at an impact.
+    Energy,
     /// Angle of a body's axis from where it should point at rest.
     Rest,
 }
@@ -103,6 +109,9 @@ impl About {
             About::OpenTimes => "open_times",
             About::Rivals => "rivals",
             About::Steps => "steps",
+            About::Gap => "gap",
+            About::Receding => "receding",
+            About::Energy => "energy",
             About::Rest => "rest",
         }
     }
@@ -110,8 +119,8 @@ impl About {
     /// Its unit; empty for ratios, and for a parameter, which has its own.
     pub fn unit(self) -> &'static str {
         match self {
-            About::Overlap | About::WrongFeature | About::Steps => "m",
-            About::Speed => "m/s",
+            About::Overlap | About::WrongFeature | About::Steps | About::Gap => "m",
+            About::Speed | About::Receding => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest => "rad",
             About::AfterMark | About::BeforeMark | About::Outside => "s",
@@ -128,7 +137,8 @@ impl About {
             | About::Ambiguity
             | About::Keyframes
             | About::OpenTimes
-            | About::Rivals => "",
+            | About::Rivals
+            | About::Energy => "",
         }
     }
 
@@ -152,7 +162,10 @@ impl About {
             | About::Keyframes
             | About::OpenTimes
             | About::Rivals
-            | About::Steps => Verdict::Plausible,
+            | About::Steps
+            | About::Gap
+            | About::Receding
+            | About::Energy => Verdict::Plausible,
             About::Speed
             | About::Spin
             | About::Way

@@ -51,6 +51,14 @@ impl TreeEstimate {
         ]
     }
 
+    /// Whether all states are finite.
+    pub fn is_finite(&self) -> bool {
+        self.knots.iter().all(|knot| {
+            let mut numbers = knot.state.coordinates.iter().chain(&knot.state.rates);
+            numbers.all(|number| number.is_finite())
+        })
+    }
+
     /// The state at a time within the motion: what the flow leads to from the last knot before it.
     pub fn state(&self, tree: &Tree, gravity_m_s2: &Vector3<f64>, time_s: f64) -> TreeState {
         let after = self.knots.partition_point(|knot| knot.time_s <= time_s);

@@ -57,7 +57,7 @@ pub use scene::{
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
     GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Joint, JointTree, Link, Mechanism, Moment,
     Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track,
-    Untold, VelocityGaps, Weighing, Weights,
+    TreeTouch, Untold, VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

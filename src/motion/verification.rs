@@ -21,6 +21,22 @@ pub struct Penetration {
     pub point_m: Vector3<f64>,
 }
 
+impl Penetration {
+    /// The doubt that it casts, where so much is tolerated \[m\].
+    pub fn doubt(&self, tolerance_m: f64) -> Doubt {
+        Doubt {
+            about: About::Overlap,
+            place: Place::Inside {
+                link: self.link,
+                against: self.against,
+                time_s: self.time_s,
+            },
+            value: self.depth_m,
+            bound: tolerance_m,
+        }
+    }
+}
+
 /// The first touch of a link at a collision, by its whole shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
@@ -47,6 +63,23 @@ pub struct Touch {
     pub overlap_m: f64,
     /// Whether another part than expected leads by more than the tolerance.
     pub is_wrong: bool,
+}
+
+impl Touch {
+    /// The doubt that it casts where it is wrong, and so much is tolerated \[m\].
+    pub fn doubt(&self, tolerance_m: f64) -> Doubt {
+        Doubt {
+            about: About::WrongFeature,
+            place: Place::Touch {
+                event: self.event,
+                link: self.link,
+                expected: self.expected.clone(),
+                found: self.found,
+            },
+            value: self.lead_m,
+            bound: tolerance_m,
+        }
+    }
 }
 
 /// Difference between the single shot and the estimate at one instant.
@@ -137,27 +170,10 @@ impl Verification {
 
     /// The deepest overlap and every touch of another part than expected.
     pub fn doubts(&self) -> Vec<Doubt> {
-        let deepest = self.deepest.iter().map(|deepest| Doubt {
-            about: About::Overlap,
-            place: Place::Inside {
-                link: deepest.link,
-                against: deepest.against,
-                time_s: deepest.time_s,
-            },
-            value: deepest.depth_m,
-            bound: self.tolerance_m,
-        });
-        let wrong = self.wrong_features().map(|touch| Doubt {
-            about: About::WrongFeature,
-            place: Place::Touch {
-                event: touch.event,
-                link: touch.link,
-                expected: touch.expected.clone(),
-                found: touch.found,
-            },
-            value: touch.lead_m,
-            bound: self.tolerance_m,
-        });
+        let wrong = self.wrong_features();
+        let wrong = wrong.map(|touch| touch.doubt(self.tolerance_m));
+        let deepest = self.deepest.iter();
+        let deepest = deepest.map(|deepest| deepest.doubt(self.tolerance_m));
         deepest.chain(wrong).collect()
     }
 }

@@ -30,9 +30,9 @@ pub(super) fn outcome(
     counts.used = samples().count() - before - after;
     counts.drop(DropReason::BeforeStart, before);
     counts.drop(DropReason::AfterEnd, after);
-    let doubts = verify::joined::doubts(scene, &estimate);
+    let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();
+    let doubts = verify::joined::doubts(scene, (&sketch, &marks_made_s), &estimate);
     estimate.doubt(doubts);
-    let marks_made_s = sketch.marks_s.iter().copied().map(Some).collect();
     Ok(Some(Outcome {
         scene: scene.clone(),
         given: scene.clone(),

@@ -79,6 +79,18 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             value * 1e3,
             bound * 1e3
         ),
+        About::Gap => format!(
+            "what hits is {:.3} mm from touching, expected at most {:.3} mm",
+            value * 1e3,
+            bound * 1e3
+        ),
+        About::Receding => format!(
+            "what hits recedes at {value:.3} m/s before, expected at most {bound:.3}: it does not come near"
+        ),
+        About::Energy => format!(
+            "an impact adds {} to the kinetic energy, expected nothing",
+            percent(value)
+        ),
         About::WrongFeature => wrong_feature(scene, doubt, &subject),
         About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
         About::Spin => format!("{subject} spins at {value:.0} rad/s, expected at most {bound:.0}"),

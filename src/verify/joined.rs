@@ -4,20 +4,40 @@
 //! |---|---|---|
 //! | residual of a track, in weights | 3 | 2 of a hand that wanders by 20 mm, with weights of 10 mm |
 //! | speed of a link's fastest point, its angular speed | as [`credible`](super::credible) | |
-//! | distance from the same start integrated with half the steps | 1 µm | errors at the end of 2 to 5 links, in `tools/results/trees.md`: up to 10⁻⁸ rad |
+//! | distance from the same start integrated with half the steps, through impacts by their law | 1 µm | errors at the end of 2 to 5 links, in `tools/results/trees.md`: up to 10⁻⁸ rad |
+//! | distance of what touches at an impact, speed at which it recedes, kinetic energy gained | 1 µm, 1 µm/s, 10⁻⁹ | the same |
+//! | time of an event from its mark | as of bodies | |
+//! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`TOLERANCE_M`]) | |
+
+mod again;
+mod link;
+
+pub(super) use link::JoinedLink;
 
 use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
-use crate::motion::{About, Doubt, Estimate, Place, Scene, TrackResidual, TreeEstimate};
-use crate::physics::tree::{Flow, Snapshot, Tree, tableau};
+use super::credible::marks;
+use super::meeting::World;
+use super::{TOLERANCE_M, overlap, touch};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackResidual};
+use crate::physics::tree::Snapshot;
 
 /// Greatest root mean square residual of a track, in units of its weights.
 const RESIDUAL: f64 = 3.0;
 /// Greatest distance by halved steps \[m\].
 const STEPS_M: f64 = 1e-6;
+/// Greatest distance of a contact from touching at its impact \[m\],
+const GAP_M: f64 = 1e-6;
+/// greatest speed at which it recedes before [m/s], and share of the kinetic energy that is gained.
+const RECEDING_M_S: f64 = 1e-6;
+const ENERGY: f64 = 1e-9;
 
-/// Doubts about all joined bodies of an estimate.
-pub fn doubts(scene: &Scene, estimate: &Estimate) -> Vec<Doubt> {
-    let mut doubts = Vec::new();
+/// Doubts about all joined bodies of an estimate, given when marks of events were made \[s, acted\].
+pub fn doubts(
+    scene: &Scene,
+    (sketch, marks_made_s): (&Sketch, &[Option<f64>]),
+    estimate: &Estimate,
+) -> Vec<Doubt> {
+    let mut doubts = marks::doubts(scene, sketch, marks_made_s, estimate);
     for motion in &estimate.trees {
         let Some(joined) = scene.mechanisms[motion.mechanism].tree() else {
             continue;
@@ -35,54 +55,33 @@ pub fn doubts(scene: &Scene, estimate: &Estimate) -> Vec<Doubt> {
                 let state = snapshot.link_state(place);
                 let spin_rad_s = state.angular_velocity_rad_s.norm();
                 let rim_m_s = spin_rad_s * scene.links[link].radius_m();
-                fastest_m_s = fastest_m_s.max(state.velocity_m_s.norm() + rim_m_s);
-                fastest_rad_s = fastest_rad_s.max(spin_rad_s);
+                fastest_m_s = larger(fastest_m_s, state.velocity_m_s.norm() + rim_m_s);
+                fastest_rad_s = larger(fastest_rad_s, spin_rad_s);
             }
         }
-        let off_m = off_by_steps_m(estimate, motion, &tree);
+        let off = again::off((scene, joined, &tree), estimate, motion);
         doubts.extend(
             [
                 (About::Speed, fastest_m_s, SPEED_M_S),
                 (About::Spin, fastest_rad_s, SPIN_RAD_S),
-                (About::Steps, off_m, STEPS_M),
+                (About::Steps, off.position_m, STEPS_M),
+                (About::Gap, off.gap_m, GAP_M),
+                (About::Receding, off.receding_m_s, RECEDING_M_S),
+                (About::Energy, off.energy, ENERGY),
             ]
             .into_iter()
             .filter_map(|(about, value, bound)| Doubt::beyond(about, Place::Motion, value, bound)),
         );
     }
-    doubts
-}
-
-/// Greatest distance of a link's centre, at any knot, from where the first knot leads with steps of half the
-/// length \[m\].
-fn off_by_steps_m(estimate: &Estimate, motion: &TreeEstimate, tree: &Tree) -> f64 {
-    let [first, rest @ ..] = motion.knots.as_slice() else {
-        return 0.0;
-    };
-    let gravity_m_s2 = &estimate.gravity_m_s2;
-    let mut flow = Flow::new(tree, gravity_m_s2, tableau::DORMAND_PRINCE);
-    flow.begin(&first.state, false);
-    let (mut here, mut again) = (
-        Snapshot::new(tree, gravity_m_s2),
-        Snapshot::new(tree, gravity_m_s2),
-    );
-    let mut now_s = first.time_s;
-    let mut most_m: f64 = 0.0;
-    for knot in rest {
-        let interval_s = knot.time_s - now_s;
-        let steps = (interval_s / motion.step_s).ceil().max(1.0) as usize;
-        flow.advance(interval_s, 2 * steps, 0.0);
-        now_s = knot.time_s;
-        here.set(&knot.state);
-        again.set(&flow.state());
-        for place in 0..tree.link_count() {
-            let [a, b] = [&here, &again].map(|of| of.link_state(place).position_m);
-            let off_m = (a - b).norm();
-            let is_told = off_m.is_finite();
-            most_m = most_m.max(if is_told { off_m } else { f64::INFINITY });
-        }
+    if estimate.trees.iter().all(|motion| motion.is_finite()) && !estimate.trees.is_empty() {
+        let world = World::new(scene, estimate);
+        let mut touches = touch::touches(&world);
+        let deepest = overlap::deepest(&world, &mut touches);
+        doubts.extend(deepest.map(|deepest| deepest.doubt(TOLERANCE_M)));
+        let wrong = touches.iter().filter(|touch| touch.is_wrong);
+        doubts.extend(wrong.map(|touch| touch.doubt(TOLERANCE_M)));
     }
-    most_m
+    doubts
 }
 
 /// The larger residual of a track in units of its weights.
@@ -94,5 +93,10 @@ fn in_weights(scene: &Scene, residual: &TrackResidual) -> f64 {
     let turn = residual
         .orientation_rms_rad
         .map(|rms_rad| rms_rad / weights.orientation_rad);
-    position.into_iter().chain(turn).fold(0.0, f64::max)
+    position.into_iter().chain(turn).fold(0.0, larger)
+}
+
+/// The larger of two; NaN where either is, so that nothing unknown looks small.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
 }

@@ -76,7 +76,7 @@ impl<'a> World<'a> {
     }
 
     /// Every link with every plane, every obstacle and every other link, arc by arc, each pair
-    /// once; of held links only with those that fly.
+    /// once; of held links only with those that fly, and of joined ones none with its neighbours.
     pub(super) fn meetings(&'a self) -> impl Iterator<Item = Meeting<'a>> {
         let arcs = |link: LinkIndex| self.links[link].arcs.iter();
         let is_held = |link: LinkIndex| self.links[link].held.is_some();
@@ -86,6 +86,7 @@ impl<'a> World<'a> {
                 let with_world = standing.map(move |partner| (partner, arc.start_s, arc.end_s));
                 let others = self.links.keys().skip(usize::from(index) + 1);
                 let others = others.filter(move |other| !(is_held(index) && is_held(*other)));
+                let others = others.filter(move |other| !self.scene.are_joined(index, *other));
                 let with_links = others.flat_map(move |other| {
                     arcs(other).filter_map(move |other_arc| {
                         let from_s = arc.start_s.max(other_arc.start_s);

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::joined::JoinedLink;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
@@ -19,7 +20,9 @@ pub(super) struct MovingLink<'a> {
     pub(super) arcs: Vec<ArcEstimate>,
     /// Its motion, if it is held.
     pub(super) held: Option<&'a HeldEstimate>,
-    dynamics: Dynamics,
+    /// Its motion, if it is joined to others.
+    joined: Option<JoinedLink<'a>>,
+    body: Body,
     gravity_m_s2: Vector3<f64>,
 }
 
@@ -29,9 +32,11 @@ impl<'a> MovingLink<'a> {
         let mechanism = of_scene.mechanism;
         let is_its = |arc: &&ArcEstimate| arc.mechanism == mechanism && arc.end_s >= arc.start_s;
         let held = estimate.held_motion(index);
-        let arcs = match held {
-            Some(held) => between_collisions(held, (scene, index), estimate),
-            None => estimate.arcs.iter().filter(is_its).cloned().collect(),
+        let joined = JoinedLink::new(scene, index, estimate);
+        let arcs = match (held, &joined) {
+            (Some(held), _) => between_collisions(held, (scene, index), estimate),
+            (None, Some(joined)) => joined.arcs(),
+            (None, None) => estimate.arcs.iter().filter(is_its).cloned().collect(),
         };
         Self {
             of_scene,
@@ -39,7 +44,8 @@ impl<'a> MovingLink<'a> {
             radius_m: of_scene.radius_m(),
             arcs,
             held,
-            dynamics: scene.dynamics(mechanism),
+            joined,
+            body: of_scene.body,
             gravity_m_s2: estimate.gravity_m_s2,
         }
     }
@@ -49,9 +55,11 @@ impl<'a> MovingLink<'a> {
         if let Some(held) = self.held {
             return held.state(time_s);
         }
+        if let Some(joined) = &self.joined {
+            return joined.state(arc, time_s);
+        }
         let since_s = time_s - arc.epoch_s;
-        self.dynamics
-            .advance(&self.gravity_m_s2, &arc.state, since_s)
+        Dynamics::Free(self.body).advance(&self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.
@@ -69,6 +77,9 @@ impl<'a> MovingLink<'a> {
         if let Some(held) = self.held {
             let [speed, spin] = held.curve.speed_bounds(from_s, to_s);
             return speed + spin * self.radius_m;
+        }
+        if let Some(joined) = &self.joined {
+            return joined.speed_bound_m_s(self.radius_m);
         }
         // |v| is largest at an end: where it stands still its second derivative is positive, as
         // |p|² > (p·v)²/v² there, with drag as without.

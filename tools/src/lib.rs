@@ -33,6 +33,7 @@ pub mod starts;
 pub mod stress;
 pub mod tosses;
 pub mod tracker;
+pub mod tree_impacts;
 pub mod trees;
 pub mod waypoints;
 pub mod ways;

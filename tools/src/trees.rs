@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use enact::config::scene_from_toml;
-use enact::estimate::tree::TreeProblem;
 use enact::estimate::tree::program::{Part, TreeProgram};
+use enact::estimate::tree::{TreePoint, TreeProblem};
 use enact::motion::{
     Holds, JointTree, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex,
 };
@@ -33,7 +33,7 @@ pub enum Jointed {
 }
 
 impl Jointed {
-    fn toml(self) -> &'static str {
+    pub(crate) fn toml(self) -> &'static str {
         match self {
             Self::Pin => "kind = \"pin\"\naxis = [1, 0, 0]",
             Self::Universal => "kind = \"universal\"\naxes = [[1, 0, 0], [0, 1, 0]]",
@@ -139,9 +139,9 @@ impl TreePerformance {
         let tree = self.scene.joint_trees().next().expect("a tree");
         let mut problem = TreeProblem::new(&self.scene, &sketch, tree);
         problem.step_s = 1.0 / RATE_HZ;
-        let nodes = vec![self.truth.clone()];
-        let program = TreeProgram::new(&problem, nodes.clone());
-        2.0 * program.evaluated(&Part::whole(), &nodes).cost
+        let point = TreePoint::new(&problem, vec![self.truth.clone()]);
+        let program = TreeProgram::new(&problem, point.clone());
+        2.0 * program.evaluated(&Part::whole(), &point).cost
     }
 }
 

@@ -16,11 +16,8 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
             "joined bodies are estimated from physical stamps, expected stamps = \"physical\"",
         );
     }
-    let collides =
-        |of: &&Spanned<RawEvent>| !matches!(of.get_ref().kind.get_ref().as_str(), "start" | "end");
-    if let Some(event) = raw.event.iter().find(collides) {
-        let said = "joined bodies move between a start and an end, expected no other events";
-        return fault(event.span(), said);
+    for event in &raw.event {
+        refuse_event(event)?;
     }
     for (span, said) in unused(raw) {
         if let Some(span) = span {
@@ -43,6 +40,38 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
             scene.links[link].name
         );
         return fault(joint.clone(), said);
+    }
+    Ok(())
+}
+
+/// Collisions of joined bodies are with the static world, at one contact that the scene names.
+fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
+    let event = spanned.get_ref();
+    if event.kind.get_ref() != "collision" {
+        return Ok(());
+    }
+    let refused = [
+        (
+            event.other.as_ref().map(Spanned::span),
+            "joined bodies collide with the static world alone, expected surface in place of other",
+        ),
+        (
+            event.features.as_ref().map(Spanned::span),
+            "joined bodies touch at one contact at a time, expected one feature",
+        ),
+        (
+            event.count.as_ref().map(Spanned::span),
+            "collisions of joined bodies are listed one by one, expected no count",
+        ),
+    ];
+    for (span, said) in refused {
+        if let Some(span) = span {
+            return fault(span, said);
+        }
+    }
+    if event.feature.is_none() || event.surface.is_none() {
+        let said = "what touches is not inferred of joined bodies, expected feature and surface";
+        return fault(spanned.span(), said);
     }
     Ok(())
 }
@@ -78,7 +107,7 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
     });
     let of_events = raw.event.iter().flat_map(|event| {
         let event = event.get_ref();
-        let said = "joined bodies begin and end at the marks, expected no other time of the event";
+        let said = "times of joined bodies' events are told by their marks alone, expected no other time of the event";
         [&event.time_sd_ms, &event.earliest_ms, &event.latest_ms]
             .map(|of| (span(of), said))
             .into_iter()

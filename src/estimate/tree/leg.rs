@@ -1,20 +1,25 @@
-//! One leg of the motion, from a node to the next: residuals of its samples, rows of its goals, and how it joins
-//! the next, with all derivatives.
+//! One leg of the motion, from a node to the next: residuals of its samples, rows of its goals and events, and
+//! how it joins the next, with all derivatives by the leg's unknowns: the node's tangent, then times of its events.
 //!
-//! With `Φ = ∂x(t)/∂x(t_k)` of the flow from a node, `L = ∂(link)/∂x` of a link's state and `y` of a quantity,
-//! a row `y(link(x(t)))` has the derivative `y_link L Φ` by the node's unknowns. The flow to the next node must end
+//! With `X = ∂x(t)/∂(x_k, T)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
+//! `y` of a quantity, a row `y(link(x(t)))` has the derivative `y_link L X`. The flow to the next node must end
 //! there: `x(t_{k+1}) ⊟ x_{k+1} = 0`.
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
-use super::problem::{TreeGoal, TreeProblem, TreeSample};
-use super::program::{Nodes, Part, TreeProgram};
+use super::course::{Course, Stop};
+use super::event::TreeEvent;
+use super::goal::TreeGoal;
+use super::point::TreePoint;
+use super::program::{Part, TreeProgram};
+use super::rows;
+use super::sample::TreeSample;
 use crate::estimate::constraint::quantity::{self, Valued};
-use crate::estimate::constraint::within::{self, WithinRow};
-use crate::motion::GoalQuantity;
-use crate::optimise::block::{Block, BlockPattern};
+use crate::estimate::constraint::within::WithinRow;
+use crate::motion::{GoalQuantity, Moment};
+use crate::optimise::block::Block;
 use crate::physics::State;
-use crate::physics::tree::{Flow, Snapshot, TreeState};
+use crate::physics::tree::{Snapshot, TreeState};
 
 /// A link's state with its derivatives by the tree's.
 type LinkState = (State, DMatrix<f64>);
@@ -27,98 +32,169 @@ pub(super) struct Sums {
 }
 
 impl TreeProgram<'_> {
-    /// Evaluates the motion from a node to the next.
+    /// Evaluates the motion from a node to the next. Where an impact is undefined the cost is not finite, and rows
+    /// after it are not told.
     pub(super) fn leg(
         &self,
         node: usize,
         part: &Part,
-        nodes: &Nodes,
+        point: &TreePoint,
         blocks: &mut [Block],
     ) -> Sums {
         let problem = self.problem;
         let tree = &problem.tree;
+        let first_event = problem.events_of(node).start;
+        let event_count = problem.events_of(node).len();
         let width = problem.width();
-        let [from_s, to_s] = problem.leg_s(node);
-        let is_last = node + 1 == nodes.len();
-        let mut flow = Flow::new(tree, &problem.gravity_m_s2, problem.tableau);
-        flow.begin(&nodes[node], true);
+        let from = (&point.nodes[node], problem.leg_s(node)[0]);
+        let mut course = Course::new(problem, from, event_count);
         let mut snapshot = Snapshot::new(tree, &problem.gravity_m_s2);
-        let mut jacobian = DMatrix::zeros(width, width + 1);
+        let mut jacobian = DMatrix::zeros(width, width + event_count);
         let mut links: Vec<Option<LinkState>> = vec![None; tree.link_count()];
         let mut sums = Sums {
             cost: 0.0,
-            gradient: DVector::zeros(width),
-            hessian: DMatrix::zeros(width, width),
+            gradient: DVector::zeros(width + event_count),
+            hessian: DMatrix::zeros(width + event_count, width + event_count),
         };
-        let is_here = |time_s: f64| problem.node_of(time_s) == node;
-        let samples = problem.samples.iter().filter(|of| is_here(of.time_s));
-        let goals = problem
-            .goals
-            .iter()
-            .enumerate()
-            .filter(|(_, of)| is_here(of.time_s));
-        let mut items: Vec<(f64, Item)> = samples.map(|of| (of.time_s, Item::Sample(of))).collect();
-        items.extend(goals.map(|(index, of)| (of.time_s, Item::Goal(index, of))));
-        if !is_last {
-            items.push((to_s, Item::Next));
-        }
-        items.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut now_s = from_s;
-        let mut is_placed = false;
-        for (time_s, item) in items {
-            if time_s > part.until_s {
-                if let Item::Goal(index, _) = item {
-                    silence(&self.structure.blocks[index], &mut blocks[index]);
+        let mut reached: Option<Stop> = None;
+        for item in self.items(node) {
+            let mut to = item.stop;
+            if to.about_s > part.until_s {
+                if let Some(index) = item.kind.block(self) {
+                    rows::silence(&self.structure.blocks[index], &mut blocks[index]);
                 }
                 continue;
             }
-            if time_s > now_s || !is_placed {
-                if time_s > now_s {
-                    flow.advance(time_s - now_s, problem.steps(time_s - now_s), 0.0);
-                }
-                (now_s, is_placed) = (time_s, true);
-                snapshot.set(&flow.state());
-                flow.jacobian(&mut jacobian);
+            if let Some(event) = to.event {
+                to.time_s = point.event_times_s[first_event + event];
+            }
+            if reached != Some(to) {
+                course.advance(to);
+                reached = Some(to);
+                snapshot.set(&course.state());
+                jacobian = course.jacobian();
                 links.fill(None);
             }
-            match item {
-                Item::Sample(sample) => {
+            let mut room = item.kind.block(self).map(|index| {
+                let (pattern, block) = (&self.structure.blocks[index], &mut blocks[index]);
+                block.reset(pattern);
+                (pattern, block)
+            });
+            match item.kind {
+                Kind::Sample(sample) => {
                     let [link] = states([sample.place], (&snapshot, &mut links), width);
                     let valued = quantity::valued(&sample.quantity, &link.0, None, &sample.point_m);
                     let by = chained(&valued, &[link], &jacobian);
                     sums.add(sample, &valued, &by);
                 }
-                Item::Goal(index, goal) => {
-                    let state = flow.state();
+                Kind::Goal(_, goal) => {
+                    let state = course.state();
                     let (value, by) = self.asked(goal, &state, (&snapshot, &mut links), &jacobian);
-                    let rows = goal.rows(&value);
-                    let (pattern, block) = (&self.structure.blocks[index], &mut blocks[index]);
-                    block.reset(pattern);
-                    match goal.condition.sd {
-                        Some(sd) => rows.iter().for_each(|of| sums.wish(of, &by, sd)),
-                        None => {
-                            for (row, of) in rows.iter().enumerate() {
-                                put(goal, row, of, &by, (pattern, &mut *block));
+                    for (row, of) in goal.rows(&value).iter().enumerate() {
+                        match (goal.condition.sd, &mut room) {
+                            (Some(sd), _) => sums.wish(of, &by, sd),
+                            (None, Some((pattern, block))) => {
+                                rows::put(goal, row, of, &by, (pattern, block));
                             }
+                            (None, None) => unreachable!("goals have blocks"),
                         }
                     }
                 }
-                Item::Next => {
-                    let at = problem.goals.len() + node;
-                    let (pattern, block) = (&self.structure.blocks[at], &mut blocks[at]);
-                    join(
+                Kind::Event(index, event) => {
+                    let Some((pattern, block)) = room else {
+                        unreachable!("events have blocks")
+                    };
+                    rows::order(
                         problem,
-                        (&flow.state(), &nodes[node + 1]),
-                        &jacobian,
-                        (pattern, block),
+                        (index, &point.event_times_s),
+                        (pattern, &mut *block),
                     );
+                    let Some(touch) = &event.touch else { continue };
+                    match course.hit(&snapshot, touch) {
+                        Ok((impact, Some(derivative))) => {
+                            let (hit, count) = ((&impact, &derivative), event.touch_row_count());
+                            rows::touch(hit, count, &jacobian, (pattern, block));
+                        }
+                        Ok((_, None)) => unreachable!("the course has derivatives"),
+                        Err(_) => {
+                            sums.cost = f64::NAN;
+                            return sums;
+                        }
+                    }
+                    reached = None;
+                }
+                Kind::Next(_) => {
+                    let Some((pattern, block)) = room else {
+                        unreachable!("joins have blocks")
+                    };
+                    let ends = (&course.state(), &point.nodes[node + 1]);
+                    rows::join(problem, ends, &jacobian, (pattern, block));
                 }
             }
         }
         sums
     }
 
-    /// A goal's quantity with its derivative by the node.
+    /// What happens on a leg, in its order: an event parts what is before it from what is after it, wherever its
+    /// estimated time is.
+    fn items(&self, node: usize) -> Vec<Item<'_>> {
+        let problem = self.problem;
+        let events = problem.events_of(node);
+        let before = |about_s: f64| {
+            let of_leg = problem.events[events.clone()].iter();
+            of_leg.filter(|event| event.about_s <= about_s).count()
+        };
+        let at_known = |time_s: f64, kind| Item {
+            phase: (before(time_s), 0),
+            stop: Stop::known(time_s),
+            kind,
+        };
+        let is_here = |time_s: f64| problem.node_of(time_s) == node;
+        let samples = problem.samples.iter().filter(|of| is_here(of.time_s));
+        let mut items: Vec<Item> = samples
+            .map(|sample| at_known(sample.time_s, Kind::Sample(sample)))
+            .collect();
+        let at_event = |event: usize, kind, rank| Item {
+            phase: (event - events.start, rank),
+            stop: Stop {
+                time_s: problem.events[event].about_s,
+                about_s: problem.events[event].about_s,
+                event: Some(event - events.start),
+            },
+            kind,
+        };
+        for (index, goal) in problem.goals.iter().enumerate() {
+            let kind = Kind::Goal(index, goal);
+            match problem.event_within(goal) {
+                Some(event) if events.contains(&event) => {
+                    let rank = match goal.condition.moment {
+                        Moment::Before => 1,
+                        Moment::After => 3,
+                    };
+                    items.push(at_event(event, kind, rank));
+                }
+                Some(_) => {}
+                None if is_here(goal.time_s) => items.push(at_known(goal.time_s, kind)),
+                None => {}
+            }
+        }
+        for event in events.clone() {
+            let kind = Kind::Event(event, &problem.events[event]);
+            items.push(at_event(event, kind, 2));
+        }
+        if node + 1 < problem.nodes_s.len() {
+            let mut next = at_known(problem.leg_s(node)[1], Kind::Next(node));
+            next.phase = (events.len(), 1);
+            items.push(next);
+        }
+        items.sort_by(|a, b| {
+            let in_phase = a.stop.about_s.total_cmp(&b.stop.about_s);
+            a.phase.cmp(&b.phase).then(in_phase)
+        });
+        items
+    }
+
+    /// A goal's quantity with its derivative by the leg's unknowns.
     fn asked(
         &self,
         goal: &TreeGoal,
@@ -132,11 +208,11 @@ impl TreeProgram<'_> {
             let angles = self.problem.tree.angles_of(goal.places[0]);
             let [columns, coordinates] = angles.expect("asked of a pin or a universal joint");
             let mut value = Vector3::zeros();
-            let mut by = Matrix3xX::zeros(width);
+            let mut by = Matrix3xX::zeros(jacobian.ncols());
             for axis in 0..*count {
                 value[axis] = state.coordinates[coordinates.start + axis];
-                let row = jacobian.row(columns.start + axis);
-                by.row_mut(axis).copy_from(&row.columns(0, width));
+                by.row_mut(axis)
+                    .copy_from(&jacobian.row(columns.start + axis));
             }
             return (value, by);
         }
@@ -148,12 +224,34 @@ impl TreeProgram<'_> {
     }
 }
 
-/// What happens at a time.
-enum Item<'a> {
+/// What happens at a stop.
+struct Item<'a> {
+    /// Number of the leg's events before it; at an event, its goals come before it or after it.
+    phase: (usize, usize),
+    stop: Stop,
+    kind: Kind<'a>,
+}
+
+enum Kind<'a> {
     Sample(&'a TreeSample),
     Goal(usize, &'a TreeGoal),
-    /// The next node.
-    Next,
+    Event(usize, &'a TreeEvent),
+    /// The end of the leg of this node.
+    Next(usize),
+}
+
+impl Kind<'_> {
+    /// Its block of rows.
+    fn block(&self, program: &TreeProgram) -> Option<usize> {
+        let goals = program.problem.goals.len();
+        let joins = program.problem.nodes_s.len() - 1;
+        match self {
+            Kind::Sample(_) => None,
+            Kind::Goal(index, _) => Some(*index),
+            Kind::Next(node) => Some(goals + node),
+            Kind::Event(index, _) => Some(goals + joins + index),
+        }
+    }
 }
 
 /// States of links with their derivatives by the tree's state, each computed once per time.
@@ -174,12 +272,11 @@ fn states<'l, const N: usize>(
 
 /// `y_link L Φ`.
 fn chained(valued: &Valued, links: &[&LinkState], jacobian: &DMatrix<f64>) -> Matrix3xX<f64> {
-    let width = jacobian.nrows();
-    let mut by = Matrix3xX::zeros(width);
+    let mut by = Matrix3xX::zeros(jacobian.nrows());
     for (by_link, (_, link)) in valued.by.iter().zip(links) {
         by += by_link * link;
     }
-    by * jacobian.columns(0, width)
+    by * jacobian
 }
 
 impl Sums {
@@ -203,64 +300,5 @@ impl Sums {
         self.cost += 0.5 * off * off;
         self.gradient.axpy(off, &by, 1.0);
         self.hessian.ger(1.0, &by, &by, 1.0);
-    }
-}
-
-impl TreeGoal {
-    fn rows(&self, value: &Vector3<f64>) -> Vec<WithinRow> {
-        let set = &self.condition.set;
-        if self.axes.is_empty() {
-            return vec![within::single(set, value)];
-        }
-        let axes = self.axes.iter();
-        axes.map(|axis| within::along(set, value, *axis)).collect()
-    }
-}
-
-fn put(
-    goal: &TreeGoal,
-    row: usize,
-    of: &WithinRow,
-    by: &Matrix3xX<f64>,
-    (pattern, block): (&BlockPattern, &mut Block),
-) {
-    let unit = goal.unit();
-    block.values[row] = of.value / unit;
-    block.bounds[row] = (of.bounds.0 / unit, of.bounds.1 / unit);
-    let chained = by.tr_mul(&of.by) / unit;
-    let entries = block.derivatives_mut(pattern, row);
-    entries.copy_from_slice(chained.as_slice());
-}
-
-/// A goal that does not count yet: it holds, whatever moves.
-fn silence(pattern: &BlockPattern, block: &mut Block) {
-    block.reset(pattern);
-    block.values.fill(0.0);
-    for row in 0..block.values.len() {
-        block.derivatives_mut(pattern, row).fill(0.0);
-    }
-}
-
-/// `x(t) ⊟ x_next`, with its derivatives by both nodes.
-fn join(
-    problem: &TreeProblem,
-    (reached, next): (&TreeState, &TreeState),
-    jacobian: &DMatrix<f64>,
-    (pattern, block): (&BlockPattern, &mut Block),
-) {
-    let (tree, width) = (&problem.tree, problem.width());
-    let off = tree.minus(reached, next);
-    let turned = tree.minus_jacobians(reached, next);
-    block.reset(pattern);
-    for row in 0..width {
-        let unit = problem.unit_of(row);
-        block.values[row] = off[row] / unit;
-        let entries = block.derivatives_mut(pattern, row);
-        let (before, after) = entries.split_at_mut(width);
-        for column in 0..width {
-            let along = turned[0].row(row).transpose();
-            before[column] = along.dot(&jacobian.column(column)) / unit;
-            after[column] = turned[1][(row, column)] / unit;
-        }
     }
 }

@@ -2,19 +2,28 @@
 //!
 //! The unknowns are states of the tree at a few [nodes](problem) along its motion: at the start alone
 //! (single shooting), or at more where errors grow too much from one end to the other (multiple shooting),
-//! with the flow's end at each node as a hard condition. Samples and goals are quantities of one link's
+//! with the flow's end at each node as a hard condition, and times of impacts and waypoints on the way. At an impact
+//! a gap is zero and the rates jump. Samples and goals are quantities of one link's
 //! state, which follows from the tree's ([`program`]). [`solve`] grows the part of the sketch that counts from
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
+mod course;
+pub mod event;
+pub mod goal;
 mod leg;
 pub mod outcome;
+pub mod point;
 pub mod problem;
 pub mod program;
+mod rows;
+pub mod sample;
 pub mod solve;
+mod walk;
 mod weak;
 
 #[cfg(test)]
 mod tests;
 
 pub use outcome::estimate;
+pub use point::TreePoint;
 pub use problem::TreeProblem;

@@ -7,12 +7,13 @@ use super::solve::{self, Solved};
 use super::weak;
 use crate::estimate::constraint::quantity;
 use crate::estimate::outcome::progress;
+use crate::estimate::problem::unit;
 use crate::motion::{
     Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, JointTree, MotionPart,
     Observer, Reason, SampleTime, Scene, Sketch, TrackIndex, TrackResidual, TreeEstimate, TreeKnot,
     Undetermined, Verdict,
 };
-use crate::physics::tree::{Flow, Snapshot, TreeState, tableau};
+use crate::physics::tree::{Snapshot, TreeState};
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
 const TOLD: f64 = 0.5;
@@ -31,11 +32,7 @@ pub fn estimate(
     let (problem, solution) = (&solved.problem, &solved.solution);
     let finished = &solution.finished;
     let progress = progress(finished);
-    let is_finite = solution.system.cost.is_finite()
-        && solution
-            .point
-            .iter()
-            .all(|state| state.rates.iter().all(|rate| rate.is_finite()));
+    let is_finite = solution.system.cost.is_finite() && solution.point.is_finite();
     let (verdict, end) = match (is_finite, finished.converged, solution.stopped) {
         (false, ..) => (Verdict::Failed, End::NotFinite),
         (_, true, _) => (Verdict::Physical, End::Converged(progress)),
@@ -43,24 +40,12 @@ pub fn estimate(
         (_, false, false) => (Verdict::Failed, End::NoProgress(progress)),
     };
     let knots = if is_finite {
-        knots(&solved)
+        problem.knots(&solution.point)
     } else {
         Vec::new()
     };
     let joined = scene.joint_tree(problem.mechanism).expect("a tree");
-    let events = scene
-        .events
-        .iter()
-        .enumerate()
-        .map(|(event, _)| EventEstimate {
-            event,
-            time_s: sketch.marks_s[event],
-            sd_s: None,
-            is_fixed: true,
-            at_bound: None,
-            acted_s: sketch.marks_s[event],
-            gap: gap(&solved, event),
-        });
+    let events = (0..scene.events.len()).map(|event| of_event(&solved, sketch, event));
     let mut sample_times: Vec<SampleTime> = Vec::new();
     for sample in &problem.samples {
         let is_again = |of: &SampleTime| of.track == sample.track && of.stamp == sample.stamp;
@@ -117,43 +102,27 @@ pub fn estimate(
     }
 }
 
-/// States at the beginning, at every sample and at the end, as the solver's flow has them.
-fn knots(solved: &Solved) -> Vec<TreeKnot> {
-    let (problem, nodes) = (&solved.problem, &solved.solution.point);
-    let mut knots = Vec::new();
-    for (node, state) in nodes.iter().enumerate() {
-        let [from_s, to_s] = problem.leg_s(node);
-        let mut flow = Flow::new(
-            &problem.tree,
-            &problem.gravity_m_s2,
-            tableau::DORMAND_PRINCE,
-        );
-        flow.begin(state, false);
-        knots.push(TreeKnot {
-            time_s: from_s,
-            state: state.clone(),
-        });
-        let mut times_s: Vec<f64> = problem.samples.iter().map(|sample| sample.time_s).collect();
-        times_s.extend(problem.goals.iter().map(|goal| goal.time_s));
-        times_s.retain(|time_s| *time_s > from_s && *time_s <= to_s);
-        times_s.push(to_s);
-        times_s.sort_by(f64::total_cmp);
-        times_s.dedup();
-        let mut now_s = from_s;
-        for time_s in times_s.into_iter().filter(|time_s| *time_s > from_s) {
-            flow.advance(time_s - now_s, problem.steps(time_s - now_s), 0.0);
-            now_s = time_s;
-            knots.push(TreeKnot {
-                time_s,
-                state: flow.state(),
-            });
-        }
+/// An event of the scene as estimated.
+fn of_event(solved: &Solved, sketch: &Sketch, event: usize) -> EventEstimate {
+    let mut within = solved.problem.events.iter();
+    let within = within.position(|of| of.event == event);
+    let time_s = match within {
+        Some(within) => solved.solution.point.event_times_s[within],
+        None => sketch.marks_s[event],
+    };
+    EventEstimate {
+        event,
+        time_s,
+        sd_s: None,
+        is_fixed: within.is_none(),
+        at_bound: None,
+        acted_s: time_s,
+        gap: gap(solved, event, within),
     }
-    knots
 }
 
-/// Largest violation of each kind by the goals at an event.
-fn gap(solved: &Solved, event: usize) -> Gap {
+/// Largest violation of each kind by the goals at an event, and by what touches at one within the motion.
+fn gap(solved: &Solved, event: usize, within: Option<usize>) -> Gap {
     let mut gap = Gap::default();
     let rows = solved
         .problem
@@ -171,6 +140,19 @@ fn gap(solved: &Solved, event: usize) -> Gap {
                 gap.angular_velocity_rad_s = gap.angular_velocity_rad_s.max(off);
             }
             GoalUnit::Second => {}
+        }
+    }
+    let problem = &solved.problem;
+    if let Some(within) = within {
+        let first = problem.goals.len() + problem.nodes_s.len() - 1;
+        let block = &solved.solution.system.blocks[first + within];
+        let off = |row: usize| block.violation(row).abs();
+        let count = problem.events[within].touch_row_count();
+        if count > 0 {
+            gap.velocity_m_s = gap.velocity_m_s.max(off(0) * unit::VELOCITY_M_S);
+        }
+        if count > 1 {
+            gap.position_m = gap.position_m.max(off(1) * unit::POSITION_M);
         }
     }
     gap

@@ -1,12 +1,14 @@
 //! What is asked of a tree's motion: samples, goals, and where its unknown states are.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
+use super::event::{self, TreeEvent};
+use super::goal::{self, TreeGoal};
+use super::sample::{self, TreeSample};
 use crate::estimate::problem::unit;
-use crate::motion::{
-    BodyPoint, Condition, EventKind, GoalQuantity, GoalSet, GoalUnit, JointTree, MechanismIndex,
-    Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
-};
+use crate::motion::{EventKind, GoalUnit, JointTree, MechanismIndex, Scene, Sketch};
 use crate::physics::tree::Tree;
 use crate::physics::tree::tableau::{self, Tableau};
 
@@ -16,46 +18,6 @@ pub const RATE_SD_RAD_S: f64 = 10.0;
 
 /// How many times as long steps are where they need not be exact.
 const COARSER: f64 = 1.5;
-
-/// A part of a sample: a quantity of one link at a time, and where it was seen.
-#[derive(Clone, Debug)]
-pub struct TreeSample {
-    /// Of which track.
-    pub track: TrackIndex,
-    /// When it was measured.
-    pub stamp: Stamp,
-    /// Physical time \[s\].
-    pub time_s: f64,
-    /// The link's place in the tree.
-    pub place: usize,
-    /// What was seen.
-    pub quantity: GoalQuantity,
-    /// Point of the link that it is about [m, link axes].
-    pub point_m: Vector3<f64>,
-    /// Its value.
-    pub seen: Vector3<f64>,
-    /// One unit of its residual, in the quantity's own.
-    pub unit: f64,
-}
-
-/// A condition at an event.
-#[derive(Clone, Debug)]
-pub struct TreeGoal {
-    /// Index into `Scene::goals`.
-    pub goal: usize,
-    /// Index into `Scene::events`.
-    pub event: usize,
-    /// Physical time \[s\].
-    pub time_s: f64,
-    /// The link's place in the tree, and that of the link in whose axes it is seen.
-    pub places: [usize; 2],
-    /// Point of the link that it is about [m, link axes].
-    pub point_m: Vector3<f64>,
-    /// What must hold.
-    pub condition: Condition,
-    /// The numbers of the quantity that a box bounds; none where the set has one row.
-    pub axes: Vec<usize>,
-}
 
 /// A tree's motion to be estimated.
 #[derive(Clone, Debug)]
@@ -72,6 +34,8 @@ pub struct TreeProblem {
     pub samples: Vec<TreeSample>,
     /// In order of time.
     pub goals: Vec<TreeGoal>,
+    /// Those within the motion, in order of time.
+    pub events: Vec<TreeEvent>,
     /// Where states are unknown \[s\]: at the beginning, and where errors would grow too much.
     pub nodes_s: Vec<f64>,
     /// The integrator,
@@ -91,38 +55,9 @@ impl TreeProblem {
         (mechanism, joined): (MechanismIndex, &JointTree),
     ) -> Self {
         let span_s = span_s(scene, sketch);
-        let mut samples = Vec::new();
-        for (index, track) in scene.tracks.iter_enumerated() {
-            let Some(place) = joined.place_of(track.link) else {
-                continue;
-            };
-            let weights = track.weights(&scene.weights);
-            let within = |sample: &&Sample| (span_s[0]..=span_s[1]).contains(&sample.acted_s);
-            for sample in sketch.tracks[index].samples.iter().filter(within) {
-                let begun = TreeSample {
-                    track: index,
-                    stamp: sample.stamp,
-                    time_s: sample.acted_s,
-                    place,
-                    quantity: GoalQuantity::Position {
-                        point: BodyPoint::Centre,
-                        seen_from: None,
-                    },
-                    point_m: Vector3::zeros(),
-                    seen: Vector3::zeros(),
-                    unit: weights.position_m,
-                };
-                samples.extend(parts(
-                    &begun,
-                    &sample.seen,
-                    (track.sees, track.point_m()),
-                    weights.orientation_rad,
-                ));
-            }
-        }
-        samples.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let mut goals = goals(scene, sketch, joined, span_s);
-        goals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        let samples = sample::samples(scene, sketch, joined, span_s);
+        let goals = goal::goals(scene, sketch, joined, span_s);
+        let events = event::events(scene, sketch, joined);
         let weighs = samples.iter().map(|sample| match sample.quantity.unit() {
             GoalUnit::Metre => (unit::POSITION_M / sample.unit).powi(2),
             _ => (unit::ORIENTATION_RAD / sample.unit).powi(2),
@@ -136,6 +71,7 @@ impl TreeProblem {
             span_s,
             samples,
             goals,
+            events,
             nodes_s: vec![span_s[0]],
             tableau: tableau::DORMAND_PRINCE,
             step_s: f64::INFINITY,
@@ -167,6 +103,70 @@ impl TreeProblem {
         }
     }
 
+    /// Number of all unknowns: the nodes' tangents, then the events' times.
+    pub fn unknown_count(&self) -> usize {
+        self.width() * self.nodes_s.len() + self.events.len()
+    }
+
+    /// The first unknown with which one is coupled, of those before it.
+    pub(super) fn first_coupled(&self, unknown: usize) -> usize {
+        let width = self.width();
+        let node = match unknown.checked_sub(width * self.nodes_s.len()) {
+            None => (unknown / width).saturating_sub(1),
+            Some(event) => self.node_of(self.events[event].about_s),
+        };
+        node * width
+    }
+
+    /// The events on the way from a node to the next.
+    pub fn events_of(&self, node: usize) -> Range<usize> {
+        let before = |node: usize| {
+            self.events
+                .partition_point(|event| self.node_of(event.about_s) < node)
+        };
+        before(node)..before(node + 1)
+    }
+
+    /// The event within the motion at which a goal holds; none at the start and at the end.
+    pub(super) fn event_within(&self, goal: &TreeGoal) -> Option<usize> {
+        self.events.iter().position(|of| of.event == goal.event)
+    }
+
+    /// About when a goal holds \[s\].
+    pub(super) fn about_s(&self, goal: &TreeGoal) -> f64 {
+        self.event_within(goal)
+            .map_or(goal.time_s, |event| self.events[event].about_s)
+    }
+
+    /// The node from which the motion reaches a time.
+    pub fn node_of(&self, time_s: f64) -> usize {
+        let after = self.nodes_s.partition_point(|node_s| *node_s <= time_s);
+        after.max(1) - 1
+    }
+
+    /// Beginning and end of the motion from a node to the next \[s\].
+    pub fn leg_s(&self, node: usize) -> [f64; 2] {
+        let to_s = self.nodes_s.get(node + 1).copied();
+        [self.nodes_s[node], to_s.unwrap_or(self.span_s[1])]
+    }
+
+    /// Number of steps of the integrator for an interval.
+    pub fn steps(&self, interval_s: f64) -> usize {
+        ((interval_s / self.step_s).ceil() as usize).max(1)
+    }
+
+    /// One unit of a number of a tangent.
+    pub fn unit_of(&self, at: usize) -> f64 {
+        let freedoms = self.tree.freedoms();
+        let flight = freedoms - self.tree.angular_freedoms();
+        match (at / freedoms, at % freedoms < flight) {
+            (0, true) => unit::POSITION_M,
+            (0, false) => unit::ORIENTATION_RAD,
+            (_, true) => unit::VELOCITY_M_S,
+            (_, false) => unit::ANGULAR_VELOCITY_RAD_S,
+        }
+    }
+
     /// Number of unknowns of a node.
     pub fn width(&self) -> usize {
         2 * self.tree.freedoms()
@@ -190,98 +190,4 @@ fn span_s(scene: &Scene, sketch: &Sketch) -> [f64; 2] {
         mark_s(EventKind::Start).unwrap_or(first_s),
         mark_s(EventKind::End).unwrap_or(last_s),
     ]
-}
-
-/// A sample's parts: its place and how it is turned.
-fn parts(
-    begun: &TreeSample,
-    seen: &Seen,
-    (sees, point_m): (Sees, Vector3<f64>),
-    orientation_rad: f64,
-) -> Vec<TreeSample> {
-    let placed = |at_m: Vector3<f64>, point_m: Vector3<f64>| TreeSample {
-        point_m,
-        seen: at_m,
-        ..begun.clone()
-    };
-    let turned = |quantity: GoalQuantity| TreeSample {
-        quantity,
-        unit: orientation_rad,
-        ..begun.clone()
-    };
-    let turn = |from| {
-        turned(GoalQuantity::Turn {
-            from,
-            seen_from: None,
-        })
-    };
-    match (*seen, sees) {
-        (
-            Seen::Pose {
-                position_m,
-                orientation,
-            },
-            _,
-        ) => vec![placed(position_m, Vector3::zeros()), turn(orientation)],
-        (Seen::Point(at_m), _) => vec![placed(at_m, point_m)],
-        (Seen::Orientation(orientation), _) => vec![turn(orientation)],
-        (Seen::Direction(towards), Sees::Direction(axis)) => {
-            vec![turned(GoalQuantity::Direction {
-                axis: axis.into_inner(),
-                towards: towards.into_inner(),
-                seen_from: None,
-            })]
-        }
-        (Seen::Direction(_), _) => unreachable!("directions are of tracks that see one"),
-    }
-}
-
-fn goals(scene: &Scene, sketch: &Sketch, joined: &JointTree, span_s: [f64; 2]) -> Vec<TreeGoal> {
-    let mut all = Vec::new();
-    for (index, goal) in scene.goals.iter().enumerate() {
-        let Some(place) = joined.place_of(goal.link) else {
-            continue;
-        };
-        for condition in goal.target.conditions() {
-            let seen_from = condition.quantity.seen_from();
-            let other = seen_from
-                .and_then(|link| joined.place_of(link))
-                .unwrap_or(place);
-            let point_m = match condition.quantity.point() {
-                Some(BodyPoint::Fixed(point_m)) => point_m,
-                _ => Vector3::zeros(),
-            };
-            let axes = match &condition.set {
-                GoalSet::Box { lower, upper } => (0..condition.quantity.dimension())
-                    .filter(|axis| lower[*axis].is_finite() || upper[*axis].is_finite())
-                    .collect(),
-                _ => Vec::new(),
-            };
-            all.push(TreeGoal {
-                goal: index,
-                event: goal.event,
-                time_s: sketch.marks_s[goal.event].clamp(span_s[0], span_s[1]),
-                places: [place, other],
-                point_m,
-                condition,
-                axes,
-            });
-        }
-    }
-    all
-}
-
-impl TreeGoal {
-    /// Number of its rows that must hold: none of one that weighs.
-    pub fn row_count(&self) -> usize {
-        match self.condition.sd {
-            Some(_) => 0,
-            None => self.axes.len().max(1),
-        }
-    }
-
-    /// One unit of its rows, in the unit of its quantity.
-    pub fn unit(&self) -> f64 {
-        unit::of(self.condition.quantity.unit())
-    }
 }

@@ -3,18 +3,20 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::problem::unit;
+use super::rows;
 use crate::optimise::block::BlockPattern;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::optimise::{Program, Structure, System};
-use crate::physics::tree::TreeState;
 
 /// Weight of a squared radian, metre or their rates that holds what nothing else does where it began, per
 /// information: next to nothing.
 const CALM: f64 = 1e-8;
-/// Typical changes of coordinates and of rates, in radians, metres and seconds.
+/// Typical changes of coordinates and of rates, in radians, metres and seconds,
 const LENGTHS: [f64; 2] = [0.3, 3.0];
+/// and of times \[s\].
+const TIME_LENGTH_S: f64 = 0.03;
 /// Step of the differences that give second derivatives,
 const STEP: f64 = 1e-6;
 /// and how far samples are apart of which they are told \[s\]: a step by a Hessian that is nearly right leads
@@ -40,36 +42,45 @@ impl Part {
     }
 }
 
-/// States at the nodes.
-pub type Nodes = Vec<TreeState>;
-
 /// A problem for the optimiser.
 pub struct TreeProgram<'a> {
     pub(super) problem: &'a TreeProblem,
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
-    calm: Nodes,
+    calm: TreePoint,
 }
 
 impl<'a> TreeProgram<'a> {
     /// The program of a problem; what nothing determines stays where it is in `calm`.
-    pub fn new(problem: &'a TreeProblem, calm: Nodes) -> Self {
+    pub fn new(problem: &'a TreeProblem, calm: TreePoint) -> Self {
         let (width, nodes) = (problem.width(), problem.nodes_s.len());
         let of = |node: usize| node * width..(node + 1) * width;
+        let time = |event: usize| nodes * width + event;
+        let of_leg = |node: usize| of(node).chain(problem.events_of(node).map(time));
         let mut blocks: Vec<BlockPattern> = Vec::new();
         for goal in &problem.goals {
-            let node = problem.node_of(goal.time_s);
-            blocks.push(BlockPattern::dense(goal.row_count(), of(node).collect()));
+            let node = problem.node_of(problem.about_s(goal));
+            blocks.push(BlockPattern::dense(
+                goal.row_count(),
+                of_leg(node).collect(),
+            ));
         }
         for node in 1..nodes {
-            let columns = of(node - 1).chain(of(node)).collect();
+            let columns = of_leg(node - 1).chain(of(node)).collect();
             blocks.push(BlockPattern::dense(width, columns));
         }
-        let couplings = (0..nodes * width).flat_map(|row| {
-            let first = (row / width).saturating_sub(1) * width;
-            (first..=row).map(move |column| (row, column))
-        });
-        let pattern = Pattern::new(nodes * width, couplings);
+        for (index, event) in problem.events.iter().enumerate() {
+            let node = problem.node_of(event.about_s);
+            let mut pattern = BlockPattern::dense(event.touch_row_count(), of_leg(node).collect());
+            for times in rows::order_unknowns(index, problem.events.len()) {
+                pattern.push(1, times.into_iter().map(time));
+            }
+            blocks.push(pattern);
+        }
+        let size = problem.unknown_count();
+        let couplings =
+            (0..size).flat_map(|row| (problem.first_coupled(row)..=row).map(move |at| (row, at)));
+        let pattern = Pattern::new(size, couplings);
         Self {
             structure: Structure {
                 pattern,
@@ -82,8 +93,8 @@ impl<'a> TreeProgram<'a> {
     }
 
     /// Hessian of a part's cost.
-    pub(super) fn information_at(&self, part: &Part, nodes: &Nodes) -> DMatrix<f64> {
-        let system = self.evaluated(part, nodes);
+    pub(super) fn information_at(&self, part: &Part, point: &TreePoint) -> DMatrix<f64> {
+        let system = self.evaluated(part, point);
         let pattern = &self.structure.pattern;
         DMatrix::from_fn(pattern.size(), pattern.size(), |row, column| {
             system
@@ -121,12 +132,12 @@ impl<'a> TreeProgram<'a> {
         DMatrix::from_columns(&free)
     }
 
-    /// What holds rates of the start, and what nothing else does.
-    fn calm(&self, part: &Part, nodes: &Nodes, system: &mut System) {
+    /// What holds rates of the start, times at their marks, and what nothing else does.
+    fn calm(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
         let (width, freedoms) = (problem.width(), problem.tree.freedoms());
         let flight = width / 2 - problem.tree.angular_freedoms();
-        for (node, (state, calm)) in nodes.iter().zip(&self.calm).enumerate() {
+        for (node, (state, calm)) in point.nodes.iter().zip(&self.calm.nodes).enumerate() {
             let off = problem.tree.minus(state, calm);
             for (at, off) in off.into_iter().enumerate() {
                 let is_rate = node == 0 && at >= freedoms + flight;
@@ -143,53 +154,74 @@ impl<'a> TreeProgram<'a> {
                     .add(&self.structure.pattern, row, row, weight);
             }
         }
+        let times = point.event_times_s.iter().zip(&problem.events);
+        for (index, (time_s, event)) in times.enumerate() {
+            let (off_s, weight) = match event.mark_s {
+                Some([mark_s, sd_s]) => (time_s - mark_s, sd_s.powi(-2)),
+                None => (
+                    time_s - self.calm.event_times_s[index],
+                    CALM * problem.information.0,
+                ),
+            };
+            let row = problem.nodes_s.len() * width + index;
+            system.cost += 0.5 * weight * off_s * off_s;
+            system.gradient[row] += weight * off_s;
+            system
+                .hessian
+                .add(&self.structure.pattern, row, row, weight);
+        }
     }
 }
 
 impl Program for TreeProgram<'_> {
-    type Point = Nodes;
+    type Point = TreePoint;
     type Guidance = Part;
 
     fn structure(&self) -> &Structure {
         &self.structure
     }
 
-    fn evaluate(&self, part: &Part, nodes: &Nodes, system: &mut System) {
-        let width = self.problem.width();
+    fn evaluate(&self, part: &Part, point: &TreePoint, system: &mut System) {
+        let problem = self.problem;
+        let (width, nodes) = (problem.width(), problem.nodes_s.len());
         system.cost = 0.0;
         system.gradient.fill(0.0);
         system.hessian.clear();
-        for node in 0..nodes.len() {
-            let sums = self.leg(node, part, nodes, &mut system.blocks);
+        for node in 0..nodes {
+            let sums = self.leg(node, part, point, &mut system.blocks);
             system.cost += sums.cost;
-            let first = node * width;
-            for row in 0..width {
-                system.gradient[first + row] += sums.gradient[row];
+            let first_event = problem.events_of(node).start;
+            let place = |at: usize| match at.checked_sub(width) {
+                None => node * width + at,
+                Some(event) => nodes * width + first_event + event,
+            };
+            for row in 0..sums.gradient.len() {
+                system.gradient[place(row)] += sums.gradient[row];
                 for column in 0..=row {
                     let entry = sums.hessian[(row, column)];
                     let pattern = &self.structure.pattern;
                     system
                         .hessian
-                        .add(pattern, first + row, first + column, entry);
+                        .add(pattern, place(row), place(column), entry);
                 }
             }
         }
-        self.calm(part, nodes, system);
+        self.calm(part, point, system);
     }
 
-    fn retract(&self, from: &Nodes, step: &DVector<f64>, to: &mut Nodes) {
-        let tree = &self.problem.tree;
-        let steps = step.as_slice().chunks_exact(self.problem.width());
-        for ((from, step), to) in from.iter().zip(steps).zip(to) {
-            *to = tree.retract(from, step);
-        }
+    fn retract(&self, from: &TreePoint, step: &DVector<f64>, to: &mut TreePoint) {
+        from.retract(self.problem, step, to);
     }
 
     fn damping(&self) -> DVector<f64> {
         let (width, freedoms) = (self.problem.width(), self.problem.tree.freedoms());
+        let states = width * self.problem.nodes_s.len();
         let weight = |length: f64| 10.0 * self.problem.information.0 / (length * length);
-        DVector::from_fn(width * self.problem.nodes_s.len(), |at, _| {
-            weight(LENGTHS[usize::from(at % width >= freedoms)])
+        DVector::from_fn(self.problem.unknown_count(), |at, _| {
+            weight(match at < states {
+                true => LENGTHS[usize::from(at % width >= freedoms)],
+                false => TIME_LENGTH_S,
+            })
         })
     }
 
@@ -205,7 +237,7 @@ impl Program for TreeProgram<'_> {
     /// derivatives are nowhere else.
     fn add_curvature(
         &self,
-        (nodes, _): (&Nodes, &System),
+        (point, _): (&TreePoint, &System),
         multipliers: &[f64],
         hessian: &mut Envelope,
     ) {
@@ -218,58 +250,25 @@ impl Program for TreeProgram<'_> {
             system.add_pull(&self.structure, |row| multipliers[row], &mut gradient);
             gradient
         };
-        let here = program.evaluated(&part, nodes);
+        let here = program.evaluated(&part, point);
         let before = slope(&here);
         let mut curved = DMatrix::zeros(size, size);
-        let mut moved = nodes.clone();
+        let mut moved = point.clone();
         let mut there = System::new(&self.structure);
         for column in 0..size {
             let mut step = DVector::zeros(size);
             step[column] = STEP;
-            self.retract(nodes, &step, &mut moved);
+            self.retract(point, &step, &mut moved);
             program.evaluate(&part, &moved, &mut there);
             curved.set_column(column, &((slope(&there) - &before) / STEP));
         }
         let pattern = &self.structure.pattern;
-        let width = self.problem.width();
         for row in 0..size {
-            let first = (row / width).saturating_sub(1) * width;
-            for column in first..=row {
+            for column in self.problem.first_coupled(row)..=row {
                 let curvature = 0.5 * (curved[(row, column)] + curved[(column, row)]);
                 let given = here.hessian.get(pattern, row, column);
                 hessian.add(pattern, row, column, curvature - given);
             }
-        }
-    }
-}
-
-impl TreeProblem {
-    /// The node from which the motion reaches a time.
-    pub fn node_of(&self, time_s: f64) -> usize {
-        let after = self.nodes_s.partition_point(|node_s| *node_s <= time_s);
-        after.max(1) - 1
-    }
-
-    /// Beginning and end of the motion from a node to the next \[s\].
-    pub fn leg_s(&self, node: usize) -> [f64; 2] {
-        let to_s = self.nodes_s.get(node + 1).copied();
-        [self.nodes_s[node], to_s.unwrap_or(self.span_s[1])]
-    }
-
-    /// Number of steps of the integrator for an interval.
-    pub fn steps(&self, interval_s: f64) -> usize {
-        ((interval_s / self.step_s).ceil() as usize).max(1)
-    }
-
-    /// One unit of a number of a tangent.
-    pub fn unit_of(&self, at: usize) -> f64 {
-        let freedoms = self.tree.freedoms();
-        let flight = freedoms - self.tree.angular_freedoms();
-        match (at / freedoms, at % freedoms < flight) {
-            (0, true) => unit::POSITION_M,
-            (0, false) => unit::ORIENTATION_RAD,
-            (_, true) => unit::VELOCITY_M_S,
-            (_, false) => unit::ANGULAR_VELOCITY_RAD_S,
         }
     }
 }

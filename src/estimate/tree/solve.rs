@@ -2,15 +2,16 @@
 //! has to find more than a part of a whirl; bring the goals in by a sweep; come near by steps in a trust region;
 //! finish.
 
+use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::program::{Nodes, Part, TreeProgram};
+use super::program::{Part, TreeProgram};
 use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
 use crate::optimise::trust::{self, Nearness};
 use crate::optimise::{self, Program, Schedule, Solution, Stage, Work};
-use crate::physics::tree::{Flow, TreeState, tableau};
+use crate::physics::tree::{TreeState, tableau};
 
 /// Standard deviation of the rates at the start while the part grows [rad/s].
 const GROWING_SD_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
@@ -33,42 +34,38 @@ const NEARNESS: Nearness = Nearness {
     decrease: 1e-6,
     violation: 1e-6,
 };
-/// Greatest turn of any joint in a step of the integrator \[rad\],
-const STEP_RAD: f64 = 0.25;
-/// and longest step \[s\].
-const STEP_S: f64 = 1.0 / 60.0;
-/// Fastest joint for which steps are shortened [rad/s]: faster ones are far from any hand's.
-const RATE_MOST_RAD_S: f64 = 400.0;
+/// How often samples about an event are given anew to the motions before and after it.
+const SIDINGS: usize = 4;
 
 /// The optimum that a start leads to, with the problem whose steps are as short as it needs.
 pub struct Solved {
     /// The problem.
     pub problem: TreeProblem,
     /// Its solution.
-    pub solution: Solution<Nodes>,
+    pub solution: Solution<TreePoint>,
 }
 
 /// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth is
 /// tried, and then multiplier rounds from where each led.
 pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
     let mut work = Work::default();
-    let mut tried: Vec<(TreeProblem, Nodes)> = Vec::new();
+    let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
     for growth in GROWTHS {
-        let (problem, nodes) = grown((&problem, start.clone()), growth, &mut work, observer);
+        let (problem, point) = grown((&problem, start.clone()), growth, &mut work, observer);
         let at_once = Schedule::default().from_the_last();
-        let solved = finished(&problem, &nodes, &at_once, &mut work, observer);
+        let solved = finished(&problem, &point, &at_once, &mut work, observer);
         if solved.has_ended() {
             return solved;
         }
-        tried.push((problem, nodes));
+        tried.push((problem, point));
     }
     let rounds = Schedule {
         sweep_weights: Vec::new(),
         ..Schedule::default()
     };
     let mut last = None;
-    for (problem, nodes) in &tried {
-        let solved = finished(problem, nodes, &rounds, &mut work, observer);
+    for (problem, point) in &tried {
+        let solved = finished(problem, point, &rounds, &mut work, observer);
         if solved.has_ended() {
             return solved;
         }
@@ -77,24 +74,42 @@ pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer
     last.expect("it grew at least once")
 }
 
-/// The optimum near some nodes, with all the work so far.
+/// The optimum near a point, with all the work so far. Samples that it leaves on the wrong side of an event are given
+/// to the other side, and it is found again.
 fn finished(
     problem: &TreeProblem,
-    nodes: &Nodes,
+    point: &TreePoint,
     schedule: &Schedule,
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> Solved {
-    let program = TreeProgram::new(problem, nodes.clone());
+    let mut solved = optimum(problem.clone(), point, schedule, work, observer);
+    for _ in 0..SIDINGS {
+        let sided = solved.problem.sided(&solved.solution.point);
+        if !solved.solution.finished.converged || !sided.parts_otherwise(&solved.problem) {
+            break;
+        }
+        let schedule = Schedule::default().from_the_last();
+        let point = solved.solution.point;
+        solved = optimum(sided, &point, &schedule, work, observer);
+    }
+    solved
+}
+
+fn optimum(
+    problem: TreeProblem,
+    point: &TreePoint,
+    schedule: &Schedule,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Solved {
+    let program = TreeProgram::new(&problem, point.clone());
     let guidance = |_: Stage| Part::whole();
     let watch = &mut Watched(observer);
-    let mut solution = optimise::solve(&program, nodes.clone(), schedule, &guidance, watch);
+    let mut solution = optimise::solve(&program, point.clone(), schedule, &guidance, watch);
     work.add(&solution.work);
     solution.work = *work;
-    Solved {
-        problem: problem.clone(),
-        solution,
-    }
+    Solved { problem, solution }
 }
 
 impl Solved {
@@ -110,19 +125,19 @@ fn grown(
     growth: f64,
     work: &mut Work,
     observer: &mut dyn Observer,
-) -> (TreeProblem, Nodes) {
+) -> (TreeProblem, TreePoint) {
     let mut problem = problem.clone();
-    let mut nodes = vec![start];
+    let mut point = TreePoint::new(&problem, vec![start]);
     observer.phase(Phase::ArcFits);
     problem.tableau = tableau::BUTCHER;
     for until_s in problem.parts_s(growth) {
-        problem.step_s = problem.step_for(&nodes[0], until_s);
-        let program = TreeProgram::new(&problem, nodes.clone());
+        problem.step_s = problem.step_for(&point, until_s);
+        let program = TreeProgram::new(&problem, point.clone());
         let part = Part {
             until_s,
             rate_sd_rad_s: GROWING_SD_RAD_S,
         };
-        let mut descent = Descent::new(&program, nodes);
+        let mut descent = Descent::new(&program, point);
         descent.refresh(&part);
         let information = problem.information.1;
         let lagrangian = AugmentedLagrangian::new(&descent.system, START_WEIGHT * information);
@@ -132,30 +147,31 @@ fn grown(
         };
         descent.run(&part, &lagrangian, patience);
         work.add(&descent.work);
-        nodes = descent.point;
+        point = descent.point;
+        problem = problem.sided(&point);
         if observer.should_stop() {
             break;
         }
     }
     problem.tableau = tableau::DORMAND_PRINCE;
-    problem.step_s = problem.step_for(&nodes[0], problem.span_s[1]);
-    let program = TreeProgram::new(&problem, nodes.clone());
-    let nodes = swept(&program, nodes, work, observer);
-    (problem, nodes)
+    problem.step_s = problem.step_for(&point, problem.span_s[1]);
+    let program = TreeProgram::new(&problem, point.clone());
+    let point = swept(&program, point, work, observer);
+    (problem.sided(&point), point)
 }
 
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
 /// spin of a whole chain, the valley is curved.
 fn swept(
     program: &TreeProgram,
-    nodes: Nodes,
+    point: TreePoint,
     work: &mut Work,
     observer: &mut dyn Observer,
-) -> Nodes {
+) -> TreePoint {
     observer.phase(Phase::Sweep);
     let (least, most) = program.information();
     let whole = Part::whole();
-    let mut descent = Descent::new(program, nodes);
+    let mut descent = Descent::new(program, point);
     descent.refresh(&whole);
     for weight in SWEEP.0 {
         let lagrangian = AugmentedLagrangian::new(&descent.system, weight * most);
@@ -176,6 +192,30 @@ fn swept(
 }
 
 impl TreeProblem {
+    /// The problem with samples parted where a point has the events.
+    fn sided(&self, point: &TreePoint) -> Self {
+        let mut sided = self.clone();
+        let [mut least_s, most_s] = self.span_s;
+        for (event, time_s) in sided.events.iter_mut().zip(&point.event_times_s) {
+            event.about_s = time_s.max(least_s).min(most_s);
+            least_s = event.about_s;
+        }
+        sided
+    }
+
+    /// Whether a sample is on another side of an event than in another problem.
+    fn parts_otherwise(&self, other: &Self) -> bool {
+        let events = self.events.iter().zip(&other.events);
+        let mut between = events.map(|(here, there)| {
+            let [a_s, b_s] = [here.about_s, there.about_s];
+            a_s.min(b_s)..a_s.max(b_s)
+        });
+        between.any(|between_s| {
+            let mut samples = self.samples.iter();
+            samples.any(|sample| between_s.contains(&sample.time_s))
+        })
+    }
+
     /// Times at which the growing parts end \[s\]: before the goals at the end.
     fn parts_s(&self, growth: f64) -> Vec<f64> {
         let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
@@ -192,32 +232,5 @@ impl TreeProblem {
         let end_s = self.span_s[1];
         let last = counts.iter().filter_map(|count| times_s.get(count - 1));
         last.map(|time_s| time_s.min(end_s.next_down())).collect()
-    }
-
-    /// Longest step of the integrator for the motion from a state.
-    fn step_for(&self, start: &TreeState, until_s: f64) -> f64 {
-        let tree = &self.tree;
-        let flight = tree.freedoms() - tree.angular_freedoms();
-        let mut flow = Flow::new(tree, &self.gravity_m_s2, tableau::DORMAND_PRINCE);
-        flow.begin(start, false);
-        let mut fastest_rad_s: f64 = 0.0;
-        let mut now_s = self.span_s[0];
-        let end_s = until_s.min(self.span_s[1]);
-        loop {
-            let rates = flow.state().rates;
-            let here = rates[flight..]
-                .iter()
-                .fold(0.0, |most: f64, rate| most.max(rate.abs()));
-            fastest_rad_s = fastest_rad_s.max(here.min(RATE_MOST_RAD_S));
-            if now_s >= end_s || !here.is_finite() {
-                break;
-            }
-            let step_s = STEP_S
-                .min(end_s - now_s)
-                .min(STEP_RAD / fastest_rad_s.max(1e-9));
-            flow.advance(step_s, 1, 0.0);
-            now_s += step_s;
-        }
-        STEP_S.min(STEP_RAD / fastest_rad_s.max(1e-9))
     }
 }

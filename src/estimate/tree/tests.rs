@@ -3,12 +3,13 @@
 use nalgebra::{DVector, Vector3};
 use typed_index_collections::TiVec;
 
+use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use crate::config::scene_from_toml;
 use crate::math::differentiate;
 use crate::math::random::Random;
-use crate::motion::{Sample, Scene, Seen, Sketch, Stamp, TrackSketch};
+use crate::motion::{MarkTime, Sample, Scene, Seen, Sketch, Stamp, TrackSketch};
 use crate::optimise::Program;
 use crate::physics::tree::TreeState;
 
@@ -57,28 +58,125 @@ fn derivatives_are_those_of_differences() {
     for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
         problem.nodes_s = nodes_s;
         let nodes = vec![some_state(&problem); problem.nodes_s.len()];
-        let of = TreeProgram::new(&problem, vec![problem.tree.at_rest(); nodes.len()]);
-        let part = Part::whole();
-        let here = of.evaluated(&part, &nodes);
-        let size = of.structure().size();
-        let values = |delta: &[f64]| {
-            let mut moved = nodes.clone();
-            of.retract(&nodes, &DVector::from_column_slice(delta), &mut moved);
-            let there = of.evaluated(&part, &moved);
-            std::iter::once(there.cost).chain(there.values()).collect()
-        };
-        let rows = 1 + here.row_count();
-        let numeric = differentiate::jacobian(rows, size, values);
-        for column in 0..size {
-            let mut step = DVector::zeros(size);
-            step[column] = 1.0;
-            let mut along = Vec::new();
-            here.along(of.structure(), &step, &mut along);
-            along.insert(0, here.gradient[column]);
-            for (row, given) in along.iter().enumerate() {
-                let error = (numeric[row][column] - given).abs() / (1.0 + given.abs());
-                assert!(error < 1e-6, "{row} {column}: {error}");
-            }
+        check(&problem, &TreePoint::new(&problem, nodes));
+    }
+}
+
+/// The last rod's end hits a table, the first rod's does without friction and with a tilt, and two waypoints
+/// lie between and after: times that are before and after those of samples on either side.
+#[test]
+fn derivatives_through_events_are_those_of_differences() {
+    const EVENTS: &str = r#"
+[[surface]]
+name = "table"
+point_mm = [0, 0, -300]
+normal = [0, 0, 1]
+
+[[event]]
+name = "hit"
+kind = "collision"
+body = "rod 3"
+feature = "end"
+surface = "table"
+restitution = 0.6
+friction = 0.2
+
+[[event]]
+name = "by"
+kind = "waypoint"
+body = "rod 1"
+
+[[event]]
+name = "again"
+kind = "collision"
+body = "rod 1"
+feature = "end"
+surface = "table"
+restitution = 0.3
+
+[[event]]
+name = "last"
+kind = "waypoint"
+body = "rod 2"
+
+[[goal]]
+event = "by"
+body = "rod 2"
+position_mm = [100, 200, 300]
+
+[[goal]]
+event = "again"
+body = "rod 3"
+velocity_m_s = [0, 1, 2]
+after = true
+sd_m_s = 0.3
+
+[[goal]]
+event = "again"
+body = "rod 2"
+velocity_m_s = [1, 0, 0]
+
+"#;
+    let text = include_str!("../../../config/chain.toml");
+    let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
+    let features = "mass_g = 100\nfeatures_mm = { end = [0, 0, -100] }\n";
+    let text = (before.to_owned() + EVENTS + after).replace("mass_g = 100\n", features);
+    let scene = scene_from_toml(&text).expect("a valid scene");
+    let mut sketch = sketch(&scene);
+    let tree = scene.joint_trees().next().expect("a tree");
+    sketch.marks_s = vec![0.0, 0.023, 0.044, 0.058, 0.093, 0.1];
+    sketch.marks = sketch
+        .marks_s
+        .iter()
+        .map(|mark_s| {
+            Some(MarkTime {
+                acted_s: mark_s + 0.002,
+                sd_s: 0.01,
+                counted: 1.0,
+            })
+        })
+        .collect();
+    let mut problem = TreeProblem::new(&scene, &sketch, tree);
+    problem.step_s = 0.01;
+    for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
+        problem.nodes_s = nodes_s;
+        let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+        let mut point = TreePoint::new(&problem, nodes);
+        for (time_s, off_s) in point
+            .event_times_s
+            .iter_mut()
+            .zip([0.011, -0.006, 0.004, 0.001])
+        {
+            *time_s += off_s;
+        }
+        check(&problem, &point);
+    }
+}
+
+fn check(problem: &TreeProblem, point: &TreePoint) {
+    let rest = vec![problem.tree.at_rest(); point.nodes.len()];
+    let of = TreeProgram::new(problem, TreePoint::new(problem, rest));
+    let part = Part::whole();
+    let here = of.evaluated(&part, point);
+    let size = of.structure().size();
+    assert!(here.cost.is_finite());
+    let values = |delta: &[f64]| {
+        let mut moved = point.clone();
+        of.retract(point, &DVector::from_column_slice(delta), &mut moved);
+        let there = of.evaluated(&part, &moved);
+        std::iter::once(there.cost).chain(there.values()).collect()
+    };
+    let rows = 1 + here.row_count();
+    let numeric = differentiate::jacobian(rows, size, values);
+    for column in 0..size {
+        let mut step = DVector::zeros(size);
+        step[column] = 1.0;
+        let mut along = Vec::new();
+        here.along(of.structure(), &step, &mut along);
+        along.insert(0, here.gradient[column]);
+        for (row, given) in along.iter().enumerate() {
+            let error = (numeric[row][column] - given).abs() / (1.0 + given.abs());
+            assert!(error < 1e-6, "{row} {column}: {error}");
         }
     }
 }

@@ -7,15 +7,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::program::{Nodes, Part, TreeProgram};
+use super::program::{Part, TreeProgram};
 use crate::optimise::Solution;
 
-/// Directions by the unknowns of all nodes, of one deviation each, the weakest first: those of which
+/// Directions by the unknowns, of one deviation each, the weakest first: those of which
 /// sketch and goals tell less than this share.
 pub fn directions(
     problem: &TreeProblem,
-    solution: &Solution<Nodes>,
+    solution: &Solution<TreePoint>,
     told_share: f64,
 ) -> Vec<DVector<f64>> {
     let program = TreeProgram::new(problem, solution.point.clone());

@@ -2,7 +2,7 @@
 
 use super::joint::JointTree;
 use super::whole::Scene;
-use crate::motion::index::MechanismIndex;
+use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::tree::Tree;
 
 impl Scene {
@@ -15,6 +15,16 @@ impl Scene {
     pub fn joint_trees(&self) -> impl Iterator<Item = (MechanismIndex, &JointTree)> {
         let all = self.mechanisms.iter_enumerated();
         all.filter_map(|(index, mechanism)| Some((index, mechanism.tree()?)))
+    }
+
+    /// Whether a joint ties one link to the other.
+    pub fn are_joined(&self, one: LinkIndex, other: LinkIndex) -> bool {
+        let tree = self.joint_tree(self.mechanism_of(one));
+        let mut joints = tree.into_iter().flat_map(|tree| &tree.joints);
+        joints.any(|joint| {
+            let ends = (joint.parent, joint.child);
+            ends == (Some(one), other) || ends == (Some(other), one)
+        })
     }
 
     /// The equations of motion of a tree.

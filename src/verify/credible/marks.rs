@@ -10,7 +10,7 @@ const WAYPOINT_DEVIATIONS: f64 = 4.0;
 /// The same in acted time, where the tempo is unknown: reaction time makes marks late.
 const UNKNOWN_S: [f64; 2] = [0.12, 0.15];
 
-pub(super) fn doubts(
+pub(in crate::verify) fn doubts(
     scene: &Scene,
     sketch: &Sketch,
     marks_made_s: &[Option<f64>],

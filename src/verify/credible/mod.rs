@@ -38,7 +38,7 @@ mod fit;
 mod flights;
 pub(super) mod kinematics;
 mod kink;
-mod marks;
+pub(super) mod marks;
 mod open_times;
 mod outside;
 mod parameters;

@@ -1,0 +1,48 @@
+//! Events within a tree's motion, whose times are unknown: impacts of a link, and waypoints.
+
+use crate::motion::{EventKind, JointTree, Scene, Sketch, TreeTouch};
+
+/// An event within the motion.
+#[derive(Clone, Debug)]
+pub struct TreeEvent {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// About when it is \[s\]: samples before belong to the motion before it, later ones to that after it,
+    /// wherever its estimated time is.
+    pub about_s: f64,
+    /// When it was marked, and the mark's standard deviation \[s\].
+    pub mark_s: Option<[f64; 2]>,
+    /// What hits what; none at a waypoint, where the motion goes on as it was.
+    pub touch: Option<TreeTouch>,
+}
+
+/// The events between the start and the end, in the scene's order.
+///
+/// # Panics
+/// Where [`Scene::tree_touch`] says nothing of a collision: what reads scenes refuses those.
+pub(super) fn events(scene: &Scene, sketch: &Sketch, joined: &JointTree) -> Vec<TreeEvent> {
+    let within = scene.events.iter().enumerate();
+    let within = within.filter(|(_, of)| !matches!(of.kind, EventKind::Start | EventKind::End));
+    within
+        .map(|(event, of)| TreeEvent {
+            event,
+            about_s: sketch.marks_s[event],
+            mark_s: sketch.marks[event].map(|mark| [mark.acted_s, mark.sd_s / mark.counted.sqrt()]),
+            touch: of.kind.collision().map(|_| {
+                let touch = scene.tree_touch(joined, event);
+                touch.expect("a link of the tree hits the world at one contact")
+            }),
+        })
+        .collect()
+}
+
+impl TreeEvent {
+    /// Number of its rows of touch: approach, and the gap.
+    pub(super) fn touch_row_count(&self) -> usize {
+        match &self.touch {
+            Some(touch) if touch.is_by_goal => 1,
+            Some(_) => 2,
+            None => 0,
+        }
+    }
+}

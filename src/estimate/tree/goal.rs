@@ -1,0 +1,82 @@
+//! What must hold of a tree's motion at events.
+
+use nalgebra::Vector3;
+
+use crate::estimate::problem::unit;
+use crate::motion::{BodyPoint, Condition, GoalSet, JointTree, Scene, Sketch};
+
+/// A condition at an event.
+#[derive(Clone, Debug)]
+pub struct TreeGoal {
+    /// Index into `Scene::goals`.
+    pub goal: usize,
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Physical time \[s\].
+    pub time_s: f64,
+    /// The link's place in the tree, and that of the link in whose axes it is seen.
+    pub places: [usize; 2],
+    /// Point of the link that it is about [m, link axes].
+    pub point_m: Vector3<f64>,
+    /// What must hold.
+    pub condition: Condition,
+    /// The numbers of the quantity that a box bounds; none where the set has one row.
+    pub axes: Vec<usize>,
+}
+
+/// The goals of a tree's links, in order of time.
+pub(super) fn goals(
+    scene: &Scene,
+    sketch: &Sketch,
+    joined: &JointTree,
+    span_s: [f64; 2],
+) -> Vec<TreeGoal> {
+    let mut all = Vec::new();
+    for (index, goal) in scene.goals.iter().enumerate() {
+        let Some(place) = joined.place_of(goal.link) else {
+            continue;
+        };
+        for condition in goal.target.conditions() {
+            let seen_from = condition.quantity.seen_from();
+            let other = seen_from
+                .and_then(|link| joined.place_of(link))
+                .unwrap_or(place);
+            let point_m = match condition.quantity.point() {
+                Some(BodyPoint::Fixed(point_m)) => point_m,
+                _ => Vector3::zeros(),
+            };
+            let axes = match &condition.set {
+                GoalSet::Box { lower, upper } => (0..condition.quantity.dimension())
+                    .filter(|axis| lower[*axis].is_finite() || upper[*axis].is_finite())
+                    .collect(),
+                _ => Vec::new(),
+            };
+            all.push(TreeGoal {
+                goal: index,
+                event: goal.event,
+                time_s: sketch.marks_s[goal.event].clamp(span_s[0], span_s[1]),
+                places: [place, other],
+                point_m,
+                condition,
+                axes,
+            });
+        }
+    }
+    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    all
+}
+
+impl TreeGoal {
+    /// Number of its rows that must hold: none of one that weighs.
+    pub fn row_count(&self) -> usize {
+        match self.condition.sd {
+            Some(_) => 0,
+            None => self.axes.len().max(1),
+        }
+    }
+
+    /// One unit of its rows, in the unit of its quantity.
+    pub fn unit(&self) -> f64 {
+        unit::of(self.condition.quantity.unit())
+    }
+}

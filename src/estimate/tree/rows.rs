@@ -1,0 +1,129 @@
+//! Rows of a tree's goals, of its events, and of how a leg of its motion joins the next.
+
+use nalgebra::{DMatrix, Matrix3xX, Vector3};
+
+use super::goal::TreeGoal;
+use super::problem::TreeProblem;
+use crate::estimate::constraint::within::{self, WithinRow};
+use crate::estimate::problem::unit;
+use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::tree::{TreeImpact, TreeImpactDerivative, TreeState};
+
+impl TreeGoal {
+    /// Its rows at a value of its quantity.
+    pub(super) fn rows(&self, value: &Vector3<f64>) -> Vec<WithinRow> {
+        let set = &self.condition.set;
+        if self.axes.is_empty() {
+            return vec![within::single(set, value)];
+        }
+        let axes = self.axes.iter();
+        axes.map(|axis| within::along(set, value, *axis)).collect()
+    }
+}
+
+/// A goal's row, `by` the unknowns of the leg.
+pub(super) fn put(
+    goal: &TreeGoal,
+    row: usize,
+    of: &WithinRow,
+    by: &Matrix3xX<f64>,
+    (pattern, block): (&BlockPattern, &mut Block),
+) {
+    let unit = goal.unit();
+    block.values[row] = of.value / unit;
+    block.bounds[row] = (of.bounds.0 / unit, of.bounds.1 / unit);
+    let chained = by.tr_mul(&of.by) / unit;
+    let entries = block.derivatives_mut(pattern, row);
+    entries.copy_from_slice(chained.as_slice());
+}
+
+/// What does not count yet: it holds, whatever moves.
+pub(super) fn silence(pattern: &BlockPattern, block: &mut Block) {
+    block.reset(pattern);
+    block.values.fill(0.0);
+    for row in 0..block.values.len() {
+        block.derivatives_mut(pattern, row).fill(0.0);
+    }
+}
+
+/// Approach of an impact, and its gap where that has a row: the contact comes nearer, and touches.
+pub(super) fn touch(
+    (impact, derivative): (&TreeImpact, &TreeImpactDerivative),
+    count: usize,
+    jacobian: &DMatrix<f64>,
+    (pattern, block): (&BlockPattern, &mut Block),
+) {
+    block.bounds[0] = (f64::NEG_INFINITY, 0.0);
+    let rows = [
+        (impact.speed_m_s, &derivative.speed, unit::VELOCITY_M_S),
+        (impact.gap_m, &derivative.gap, unit::POSITION_M),
+    ];
+    for (row, (value, by, unit)) in rows.into_iter().enumerate().take(count) {
+        block.values[row] = value / unit;
+        let chained = jacobian.tr_mul(by) / unit;
+        let entries = block.derivatives_mut(pattern, row);
+        entries.copy_from_slice(chained.as_slice());
+    }
+}
+
+/// Events whose times the rows of an event's order are about.
+pub(super) fn order_unknowns(event: usize, count: usize) -> Vec<Vec<usize>> {
+    let after = event.checked_sub(1).into_iter().chain([event]).collect();
+    let mut rows = vec![after];
+    if event + 1 == count {
+        rows.push(vec![event]);
+    }
+    rows
+}
+
+/// Order of events: each is after the one before it, the last before the end. These rows end the event's block.
+pub(super) fn order(
+    problem: &TreeProblem,
+    (event, times_s): (usize, &[f64]),
+    (pattern, block): (&BlockPattern, &mut Block),
+) {
+    let here_s = times_s[event];
+    let mut row = problem.events[event].touch_row_count();
+    let mut put = |value_s: f64, by: &[f64]| {
+        block.values[row] = value_s / unit::TIME_S;
+        block.bounds[row] = (0.0, f64::INFINITY);
+        let entries = block.derivatives_mut(pattern, row);
+        for (entry, by) in entries.iter_mut().zip(by) {
+            *entry = by / unit::TIME_S;
+        }
+        row += 1;
+    };
+    match event.checked_sub(1) {
+        Some(before) => put(here_s - times_s[before], &[-1.0, 1.0]),
+        None => put(here_s - problem.span_s[0], &[1.0]),
+    }
+    if event + 1 == times_s.len() {
+        put(problem.span_s[1] - here_s, &[-1.0]);
+    }
+}
+
+/// `x(t) ⊟ x_next`, with its derivatives by the leg's unknowns and by the next node.
+pub(super) fn join(
+    problem: &TreeProblem,
+    (reached, next): (&TreeState, &TreeState),
+    jacobian: &DMatrix<f64>,
+    (pattern, block): (&BlockPattern, &mut Block),
+) {
+    let (tree, width) = (&problem.tree, problem.width());
+    let off = tree.minus(reached, next);
+    let turned = tree.minus_jacobians(reached, next);
+    block.reset(pattern);
+    for row in 0..width {
+        let unit = problem.unit_of(row);
+        block.values[row] = off[row] / unit;
+        let entries = block.derivatives_mut(pattern, row);
+        let (before, after) = entries.split_at_mut(jacobian.ncols());
+        let along = turned[0].row(row).transpose();
+        for (column, entry) in before.iter_mut().enumerate() {
+            *entry = along.dot(&jacobian.column(column)) / unit;
+        }
+        for (column, entry) in after.iter_mut().enumerate() {
+            *entry = turned[1][(row, column)] / unit;
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The motion that a tree's unknowns say, walked through without derivatives.
+
+use super::course::{Course, Stop};
+use super::point::TreePoint;
+use super::problem::TreeProblem;
+use crate::motion::TreeKnot;
+use crate::physics::tree::{Snapshot, TreeState};
+
+/// Greatest turn of any joint in a step of the integrator \[rad\],
+const STEP_RAD: f64 = 0.25;
+/// and longest step \[s\].
+const STEP_S: f64 = 1.0 / 60.0;
+/// Fastest joint for which steps are shortened [rad/s]: faster ones are far from any hand's.
+const RATE_MOST_RAD_S: f64 = 400.0;
+
+impl TreeProblem {
+    /// States at the beginning, at every sample, goal and event and at the end: at an event the one before it, then
+    /// the one after.
+    pub(super) fn knots(&self, point: &TreePoint) -> Vec<TreeKnot> {
+        let mut knots = Vec::new();
+        for (node, state) in point.nodes.iter().enumerate() {
+            let [from_s, to_s] = self.leg_s(node);
+            let mut course = Course::plain(self, (state, from_s));
+            let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
+            knot(from_s, state.clone());
+            let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+            let known = self
+                .goals
+                .iter()
+                .filter(|goal| self.event_within(goal).is_none());
+            times_s.extend(known.map(|goal| goal.time_s));
+            times_s.retain(|time_s| *time_s > from_s && *time_s <= to_s);
+            times_s.push(to_s);
+            times_s.sort_by(f64::total_cmp);
+            times_s.dedup();
+            let mut events = self.events_of(node).peekable();
+            for time_s in times_s.into_iter().filter(|time_s| *time_s > from_s) {
+                while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= time_s) {
+                    let event_s = point.event_times_s[event];
+                    course.advance(Stop::known(event_s));
+                    knot(event_s, course.state());
+                    if self.pass(event, &mut course) {
+                        knot(event_s, course.state());
+                    }
+                }
+                course.advance(Stop::known(time_s));
+                knot(time_s, course.state());
+            }
+        }
+        knots
+    }
+
+    /// Goes through an event; whether the rates jump there.
+    fn pass(&self, event: usize, course: &mut Course) -> bool {
+        let Some(touch) = &self.events[event].touch else {
+            return false;
+        };
+        let mut snapshot = Snapshot::new(&self.tree, &self.gravity_m_s2);
+        snapshot.set(&course.state());
+        course.hit(&snapshot, touch).is_ok()
+    }
+
+    /// Longest step of the integrator for the motion from its first node to a time \[s\].
+    pub(super) fn step_for(&self, point: &TreePoint, until_s: f64) -> f64 {
+        let flight = self.tree.freedoms() - self.tree.angular_freedoms();
+        let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
+        let mut events = (0..self.events.len()).peekable();
+        let mut fastest_rad_s: f64 = 0.0;
+        let mut now_s = self.span_s[0];
+        let end_s = until_s.min(self.span_s[1]);
+        loop {
+            let rates = course.state().rates;
+            let here = rates[flight..]
+                .iter()
+                .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+            fastest_rad_s = fastest_rad_s.max(here.min(RATE_MOST_RAD_S));
+            if now_s >= end_s || !here.is_finite() {
+                break;
+            }
+            let step_s = STEP_S
+                .min(end_s - now_s)
+                .min(STEP_RAD / fastest_rad_s.max(1e-9));
+            now_s += step_s;
+            while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
+                course.advance(Stop::known(point.event_times_s[event]));
+                self.pass(event, &mut course);
+            }
+            course.advance(Stop::known(now_s));
+        }
+        STEP_S.min(STEP_RAD / fastest_rad_s.max(1e-9))
+    }
+}

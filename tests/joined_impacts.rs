@@ -1,0 +1,311 @@
+//! Bodies joined in trees that hit a table, through the program.
+
+use enact::config::scene_from_toml;
+use enact::motion::{About, Estimate, Verdict};
+use enact::physics::tree::Snapshot;
+use enact::pipeline::{Outcome, Pipeline};
+use enact::verify;
+use enact_tools::replay::Program;
+use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::trees::Jointed;
+use tempfile::TempDir;
+
+const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
+
+const fn struck(links: usize, joints: Jointed, hangs_m: Option<f64>, impacts: usize) -> Struck {
+    Struck {
+        links,
+        joints,
+        hangs_m,
+        impacts,
+        law: [0.5, 0.2],
+    }
+}
+
+/// A pendulum above the table, a flail, a flail that hits twice, and a chain.
+const KINDS: [Struck; 4] = [
+    struck(2, Jointed::Universal, Some(0.35), 1),
+    struck(2, Jointed::Ball, None, 1),
+    struck(2, Jointed::Pin, None, 2),
+    struck(3, Jointed::Universal, None, 1),
+];
+
+fn finished(strike: &Strike) -> Outcome {
+    let events = strike.events.iter().cloned();
+    let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut ());
+    outcome.expect("an estimate")
+}
+
+/// Times of the impacts, as estimated \[s\].
+fn hits_s(estimate: &Estimate) -> Vec<f64> {
+    let free = estimate.events.iter().filter(|event| !event.is_fixed);
+    free.map(|event| event.time_s).collect()
+}
+
+/// From exact samples and marks, motion and times of impacts come back.
+#[test]
+fn an_exact_sketch_gives_motion_and_impacts_back() {
+    let exact = Acted {
+        distortion: 0.0,
+        noise: 0.0,
+        mark_sd_s: 0.0,
+        ..Acted::of(1.0)
+    };
+    for kind in &KINDS {
+        for seed in 8000..8003 {
+            let strike = strike(kind, &exact, seed);
+            let estimate = finished(&strike).estimate;
+            assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
+            for (found_s, true_s) in hits_s(&estimate).iter().zip(&strike.impacts_s) {
+                let off_s = (found_s - true_s).abs();
+                // The prior on the rates at the start draws by as much.
+                assert!(off_s < 2e-5, "{kind:?} {seed}: {off_s}");
+            }
+            let (_, joined) = strike.scene.joint_trees().next().expect("a tree");
+            let tree = strike.scene.tree_model(joined);
+            let motion = &estimate.trees[0];
+            for (index, truth) in strike.states.iter().enumerate() {
+                let time_s = index as f64 / strike.rate_hz;
+                let found = motion.state(&tree, &estimate.gravity_m_s2, time_s);
+                let off = tree.minus(&found, truth);
+                let off = off[..tree.freedoms()]
+                    .iter()
+                    .fold(0.0, |most: f64, of| most.max(of.abs()));
+                assert!(off < 0.005, "{kind:?} {seed} at {time_s}: {off}");
+            }
+        }
+    }
+}
+
+/// Rough sketches: what hits touches, its normal speed turns round by the law, no energy is created, goals are met.
+#[test]
+fn rough_sketches_bounce_by_the_law() {
+    let mut physical = 0;
+    for kind in &KINDS {
+        for seed in 8010..8014 {
+            let strike = strike(kind, &Acted::of(1.0), seed);
+            let outcome = finished(&strike);
+            let estimate = &outcome.estimate;
+            physical += usize::from(estimate.verdict == Verdict::Physical);
+            if estimate.verdict != Verdict::Physical {
+                continue;
+            }
+            for goal in strike.scene.goals_attained(estimate) {
+                assert!(goal.is_met(), "{kind:?} {seed}: {goal:?}");
+            }
+            bounces(&strike, estimate);
+        }
+    }
+    assert!(physical >= 14, "{physical} of 16");
+}
+
+fn bounces(strike: &Strike, estimate: &Estimate) {
+    let (_, joined) = strike.scene.joint_trees().next().expect("a tree");
+    let tree = strike.scene.tree_model(joined);
+    let knots = &estimate.trees[0].knots;
+    let mut pairs = knots
+        .windows(2)
+        .filter(|pair| pair[0].time_s == pair[1].time_s);
+    for event in estimate.events.iter().filter(|event| !event.is_fixed) {
+        let pair = pairs.next().expect("a state on either side");
+        assert_eq!(pair[0].time_s, event.time_s);
+        let collision = strike.scene.events[event.event]
+            .kind
+            .collision()
+            .expect("a collision");
+        let place = joined.place_of(collision.link).expect("of the tree");
+        let feature = collision.contacts[0].feature.expect("named");
+        let of_link = &strike.scene.links[collision.link].features[feature].geometry;
+        let enact::physics::contact::Feature::Point { point_m, .. } = *of_link else {
+            panic!("a point");
+        };
+        let both = [0, 1].map(|side| {
+            let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
+            snapshot.set(&pair[side].state);
+            let state = snapshot.link_state(place);
+            let lever_m = snapshot.point(place, &point_m) - state.position_m;
+            let spin = state.orientation * state.angular_velocity_rad_s;
+            let speed_m_s = (state.velocity_m_s + spin.cross(&lever_m)).z;
+            (
+                snapshot.point(place, &point_m).z,
+                speed_m_s,
+                snapshot.energy(0.0),
+            )
+        });
+        let [before, after] = both;
+        assert!(before.0.abs() < 1e-6 && after.0.abs() < 1e-6, "{both:?}");
+        assert!(
+            before.1 < -0.1 && (after.1 + 0.5 * before.1).abs() < 1e-6,
+            "{both:?}"
+        );
+        assert!(after.2 < before.2, "{both:?}");
+    }
+    assert!(pairs.next().is_none());
+}
+
+/// What does not follow from the law, does not touch, or goes through the table, is doubted.
+#[test]
+fn motions_that_break_the_law_are_doubted() {
+    let strike = strike(&KINDS[0], &Acted::of(0.5), 8020);
+    let outcome = finished(&strike);
+    let doubts = |estimate: &Estimate| -> Vec<About> {
+        let made = (&outcome.sketch, &*outcome.marks_made_s);
+        let doubts = verify::joined::doubts(&outcome.scene, made, estimate);
+        doubts.iter().map(|doubt| doubt.about).collect()
+    };
+    let estimate = &outcome.estimate;
+    assert_eq!(doubts(estimate), []);
+    let time_s = hits_s(estimate)[0];
+    let after = estimate.trees[0]
+        .knots
+        .iter()
+        .rposition(|knot| knot.time_s == time_s);
+    let after = after.expect("the state after the impact");
+
+    let mut faster = estimate.clone();
+    for knot in &mut faster.trees[0].knots[after..] {
+        knot.state.rates[0] += 0.01;
+    }
+    assert_eq!(doubts(&faster).first(), None, "only positions are compared");
+    for knot in &mut faster.trees[0].knots[after + 1..] {
+        knot.state.coordinates[0] += 1e-4;
+    }
+    assert!(doubts(&faster).contains(&About::Steps));
+
+    // The impact does not happen.
+    let mut through = estimate.clone();
+    through.trees[0].knots.remove(after);
+    assert!(doubts(&through).contains(&About::Gap));
+
+    // It happens 20 ms too soon, high above the table.
+    let mut soon = estimate.clone();
+    soon.events[1].time_s -= 0.02;
+    for knot in &mut soon.trees[0].knots[after - 1..=after] {
+        knot.time_s -= 0.02;
+    }
+    soon.trees[0]
+        .knots
+        .sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    assert!(doubts(&soon).contains(&About::Gap));
+}
+
+/// Said to be of the wrong rod, or with another table than the one that was hit.
+#[test]
+fn a_scene_that_says_the_wrong_thing_is_not_physical() {
+    for kind in &KINDS[..2] {
+        let right = strike(kind, &Acted::of(0.5), 8030);
+        assert_eq!(
+            finished(&right).estimate.verdict,
+            Verdict::Physical,
+            "{kind:?}"
+        );
+        let wrong = [
+            // 60 mm above what was hit: the motion comes from and goes to below it.
+            (
+                "name = \"table\"\npoint_mm = [0, 0, 0]",
+                "name = \"table\"\npoint_mm = [0, 0, 60]",
+            ),
+            // No restitution comes near the one with which it was acted.
+            ("restitution = 0.5", "restitution = 0.0"),
+        ];
+        for (from, to) in wrong {
+            let mut said = right.clone();
+            said.scene_toml = right.scene_toml.replace(from, to);
+            assert_ne!(said.scene_toml, right.scene_toml);
+            said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
+            let estimate = finished(&said).estimate;
+            let was = finished(&right).estimate.objective;
+            let is_worse = estimate.objective > 2.0 * was;
+            assert!(
+                estimate.verdict != Verdict::Physical || is_worse,
+                "{kind:?} {to}"
+            );
+        }
+    }
+}
+
+/// A goal at a waypoint is met, at a time of its own.
+#[test]
+fn a_waypoint_has_a_time_of_its_own() {
+    let mut said = strike(&KINDS[1], &Acted::of(0.5), 8041);
+    let estimate = finished(&said).estimate;
+    let (_, joined) = said.scene.joint_trees().next().expect("a tree");
+    let tree = said.scene.tree_model(joined);
+    let hit_s = said.impacts_s[0];
+    let [by_s, mark_s] = [0.6 * hit_s, 0.6 * hit_s + 0.01];
+    let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
+    snapshot.set(&estimate.trees[0].state(&tree, &estimate.gravity_m_s2, by_s));
+    let at_mm = snapshot.link_state(0).position_m * 1e3;
+    let waypoint = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 1\"\n\n[[event]]\nname = \"hit 1\"";
+    let goal = format!(
+        "\n[[goal]]\nevent = \"by\"\nbody = \"rod 1\"\nposition_mm = [{:?}, {:?}, {:?}]\n",
+        at_mm.x, at_mm.y, at_mm.z
+    );
+    said.scene_toml = said
+        .scene_toml
+        .replace("[[event]]\nname = \"hit 1\"", waypoint)
+        + &goal;
+    said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
+    said.mark("by", mark_s);
+    let outcome = finished(&said);
+    let found = &outcome.estimate;
+    assert_eq!(found.verdict, Verdict::Physical);
+    for goal in said.scene.goals_attained(found) {
+        assert!(goal.is_met(), "{goal:?}");
+    }
+    let found_s = hits_s(found)[0];
+    assert!((found_s - by_s).abs() < 1e-3, "{found_s} {by_s}");
+}
+
+/// The whole program reads it, reports the impact and writes every frame.
+#[test]
+fn the_program_reports_the_impact() {
+    let strike = strike(&KINDS[1], &Acted::of(0.5), 8050);
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("flail.mcap");
+    strike.write(&path).unwrap();
+    let report = ENACT.report(&path, &[]).said;
+    assert_eq!(report["verdict"], "physical", "{report}");
+    let hit = &report["events"][1];
+    assert_eq!(hit["name"], "hit 1", "{report}");
+    let off_s = hit["time_s"].as_f64().unwrap() - strike.impacts_s[0];
+    assert!(off_s.abs() < 0.01, "{report}");
+}
+
+#[test]
+fn collisions_that_are_not_done_are_refused() {
+    let whole = strike(&KINDS[1], &Acted::of(1.0), 8060).scene_toml;
+    assert!(scene_from_toml(&whole).is_ok());
+    for (from, to, said) in [
+        (
+            "surface = \"table\"\nrestitution",
+            "other = \"rod 1\"\nrestitution",
+            "static world",
+        ),
+        (
+            "feature = \"end\"\nsurface",
+            "features = [\"end\", \"top\"]\nsurface",
+            "one contact",
+        ),
+        (
+            "feature = \"end\"\nsurface",
+            "surface",
+            "feature and surface",
+        ),
+        (
+            "surface = \"table\"\nrestitution",
+            "restitution",
+            "feature and surface",
+        ),
+        (
+            "restitution = 0.5",
+            "count = 2\nrestitution = 0.5",
+            "one by one",
+        ),
+    ] {
+        let text = whole.replacen(from, to, 1);
+        assert_ne!(text, whole, "{from}");
+        let error = scene_from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains(said), "{to}: {error}");
+    }
+}

@@ -1,0 +1,397 @@
+//! Performances of bodies joined in trees that hit a table: true motions through impacts, and how a hand acts them.
+
+use std::path::Path;
+
+use enact::config::scene_from_toml;
+use enact::math::Pose;
+use enact::motion::{Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
+use enact::physics::contact::{Contact, Feature};
+use enact::physics::impact::Law;
+use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
+use enact::write::WriteError;
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::perform::recording;
+use crate::perform::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
+use crate::trees::{Jointed, ROD_M};
+
+/// What hits the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Struck {
+    /// Number of rods.
+    pub links: usize,
+    /// How they are joined.
+    pub joints: Jointed,
+    /// Height at which the first hangs \[m\]; none: they fly.
+    pub hangs_m: Option<f64>,
+    /// Number of impacts.
+    pub impacts: usize,
+    /// Coefficients of restitution and friction.
+    pub law: [f64; 2],
+}
+
+/// How it is acted.
+#[derive(Clone, Copy, Debug)]
+pub struct Acted {
+    /// Wander of a usual hand, times this.
+    pub distortion: f64,
+    /// White noise of a tracker, times this.
+    pub noise: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Standard deviation of the marks of impacts \[s\].
+    pub mark_sd_s: f64,
+    /// Whether a tracker is on every rod; otherwise one is on the last, of which it sees the end.
+    pub sees_all: bool,
+}
+
+impl Acted {
+    /// A usual hand, whose wander is so many times as wide.
+    pub fn of(distortion: f64) -> Self {
+        Self {
+            distortion,
+            noise: 1.0,
+            rate_hz: 120.0,
+            mark_sd_s: 0.008,
+            sees_all: true,
+        }
+    }
+}
+
+/// A performance of a tree that hits the table.
+#[derive(Clone)]
+pub struct Strike {
+    /// Its scene file.
+    pub scene_toml: String,
+    /// The scene.
+    pub scene: Scene,
+    /// What was recorded.
+    pub events: Vec<TakeEvent>,
+    /// True times of its impacts \[s after the start\].
+    pub impacts_s: Vec<f64>,
+    /// True states at the samples.
+    pub states: Vec<TreeState>,
+    /// Samples per second.
+    pub rate_hz: f64,
+}
+
+impl Strike {
+    /// Marks an event, so many seconds after the start.
+    pub fn mark(&mut self, event: &str, time_s: f64) {
+        let stamp = stamp_at(time_s);
+        let after = self.events.iter().position(|of| stamp_of(of) > stamp);
+        let mark = TakeEvent::Mark(Mark {
+            stamp,
+            event: Some(event.into()),
+        });
+        self.events.insert(after.unwrap_or(self.events.len()), mark);
+    }
+
+    /// Writes it with its scene.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        recording::write_events_of(&self.scene, &self.scene_toml, &self.events, path)
+    }
+}
+
+/// Steps of the integrator per second, about.
+const STEPS_HZ: f64 = 4000.0;
+/// Least time from the start to an impact, between two, and from one to the end \[s\].
+const APART_S: f64 = 0.12;
+/// Least speed of an impact [m/s].
+const SPEED_M_S: f64 = 0.6;
+/// Least height of all ends at the end \[m\].
+const CLEAR_M: f64 = 0.04;
+/// Longest motion \[s\].
+const LONGEST_S: f64 = 1.2;
+
+/// The ends of the rods: their places in the tree and on them.
+fn ends(struck: &Struck) -> Vec<(usize, &'static str, Vector3<f64>)> {
+    let half = Vector3::new(0.0, 0.0, 0.5 * ROD_M);
+    let top = struck.hangs_m.is_none().then_some((0, "top", half));
+    let bottoms = (0..struck.links).map(|link| (link, "end", -half));
+    top.into_iter().chain(bottoms).collect()
+}
+
+/// Which rods' ends hit when, and the states at samples.
+type Truth = (Vec<(f64, usize)>, Vec<TreeState>);
+
+/// A motion in which as many ends hit as are asked for; none where a draw gives no clear one.
+fn struck_motion(
+    struck: &Struck,
+    scene: &Scene,
+    tree: &Tree,
+    random: &mut ChaCha8Rng,
+    rate_hz: f64,
+) -> Option<Truth> {
+    let ends = ends(struck);
+    let mut snapshot = Snapshot::new(tree, &scene.gravity_m_s2);
+    let mut heights = |state: &TreeState| -> Vec<f64> {
+        snapshot.set(state);
+        ends.iter()
+            .map(|(link, _, at)| snapshot.point(*link, at).z)
+            .collect()
+    };
+    let mut state = drawn(tree, random);
+    if heights(&state).iter().any(|height_m| *height_m < 0.05) {
+        return None;
+    }
+    let mut flow = Flow::new(tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
+    let (mut steps, mut impacts, mut states) = (0_usize, Vec::new(), vec![state.clone()]);
+    let mut last_s = 0.0;
+    let per_sample = (STEPS_HZ / rate_hz).ceil() as usize;
+    let step_s = 1.0 / (rate_hz * per_sample as f64);
+    loop {
+        let now_s = steps as f64 * step_s;
+        flow.begin(&state, false);
+        flow.advance(step_s, 1, 0.0);
+        let next = flow.state();
+        let low = heights(&next).iter().position(|height_m| *height_m < 0.0);
+        let is_done = impacts.len() == struck.impacts;
+        match low {
+            Some(_) if is_done => {
+                // Until something else comes near.
+                let mut clear = |state: &TreeState| heights(state).iter().all(|of| *of > CLEAR_M);
+                while states.last().is_some_and(|state| !clear(state)) {
+                    states.pop();
+                }
+                let whole = (states.len() as f64 - 1.0) / rate_hz - last_s >= APART_S;
+                return whole.then_some((impacts, states));
+            }
+            Some(end) => {
+                let (mut from_s, mut to_s) = (0.0, step_s);
+                for _ in 0..60 {
+                    let middle_s = 0.5 * (from_s + to_s);
+                    flow.begin(&state, false);
+                    flow.advance(middle_s, 1, 0.0);
+                    match heights(&flow.state())[end] < 0.0 {
+                        true => to_s = middle_s,
+                        false => from_s = middle_s,
+                    }
+                }
+                flow.begin(&state, false);
+                flow.advance(from_s, 1, 0.0);
+                let before = flow.state();
+                if now_s + from_s - last_s < APART_S {
+                    return None;
+                }
+                let (link, _, point_m) = ends[end];
+                let point = Feature::Point {
+                    point_m,
+                    radius_m: 0.0,
+                };
+                let face = Feature::Face {
+                    point_m: Vector3::zeros(),
+                    normal: Vector3::z(),
+                };
+                let contact = Contact::new(point, face).expect("a point on a face");
+                let law = Law {
+                    restitution: struck.law[0],
+                    friction: struck.law[1],
+                    tilt_rad: [0.0; 2],
+                };
+                let mut at = Snapshot::new(tree, &scene.gravity_m_s2);
+                at.set(&before);
+                let impact = at.impact(&before, (link, &contact), &law).ok()?;
+                if impact.speed_m_s > -SPEED_M_S {
+                    return None;
+                }
+                last_s = now_s + from_s;
+                impacts.push((last_s, end));
+                flow.begin(
+                    &TreeState {
+                        rates: impact.rates,
+                        ..before
+                    },
+                    false,
+                );
+                flow.advance(step_s - from_s, 1, 0.0);
+                state = flow.state();
+                if heights(&state).iter().any(|height_m| *height_m < 0.0) {
+                    return None;
+                }
+            }
+            None => state = next,
+        }
+        steps += 1;
+        if steps.is_multiple_of(per_sample) {
+            states.push(state.clone());
+        }
+        if now_s >= LONGEST_S || is_done && now_s - last_s > 3.0 * APART_S {
+            return is_done.then_some((impacts, states));
+        }
+    }
+}
+
+/// A state at the beginning.
+fn drawn(tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
+    let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
+    let flight = tree.freedoms() - tree.angular_freedoms();
+    let mut delta = vec![0.0; 2 * tree.freedoms()];
+    for entry in &mut delta[flight..tree.freedoms()] {
+        *entry = signed(1.2);
+    }
+    for entry in &mut delta[tree.freedoms() + flight..] {
+        *entry = signed(4.0);
+    }
+    if flight > 0 {
+        delta[2] = 0.5 + signed(0.1);
+        let first = tree.freedoms();
+        (delta[first], delta[first + 1], delta[first + 2]) =
+            (signed(0.5), signed(0.5), signed(1.0));
+    }
+    tree.retract(&tree.at_rest(), &delta)
+}
+
+fn scene_toml(struck: &Struck, acted: &Acted, hits: &[(f64, usize)], goals: &str) -> String {
+    let mut text = String::from(
+        "name = \"rods that hit\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 10\norientation_deg = 5\n\n[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n",
+    );
+    let half_mm = 500.0 * ROD_M;
+    for link in 0..struck.links {
+        text += &format!(
+            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 2 }}\nmass_g = 100\nfeatures_mm = {{ top = [0, 0, {half_mm:?}], end = [0, 0, {:?}] }}\n",
+            link + 1,
+            1e3 * ROD_M,
+            -half_mm,
+        );
+        text += &match (acted.sees_all, link + 1 == struck.links) {
+            (true, _) => String::new(),
+            (false, true) => format!(
+                "\n[[body.track]]\nsees = \"point\"\ntracker = {{ position_mm = [0, 0, {:?}] }}\n",
+                -half_mm
+            ),
+            (false, false) => "tracked = false\n".into(),
+        };
+    }
+    for link in 0..struck.links {
+        let parent = match (link.checked_sub(1), struck.hangs_m) {
+            (None, None) => continue,
+            (None, Some(at_m)) => format!("parent_at_mm = [0, 0, {:?}]\n", 1e3 * at_m),
+            (Some(parent), _) => format!(
+                "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
+                parent + 1,
+                -half_mm
+            ),
+        };
+        text += &format!(
+            "\n[[joint]]\nname = \"joint {}\"\n{}\n{parent}child = \"rod {}\"\nchild_at_mm = [0, 0, {half_mm:?}]\n",
+            link + 1,
+            struck.joints.toml(),
+            link + 1,
+        );
+    }
+    text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n";
+    let ends = ends(struck);
+    for (index, (_, end)) in hits.iter().enumerate() {
+        let (link, feature, _) = ends[*end];
+        let [restitution, friction] = struck.law;
+        text += &format!(
+            "\n[[event]]\nname = \"hit {}\"\nkind = \"collision\"\nbody = \"rod {}\"\nfeature = \"{feature}\"\nsurface = \"table\"\nrestitution = {restitution:?}\nfriction = {friction:?}\n",
+            index + 1,
+            link + 1,
+        );
+    }
+    text += "\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
+    text + goals
+}
+
+/// Acts a motion: the first of the seed's draws that hits clearly.
+pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let bare = scene_from_toml(&scene_toml(struck, acted, &[], "")).expect("a valid scene");
+    let (_, joined) = bare.joint_trees().next().expect("a tree");
+    let tree = bare.tree_model(joined);
+    let (hits, states) = loop {
+        let drawn = struck_motion(struck, &bare, &tree, &mut random, acted.rate_hz);
+        if let Some(drawn) = drawn {
+            break drawn;
+        }
+    };
+    let mut snapshot = Snapshot::new(&tree, &bare.gravity_m_s2);
+    snapshot.set(states.last().expect("samples"));
+    let last_link = struck.links - 1;
+    let half_m = Vector3::new(0.0, 0.0, -0.5 * ROD_M);
+    let end_mm = snapshot.point(last_link, &half_m) * 1e3;
+    let goals = format!(
+        "\n[[goal]]\nevent = \"end\"\nbody = \"rod {}\"\npoint_mm = [0, 0, {:?}]\nposition_mm = [{:?}, {:?}, {:?}]\n",
+        struck.links,
+        -500.0 * ROD_M,
+        end_mm.x,
+        end_mm.y,
+        end_mm.z
+    );
+    let scene_toml = scene_toml(struck, acted, &hits, &goals);
+    let scene = scene_from_toml(&scene_toml).expect("a valid scene");
+    let mut events: Vec<TakeEvent> = Vec::new();
+    for (number, track) in scene.tracks.iter().enumerate() {
+        let place = joined.place_of(track.link).expect("of the tree");
+        let wanders: Vec<Wander> = [HAND_POSITION; 3]
+            .iter()
+            .chain(&[HAND_ORIENTATION; 3])
+            .map(|kind| Wander::draw(kind, &mut random))
+            .collect();
+        for (index, state) in states.iter().enumerate() {
+            snapshot.set(state);
+            let link = snapshot.link_state(place);
+            // A hand acts at a third of the motion's speed.
+            let acted_s = 3.0 * index as f64 / acted.rate_hz;
+            let mut off = |first: usize, wander: f64, noise: f64| {
+                Vector3::from_fn(|axis, _| {
+                    let white: f64 = StandardNormal.sample(&mut random);
+                    wander / 3.0_f64.sqrt() * wanders[first + axis].at(acted_s) + noise * white
+                })
+            };
+            let at_m = snapshot.point(place, &track.point_m())
+                + off(0, 0.02 * acted.distortion, 0.001 * acted.noise);
+            let turn = off(3, 0.1 * acted.distortion, 0.003 * acted.noise);
+            let turned = link.orientation * UnitQuaternion::from_scaled_axis(turn);
+            let seen = Pose::from_parts(at_m.into(), turned);
+            let mut sample = PoseSample::from_pose(stamp_at(index as f64 / acted.rate_hz), &seen);
+            if !acted.sees_all {
+                sample.holds = Holds::Position;
+            }
+            events.push(TakeEvent::Pose {
+                track: TrackIndex(number),
+                stream: 0,
+                sample,
+            });
+        }
+    }
+    let end_s = (states.len() - 1) as f64 / acted.rate_hz;
+    events.sort_by_key(stamp_of);
+    let mut strike = Strike {
+        scene_toml,
+        scene,
+        events,
+        impacts_s: hits.iter().map(|(time_s, _)| *time_s).collect(),
+        states,
+        rate_hz: acted.rate_hz,
+    };
+    strike.mark("start", 0.0);
+    for (index, (time_s, _)) in hits.iter().enumerate() {
+        let off: f64 = StandardNormal.sample(&mut random);
+        strike.mark(
+            &format!("hit {}", index + 1),
+            time_s + acted.mark_sd_s * off,
+        );
+    }
+    strike.mark("end", end_s);
+    strike
+}
+
+/// When the motion begins.
+const START: Stamp = Stamp(1_000_000_000);
+
+fn stamp_at(time_s: f64) -> Stamp {
+    Stamp(START.0 + (1e9 * time_s).round() as i64)
+}
+
+fn stamp_of(event: &TakeEvent) -> Stamp {
+    match event {
+        TakeEvent::Pose { sample, .. } => sample.stamp,
+        TakeEvent::Mark(mark) => mark.stamp,
+    }
+}
