@@ -274,13 +274,13 @@ fn the_document_shows_a_scene_that_is_one() {
     let tables = text.split("```toml\n").skip(1);
     let tables = tables.map(|rest| rest.split("```").next().expect("an end"));
     let head = "name = \"pendulum\"\n[timing]\nstamps = \"physical\"\n\
-                [[event]]\nname = \"start\"\nkind = \"start\"\n\
-                [[event]]\nname = \"end\"\nkind = \"end\"\n";
+                [[event]]\nname = \"start\"\nkind = \"start\"\n";
     let whole = tables.fold(head.to_owned(), |whole, table| whole + "\n" + table);
+    let whole = whole + "\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
     let scene = scene_from_toml(&whole).expect("a valid scene");
     let (_, joined) = scene.joint_trees().next().expect("a tree");
     assert_eq!((joined.joints.len(), joined.base), (2, None));
-    assert_eq!(scene.goals.len(), 1);
+    assert_eq!((scene.goals.len(), scene.events.len()), (1, 3));
     assert_eq!(scene.tree_model(joined).freedoms(), 3);
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::math::Pose;
-use enact::motion::{Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
+use enact::motion::{Estimate, Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::Law;
 use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
@@ -88,6 +88,31 @@ impl Strike {
             event: Some(event.into()),
         });
         self.events.insert(after.unwrap_or(self.events.len()), mark);
+    }
+
+    /// Root mean square distance of all rods' centres from the true ones, at all samples \[m\].
+    pub fn off_m(&self, estimate: &Estimate) -> f64 {
+        let (_, joined) = self.scene.joint_trees().next().expect("a tree");
+        let tree = self.scene.tree_model(joined);
+        let gravity_m_s2 = &estimate.gravity_m_s2;
+        let mut snapshot = Snapshot::new(&tree, gravity_m_s2);
+        let mut centres = |state: &TreeState| -> Vec<Vector3<f64>> {
+            snapshot.set(state);
+            let links = 0..tree.link_count();
+            links
+                .map(|link| snapshot.link_state(link).position_m)
+                .collect()
+        };
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (index, truth) in self.states.iter().enumerate() {
+            let time_s = index as f64 / self.rate_hz;
+            let found = estimate.trees[0].state(&tree, gravity_m_s2, time_s);
+            for (a, b) in centres(truth).iter().zip(centres(&found)) {
+                sum += (a - b).norm_squared();
+                count += 1.0;
+            }
+        }
+        f64::sqrt(sum / count)
     }
 
     /// Writes it with its scene.

@@ -45,6 +45,7 @@ mod speed;
 mod spent;
 mod statistics;
 mod stress;
+mod struck;
 mod table;
 mod tosses;
 mod trees;
@@ -199,6 +200,11 @@ const SUBJECTS: &[Subject] = &[
         "joined",
         "chains and pendulums from their sketches: how often, in what time",
         joined::run
+    ),
+    subject!(
+        "struck",
+        "joined bodies that hit a table: how often, how near to the truth, in what time",
+        struck::run
     ),
     subject!(
         "trees",
