@@ -284,6 +284,45 @@ fn the_document_shows_a_scene_that_is_one() {
     assert_eq!(scene.tree_model(joined).freedoms(), 3);
 }
 
+/// Joints within their limits say nothing; one beyond them is doubted and named.
+#[test]
+fn joints_beyond_their_limits_are_doubted() {
+    let within = trees::perform(&PENDULUMS[1], &hung(), 8052);
+    let estimate = finished(&within).estimate;
+    let tree = within.tree();
+    let [_, angles] = tree.angles_of(1).expect("a universal joint");
+    let knots = estimate.trees[0].knots.iter();
+    let of_second = knots.map(|knot| knot.state.coordinates[angles.end - 1].to_degrees());
+    let most_deg = of_second.fold(f64::NEG_INFINITY, f64::max);
+    for (limit_deg, is_doubted) in [(most_deg + 1.0, false), (most_deg - 5.0, true)] {
+        let limits =
+            format!("name = \"joint 2\"\nlimits_deg = [[-720, 720], [-720, {limit_deg:?}]]");
+        let text = within.scene_toml.replace("name = \"joint 2\"", &limits);
+        let mut said = within.clone();
+        said.scene = scene_from_toml(&text).expect("a valid scene");
+        let estimate = finished(&said).estimate;
+        let found: Vec<_> = estimate
+            .doubts
+            .iter()
+            .map(|of| (of.about, of.place.name(&said.scene)))
+            .collect();
+        match is_doubted {
+            true => assert_eq!(found, [(About::Limit, Some("joint 2"))]),
+            false => assert_eq!(found, []),
+        }
+        assert_eq!(estimate.verdict == Verdict::Physical, !is_doubted);
+    }
+    for (limits, said) in [
+        ("[[-90, 90]]", "expected 2"),
+        ("[[-90, 90], [90, -90]]", "least angle first"),
+    ] {
+        let limits = format!("name = \"joint 2\"\nlimits_deg = {limits}");
+        let text = within.scene_toml.replace("name = \"joint 2\"", &limits);
+        let error = scene_from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
 /// What hangs and is let go swings back as the energy says.
 #[test]
 fn energy_is_kept_over_the_motion() {

@@ -149,6 +149,9 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
     );
     made.damping_n_m_s = number("damping_n_m_s", &raw.damping_n_m_s)?;
     made.stiffness_n_m = number("stiffness_n_m", &raw.stiffness_n_m)?;
+    if let Some(limits) = &raw.limits_deg {
+        made.limits_rad = limits_rad(limits, &kind)?;
+    }
     let is_stiff = made.damping_n_m_s > 0.0 || made.stiffness_n_m > 0.0;
     if is_stiff && kind == JointKind::Fixed {
         let said = "a fixed joint has neither damping nor stiffness, expected another kind";
@@ -160,6 +163,36 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
         child,
         joint: made,
     })
+}
+
+/// Least and greatest angles, a pair for each axis.
+fn limits_rad(limits: &Spanned<Vec<[f64; 2]>>, kind: &JointKind) -> Result<[[f64; 2]; 2], Fault> {
+    let axes = match kind {
+        JointKind::Pin { .. } => 1,
+        JointKind::Universal { .. } => 2,
+        _ => {
+            let said = "limits are of angles, expected them of a pin or a universal joint alone";
+            return fault(limits.span(), said);
+        }
+    };
+    let given = limits.get_ref();
+    if given.len() != axes {
+        let said = format!(
+            "limits_deg has {} pairs, expected {axes}: the least and the greatest angle about each axis",
+            given.len()
+        );
+        return fault(limits.span(), said);
+    }
+    let mut limits_rad = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+    for (to, [least, greatest]) in limits_rad.iter_mut().zip(given) {
+        if !(least < greatest) {
+            let said =
+                format!("limits_deg has [{least}, {greatest}], expected the least angle first");
+            return fault(limits.span(), said);
+        }
+        *to = [least.to_radians(), greatest.to_radians()];
+    }
+    Ok(limits_rad)
 }
 
 fn kind(spanned: &Spanned<RawJoint>) -> Result<JointKind, Fault> {

@@ -96,6 +96,7 @@ pub(super) struct RawJoint {
     pub(super) axes: Option<Spanned<[[f64; 3]; 2]>>,
     pub(super) damping_n_m_s: Option<Number>,
     pub(super) stiffness_n_m: Option<Number>,
+    pub(super) limits_deg: Option<Spanned<Vec<[f64; 2]>>>,
 }
 
 #[derive(Deserialize)]

@@ -77,6 +77,8 @@ pub enum About {
     Receding,
     /// Share of its kinetic energy that a motion gains at an impact.
     Energy,
+    /// Angle by which a joint is beyond its limits.
+    Limit,
     /// Angle of a body's axis from where it should point at rest.
     Rest,
 }
@@ -112,6 +114,7 @@ impl About {
             About::Gap => "gap",
             About::Receding => "receding",
             About::Energy => "energy",
+            About::Limit => "limit",
             About::Rest => "rest",
         }
     }
@@ -122,7 +125,7 @@ impl About {
             About::Overlap | About::WrongFeature | About::Steps | About::Gap => "m",
             About::Speed | About::Receding => "m/s",
             About::Spin => "rad/s",
-            About::Orientation | About::FallDirection | About::Rest => "rad",
+            About::Orientation | About::FallDirection | About::Rest | About::Limit => "rad",
             About::AfterMark | About::BeforeMark | About::Outside => "s",
             About::Way
             | About::Slowness
@@ -165,7 +168,8 @@ impl About {
             | About::Steps
             | About::Gap
             | About::Receding
-            | About::Energy => Verdict::Plausible,
+            | About::Energy
+            | About::Limit => Verdict::Plausible,
             About::Speed
             | About::Spin
             | About::Way
@@ -212,6 +216,13 @@ pub enum Place {
         /// The feature that is nearer, if the scene names it.
         found: Option<usize>,
     },
+    /// A joint.
+    Joint {
+        /// What hangs on it.
+        child: LinkIndex,
+        /// Physical time \[s\].
+        time_s: f64,
+    },
     /// A link at rest.
     Rest {
         /// Index into `Scene::rest_goals`.
@@ -230,6 +241,12 @@ impl Place {
             Place::Motion => None,
             Place::Flight { mechanism, .. } => Some(scene.name_of_mechanism(*mechanism)),
             Place::Inside { link, .. } => Some(&scene.links[*link].name),
+            Place::Joint { child, .. } => {
+                let tree = scene.joint_tree(scene.mechanism_of(*child))?;
+                let mut joints = tree.joints.iter();
+                let joint = joints.find(|joint| joint.child == *child)?;
+                Some(&joint.name)
+            }
             Place::Rest { goal, .. } => Some(&scene.links[scene.rest_goals[*goal].link].name),
             Place::Event(event) | Place::Touch { event, .. } => Some(&scene.events[*event].name),
             Place::Parameter(parameter) => Some(&scene.parameters[*parameter].name),
@@ -242,7 +259,8 @@ impl Place {
             Place::Flight {
                 start_s: time_s, ..
             }
-            | Place::Inside { time_s, .. } => Some(*time_s),
+            | Place::Inside { time_s, .. }
+            | Place::Joint { time_s, .. } => Some(*time_s),
             Place::Motion
             | Place::Event(_)
             | Place::Parameter(_)

@@ -91,6 +91,12 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "an impact adds {} to the kinetic energy, expected nothing",
             percent(value)
         ),
+        About::Limit => format!(
+            "{subject} is {:.1}° beyond its limits at {:.3} s, expected at most {:.1}°",
+            value.to_degrees(),
+            doubt.place.time_s().unwrap_or_default(),
+            bound.to_degrees()
+        ),
         About::WrongFeature => wrong_feature(scene, doubt, &subject),
         About::Speed => format!("{subject} moves at {value:.0} m/s, expected at most {bound:.0}"),
         About::Spin => format!("{subject} spins at {value:.0} rad/s, expected at most {bound:.0}"),

@@ -6,10 +6,12 @@
 //! | speed of a link's fastest point, its angular speed | as [`credible`](super::credible) | |
 //! | distance from the same start integrated with half the steps, through impacts by their law | 1 µm | errors at the end of 2 to 5 links, in `tools/results/trees.md`: up to 10⁻⁸ rad |
 //! | distance of what touches at an impact, speed at which it recedes, kinetic energy gained | 1 µm, 1 µm/s, 10⁻⁹ | the same |
+//! | angle of a joint beyond its limits | 0.5° | what a hinge yields and a drawing rounds |
 //! | time of an event from its mark | as of bodies | |
 //! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`TOLERANCE_M`]) | |
 
 mod again;
+mod limits;
 mod link;
 
 pub(super) use link::JoinedLink;
@@ -59,6 +61,7 @@ pub fn doubts(
                 fastest_rad_s = larger(fastest_rad_s, spin_rad_s);
             }
         }
+        doubts.extend(limits::doubts(joined, &tree, motion));
         let off = again::off((scene, joined, &tree), estimate, motion);
         doubts.extend(
             [
