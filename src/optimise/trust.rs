@@ -61,7 +61,7 @@ pub struct Near<T> {
     pub work: Work,
 }
 
-/// Takes steps from a point until the model predicts nearly nothing, or none lowers the merit.
+/// Takes steps from a point until the model predicts nearly nothing, none lowers the merit, or numbers are not finite.
 pub fn approach<P: Program>(
     program: &P,
     start: P::Point,
@@ -83,7 +83,7 @@ pub fn approach<P: Program>(
     let mut multipliers = vec![0.0; system.row_count()];
     let mut held = vec![false; system.row_count()];
     let (mut is_slow, mut last) = (false, f64::INFINITY);
-    for number in 0..nearness.steps {
+    'steps: for number in 0..nearness.steps {
         if should_stop() {
             break;
         }
@@ -91,14 +91,19 @@ pub fn approach<P: Program>(
         if is_slow {
             program.add_curvature((&point, &system), &multipliers, &mut hessian);
         }
-        let mut model = Model::new(program, (&system, &hessian), &scale, &held);
+        let Some(mut model) = Model::new(program, (&system, &hessian), &scale, &held) else {
+            break;
+        };
         let mut step = model.step(radius);
         for _ in 0..HELD_ROUNDS {
             let delta = step.delta.component_mul(&scale);
             if !hold_crossed(program.structure(), &system, &delta, &mut held) {
                 break;
             }
-            model = Model::new(program, (&system, &hessian), &scale, &held);
+            let Some(holding) = Model::new(program, (&system, &hessian), &scale, &held) else {
+                break 'steps;
+            };
+            model = holding;
             step = model.step(radius);
         }
         is_slow |= number >= SLOW_STEPS && step.predicted > SLOW * last;

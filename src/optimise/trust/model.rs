@@ -47,12 +47,14 @@ pub(super) struct Step {
 }
 
 impl Model {
+    /// The model at a point, in unknowns of these lengths; `None` where numbers are not finite, of which no
+    /// decomposition ends.
     pub(super) fn new<P: Program>(
         program: &P,
         (system, hessian): (&System, &Envelope),
         scale: &DVector<f64>,
         held: &[bool],
-    ) -> Self {
+    ) -> Option<Self> {
         /// Least singular value of independent rows, of the greatest.
         const RANK: f64 = 1e-10;
         let structure = program.structure();
@@ -93,6 +95,11 @@ impl Model {
         } else {
             DMatrix::from_rows(&entries)
         };
+        let gradient = system.gradient.component_mul(scale);
+        let mut numbers = hessian.iter().chain(&jacobian).chain(&gradient);
+        if !numbers.all(|number| number.is_finite()) {
+            return None;
+        }
         let mut inverse = DMatrix::zeros(size, rows.len());
         let mut left = DMatrix::identity(size, size);
         if !rows.is_empty() {
@@ -121,15 +128,15 @@ impl Model {
             [] => DMatrix::zeros(size, 0),
             columns => DMatrix::from_columns(columns),
         };
-        Self {
+        Some(Self {
             hessian,
-            gradient: system.gradient.component_mul(scale),
+            gradient,
             rows,
             jacobian,
             off: off.into(),
             inverse,
             free,
-        }
+        })
     }
 
     /// Violations elsewhere of the rows that act here.

@@ -163,3 +163,13 @@ fn the_least_within_a_radius_is_least() {
         }
     }
 }
+
+/// Of numbers that are not finite no decomposition ends: no step is taken.
+#[test]
+fn what_is_not_finite_is_left() {
+    let of = Nearest::new(Vector3::x(), Vector3::repeat(1.0), 10.0);
+    for unknown in [f64::NAN, f64::INFINITY] {
+        let (_, steps) = of.from(Vector3::new(0.3, unknown, 0.1));
+        assert_eq!(steps, 0, "{unknown}");
+    }
+}
