@@ -2,7 +2,7 @@
 //!
 //! - performances with known truth: [`perform`], estimated as a [`case`]; [`goals`] near them; [`hands`] that wander
 //!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`],
-//!   [`mod@open`]); real [`tosses`] of a cube, and of household [`objects`];
+//!   [`mod@open`]); real [`tosses`] of a cube, of household [`objects`] and of an [`elbow`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
 //!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
@@ -16,6 +16,7 @@
 pub mod apart;
 pub mod case;
 pub mod dense;
+pub mod elbow;
 pub mod errors;
 pub mod export;
 pub mod front;

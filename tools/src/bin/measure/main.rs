@@ -20,6 +20,7 @@ mod damage;
 mod diagnosis;
 mod draw;
 mod durations;
+mod elbow;
 mod failure;
 mod figure;
 mod flow;
@@ -205,6 +206,11 @@ const SUBJECTS: &[Subject] = &[
         "struck",
         "joined bodies that hit a table: how often, how near to the truth, in what time",
         struck::run
+    ),
+    subject!(
+        "elbow",
+        "real tosses of two boxes joined by a hinge: residuals, gravity, a wrong hinge",
+        elbow::run
     ),
     subject!(
         "trees",
