@@ -1,13 +1,13 @@
 //! Bodies joined in trees that hit a table, through the program.
 
 use enact::config::scene_from_toml;
-use enact::motion::{About, Estimate, Verdict};
+use enact::motion::{About, Against, Doubt, Estimate, LinkIndex, Place, Scene, Verdict};
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
-use enact_tools::trees::Jointed;
+use enact_tools::trees::{Jointed, RATE_HZ};
 use tempfile::TempDir;
 
 const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
@@ -49,7 +49,6 @@ fn an_exact_sketch_gives_motion_and_impacts_back() {
         distortion: 0.0,
         noise: 0.0,
         mark_sd_s: 0.0,
-        ..Acted::of(1.0)
     };
     for kind in &KINDS {
         for seed in 8000..8003 {
@@ -65,7 +64,7 @@ fn an_exact_sketch_gives_motion_and_impacts_back() {
             let tree = strike.scene.tree_model(joined);
             let motion = &estimate.trees[0];
             for (index, truth) in strike.states.iter().enumerate() {
-                let time_s = index as f64 / strike.rate_hz;
+                let time_s = index as f64 / RATE_HZ;
                 let found = motion.state(&tree, &estimate.gravity_m_s2, time_s);
                 let off = tree.minus(&found, truth);
                 let off = off[..tree.freedoms()]
@@ -189,16 +188,61 @@ fn motions_that_break_the_law_are_doubted() {
     assert!(doubts(&soon).contains(&About::Gap));
 }
 
-/// Said to be of the wrong rod, or with another table than the one that was hit.
+/// What no sketch leads to, of a motion that is right in its own scene: a law that adds energy, a table on whose other
+/// side the rods fly, rods so thick that they are inside of the table and of each other.
+#[test]
+fn what_a_scene_forbids_is_doubted() {
+    let strike = strike(&KINDS[3], &Acted::of(0.5), 8021);
+    let outcome = finished(&strike);
+    let doubts = |scene: &Scene| -> Vec<Doubt> {
+        let made = (&outcome.sketch, &*outcome.marks_made_s);
+        verify::joined::doubts(scene, made, &outcome.estimate)
+    };
+    let has = |doubts: &[Doubt], about: About| doubts.iter().any(|doubt| doubt.about == about);
+    assert_eq!(doubts(&strike.scene), []);
+    let mut gaining = strike.scene.clone();
+    for law in &mut gaining.contact_laws {
+        (law.restitution, law.friction) = (2.0, 0.0);
+    }
+    assert!(has(&doubts(&gaining), About::Energy));
+    let said = |from: &str, to: &str| {
+        let text = strike.scene_toml.replace(from, to);
+        assert_ne!(text, strike.scene_toml);
+        scene_from_toml(&text).expect("a valid scene")
+    };
+    let under = doubts(&said("normal = [0, 0, 1]", "normal = [0, 0, -1]"));
+    assert!(has(&under, About::Receding) && has(&under, About::Overlap));
+    let thick = doubts(&said("radius_mm = 2", "radius_mm = 90"));
+    assert!(has(&thick, About::Overlap));
+    let mut deep = said(
+        "point_mm = [0, 0, 0]\nnormal",
+        "point_mm = [0, 0, -9000]\nnormal",
+    );
+    assert!(!has(&doubts(&deep), About::Overlap));
+    for link in &mut deep.links {
+        link.shape = said("radius_mm = 2", "radius_mm = 90").links[LinkIndex(0)]
+            .shape
+            .clone();
+    }
+    let inside = doubts(&deep);
+    let of_links = |doubt: &Doubt| match doubt.place {
+        Place::Inside { link, against, .. } => {
+            [Against::Link(LinkIndex(0)), Against::Link(LinkIndex(2))].contains(&against)
+                && link != LinkIndex(1)
+        }
+        _ => false,
+    };
+    assert!(inside.iter().any(of_links), "{inside:?}");
+}
+
+/// With another table than the one that was hit, or with another law.
 #[test]
 fn a_scene_that_says_the_wrong_thing_is_not_physical() {
     for kind in &KINDS[..2] {
         let right = strike(kind, &Acted::of(0.5), 8030);
-        assert_eq!(
-            finished(&right).estimate.verdict,
-            Verdict::Physical,
-            "{kind:?}"
-        );
+        let estimate = finished(&right).estimate;
+        assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?}");
+        let was = estimate.objective;
         let wrong = [
             // 60 mm above what was hit: the motion comes from and goes to below it.
             (
@@ -214,7 +258,6 @@ fn a_scene_that_says_the_wrong_thing_is_not_physical() {
             assert_ne!(said.scene_toml, right.scene_toml);
             said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
             let estimate = finished(&said).estimate;
-            let was = finished(&right).estimate.objective;
             let is_worse = estimate.objective > 2.0 * was;
             assert!(
                 estimate.verdict != Verdict::Physical || is_worse,

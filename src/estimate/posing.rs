@@ -12,10 +12,9 @@ use super::sample_order;
 use super::seen::views;
 use super::waypoint;
 use crate::motion::{
-    Goal, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
 use crate::physics::Dynamics;
-use crate::physics::impact::Law;
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
@@ -271,7 +270,7 @@ fn collisions(
     let events = scene.events.iter().enumerate();
     let all = events.filter_map(|(event, e)| Some((event, e.kind.collision()?)));
     all.filter_map(|(event, collision)| {
-        let (law, given) = (collision.law, scene.law_of(collision));
+        let law = collision.law;
         let side = |link: LinkIndex| {
             let mechanism = scene.mechanism_of(link);
             let arc_with = |end: bool| {
@@ -285,11 +284,6 @@ fn collisions(
                 before: arc_with(true)?,
                 after: arc_with(false)?,
             })
-        };
-        let is_held = |goal: &Goal| {
-            goal.event == event
-                && goal.link == collision.link
-                && matches!(goal.target, GoalTarget::Pose { .. })
         };
         let free = collision.links().filter(|link| !scene.is_held(*link));
         let sides: Vec<ArcPair> = free.map(side).collect::<Option<_>>()?;
@@ -327,12 +321,9 @@ fn collisions(
                 .contact_set(event)
                 .expect("a collision that the scene's makers checked")
                 .expect("contacts that stages before found"),
-            touches_by_goal: collision.partner == Partner::World && scene.goals.iter().any(is_held),
-            law: Law {
-                friction: given.friction,
-                restitution: given.restitution,
-                tilt_rad: collision.tilt_rad,
-            },
+            touches_by_goal: collision.partner == Partner::World
+                && scene.fixes_pose(event, collision.link),
+            law: scene.impact_law(collision),
             restitution_parameter: parameter(Quantity::Restitution { law }),
             friction_parameter: parameter(Quantity::Friction { law }),
             tilts: (0..2)

@@ -7,7 +7,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::ballistic;
 use crate::motion::{
-    EventKind, GoalQuantity, GoalSet, GoalTarget, Joint, JointTree, LinkIndex, Scene, Seen, Sketch,
+    EventKind, GoalQuantity, GoalSet, GoalTarget, Joint, JointTree, LinkIndex, Sample, Scene,
+    Sketch,
 };
 use crate::physics::tree::{JointKind, Tree, TreeState};
 
@@ -43,8 +44,7 @@ pub fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> 
             });
         let columns = tree.columns_of(place);
         let is_ball = joint.joint.kind == JointKind::Ball;
-        let by_eye = || seen(scene, sketch, joint);
-        let told = told.or_else(by_eye);
+        let told = told.or_else(|| seen(scene, sketch, joint));
         for (axis, at) in columns.enumerate() {
             bent[at] = match told {
                 Some(told) => told[axis],
@@ -66,19 +66,11 @@ pub fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> 
             GoalTarget::Pose { world_from_body } => Some(*world_from_body),
             _ => None,
         });
-    let samples = || {
-        let tracks = scene.tracks.iter_enumerated();
-        let of_base = tracks.filter(|(_, track)| track.link == base);
-        of_base.flat_map(|(index, _)| &sketch.tracks[index].samples)
-    };
+    let samples = || samples_of(scene, sketch, base);
     let any = || sketch.tracks.iter().flat_map(|track| &track.samples);
-    let orientation = pose.map(|pose| pose.rotation).or_else(|| {
-        samples().find_map(|sample| match sample.seen {
-            Seen::Pose { orientation, .. } | Seen::Orientation(orientation) => Some(orientation),
-            _ => None,
-        })
-    });
-    let place = |sample: &crate::motion::Sample| Some((sample.acted_s, sample.seen.position_m()?));
+    let orientation = pose.map(|pose| pose.rotation);
+    let orientation = orientation.or_else(|| samples().find_map(|of| of.seen.orientation()));
+    let place = |sample: &Sample| Some((sample.acted_s, sample.seen.position_m()?));
     let mut places: Vec<ballistic::Place> = samples().filter_map(place).collect();
     if places.is_empty() {
         places = any().filter_map(place).collect();
@@ -99,22 +91,22 @@ pub fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> 
     state
 }
 
+/// The samples of a link, track by track.
+fn samples_of<'a>(
+    scene: &'a Scene,
+    sketch: &'a Sketch,
+    link: LinkIndex,
+) -> impl Iterator<Item = &'a Sample> {
+    let tracks = scene.tracks.iter_enumerated();
+    let of_link = tracks.filter(move |(_, track)| track.link == link);
+    of_link.flat_map(|(index, _)| &sketch.tracks[index].samples)
+}
+
 /// The angles of a joint at the beginning, or the rotation vector of a ball, from the first orientations that are
 /// seen of both bodies; `None` where one is not.
 fn seen(scene: &Scene, sketch: &Sketch, joint: &Joint) -> Option<Vector3<f64>> {
-    let first = |link: LinkIndex| {
-        let of_link = scene.tracks.iter_enumerated();
-        let mut of_link = of_link.filter(|(_, track)| track.link == link);
-        of_link.find_map(|(index, _)| {
-            let first = sketch.tracks[index].samples.first()?;
-            match first.seen {
-                Seen::Pose { orientation, .. } | Seen::Orientation(orientation) => {
-                    Some(orientation)
-                }
-                _ => None,
-            }
-        })
-    };
+    let first =
+        |link: LinkIndex| samples_of(scene, sketch, link).find_map(|of| of.seen.orientation());
     let parent = match joint.parent {
         Some(parent) => first(parent)?,
         None => UnitQuaternion::identity(),
@@ -152,7 +144,7 @@ fn twist_rad(turn: &UnitQuaternion<f64>, axis: &Vector3<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::math::Pose;
-    use crate::motion::{Sample, Stamp, TrackIndex, TrackSketch};
+    use crate::motion::{Seen, Stamp, TrackIndex, TrackSketch};
     use crate::physics::tree::{self, Link};
 
     /// Every kind of joint, turned anyhow, from the orientations of its two bodies.

@@ -99,7 +99,7 @@ fn in_weights(scene: &Scene, residual: &TrackResidual) -> f64 {
     position.into_iter().chain(turn).fold(0.0, larger)
 }
 
-/// The larger of two; NaN where either is, so that nothing unknown looks small.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b <= a { a } else { b }
+/// The larger of two; infinite where the other is no number, so that nothing unknown looks small.
+fn larger(most: f64, other: f64) -> f64 {
+    most.max(if other.is_nan() { f64::INFINITY } else { other })
 }

@@ -22,7 +22,6 @@ pub(super) struct MovingLink<'a> {
     pub(super) held: Option<&'a HeldEstimate>,
     /// Its motion, if it is joined to others.
     joined: Option<JoinedLink<'a>>,
-    body: Body,
     gravity_m_s2: Vector3<f64>,
 }
 
@@ -45,7 +44,6 @@ impl<'a> MovingLink<'a> {
             arcs,
             held,
             joined,
-            body: of_scene.body,
             gravity_m_s2: estimate.gravity_m_s2,
         }
     }
@@ -59,7 +57,7 @@ impl<'a> MovingLink<'a> {
             return joined.state(arc, time_s);
         }
         let since_s = time_s - arc.epoch_s;
-        Dynamics::Free(self.body).advance(&self.gravity_m_s2, &arc.state, since_s)
+        Dynamics::Free(self.of_scene.body).advance(&self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::math::Pose;
-use enact::motion::{Estimate, Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
+use enact::motion::{Estimate, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::Law;
 use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
@@ -16,7 +16,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::perform::recording;
 use crate::perform::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
-use crate::trees::{Jointed, ROD_M};
+use crate::trees::{Jointed, RATE_HZ, ROD_M, joint_toml};
 
 /// What hits the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,19 +33,15 @@ pub struct Struck {
     pub law: [f64; 2],
 }
 
-/// How it is acted.
+/// How it is acted: every rod has a tracker.
 #[derive(Clone, Copy, Debug)]
 pub struct Acted {
     /// Wander of a usual hand, times this.
     pub distortion: f64,
     /// White noise of a tracker, times this.
     pub noise: f64,
-    /// Samples per second.
-    pub rate_hz: f64,
     /// Standard deviation of the marks of impacts \[s\].
     pub mark_sd_s: f64,
-    /// Whether a tracker is on every rod; otherwise one is on the last, of which it sees the end.
-    pub sees_all: bool,
 }
 
 impl Acted {
@@ -54,9 +50,7 @@ impl Acted {
         Self {
             distortion,
             noise: 1.0,
-            rate_hz: 120.0,
             mark_sd_s: 0.008,
-            sees_all: true,
         }
     }
 }
@@ -74,8 +68,6 @@ pub struct Strike {
     pub impacts_s: Vec<f64>,
     /// True states at the samples.
     pub states: Vec<TreeState>,
-    /// Samples per second.
-    pub rate_hz: f64,
 }
 
 impl Strike {
@@ -105,7 +97,7 @@ impl Strike {
         };
         let (mut sum, mut count) = (0.0, 0.0);
         for (index, truth) in self.states.iter().enumerate() {
-            let time_s = index as f64 / self.rate_hz;
+            let time_s = index as f64 / RATE_HZ;
             let found = estimate.trees[0].state(&tree, gravity_m_s2, time_s);
             for (a, b) in centres(truth).iter().zip(centres(&found)) {
                 sum += (a - b).norm_squared();
@@ -149,7 +141,6 @@ fn struck_motion(
     scene: &Scene,
     tree: &Tree,
     random: &mut ChaCha8Rng,
-    rate_hz: f64,
 ) -> Option<Truth> {
     let ends = ends(struck);
     let mut snapshot = Snapshot::new(tree, &scene.gravity_m_s2);
@@ -166,8 +157,8 @@ fn struck_motion(
     let mut flow = Flow::new(tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
     let (mut steps, mut impacts, mut states) = (0_usize, Vec::new(), vec![state.clone()]);
     let mut last_s = 0.0;
-    let per_sample = (STEPS_HZ / rate_hz).ceil() as usize;
-    let step_s = 1.0 / (rate_hz * per_sample as f64);
+    let per_sample = (STEPS_HZ / RATE_HZ).ceil() as usize;
+    let step_s = 1.0 / (RATE_HZ * per_sample as f64);
     loop {
         let now_s = steps as f64 * step_s;
         flow.begin(&state, false);
@@ -182,7 +173,7 @@ fn struck_motion(
                 while states.last().is_some_and(|state| !clear(state)) {
                     states.pop();
                 }
-                let whole = (states.len() as f64 - 1.0) / rate_hz - last_s >= APART_S;
+                let whole = (states.len() as f64 - 1.0) / RATE_HZ - last_s >= APART_S;
                 return whole.then_some((impacts, states));
             }
             Some(end) => {
@@ -270,7 +261,7 @@ fn drawn(tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
     tree.retract(&tree.at_rest(), &delta)
 }
 
-fn scene_toml(struck: &Struck, acted: &Acted, hits: &[(f64, usize)], goals: &str) -> String {
+fn scene_toml(struck: &Struck, hits: &[(f64, usize)], goals: &str) -> String {
     let mut text = String::from(
         "name = \"rods that hit\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 10\norientation_deg = 5\n\n[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n",
     );
@@ -282,31 +273,12 @@ fn scene_toml(struck: &Struck, acted: &Acted, hits: &[(f64, usize)], goals: &str
             1e3 * ROD_M,
             -half_mm,
         );
-        text += &match (acted.sees_all, link + 1 == struck.links) {
-            (true, _) => String::new(),
-            (false, true) => format!(
-                "\n[[body.track]]\nsees = \"point\"\ntracker = {{ position_mm = [0, 0, {:?}] }}\n",
-                -half_mm
-            ),
-            (false, false) => "tracked = false\n".into(),
-        };
     }
     for link in 0..struck.links {
-        let parent = match (link.checked_sub(1), struck.hangs_m) {
-            (None, None) => continue,
-            (None, Some(at_m)) => format!("parent_at_mm = [0, 0, {:?}]\n", 1e3 * at_m),
-            (Some(parent), _) => format!(
-                "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
-                parent + 1,
-                -half_mm
-            ),
+        text += &match (link, struck.hangs_m) {
+            (0, None) => continue,
+            (_, hangs_m) => joint_toml(struck.joints, link, hangs_m.unwrap_or_default()),
         };
-        text += &format!(
-            "\n[[joint]]\nname = \"joint {}\"\n{}\n{parent}child = \"rod {}\"\nchild_at_mm = [0, 0, {half_mm:?}]\n",
-            link + 1,
-            struck.joints.toml(),
-            link + 1,
-        );
     }
     text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n";
     let ends = ends(struck);
@@ -326,11 +298,11 @@ fn scene_toml(struck: &Struck, acted: &Acted, hits: &[(f64, usize)], goals: &str
 /// Acts a motion: the first of the seed's draws that hits clearly.
 pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let bare = scene_from_toml(&scene_toml(struck, acted, &[], "")).expect("a valid scene");
+    let bare = scene_from_toml(&scene_toml(struck, &[], "")).expect("a valid scene");
     let (_, joined) = bare.joint_trees().next().expect("a tree");
     let tree = bare.tree_model(joined);
     let (hits, states) = loop {
-        let drawn = struck_motion(struck, &bare, &tree, &mut random, acted.rate_hz);
+        let drawn = struck_motion(struck, &bare, &tree, &mut random);
         if let Some(drawn) = drawn {
             break drawn;
         }
@@ -348,7 +320,7 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
         end_mm.y,
         end_mm.z
     );
-    let scene_toml = scene_toml(struck, acted, &hits, &goals);
+    let scene_toml = scene_toml(struck, &hits, &goals);
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
     let mut events: Vec<TakeEvent> = Vec::new();
     for (number, track) in scene.tracks.iter().enumerate() {
@@ -362,7 +334,7 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
             snapshot.set(state);
             let link = snapshot.link_state(place);
             // A hand acts at a third of the motion's speed.
-            let acted_s = 3.0 * index as f64 / acted.rate_hz;
+            let acted_s = 3.0 * index as f64 / RATE_HZ;
             let mut off = |first: usize, wander: f64, noise: f64| {
                 Vector3::from_fn(|axis, _| {
                     let white: f64 = StandardNormal.sample(&mut random);
@@ -374,10 +346,7 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
             let turn = off(3, 0.1 * acted.distortion, 0.003 * acted.noise);
             let turned = link.orientation * UnitQuaternion::from_scaled_axis(turn);
             let seen = Pose::from_parts(at_m.into(), turned);
-            let mut sample = PoseSample::from_pose(stamp_at(index as f64 / acted.rate_hz), &seen);
-            if !acted.sees_all {
-                sample.holds = Holds::Position;
-            }
+            let sample = PoseSample::from_pose(stamp_at(index as f64 / RATE_HZ), &seen);
             events.push(TakeEvent::Pose {
                 track: TrackIndex(number),
                 stream: 0,
@@ -385,7 +354,7 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
             });
         }
     }
-    let end_s = (states.len() - 1) as f64 / acted.rate_hz;
+    let end_s = (states.len() - 1) as f64 / RATE_HZ;
     events.sort_by_key(stamp_of);
     let mut strike = Strike {
         scene_toml,
@@ -393,7 +362,6 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
         events,
         impacts_s: hits.iter().map(|(time_s, _)| *time_s).collect(),
         states,
-        rate_hz: acted.rate_hz,
     };
     strike.mark("start", 0.0);
     for (index, (time_s, _)) in hits.iter().enumerate() {

@@ -33,7 +33,7 @@ pub enum Jointed {
 }
 
 impl Jointed {
-    pub(crate) fn toml(self) -> &'static str {
+    fn toml(self) -> &'static str {
         match self {
             Self::Pin => "kind = \"pin\"\naxis = [1, 0, 0]",
             Self::Universal => "kind = \"universal\"\naxes = [[1, 0, 0], [0, 1, 0]]",
@@ -79,7 +79,7 @@ impl Kind {
 pub const ROD_M: f64 = 0.2;
 
 /// Samples per second.
-const RATE_HZ: f64 = 120.0;
+pub const RATE_HZ: f64 = 120.0;
 
 /// A performance of a tree.
 #[derive(Clone)]
@@ -261,6 +261,25 @@ fn drawn(kind: &Kind, tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
     state
 }
 
+/// The joint from which a rod hangs: from the rod before it, the first from a place so high above the origin \[m\].
+pub(crate) fn joint_toml(joints: Jointed, link: usize, hangs_m: f64) -> String {
+    let half_mm = 500.0 * ROD_M;
+    let parent = match link.checked_sub(1) {
+        Some(parent) => format!(
+            "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
+            parent + 1,
+            -half_mm
+        ),
+        None => format!("parent_at_mm = [0, 0, {:?}]\n", 1e3 * hangs_m),
+    };
+    format!(
+        "\n[[joint]]\nname = \"joint {}\"\n{}\n{parent}child = \"rod {}\"\nchild_at_mm = [0, 0, {half_mm:?}]\n",
+        link + 1,
+        joints.toml(),
+        link + 1,
+    )
+}
+
 fn scene_toml(kind: &Kind, goals: &str) -> String {
     let mut text = String::from(
         "name = \"rods\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 10\n",
@@ -281,25 +300,11 @@ fn scene_toml(kind: &Kind, goals: &str) -> String {
             text += "tracked = false\n";
         }
     }
-    let half_mm = 500.0 * ROD_M;
     for link in 0..kind.links {
         if link == 0 && !kind.is_clamped {
             continue;
         }
-        let parent = match link.checked_sub(1) {
-            Some(parent) => format!(
-                "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
-                parent + 1,
-                -half_mm
-            ),
-            None => "parent_at_mm = [0, 0, 1500]\n".into(),
-        };
-        text += &format!(
-            "\n[[joint]]\nname = \"joint {}\"\n{}\n{parent}child = \"rod {}\"\nchild_at_mm = [0, 0, {half_mm:?}]\n",
-            link + 1,
-            kind.joints.toml(),
-            link + 1,
-        );
+        text += &joint_toml(kind.joints, link, 1.5);
     }
     text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
     text + goals

@@ -9,7 +9,8 @@ use nalgebra::DMatrix;
 use super::problem::TreeProblem;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
-use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, TreeState, tableau};
+use crate::physics::tree::tableau::{self, Tableau};
+use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, TreeState};
 
 /// A time on the way at which the course stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,32 +58,31 @@ impl<'t> Course<'t> {
         events: usize,
     ) -> Self {
         let width = problem.width();
-        let mut flow = Flow::new(&problem.tree, &problem.gravity_m_s2, problem.tableau);
-        flow.begin(node, true);
         Self {
-            problem,
-            flow,
-            now: Stop::known(from_s),
-            has_derivatives: true,
             events,
-            by_unknowns: None,
             by_begin: DMatrix::zeros(width, width + 1),
+            ..Self::begun(problem, (node, from_s), problem.tableau, true)
         }
     }
 
     /// From a node on, without derivatives, as exactly as the motion is told in the end.
-    pub(super) fn plain(problem: &'t TreeProblem, (node, from_s): (&TreeState, f64)) -> Self {
-        let mut flow = Flow::new(
-            &problem.tree,
-            &problem.gravity_m_s2,
-            tableau::DORMAND_PRINCE,
-        );
-        flow.begin(node, false);
+    pub(super) fn plain(problem: &'t TreeProblem, from: (&TreeState, f64)) -> Self {
+        Self::begun(problem, from, tableau::DORMAND_PRINCE, false)
+    }
+
+    fn begun(
+        problem: &'t TreeProblem,
+        (node, from_s): (&TreeState, f64),
+        tableau: Tableau,
+        has_derivatives: bool,
+    ) -> Self {
+        let mut flow = Flow::new(&problem.tree, &problem.gravity_m_s2, tableau);
+        flow.begin(node, has_derivatives);
         Self {
             problem,
             flow,
             now: Stop::known(from_s),
-            has_derivatives: false,
+            has_derivatives,
             events: 0,
             by_unknowns: None,
             by_begin: DMatrix::zeros(0, 0),
@@ -103,8 +103,8 @@ impl<'t> Course<'t> {
         }
         self.begin_anew();
         self.flow.advance(duration_s, steps, 1.0);
-        if self.has_derivatives {
-            let mut by_unknowns = self.jacobian();
+        self.begin_anew();
+        if let Some(by_unknowns) = &mut self.by_unknowns {
             let width = self.problem.width();
             let by_duration = self.by_begin.column(width);
             for (event, sign) in [(from.event, -1.0), (to.event, 1.0)] {
@@ -113,10 +113,7 @@ impl<'t> Course<'t> {
                     column.axpy(sign, &by_duration, 1.0);
                 }
             }
-            self.by_unknowns = Some(by_unknowns);
         }
-        let state = self.flow.state();
-        self.flow.begin(&state, self.has_derivatives);
     }
 
     /// The flow begins where it is.
@@ -146,30 +143,40 @@ impl<'t> Course<'t> {
         }
     }
 
-    /// A link hits something now. Fails as [`Snapshot::impact`] does; the course then stays as it was.
+    /// A link hits something now: the impact with its derivatives. Fails as [`Snapshot::impact`] does; the course then
+    /// stays as it was.
     pub(super) fn hit(
         &mut self,
         snapshot: &Snapshot,
         touch: &TreeTouch,
-    ) -> Result<(TreeImpact, Option<TreeImpactDerivative>), ImpactError> {
+    ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
         let at = (touch.place, &touch.contact);
-        let (impact, derivative) = if self.has_derivatives {
-            let (impact, derivative) = snapshot.impact_derivative(&state, at, &touch.law)?;
-            let mut by_unknowns = self.jacobian();
-            let freedoms = self.problem.tree.freedoms();
-            let rates = &derivative.rates * &by_unknowns;
-            by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
-            self.by_unknowns = Some(by_unknowns);
-            (impact, Some(derivative))
-        } else {
-            (snapshot.impact(&state, at, &touch.law)?, None)
-        };
+        let (impact, derivative) = snapshot.impact_derivative(&state, at, &touch.law)?;
+        let mut by_unknowns = self.jacobian();
+        let freedoms = self.problem.tree.freedoms();
+        let rates = &derivative.rates * &by_unknowns;
+        by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
+        self.by_unknowns = Some(by_unknowns);
+        self.go_on(state, &impact);
+        Ok((impact, derivative))
+    }
+
+    /// [`Course::hit`] of a plain course.
+    pub(super) fn hit_plainly(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
+        let state = self.flow.state();
+        let mut snapshot = Snapshot::new(&self.problem.tree, &self.problem.gravity_m_s2);
+        snapshot.set(&state);
+        let impact = snapshot.impact(&state, (touch.place, &touch.contact), &touch.law)?;
+        self.go_on(state, &impact);
+        Ok(())
+    }
+
+    fn go_on(&mut self, before: TreeState, impact: &TreeImpact) {
         let after = TreeState {
             rates: impact.rates.clone(),
-            ..state
+            ..before
         };
         self.flow.begin(&after, self.has_derivatives);
-        Ok((impact, derivative))
     }
 }

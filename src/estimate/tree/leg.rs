@@ -11,13 +11,14 @@ use super::course::{Course, Stop};
 use super::event::TreeEvent;
 use super::goal::TreeGoal;
 use super::point::TreePoint;
+use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::rows;
 use super::sample::TreeSample;
 use crate::estimate::constraint::quantity::{self, Valued};
 use crate::estimate::constraint::within::WithinRow;
 use crate::motion::{GoalQuantity, Moment};
-use crate::optimise::block::Block;
+use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::State;
 use crate::physics::tree::{Snapshot, TreeState};
 
@@ -43,8 +44,8 @@ impl TreeProgram<'_> {
     ) -> Sums {
         let problem = self.problem;
         let tree = &problem.tree;
-        let first_event = problem.events_of(node).start;
-        let event_count = problem.events_of(node).len();
+        let events = problem.events_of(node);
+        let (first_event, event_count) = (events.start, events.len());
         let width = problem.width();
         let from = (&point.nodes[node], problem.leg_s(node)[0]);
         let mut course = Course::new(problem, from, event_count);
@@ -60,7 +61,7 @@ impl TreeProgram<'_> {
         for item in self.items(node) {
             let mut to = item.stop;
             if to.about_s > part.until_s {
-                if let Some(index) = item.kind.block(self) {
+                if let Some(index) = item.kind.block(problem) {
                     rows::silence(&self.structure.blocks[index], &mut blocks[index]);
                 }
                 continue;
@@ -75,11 +76,6 @@ impl TreeProgram<'_> {
                 jacobian = course.jacobian();
                 links.fill(None);
             }
-            let mut room = item.kind.block(self).map(|index| {
-                let (pattern, block) = (&self.structure.blocks[index], &mut blocks[index]);
-                block.reset(pattern);
-                (pattern, block)
-            });
             match item.kind {
                 Kind::Sample(sample) => {
                     let [link] = states([sample.place], (&snapshot, &mut links), width);
@@ -87,52 +83,49 @@ impl TreeProgram<'_> {
                     let by = chained(&valued, &[link], &jacobian);
                     sums.add(sample, &valued, &by);
                 }
-                Kind::Goal(_, goal) => {
+                Kind::Goal(index, goal) => {
                     let state = course.state();
                     let (value, by) = self.asked(goal, &state, (&snapshot, &mut links), &jacobian);
+                    let (pattern, block) = self.room(index, blocks);
                     for (row, of) in goal.rows(&value).iter().enumerate() {
-                        match (goal.condition.sd, &mut room) {
-                            (Some(sd), _) => sums.wish(of, &by, sd),
-                            (None, Some((pattern, block))) => {
-                                rows::put(goal, row, of, &by, (pattern, block));
-                            }
-                            (None, None) => unreachable!("goals have blocks"),
+                        match goal.condition.sd {
+                            Some(sd) => sums.wish(of, &by, sd),
+                            None => rows::put(goal, row, of, &by, (pattern, &mut *block)),
                         }
                     }
                 }
                 Kind::Event(index, event) => {
-                    let Some((pattern, block)) = room else {
-                        unreachable!("events have blocks")
-                    };
-                    rows::order(
-                        problem,
-                        (index, &point.event_times_s),
-                        (pattern, &mut *block),
-                    );
+                    let (pattern, block) = self.room(problem.event_block(index), blocks);
+                    let times_s = &point.event_times_s;
+                    rows::order(problem, (index, times_s), (pattern, &mut *block));
                     let Some(touch) = &event.touch else { continue };
-                    match course.hit(&snapshot, touch) {
-                        Ok((impact, Some(derivative))) => {
-                            let (hit, count) = ((&impact, &derivative), event.touch_row_count());
-                            rows::touch(hit, count, &jacobian, (pattern, block));
-                        }
-                        Ok((_, None)) => unreachable!("the course has derivatives"),
-                        Err(_) => {
-                            sums.cost = f64::NAN;
-                            return sums;
-                        }
-                    }
+                    let Ok((impact, derivative)) = course.hit(&snapshot, touch) else {
+                        sums.cost = f64::NAN;
+                        return sums;
+                    };
+                    let (hit, count) = ((&impact, &derivative), event.touch_row_count());
+                    rows::touch(hit, count, &jacobian, (pattern, block));
                     reached = None;
                 }
-                Kind::Next(_) => {
-                    let Some((pattern, block)) = room else {
-                        unreachable!("joins have blocks")
-                    };
+                Kind::Next(node) => {
                     let ends = (&course.state(), &point.nodes[node + 1]);
-                    rows::join(problem, ends, &jacobian, (pattern, block));
+                    let room = self.room(problem.join_block(node), blocks);
+                    rows::join(problem, ends, &jacobian, room);
                 }
             }
         }
         sums
+    }
+
+    /// A block of rows with nothing in it.
+    fn room<'b>(
+        &'b self,
+        index: usize,
+        blocks: &'b mut [Block],
+    ) -> (&'b BlockPattern, &'b mut Block) {
+        let (pattern, block) = (&self.structure.blocks[index], &mut blocks[index]);
+        block.reset(pattern);
+        (pattern, block)
     }
 
     /// What happens on a leg, in its order: an event parts what is before it from what is after it, wherever its
@@ -242,14 +235,12 @@ enum Kind<'a> {
 
 impl Kind<'_> {
     /// Its block of rows.
-    fn block(&self, program: &TreeProgram) -> Option<usize> {
-        let goals = program.problem.goals.len();
-        let joins = program.problem.nodes_s.len() - 1;
+    fn block(&self, problem: &TreeProblem) -> Option<usize> {
         match self {
             Kind::Sample(_) => None,
             Kind::Goal(index, _) => Some(*index),
-            Kind::Next(node) => Some(goals + node),
-            Kind::Event(index, _) => Some(goals + joins + index),
+            Kind::Next(node) => Some(problem.join_block(*node)),
+            Kind::Event(index, _) => Some(problem.event_block(*index)),
         }
     }
 }

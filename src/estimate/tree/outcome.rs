@@ -144,8 +144,7 @@ fn gap(solved: &Solved, event: usize, within: Option<usize>) -> Gap {
     }
     let problem = &solved.problem;
     if let Some(within) = within {
-        let first = problem.goals.len() + problem.nodes_s.len() - 1;
-        let block = &solved.solution.system.blocks[first + within];
+        let block = &solved.solution.system.blocks[problem.event_block(within)];
         let off = |row: usize| block.violation(row).abs();
         let count = problem.events[within].touch_row_count();
         if count > 0 {

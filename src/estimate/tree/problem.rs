@@ -127,6 +127,16 @@ impl TreeProblem {
         before(node)..before(node + 1)
     }
 
+    /// The block of rows that join the motion from a node to the next: blocks of goals come before.
+    pub(super) fn join_block(&self, node: usize) -> usize {
+        self.goals.len() + node
+    }
+
+    /// The block of rows of an event within the motion: those of joins come before.
+    pub(super) fn event_block(&self, event: usize) -> usize {
+        self.join_block(self.nodes_s.len() - 1) + event
+    }
+
     /// The event within the motion at which a goal holds; none at the start and at the end.
     pub(super) fn event_within(&self, goal: &TreeGoal) -> Option<usize> {
         self.events.iter().position(|of| of.event == goal.event)

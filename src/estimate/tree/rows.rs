@@ -112,7 +112,6 @@ pub(super) fn join(
     let (tree, width) = (&problem.tree, problem.width());
     let off = tree.minus(reached, next);
     let turned = tree.minus_jacobians(reached, next);
-    block.reset(pattern);
     for row in 0..width {
         let unit = problem.unit_of(row);
         block.values[row] = off[row] / unit;

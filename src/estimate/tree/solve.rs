@@ -85,8 +85,8 @@ fn finished(
 ) -> Solved {
     let mut solved = optimum(problem.clone(), point, schedule, work, observer);
     for _ in 0..SIDINGS {
-        let sided = solved.problem.sided(&solved.solution.point);
-        if !solved.solution.finished.converged || !sided.parts_otherwise(&solved.problem) {
+        let mut sided = solved.problem.clone();
+        if !solved.solution.finished.converged || !sided.part_at(&solved.solution.point) {
             break;
         }
         let schedule = Schedule::default().from_the_last();
@@ -118,8 +118,7 @@ impl Solved {
     }
 }
 
-/// Lets the part that counts grow, each time by this share.
-/// Where that leads, with the problem whose steps are as short as it needs.
+/// Lets the part that counts grow, each time by this share: where that leads, with the problem whose steps are as short as it needs.
 fn grown(
     (problem, start): (&TreeProblem, TreeState),
     growth: f64,
@@ -148,7 +147,7 @@ fn grown(
         descent.run(&part, &lagrangian, patience);
         work.add(&descent.work);
         point = descent.point;
-        problem = problem.sided(&point);
+        problem.part_at(&point);
         if observer.should_stop() {
             break;
         }
@@ -157,7 +156,8 @@ fn grown(
     problem.step_s = problem.step_for(&point, problem.span_s[1]);
     let program = TreeProgram::new(&problem, point.clone());
     let point = swept(&program, point, work, observer);
-    (problem.sided(&point), point)
+    problem.part_at(&point);
+    (problem, point)
 }
 
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
@@ -192,28 +192,19 @@ fn swept(
 }
 
 impl TreeProblem {
-    /// The problem with samples parted where a point has the events.
-    fn sided(&self, point: &TreePoint) -> Self {
-        let mut sided = self.clone();
+    /// Parts samples where a point has the events; whether one then is on another side than before.
+    fn part_at(&mut self, point: &TreePoint) -> bool {
         let [mut least_s, most_s] = self.span_s;
-        for (event, time_s) in sided.events.iter_mut().zip(&point.event_times_s) {
-            event.about_s = time_s.max(least_s).min(most_s);
-            least_s = event.about_s;
-        }
-        sided
-    }
-
-    /// Whether a sample is on another side of an event than in another problem.
-    fn parts_otherwise(&self, other: &Self) -> bool {
-        let events = self.events.iter().zip(&other.events);
-        let mut between = events.map(|(here, there)| {
-            let [a_s, b_s] = [here.about_s, there.about_s];
-            a_s.min(b_s)..a_s.max(b_s)
-        });
-        between.any(|between_s| {
+        let mut is_other = false;
+        for (event, time_s) in self.events.iter_mut().zip(&point.event_times_s) {
+            let about_s = time_s.max(least_s).min(most_s);
+            let between_s = event.about_s.min(about_s)..event.about_s.max(about_s);
             let mut samples = self.samples.iter();
-            samples.any(|sample| between_s.contains(&sample.time_s))
-        })
+            is_other |= samples.any(|sample| between_s.contains(&sample.time_s));
+            event.about_s = about_s;
+            least_s = about_s;
+        }
+        is_other
     }
 
     /// Times at which the growing parts end \[s\]: before the goals at the end.

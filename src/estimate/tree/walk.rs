@@ -4,7 +4,7 @@ use super::course::{Course, Stop};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use crate::motion::TreeKnot;
-use crate::physics::tree::{Snapshot, TreeState};
+use crate::physics::tree::TreeState;
 
 /// Greatest turn of any joint in a step of the integrator \[rad\],
 const STEP_RAD: f64 = 0.25;
@@ -55,9 +55,7 @@ impl TreeProblem {
         let Some(touch) = &self.events[event].touch else {
             return false;
         };
-        let mut snapshot = Snapshot::new(&self.tree, &self.gravity_m_s2);
-        snapshot.set(&course.state());
-        course.hit(&snapshot, touch).is_ok()
+        course.hit_plainly(touch).is_ok()
     }
 
     /// Longest step of the integrator for the motion from its first node to a time \[s\].

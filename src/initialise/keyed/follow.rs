@@ -102,14 +102,9 @@ impl<'a> Course<'a> {
                 return None;
             };
             let contacts = scene.contact_set_of(event, touching).ok()??;
-            let given = scene.law_of(collision);
             (collision.partner == Partner::World).then_some(Hit {
                 contacts,
-                law: Law {
-                    restitution: given.restitution,
-                    friction: given.friction,
-                    tilt_rad: collision.tilt_rad,
-                },
+                law: scene.impact_law(collision),
             })
         };
         let joints = own

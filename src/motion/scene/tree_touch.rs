@@ -1,7 +1,6 @@
 //! What a link of joined bodies hits.
 
 use super::event::Partner;
-use super::goal::GoalTarget;
 use super::joint::JointTree;
 use super::whole::Scene;
 use crate::physics::contact::Contact;
@@ -32,21 +31,11 @@ impl Scene {
         if collision.partner != Partner::World {
             return None;
         }
-        let law = self.law_of(collision);
-        let mut goals = self.goals.iter();
-        let is_by_goal = goals.any(|goal| {
-            let is_pose = matches!(goal.target, GoalTarget::Pose { .. });
-            is_pose && goal.event == event && goal.link == collision.link
-        });
         Some(TreeTouch {
             place: joined.place_of(collision.link)?,
             contact: *contact,
-            law: Law {
-                restitution: law.restitution,
-                friction: law.friction,
-                tilt_rad: collision.tilt_rad,
-            },
-            is_by_goal,
+            law: self.impact_law(collision),
+            is_by_goal: self.fixes_pose(event, collision.link),
         })
     }
 }

@@ -5,7 +5,7 @@ use typed_index_collections::TiVec;
 
 use super::contact_law::ContactLaw;
 use super::event::{Collision, Event, EventKind};
-use super::goal::Goal;
+use super::goal::{Goal, GoalTarget};
 use super::link::{FreeBody, Link, Mechanism, Sees, Track};
 use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
@@ -13,6 +13,7 @@ use super::weights::{Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
+use crate::physics::impact::Law;
 
 /// Everything that is known about a performance before it is seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,6 +121,24 @@ impl Scene {
     /// The law of a collision.
     pub fn law_of(&self, collision: &Collision) -> &ContactLaw {
         &self.contact_laws[collision.law]
+    }
+
+    /// What the impact of a collision obeys, where nothing of it is free.
+    pub fn impact_law(&self, collision: &Collision) -> Law {
+        let of = self.law_of(collision);
+        Law {
+            restitution: of.restitution,
+            friction: of.friction,
+            tilt_rad: collision.tilt_rad,
+        }
+    }
+
+    /// Whether a goal fixes the pose of a link at an event.
+    pub fn fixes_pose(&self, event: usize, link: LinkIndex) -> bool {
+        self.goals.iter().any(|goal| {
+            let is_pose = matches!(goal.target, GoalTarget::Pose { .. });
+            is_pose && goal.event == event && goal.link == link
+        })
     }
 
     /// What moves with that link.

@@ -104,18 +104,29 @@ impl Snapshot<'_> {
 
     /// Kinetic and potential energy \[J\], springs' included; heights are against the world's origin.
     pub fn energy(&self, spring_j: f64) -> f64 {
-        let mut sum = spring_j;
-        for index in 0..self.tree.nodes.len() {
-            let inertia = &self.field.inertias[index];
-            let moved = self.field.kinematics.velocities[index]
-                + Motion {
-                    angular: Vector3::zeros(),
-                    linear: self.turn.tr_mul(&self.velocity_m_s),
-                };
+        let potential = self.field.inertias.iter().map(|inertia| {
             let place = self.origin_m * inertia.mass + self.turn * inertia.first;
-            sum += 0.5 * moved.dot(&inertia.of(&moved)) - place.dot(self.gravity_m_s2());
-        }
-        sum
+            -place.dot(self.gravity_m_s2())
+        });
+        spring_j + self.kinetic_energy() + potential.sum::<f64>()
+    }
+
+    /// Kinetic energy \[J\].
+    pub fn kinetic_energy(&self) -> f64 {
+        let base = Motion {
+            angular: Vector3::zeros(),
+            linear: self.turn.tr_mul(&self.velocity_m_s),
+        };
+        let moving = self
+            .field
+            .inertias
+            .iter()
+            .zip(&self.field.kinematics.velocities);
+        let energies = moving.map(|(inertia, velocity)| {
+            let moved = *velocity + base;
+            0.5 * moved.dot(&inertia.of(&moved))
+        });
+        energies.sum()
     }
 
     /// Centre of mass \[m\], momentum [kg m/s] and angular momentum about the centre of mass

@@ -107,14 +107,21 @@ impl Tree {
         by
     }
 
+    /// By how much each angle is beyond its limits \[rad\], negative within them, with its place among the
+    /// coordinates.
+    pub fn beyond_limits_rad(&self, state: &TreeState) -> impl Iterator<Item = (usize, f64)> {
+        let pins = self.nodes.iter().filter(|node| node.motor == Motor::Pin);
+        pins.map(|node| {
+            let at = self.shift() + node.coordinate;
+            let ([least, greatest], angle) = (node.limits_rad, state.coordinates[at]);
+            (at, (least - angle).max(angle - greatest))
+        })
+    }
+
     /// The first coordinate that is beyond its limits: its place among the coordinates.
     pub fn beyond_limits(&self, state: &TreeState) -> Option<usize> {
-        let pins = self.nodes.iter().filter(|node| node.motor == Motor::Pin);
-        pins.map(|node| (self.shift() + node.coordinate, node.limits_rad))
-            .find(|(at, [least, greatest])| {
-                let angle = state.coordinates[*at];
-                !(angle >= *least && angle <= *greatest)
-            })
+        let mut all = self.beyond_limits_rad(state);
+        all.find(|(_, off_rad)| !(*off_rad <= 0.0))
             .map(|(at, _)| at)
     }
 }

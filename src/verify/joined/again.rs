@@ -1,6 +1,7 @@
 //! The motion of joined bodies once more from its first state alone, with steps of half the length: through impacts
 //! by their law, at the times that were estimated.
 
+use super::larger;
 use crate::motion::{Estimate, JointTree, Scene, TreeEstimate, TreeTouch};
 use crate::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
 
@@ -47,13 +48,14 @@ pub(super) fn off(
             };
             let after = TreeState {
                 rates: impact.rates,
-                ..state.clone()
+                ..state
             };
-            let before = kinetic(&snapshot, &state);
-            let gained = kinetic(&snapshot, &after) - before;
-            raise(&mut off.gap_m, impact.gap_m.abs());
-            raise(&mut off.receding_m_s, impact.speed_m_s);
-            raise(&mut off.energy, gained / before);
+            let before_j = snapshot.kinetic_energy();
+            snapshot.set(&after);
+            let gained_j = snapshot.kinetic_energy() - before_j;
+            off.gap_m = larger(off.gap_m, impact.gap_m.abs());
+            off.receding_m_s = larger(off.receding_m_s, impact.speed_m_s);
+            off.energy = larger(off.energy, gained_j / before_j);
             flow.begin(&after, false);
         }
         let interval_s = knot.time_s - now_s;
@@ -70,7 +72,7 @@ pub(super) fn off(
         let here = places(&snapshot);
         snapshot.set(&flow.state());
         for (a, b) in here.iter().zip(places(&snapshot)) {
-            raise(&mut off.position_m, (a - b).norm());
+            off.position_m = larger(off.position_m, (a - b).norm());
         }
     }
     if touches.peek().is_some() {
@@ -88,17 +90,4 @@ fn touches(scene: &Scene, joined: &JointTree, estimate: &Estimate) -> Vec<(f64, 
     let mut touches: Vec<_> = touches.collect();
     touches.sort_by(|a, b| a.0.total_cmp(&b.0));
     touches
-}
-
-/// Kinetic energy of a state in whose configuration the snapshot is \[J\].
-fn kinetic(snapshot: &Snapshot, state: &TreeState) -> f64 {
-    let count = state.rates.len();
-    let mut mass = nalgebra::DMatrix::zeros(count, count);
-    snapshot.mass_matrix(&mut mass);
-    let rates = nalgebra::DVector::from_column_slice(&state.rates);
-    0.5 * rates.dot(&(mass * &rates))
-}
-
-fn raise(most: &mut f64, to: f64) {
-    *most = most.max(if to.is_nan() { f64::INFINITY } else { to });
 }

@@ -14,13 +14,10 @@ pub(super) fn doubts(joined: &JointTree, tree: &Tree, motion: &TreeEstimate) -> 
         let Some([_, angles]) = place.and_then(|place| tree.angles_of(place)) else {
             continue;
         };
-        let limits_rad = joint.joint.limits_rad;
-        let beyond =
-            |[least, greatest]: [f64; 2], angle: f64| (least - angle).max(angle - greatest);
         let offs = motion.knots.iter().flat_map(|knot| {
-            let angles = knot.state.coordinates[angles.clone()].iter();
-            let offs = limits_rad.into_iter().zip(angles);
-            offs.map(|(limits_rad, angle)| (beyond(limits_rad, *angle), knot.time_s))
+            let offs = tree.beyond_limits_rad(&knot.state);
+            let offs = offs.filter(|(at, _)| angles.contains(at));
+            offs.map(|(_, off_rad)| (off_rad, knot.time_s))
         });
         let Some((off_rad, time_s)) = offs.max_by(|a, b| a.0.total_cmp(&b.0)) else {
             continue;

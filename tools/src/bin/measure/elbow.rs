@@ -150,8 +150,8 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut table = Table::new("elbow", "", &header);
     let mut numbers = Vec::new();
     let mut said = None;
-    // Every other toss: what the study is made of was looked at on the others.
-    let mut files: Vec<_> = elbow::files().into_iter().skip(1).step_by(2).collect();
+    // Every other toss, from the first: the height at which flights end was chosen on the others.
+    let mut files: Vec<_> = elbow::files().into_iter().step_by(2).collect();
     if files.is_empty() {
         return Ok(());
     }

@@ -4,32 +4,22 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::estimate::tree::{TreeProblem, estimate};
-use enact::motion::{Estimate, Observer, Verdict};
+use enact::motion::{Estimate, Verdict};
 use enact::pipeline::Pipeline;
 use enact::segment::clean::clean;
 use enact_tools::trees::{Jointed, Kind, TreeActing, TreePerformance, perform};
 use serde::Serialize;
 
+use crate::limit::Limit;
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent, share};
 
-/// After which an answer is told to stop \[s\]; it has failed then.
-const LIMIT_S: f64 = 10.0;
 /// Of the wander of a usual hand.
 const DISTORTIONS: [f64; 3] = [1.0, 2.0, 4.0];
 /// An objective within this of the best known one, relative, is as good.
 const SAME: f64 = 1e-4;
-
-/// Stops an answer that takes too long.
-struct Limit(Instant);
-
-impl Observer for Limit {
-    fn should_stop(&mut self) -> bool {
-        self.0.elapsed().as_secs_f64() > LIMIT_S
-    }
-}
 
 /// What came of one start.
 #[derive(Serialize)]

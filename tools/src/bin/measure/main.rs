@@ -29,6 +29,7 @@ mod held;
 mod joined;
 mod keyframes;
 mod ladder;
+mod limit;
 mod mechanisms;
 mod methods;
 mod nonsense;

@@ -3,32 +3,22 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use enact::motion::{Observer, Verdict};
+use enact::motion::Verdict;
 use enact::pipeline::Pipeline;
 use enact_tools::tree_impacts::{Acted, Struck, strike};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
 
+use crate::limit::Limit;
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent, share};
 
-/// After which an answer is told to stop \[s\]; it has failed then.
-const LIMIT_S: f64 = 10.0;
 /// Of the wander of a usual hand.
 const DISTORTIONS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Performances of a row.
 const PERFORMANCES: u64 = 10;
-
-/// Stops an answer that takes too long.
-struct Limit(Instant);
-
-impl Observer for Limit {
-    fn should_stop(&mut self) -> bool {
-        self.0.elapsed().as_secs_f64() > LIMIT_S
-    }
-}
 
 /// What came of one performance.
 #[derive(Serialize)]
