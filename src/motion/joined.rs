@@ -70,7 +70,7 @@ impl TreeEstimate {
         let mut flow = Flow::new(tree, gravity_m_s2, tableau::DORMAND_PRINCE);
         flow.begin(&from.state, false);
         let steps = (since_s / self.step_s).ceil() as usize;
-        flow.advance(since_s, steps.max(1), 0.0);
+        flow.advance(since_s, steps.max(1));
         flow.state()
     }
 }

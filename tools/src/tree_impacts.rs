@@ -162,7 +162,7 @@ fn struck_motion(
     loop {
         let now_s = steps as f64 * step_s;
         flow.begin(&state, false);
-        flow.advance(step_s, 1, 0.0);
+        flow.advance(step_s, 1);
         let next = flow.state();
         let low = heights(&next).iter().position(|height_m| *height_m < 0.0);
         let is_done = impacts.len() == struck.impacts;
@@ -181,14 +181,14 @@ fn struck_motion(
                 for _ in 0..60 {
                     let middle_s = 0.5 * (from_s + to_s);
                     flow.begin(&state, false);
-                    flow.advance(middle_s, 1, 0.0);
+                    flow.advance(middle_s, 1);
                     match heights(&flow.state())[end] < 0.0 {
                         true => to_s = middle_s,
                         false => from_s = middle_s,
                     }
                 }
                 flow.begin(&state, false);
-                flow.advance(from_s, 1, 0.0);
+                flow.advance(from_s, 1);
                 let before = flow.state();
                 if now_s + from_s - last_s < APART_S {
                     return None;
@@ -223,7 +223,7 @@ fn struck_motion(
                     },
                     false,
                 );
-                flow.advance(step_s - from_s, 1, 0.0);
+                flow.advance(step_s - from_s, 1);
                 state = flow.state();
                 if heights(&state).iter().any(|height_m| *height_m < 0.0) {
                     return None;

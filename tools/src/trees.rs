@@ -234,7 +234,7 @@ pub fn motion(
     flow.begin(start, false);
     let mut states = vec![flow.state()];
     for _ in 0..(duration_s * rate_hz).round() as usize {
-        flow.advance(1.0 / rate_hz, STEPS, 0.0);
+        flow.advance(1.0 / rate_hz, STEPS);
         states.push(flow.state());
     }
     states

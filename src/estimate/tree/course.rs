@@ -1,15 +1,15 @@
 //! The course of a tree from a node on, through events, with its derivatives by the unknowns of the leg.
 //!
-//! With `Φ` the flow's derivative, and `Δ` its change with the duration, a flow from one event, at `T`, to
-//! another, at `T'`, changes with both: `δx' = Φ δx + Δ (δT' − δT)`. An impact's derivative follows. Where
-//! a time is an unknown, or the rates jump, what came before is put into one matrix and the flow begins anew.
+//! With `Φ` the flow's derivative, and `ẋ` how it goes on, a flow from one event, at `T`, to
+//! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. An impact's derivative follows; where
+//! the rates jump, what came before is put into one matrix and the flow begins anew.
 
 use nalgebra::DMatrix;
 
 use super::problem::TreeProblem;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
-use crate::physics::tree::tableau::{self, Tableau};
+use crate::physics::tree::tableau;
 use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, TreeState};
 
 /// A time on the way at which the course stops.
@@ -17,9 +17,6 @@ use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, Tre
 pub(super) struct Stop {
     /// The time \[s\].
     pub(super) time_s: f64,
-    /// About when that is \[s\], which tells the number of steps: it stays as unknown times move, so that the flow
-    /// is one smooth function.
-    pub(super) about_s: f64,
     /// Place among the leg's events of the one whose time this is.
     pub(super) event: Option<usize>,
 }
@@ -29,7 +26,6 @@ impl Stop {
     pub(super) fn known(time_s: f64) -> Self {
         Self {
             time_s,
-            about_s: time_s,
             event: None,
         }
     }
@@ -39,6 +35,7 @@ impl Stop {
 pub(super) struct Course<'t> {
     problem: &'t TreeProblem,
     flow: Flow<'t>,
+    begun: Stop,
     now: Stop,
     has_derivatives: bool,
     /// Number of events of the leg.
@@ -60,27 +57,31 @@ impl<'t> Course<'t> {
         let width = problem.width();
         Self {
             events,
-            by_begin: DMatrix::zeros(width, width + 1),
-            ..Self::begun(problem, (node, from_s), problem.tableau, true)
+            by_begin: DMatrix::zeros(width, width),
+            ..Self::begun(problem, (node, from_s), true)
         }
     }
 
-    /// From a node on, without derivatives, as exactly as the motion is told in the end.
+    /// From a node on, without derivatives.
     pub(super) fn plain(problem: &'t TreeProblem, from: (&TreeState, f64)) -> Self {
-        Self::begun(problem, from, tableau::DORMAND_PRINCE, false)
+        Self::begun(problem, from, false)
     }
 
     fn begun(
         problem: &'t TreeProblem,
         (node, from_s): (&TreeState, f64),
-        tableau: Tableau,
         has_derivatives: bool,
     ) -> Self {
-        let mut flow = Flow::new(&problem.tree, &problem.gravity_m_s2, tableau);
+        let mut flow = Flow::new(
+            &problem.tree,
+            &problem.gravity_m_s2,
+            tableau::DORMAND_PRINCE,
+        );
         flow.begin(node, has_derivatives);
         Self {
             problem,
             flow,
+            begun: Stop::known(from_s),
             now: Stop::known(from_s),
             has_derivatives,
             events: 0,
@@ -91,38 +92,15 @@ impl<'t> Course<'t> {
 
     /// Goes on, or back, to a time.
     pub(super) fn advance(&mut self, to: Stop) {
-        let from = self.now;
-        let (duration_s, about_s) = (to.time_s - from.time_s, to.about_s - from.about_s);
-        let steps = self.problem.steps(about_s.abs());
+        self.flow
+            .reach(to.time_s - self.begun.time_s, self.problem.step_s);
         self.now = to;
-        if from.event.is_none() && to.event.is_none() {
-            if duration_s != 0.0 {
-                self.flow.advance(duration_s, steps, 0.0);
-            }
-            return;
-        }
-        self.begin_anew();
-        self.flow.advance(duration_s, steps, 1.0);
-        self.begin_anew();
-        if let Some(by_unknowns) = &mut self.by_unknowns {
-            let width = self.problem.width();
-            let by_duration = self.by_begin.column(width);
-            for (event, sign) in [(from.event, -1.0), (to.event, 1.0)] {
-                if let Some(event) = event {
-                    let mut column = by_unknowns.column_mut(width + event);
-                    column.axpy(sign, &by_duration, 1.0);
-                }
-            }
-        }
     }
 
-    /// The flow begins where it is.
-    fn begin_anew(&mut self) {
-        if self.has_derivatives {
-            self.by_unknowns = Some(self.jacobian());
-        }
-        let state = self.flow.state();
-        self.flow.begin(&state, self.has_derivatives);
+    /// Goes on to a time in one step.
+    pub(super) fn step(&mut self, to_s: f64) {
+        self.flow.advance(to_s - self.now.time_s, 1);
+        self.now = Stop::known(to_s);
     }
 
     /// The state now.
@@ -134,13 +112,20 @@ impl<'t> Course<'t> {
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
         self.flow.jacobian(&mut self.by_begin);
         let width = self.problem.width();
-        let by_begin = self.by_begin.columns(0, width);
-        match &self.by_unknowns {
-            Some(by_unknowns) => by_begin * by_unknowns,
-            None => by_begin
-                .clone_owned()
+        let mut by_unknowns = match &self.by_unknowns {
+            Some(by_unknowns) => &self.by_begin * by_unknowns,
+            None => self
+                .by_begin
+                .clone()
                 .resize_horizontally(width + self.events, 0.0),
+        };
+        for (stop, sign) in [(self.begun, -1.0), (self.now, 1.0)] {
+            if let Some(event) = stop.event {
+                let mut column = by_unknowns.column_mut(width + event);
+                column.axpy(sign, &self.flow.rate(), 1.0);
+            }
         }
+        by_unknowns
     }
 
     /// A link hits something now: the impact with its derivatives. Fails as [`Snapshot::impact`] does; the course then
@@ -178,5 +163,6 @@ impl<'t> Course<'t> {
             ..before
         };
         self.flow.begin(&after, self.has_derivatives);
+        self.begun = self.now;
     }
 }

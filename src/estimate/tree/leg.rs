@@ -60,7 +60,7 @@ impl TreeProgram<'_> {
         let mut reached: Option<Stop> = None;
         for item in self.items(node) {
             let mut to = item.stop;
-            if to.about_s > part.until_s {
+            if item.about_s > part.until_s {
                 if let Some(index) = item.kind.block(problem) {
                     rows::silence(&self.structure.blocks[index], &mut blocks[index]);
                 }
@@ -139,6 +139,7 @@ impl TreeProgram<'_> {
         };
         let at_known = |time_s: f64, kind| Item {
             phase: (before(time_s), 0),
+            about_s: time_s,
             stop: Stop::known(time_s),
             kind,
         };
@@ -149,9 +150,9 @@ impl TreeProgram<'_> {
             .collect();
         let at_event = |event: usize, kind, rank| Item {
             phase: (event - events.start, rank),
+            about_s: problem.events[event].about_s,
             stop: Stop {
                 time_s: problem.events[event].about_s,
-                about_s: problem.events[event].about_s,
                 event: Some(event - events.start),
             },
             kind,
@@ -181,7 +182,7 @@ impl TreeProgram<'_> {
             items.push(next);
         }
         items.sort_by(|a, b| {
-            let in_phase = a.stop.about_s.total_cmp(&b.stop.about_s);
+            let in_phase = a.about_s.total_cmp(&b.about_s);
             a.phase.cmp(&b.phase).then(in_phase)
         });
         items
@@ -221,6 +222,8 @@ impl TreeProgram<'_> {
 struct Item<'a> {
     /// Number of the leg's events before it; at an event, its goals come before it or after it.
     phase: (usize, usize),
+    /// About when it is \[s\].
+    about_s: f64,
     stop: Stop,
     kind: Kind<'a>,
 }

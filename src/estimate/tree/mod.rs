@@ -8,6 +8,7 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod course;
+mod curvature;
 pub mod event;
 pub mod goal;
 mod leg;

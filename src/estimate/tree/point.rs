@@ -37,6 +37,15 @@ impl TreePoint {
         }
     }
 
+    /// `self ⊟ origin`: the step that leads from there to here.
+    pub(super) fn minus(&self, problem: &TreeProblem, origin: &Self) -> DVector<f64> {
+        let states = self.nodes.iter().zip(&origin.nodes);
+        let states = states.flat_map(|(to, from)| problem.tree.minus(to, from));
+        let times = self.event_times_s.iter().zip(&origin.event_times_s);
+        let step: Vec<f64> = states.chain(times.map(|(to, from)| to - from)).collect();
+        step.into()
+    }
+
     /// Whether all rates and times are finite.
     pub fn is_finite(&self) -> bool {
         let mut rates = self.nodes.iter().flat_map(|state| &state.rates);

@@ -10,7 +10,6 @@ use super::sample::{self, TreeSample};
 use crate::estimate::problem::unit;
 use crate::motion::{EventKind, GoalUnit, JointTree, MechanismIndex, Scene, Sketch};
 use crate::physics::tree::Tree;
-use crate::physics::tree::tableau::{self, Tableau};
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
 /// motions that are as near to the sketch the one that whirls less is kept.
@@ -38,9 +37,7 @@ pub struct TreeProblem {
     pub events: Vec<TreeEvent>,
     /// Where states are unknown \[s\]: at the beginning, and where errors would grow too much.
     pub nodes_s: Vec<f64>,
-    /// The integrator,
-    pub tableau: Tableau,
-    /// and its longest step \[s\].
+    /// Step of the integrator \[s\].
     pub step_s: f64,
     /// Least and greatest information of residuals, as
     /// [`Program::information`](crate::optimise::Program::information) says.
@@ -73,7 +70,6 @@ impl TreeProblem {
             goals,
             events,
             nodes_s: vec![span_s[0]],
-            tableau: tableau::DORMAND_PRINCE,
             step_s: f64::INFINITY,
             information: (least, most),
         }
@@ -97,7 +93,6 @@ impl TreeProblem {
         }
         Self {
             samples: kept,
-            tableau: tableau::BUTCHER,
             step_s: COARSER * self.step_s,
             ..self.clone()
         }
@@ -158,11 +153,6 @@ impl TreeProblem {
     pub fn leg_s(&self, node: usize) -> [f64; 2] {
         let to_s = self.nodes_s.get(node + 1).copied();
         [self.nodes_s[node], to_s.unwrap_or(self.span_s[1])]
-    }
-
-    /// Number of steps of the integrator for an interval.
-    pub fn steps(&self, interval_s: f64) -> usize {
-        ((interval_s / self.step_s).ceil() as usize).max(1)
     }
 
     /// One unit of a number of a tangent.

@@ -1,8 +1,11 @@
 //! A tree's motion as a program for the [optimiser](crate::optimise): its legs (`leg`) summed, what holds rates
 //! at the start and what nothing else does, and the curvature of all of it.
 
+use std::cell::RefCell;
+
 use nalgebra::{DMatrix, DVector};
 
+use super::curvature::{Lacking, dense};
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::rows;
@@ -17,10 +20,7 @@ const CALM: f64 = 1e-8;
 const LENGTHS: [f64; 2] = [0.3, 3.0];
 /// and of times \[s\].
 const TIME_LENGTH_S: f64 = 0.03;
-/// Step of the differences that give second derivatives,
-const STEP: f64 = 1e-6;
-/// and how far samples are apart of which they are told \[s\]: a step by a Hessian that is nearly right leads
-/// to the same optimum, and differences cost an evaluation for every unknown.
+/// How far samples are apart of which second derivatives are told \[s\].
 const CURVATURE_S: f64 = 1.0 / 60.0;
 
 /// What of a problem counts.
@@ -48,6 +48,8 @@ pub struct TreeProgram<'a> {
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
     calm: TreePoint,
+    /// What was told last of the curvature.
+    told: RefCell<Option<Lacking>>,
 }
 
 impl<'a> TreeProgram<'a> {
@@ -89,18 +91,14 @@ impl<'a> TreeProgram<'a> {
             },
             problem,
             calm,
+            told: RefCell::new(None),
         }
     }
 
     /// Hessian of a part's cost.
     pub(super) fn information_at(&self, part: &Part, point: &TreePoint) -> DMatrix<f64> {
         let system = self.evaluated(part, point);
-        let pattern = &self.structure.pattern;
-        DMatrix::from_fn(pattern.size(), pattern.size(), |row, column| {
-            system
-                .hessian
-                .get(pattern, row.max(column), row.min(column))
-        })
+        dense(&self.structure.pattern, &system.hessian)
     }
 
     /// Directions that rows leave free which act: a column each, orthonormal.
@@ -233,42 +231,24 @@ impl Program for TreeProgram<'_> {
         self.problem.information
     }
 
-    /// By differences of the Lagrangian's gradient, of a coarse reading of the problem: the flow's second
-    /// derivatives are nowhere else.
+    /// What [`curvature`](super::curvature) tells of a coarse reading of the problem.
     fn add_curvature(
         &self,
-        (point, _): (&TreePoint, &System),
+        (point, system): (&TreePoint, &System),
         multipliers: &[f64],
         hessian: &mut Envelope,
     ) {
-        let size = self.structure.size();
-        let coarse = self.problem.coarse(CURVATURE_S);
-        let program = TreeProgram::new(&coarse, self.calm.clone());
-        let part = Part::whole();
-        let slope = |system: &System| {
-            let mut gradient = system.gradient.clone();
-            system.add_pull(&self.structure, |row| multipliers[row], &mut gradient);
-            gradient
-        };
-        let here = program.evaluated(&part, point);
-        let before = slope(&here);
-        let mut curved = DMatrix::zeros(size, size);
-        let mut moved = point.clone();
-        let mut there = System::new(&self.structure);
-        for column in 0..size {
-            let mut step = DVector::zeros(size);
-            step[column] = STEP;
-            self.retract(point, &step, &mut moved);
-            program.evaluate(&part, &moved, &mut there);
-            curved.set_column(column, &((slope(&there) - &before) / STEP));
-        }
-        let pattern = &self.structure.pattern;
-        for row in 0..size {
-            for column in self.problem.first_coupled(row)..=row {
-                let curvature = 0.5 * (curved[(row, column)] + curved[(column, row)]);
-                let given = here.hessian.get(pattern, row, column);
-                hessian.add(pattern, row, column, curvature - given);
-            }
-        }
+        let problem = self.problem;
+        let mut told = self.told.borrow_mut();
+        let kept = told.take();
+        let kept = kept.filter(|kept| kept.serves((self, problem), point, multipliers));
+        let kept = kept.unwrap_or_else(|| {
+            let coarse = problem.coarse(CURVATURE_S);
+            let coarse = TreeProgram::new(&coarse, self.calm.clone());
+            let free = self.free_directions(system);
+            Lacking::new((&coarse, &Part::whole()), &free, point, multipliers)
+        });
+        told.insert(kept)
+            .add(problem, &self.structure.pattern, hessian);
     }
 }

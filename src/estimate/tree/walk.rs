@@ -6,10 +6,6 @@ use super::problem::TreeProblem;
 use crate::motion::TreeKnot;
 use crate::physics::tree::TreeState;
 
-/// Greatest turn of any joint in a step of the integrator \[rad\],
-const STEP_RAD: f64 = 0.25;
-/// and longest step \[s\].
-const STEP_S: f64 = 1.0 / 60.0;
 /// Fastest joint for which steps are shortened [rad/s]: faster ones are far from any hand's.
 const RATE_MOST_RAD_S: f64 = 400.0;
 
@@ -58,14 +54,21 @@ impl TreeProblem {
         course.hit_plainly(touch).is_ok()
     }
 
-    /// Longest step of the integrator for the motion from its first node to a time \[s\].
-    pub(super) fn step_for(&self, point: &TreePoint, until_s: f64) -> f64 {
+    /// Step of the integrator for the motion from its first node to a time \[s\]: not longer than `most_s` \[s\], and
+    /// no joint turns by more than `turn_rad` \[rad\] in it.
+    pub(super) fn step_for(
+        &self,
+        point: &TreePoint,
+        until_s: f64,
+        [most_s, turn_rad]: [f64; 2],
+    ) -> f64 {
         let flight = self.tree.freedoms() - self.tree.angular_freedoms();
         let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
         let mut now_s = self.span_s[0];
         let end_s = until_s.min(self.span_s[1]);
+        let step_s = |fastest_rad_s: f64| most_s.min(turn_rad / fastest_rad_s.max(1e-9));
         loop {
             let rates = course.state().rates;
             let here = rates[flight..]
@@ -75,16 +78,15 @@ impl TreeProblem {
             if now_s >= end_s || !here.is_finite() {
                 break;
             }
-            let step_s = STEP_S
-                .min(end_s - now_s)
-                .min(STEP_RAD / fastest_rad_s.max(1e-9));
-            now_s += step_s;
+            now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
-                course.advance(Stop::known(point.event_times_s[event]));
+                course.step(point.event_times_s[event]);
                 self.pass(event, &mut course);
             }
-            course.advance(Stop::known(now_s));
+            course.step(now_s);
         }
-        STEP_S.min(STEP_RAD / fastest_rad_s.max(1e-9))
+        // As many as fit.
+        let span_s = self.span_s[1] - self.span_s[0];
+        span_s / (span_s / step_s(fastest_rad_s)).ceil()
     }
 }

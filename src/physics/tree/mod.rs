@@ -15,8 +15,8 @@ mod model;
 mod points;
 mod snapshot;
 mod spatial;
+mod stages;
 mod state;
-mod steps;
 pub mod tableau;
 mod tangent;
 

@@ -61,7 +61,7 @@ pub(super) fn off(
         let interval_s = knot.time_s - now_s;
         if interval_s != 0.0 {
             let steps = (interval_s / motion.step_s).ceil().max(1.0) as usize;
-            flow.advance(interval_s, 2 * steps, 0.0);
+            flow.advance(interval_s, 2 * steps);
         }
         now_s = knot.time_s;
         let places = |snapshot: &Snapshot| -> Vec<_> {

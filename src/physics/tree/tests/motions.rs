@@ -20,7 +20,7 @@ fn advance(
 ) -> TreeState {
     let mut flow = Flow::new(tree, gravity, DORMAND_PRINCE);
     flow.begin(state, false);
-    flow.advance(duration_s, steps, 0.0);
+    flow.advance(duration_s, steps);
     flow.state()
 }
 

@@ -13,7 +13,7 @@ use std::hint::black_box;
 
 use anyhow::Result;
 use enact::physics::tree::TreeState;
-use enact::physics::tree::tableau::{BUTCHER, DORMAND_PRINCE};
+use enact::physics::tree::tableau::DORMAND_PRINCE;
 use serde::Serialize;
 
 use crate::flow::time_s;
@@ -21,7 +21,7 @@ use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
 use cases::{Case, Kinds};
-use derived::{Derived, derived, steps};
+use derived::Derived;
 use methods::{METHODS, Ready, Setting, Way};
 use show::Cost;
 
@@ -62,8 +62,6 @@ pub struct Measured {
     duration_s: f64,
     /// Greatest difference of the two references.
     reference: f64,
-    /// Median.
-    steps: f64,
     directions: usize,
     derived: Derived,
     points: Vec<Point>,
@@ -86,11 +84,10 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         all.push(measured);
     }
     if let Some(chain) = all.iter().find(|measured| measured.name == "chain") {
-        let Derived { order_8, order_6 } = &chain.derived;
+        let Derived { exact, rough } = &chain.derived;
         record.say(format!(
-            "The chain's flow with its {} directions costs {:.1} plain integrations with the method of order 8 and {:.1} with that of order 6.",
-            chain.directions,
-            order_8.ratio, order_6.ratio,
+            "The chain's flow with its {} directions, told at every sample, costs {:.1} plain ones in the steps of what is kept and {:.1} in those on the way.",
+            chain.directions, exact.ratio, rough.ratio,
         ));
     }
     record.table(show::program(&all));
@@ -104,7 +101,6 @@ struct Known {
     case: Case,
     end: TreeState,
     uncertain: f64,
-    steps: usize,
     energy_j: [f64; 2],
 }
 
@@ -116,12 +112,11 @@ impl Known {
         let check = check.run(Setting::Steps(CHECK)).0;
         let others = [Some(half), check].into_iter().flatten();
         let uncertain = others.fold(0.0, |most, other| case.apart(&other, &end).max(most));
-        let (steps, energy_j) = (steps(&case), case.energy_j(&case.start));
+        let energy_j = case.energy_j(&case.start);
         Self {
             case,
             end,
             uncertain,
-            steps,
             energy_j,
         }
     }
@@ -149,12 +144,8 @@ fn measured(kinds: &Kinds, options: &Options) -> Measured {
         title: kinds.title.to_owned(),
         duration_s: known[0].case.duration_s,
         reference: largest(&all(&|one| one.uncertain)),
-        steps: median(&all(&|one| one.steps as f64)),
-        directions: 2 * known[0].case.tree.freedoms() + 1,
-        derived: Derived {
-            order_8: derived(&known, DORMAND_PRINCE, options.quick),
-            order_6: derived(&known, BUTCHER, options.quick),
-        },
+        directions: 2 * known[0].case.tree.freedoms(),
+        derived: Derived::of(&known, options.quick),
         points,
     }
 }

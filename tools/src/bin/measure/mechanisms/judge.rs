@@ -109,16 +109,16 @@ impl<'m> Ours<'m> {
         let mut flow = Flow::new(tree, &GRAVITY_M_S2, tableau::DORMAND_PRINCE);
         let mut end = |steps: usize| {
             flow.begin(state, false);
-            flow.advance(flight_s, steps, 0.0);
+            flow.advance(flight_s, steps);
             flow.state()
         };
         let (whole, half) = (end(STEPS), end(STEPS / 2));
         self.end_in_half = Some(self.ends_differ(&whole, &half));
         self.end = Some(whole);
         flow.begin(state, true);
-        flow.advance(flight_s, DERIVED, 0.0);
+        flow.advance(flight_s, DERIVED);
         let size = 2 * tree.freedoms();
-        let mut by_start = DMatrix::zeros(size, size + 1);
+        let mut by_start = DMatrix::zeros(size, size);
         flow.jacobian(&mut by_start);
         let units = self.mechanism.units().concat();
         let moved = |row: usize| {

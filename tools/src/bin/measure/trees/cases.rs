@@ -114,7 +114,7 @@ impl Case {
     pub fn flown(&self, tableau: Tableau, steps: usize) -> TreeState {
         let mut flow = Flow::new(&self.tree, &self.gravity_m_s2, tableau);
         flow.begin(&self.start, false);
-        flow.advance(self.duration_s, steps, 0.0);
+        flow.advance(self.duration_s, steps);
         flow.state()
     }
 

@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use enact::physics::tree::Flow;
-use enact::physics::tree::tableau::{DORMAND_PRINCE, Tableau};
+use enact::physics::tree::tableau::DORMAND_PRINCE;
+use enact::physics::tree::{Flow, TreeState};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -12,15 +12,22 @@ use super::cases::Case;
 use crate::flow::time_s;
 use crate::statistics::median;
 
-/// Samples per second that the estimator stops at, and its longest turn in a step \[rad\].
+/// Samples per second at which states are told.
 const SAMPLES_HZ: f64 = 120.0;
-const STEP_RAD: f64 = 0.25;
+/// The estimator's longest step \[s\], and the greatest turn of a joint in it \[rad\]: in the end, and on the way.
+const EXACTLY: [f64; 2] = [1.0 / 40.0, 0.2];
+const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
+/// How many times as short steps are of which states at samples are told for comparison.
+const FINER: f64 = 16.0;
 /// How often plain flows and those with derivatives are timed.
 const TURNS: usize = 3;
-/// A method of the program in the steps that the estimator makes: medians.
+
+/// A motion in the steps that the estimator makes, told at every sample: medians.
 #[derive(Serialize)]
 pub struct Steps {
-    /// At the end.
+    /// Number of steps.
+    pub steps: f64,
+    /// The greatest at any sample.
     pub error: f64,
     /// Of the energy.
     pub drift: f64,
@@ -36,43 +43,59 @@ pub struct Steps {
 #[derive(Serialize)]
 pub struct Derived {
     /// Of what is kept.
-    pub order_8: Steps,
-    /// Of first guesses.
-    pub order_6: Steps,
+    pub exact: Steps,
+    /// On the way there.
+    pub rough: Steps,
 }
 
-/// How many steps the estimator makes: from sample to sample, none longer than its rule says.
-pub fn steps(case: &Case) -> usize {
-    let samples = (case.duration_s * SAMPLES_HZ).round() as usize;
+impl Derived {
+    /// Of motions.
+    pub fn of(known: &[Known], quick: bool) -> Self {
+        Self {
+            exact: derived(known, EXACTLY, quick),
+            rough: derived(known, ROUGHLY, quick),
+        }
+    }
+}
+
+/// How long the estimator's steps are \[s\].
+fn step_s(case: &Case, [most_s, turn_rad]: [f64; 2]) -> f64 {
     let flight = case.tree.freedoms() - case.tree.angular_freedoms();
     let mut flow = Flow::new(&case.tree, &case.gravity_m_s2, DORMAND_PRINCE);
     flow.begin(&case.start, false);
     let mut fastest_rad_s = 0.0_f64;
-    for _ in 0..=samples {
+    for _ in 0..=samples(case) {
         let state = flow.state();
         let rates = state.rates[flight..].iter();
         fastest_rad_s = rates.fold(fastest_rad_s, |most, rate| most.max(rate.abs()));
-        flow.advance(1.0 / SAMPLES_HZ, 8, 0.0);
+        flow.advance(1.0 / SAMPLES_HZ, 8);
     }
-    samples * (fastest_rad_s / SAMPLES_HZ / STEP_RAD).ceil().max(1.0) as usize
+    case.duration_s / (case.duration_s / most_s.min(turn_rad / fastest_rad_s)).ceil()
 }
 
-/// A method in the estimator's steps, plain and with derivatives by the start and by time.
-pub fn derived(known: &[Known], tableau: Tableau, quick: bool) -> Steps {
-    let mut of = [(); 5].map(|()| Vec::new());
+fn samples(case: &Case) -> usize {
+    (case.duration_s * SAMPLES_HZ).round() as usize
+}
+
+/// The motion plain and with derivatives by the start, at every sample.
+fn derived(known: &[Known], rule: [f64; 2], quick: bool) -> Steps {
+    let mut of = [(); 6].map(|()| Vec::new());
     for one in known {
         let case = &one.case;
-        let mut flow = Flow::new(&case.tree, &case.gravity_m_s2, tableau);
+        let step_s = step_s(case, rule);
+        let mut flow = Flow::new(&case.tree, &case.gravity_m_s2, DORMAND_PRINCE);
         let size = 2 * case.tree.freedoms();
-        let mut jacobian = DMatrix::zeros(size, size + 1);
+        let mut jacobian = DMatrix::zeros(size, size);
         let mut timed = |has_derivatives: bool| {
             time_s(quick, || {
                 flow.begin(black_box(&case.start), has_derivatives);
-                flow.advance(case.duration_s, one.steps, f64::from(has_derivatives));
-                black_box(flow.state());
-                if has_derivatives {
-                    flow.jacobian(&mut jacobian);
-                    black_box(&jacobian);
+                for sample in 1..=samples(case) {
+                    flow.reach(sample as f64 / SAMPLES_HZ, step_s);
+                    black_box(flow.state());
+                    if has_derivatives {
+                        flow.jacobian(&mut jacobian);
+                        black_box(&jacobian);
+                    }
                 }
             })[0]
         };
@@ -82,10 +105,12 @@ pub fn derived(known: &[Known], tableau: Tableau, quick: bool) -> Steps {
             plain_s = plain_s.min(timed(false));
             derived_s = derived_s.min(timed(true));
         }
-        let end = case.flown(tableau, one.steps);
+        let (told, finer) = (told(case, step_s), told(case, step_s / FINER));
+        let apart = told.iter().zip(&finer).map(|(a, b)| case.apart(a, b));
         let numbers = [
-            case.apart(&end, &one.end),
-            one.drift(&end),
+            (case.duration_s / step_s).round(),
+            apart.fold(0.0, f64::max),
+            one.drift(&told[told.len() - 1]),
             plain_s,
             derived_s,
             derived_s / plain_s,
@@ -94,12 +119,25 @@ pub fn derived(known: &[Known], tableau: Tableau, quick: bool) -> Steps {
             to.push(number);
         }
     }
-    let [error, drift, plain_s, derived_s, ratio] = of.each_ref().map(|numbers| median(numbers));
+    let [steps, error, drift, plain_s, derived_s, ratio] =
+        of.each_ref().map(|numbers| median(numbers));
     Steps {
+        steps,
         error,
         drift,
         plain_s,
         derived_s,
         ratio,
     }
+}
+
+/// States at every sample.
+fn told(case: &Case, step_s: f64) -> Vec<TreeState> {
+    let mut flow = Flow::new(&case.tree, &case.gravity_m_s2, DORMAND_PRINCE);
+    flow.begin(&case.start, false);
+    let mut state = |sample: usize| {
+        flow.reach(sample as f64 / SAMPLES_HZ, step_s);
+        flow.state()
+    };
+    (1..=samples(case)).map(&mut state).collect()
 }
