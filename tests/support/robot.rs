@@ -7,19 +7,28 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use urdf_rs::JointType;
 
 /// A robot that was read.
-pub struct Robot(pub urdf_rs::Robot);
+pub struct Robot {
+    /// What its description says.
+    pub said: urdf_rs::Robot,
+    /// By links, which joint each hangs on.
+    hangs: BTreeMap<String, usize>,
+}
 
 impl Robot {
+    /// Reads a description, in which no link hangs twice.
     pub fn read(text: &str) -> Self {
-        Self(urdf_rs::read_from_string(text).expect("a valid URDF"))
+        let said = urdf_rs::read_from_string(text).expect("a valid URDF");
+        let mut hangs = BTreeMap::new();
+        for (index, joint) in said.joints.iter().enumerate() {
+            let other = hangs.insert(joint.child.link.clone(), index);
+            assert_eq!(other, None, "{} has two parents", joint.child.link);
+        }
+        Self { said, hangs }
     }
 
     /// The joint on which a link hangs; none of the root.
     pub fn joint_of(&self, link: &str) -> Option<&urdf_rs::Joint> {
-        let mut joints = self.0.joints.iter().filter(|of| of.child.link == link);
-        let joint = joints.next();
-        assert!(joints.next().is_none(), "{link} has two parents");
-        joint
+        self.hangs.get(link).map(|index| &self.said.joints[*index])
     }
 
     /// World from every link.
@@ -28,7 +37,7 @@ impl Robot {
         angles_rad: &BTreeMap<String, f64>,
         floating: &BTreeMap<String, Isometry3<f64>>,
     ) -> BTreeMap<String, Isometry3<f64>> {
-        let links = self.0.links.iter().map(|link| link.name.clone());
+        let links = self.said.links.iter().map(|link| link.name.clone());
         links
             .map(|link| {
                 let mut pose = Isometry3::identity();
