@@ -109,8 +109,8 @@ fn hinge_count(joined: &JointTree) -> usize {
 }
 
 /// How the child's side of a joint is turned in the parent's.
-fn turn(joint: &Joint, pose: impl Fn(LinkIndex) -> Pose) -> UnitQuaternion<f64> {
-    let world_from_parent = joint.parent.map_or_else(Pose::identity, &pose);
+fn turn(joint: &Joint, pose: &impl Fn(LinkIndex) -> Pose) -> UnitQuaternion<f64> {
+    let world_from_parent = joint.parent.map_or_else(Pose::identity, pose);
     let world_from_side = world_from_parent * joint.joint.parent_from_joint;
     let turned = pose(joint.child) * joint.joint.link_from_joint;
     world_from_side.rotation.inverse() * turned.rotation
