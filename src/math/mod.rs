@@ -1,8 +1,9 @@
-//! Rotations and poses, spans of columns, pseudo-random numbers, and numeric differentiation for tests.
+//! Rotations, poses and angles for them, spans of columns, pseudo-random numbers, and numeric differentiation for tests.
 //!
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
 
+pub mod euler;
 pub mod lanes;
 mod pose;
 pub mod random;

@@ -8,11 +8,12 @@ use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{
-    ArcEstimate, Estimate, JointTree, LinkIndex, PoseSample, Scene, Seen, Settled, Sketch, Stamp,
+    ArcEstimate, Estimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
+    Sketch, Stamp,
 };
 use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
-use crate::physics::tree::Snapshot;
+use crate::physics::tree::{Snapshot, Tree, TreeState};
 
 /// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
 /// estimation that ran away, and would fill the disk.
@@ -162,22 +163,41 @@ fn tree_frames(
     link: LinkIndex,
     at: (Stamp, f64),
 ) -> Result<Vec<PoseSample>, SamplingError> {
-    let Some(motion) = estimate.tree_motion(scene.mechanism_of(link)) else {
-        return Ok(Vec::new());
-    };
-    let span_s = motion.span_s();
-    let times_s = times_s((scene, link), (estimate, span_s), span_s.into_iter(), at)?;
     let tree = scene.tree_model(joined);
     let place = joined.place_of(link).expect("a link of the tree");
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
-    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
-    let poses = poses.map(|(stamp, time_s)| {
-        snapshot.set(&motion.state(&tree, &estimate.gravity_m_s2, time_s));
+    let states = tree_states((scene, &tree), estimate, scene.mechanism_of(link), at)?;
+    let poses = states.into_iter().map(|(stamp, state)| {
+        snapshot.set(&state);
         PoseSample::from_pose(stamp, &snapshot.world_from_link(place))
     });
     let mut samples = poses.collect();
     make_signs_continuous(&mut samples);
     Ok(samples)
+}
+
+/// The states of a tree at its frames and events; none where it has no motion.
+pub(super) fn tree_states(
+    (scene, tree): (&Scene, &Tree),
+    estimate: &Estimate,
+    mechanism: MechanismIndex,
+    (zero, frame_rate_hz): (Stamp, f64),
+) -> Result<Vec<(Stamp, TreeState)>, SamplingError> {
+    let Some(motion) = estimate.tree_motion(mechanism) else {
+        return Ok(Vec::new());
+    };
+    let span_s = motion.span_s();
+    let first = scene.mechanisms[mechanism].links().next();
+    let times_s = times_s(
+        (scene, first.expect("a mechanism has links")),
+        (estimate, span_s),
+        span_s.into_iter(),
+        (zero, frame_rate_hz),
+    )?;
+    let times_s = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let gravity_m_s2 = &estimate.gravity_m_s2;
+    let states = times_s.map(|(stamp, time_s)| (stamp, motion.state(tree, gravity_m_s2, time_s)));
+    Ok(states.collect())
 }
 
 /// Appends a link's simulated poses: those stamped after its estimated ones.
@@ -247,7 +267,7 @@ fn pose_at(flights: &mut [(&ArcEstimate, Fall, Spin)], time_s: f64) -> Pose {
 }
 
 /// Quaternions q and −q are one rotation, but not to a viewer that interpolates them.
-fn make_signs_continuous(samples: &mut Vec<PoseSample>) {
+pub fn make_signs_continuous(samples: &mut Vec<PoseSample>) {
     let mut last = UnitQuaternion::identity().coords;
     for sample in samples {
         let [x, y, z, w] = sample.quaternion_xyzw;

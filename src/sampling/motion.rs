@@ -4,6 +4,7 @@ use typed_index_collections::TiVec;
 
 use super::error::SamplingError;
 use super::frames::{append_settled, estimate_frames, sketch_frames, zero};
+use super::joints::{SampledJoints, append_settled_joints, joint_frames};
 use crate::motion::{Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
 
 /// A motion as stamped poses, link by link: world from body, stamps strictly
@@ -14,6 +15,8 @@ pub struct SampledMotion {
     pub zero: Stamp,
     /// The estimated motion, and after its end what is simulated; empty of a link without flights.
     pub estimates: TiVec<LinkIndex, Vec<PoseSample>>,
+    /// The joints of each tree of the scene, at the stamps of its links' poses.
+    pub joints: Vec<SampledJoints>,
     /// The performance, at its physical times.
     pub sketches: TiVec<LinkIndex, Vec<PoseSample>>,
 }
@@ -36,9 +39,18 @@ impl SampledMotion {
             }
             Ok(samples)
         });
+        let joints = scene.joint_trees().map(|(mechanism, joined)| {
+            let at = (zero, frame_rate_hz);
+            let mut samples = joint_frames(scene, estimate, (mechanism, joined), at)?;
+            if let Some(settled) = settled {
+                append_settled_joints(&mut samples, settled, joined, zero);
+            }
+            Ok(SampledJoints { mechanism, samples })
+        });
         Ok(Self {
             zero,
             estimates: estimates.collect::<Result<_, _>>()?,
+            joints: joints.collect::<Result<_, _>>()?,
             sketches: links
                 .map(|link| sketch_frames(scene, estimate, sketch, link, zero))
                 .collect(),

@@ -2,8 +2,8 @@
 
 use foxglove::Encode;
 use foxglove::messages::{
-    Event, FrameTransform, FrameTransforms, KeyValuePair, Pose, PoseInFrame, Quaternion, Timestamp,
-    Vector3,
+    Event, FrameTransform, FrameTransforms, JointStates, KeyValuePair, Pose, PoseInFrame,
+    Quaternion, Timestamp, Vector3,
 };
 use thiserror::Error;
 
@@ -44,6 +44,8 @@ pub enum Encoded {
     PoseInFrame,
     /// `foxglove.FrameTransforms`.
     FrameTransforms,
+    /// `foxglove.JointStates`.
+    JointStates,
     /// `foxglove.SceneUpdate`.
     SceneUpdate,
     /// `foxglove.Event`.
@@ -73,6 +75,7 @@ impl Encoded {
             }
             Encoded::PoseInFrame => PoseInFrame::get_schema(),
             Encoded::FrameTransforms => FrameTransforms::get_schema(),
+            Encoded::JointStates => JointStates::get_schema(),
             Encoded::SceneUpdate => foxglove::messages::SceneUpdate::get_schema(),
             Encoded::Event => Event::get_schema(),
         }
@@ -94,6 +97,17 @@ pub struct Transform<'a> {
     pub child: &'a str,
     /// Stamp and pose, parent from child.
     pub sample: PoseSample,
+}
+
+/// A joint that turns about one axis, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointState<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its angle \[rad\].
+    pub angle_rad: f64,
+    /// Its rate [rad/s], where it is known.
+    pub rate_rad_s: Option<f64>,
 }
 
 /// A `foxglove.PoseInFrame`.
@@ -123,6 +137,20 @@ pub fn frame_transforms(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError
         })
         .collect::<Result<_, EncodeError>>()?;
     Ok(bytes_of(&FrameTransforms { transforms }))
+}
+
+/// A `foxglove.JointStates` of any number of joints.
+pub fn joint_states(at: Stamp, joints: &[JointState]) -> Result<Vec<u8>, EncodeError> {
+    let joints = joints.iter().map(|joint| foxglove::messages::JointState {
+        name: joint.name.to_owned(),
+        position: Some(joint.angle_rad),
+        velocity: joint.rate_rad_s,
+        ..foxglove::messages::JointState::default()
+    });
+    Ok(bytes_of(&JointStates {
+        timestamp: Some(timestamp(at)?),
+        joints: joints.collect(),
+    }))
 }
 
 /// A `foxglove.Event` at the mark's instant; the scene's event, if named, is its metadata
@@ -205,6 +233,7 @@ mod tests {
         for (kind, name) in [
             (Encoded::PoseInFrame, "foxglove.PoseInFrame"),
             (Encoded::FrameTransforms, "foxglove.FrameTransforms"),
+            (Encoded::JointStates, "foxglove.JointStates"),
             (Encoded::SceneUpdate, "foxglove.SceneUpdate"),
             (Encoded::Event, "foxglove.Event"),
         ] {

@@ -15,5 +15,5 @@ pub mod ros2;
 
 pub use container::{Container, ContainerError};
 pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat};
-pub use encode::{EncodeError, Encoded, Transform};
+pub use encode::{EncodeError, Encoded, JointState, Transform};
 pub use keyframe::{KEYFRAME_SCHEMA, decode_keyframe, encode_keyframe};

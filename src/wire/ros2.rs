@@ -1,6 +1,6 @@
 //! Motion → ROS 2 messages, as little-endian CDR with their definitions.
 
-use super::encode::{EncodeError, SchemaRecord, Transform};
+use super::encode::{EncodeError, JointState, SchemaRecord, Transform};
 use crate::motion::{PoseSample, Stamp};
 
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
@@ -30,6 +30,12 @@ const TF_MESSAGE: &[&str] = &[
     QUATERNION_PART,
 ];
 
+const JOINT_STATE: &[&str] = &[
+    "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+    HEADER_PART,
+    TIME_PART,
+];
+
 const HEADER: &[&str] = &[
     "builtin_interfaces/Time stamp\nstring frame_id\n",
     TIME_PART,
@@ -48,6 +54,8 @@ pub enum RosMessage {
     PoseStamped,
     /// `tf2_msgs/msg/TFMessage`.
     TfMessage,
+    /// `sensor_msgs/msg/JointState`.
+    JointState,
     /// `std_msgs/msg/Header`: an instant, with a name in `frame_id`.
     Header,
     /// `std_msgs/msg/String`.
@@ -60,6 +68,7 @@ impl RosMessage {
         let (name, parts) = match self {
             RosMessage::PoseStamped => ("geometry_msgs/msg/PoseStamped", POSE_STAMPED),
             RosMessage::TfMessage => ("tf2_msgs/msg/TFMessage", TF_MESSAGE),
+            RosMessage::JointState => ("sensor_msgs/msg/JointState", JOINT_STATE),
             RosMessage::Header => ("std_msgs/msg/Header", HEADER),
             RosMessage::String => ("std_msgs/msg/String", STRING),
         };
@@ -88,6 +97,21 @@ pub fn tf_message(transforms: &[Transform]) -> Result<Vec<u8>, EncodeError> {
         cdr.text(transform.child);
         cdr.pose(&transform.sample);
     }
+    Ok(cdr.bytes)
+}
+
+/// A `sensor_msgs/msg/JointState` of any number of joints. Its rates are of all or of none: the message knows no
+/// other way to leave one out.
+pub fn joint_state(at: Stamp, joints: &[JointState]) -> Result<Vec<u8>, EncodeError> {
+    let mut cdr = CdrWriter::new();
+    cdr.header(at, "")?;
+    cdr.length(joints.len());
+    joints.iter().for_each(|joint| cdr.text(joint.name));
+    cdr.numbers(joints.iter().map(|joint| joint.angle_rad));
+    let rates: Option<Vec<f64>> = joints.iter().map(|joint| joint.rate_rad_s).collect();
+    cdr.numbers(rates.unwrap_or_default().into_iter());
+    // No efforts: nothing drives the joints.
+    cdr.length(0);
     Ok(cdr.bytes)
 }
 
@@ -136,6 +160,11 @@ impl CdrWriter {
         self.length(text.len() + 1);
         self.bytes.extend_from_slice(text.as_bytes());
         self.bytes.push(0);
+    }
+
+    fn numbers(&mut self, numbers: impl ExactSizeIterator<Item = f64>) {
+        self.length(numbers.len());
+        numbers.for_each(|number| self.number(number.to_le_bytes()));
     }
 
     /// Appends a header. Its seconds are signed 32-bit numbers.
@@ -206,6 +235,22 @@ mod tests {
                 .collect();
             let message = tf_message(&transforms).expect("encode");
             assert_eq!(message, theirs(&expected));
+        }
+        for names in [&["a", "elbow_2", "ab"][..], &["hip_x", "knee"], &[]] {
+            for rate_rad_s in [Some(-2.5), None] {
+                let joints = names.iter().enumerate().map(|(k, name)| JointState {
+                    name,
+                    angle_rad: 0.1 * k as f64,
+                    rate_rad_s,
+                });
+                let joints: Vec<JointState> = joints.collect();
+                let angles: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
+                let rates = vec![-2.5; if rate_rad_s.is_some() { names.len() } else { 0 }];
+                let efforts: Vec<f64> = Vec::new();
+                let header = of(&sample(0), "").0;
+                let message = joint_state(sample(0).stamp, &joints).expect("encode");
+                assert_eq!(message, theirs(&(header, names, angles, rates, efforts)));
+            }
         }
         for text in ["", "a", "<robot/>"] {
             assert_eq!(string(text), theirs(&text));

@@ -7,7 +7,9 @@
 use crate::motion::{PoseSample, Stamp};
 use crate::wire::encode::{self, MARK_EVENT_KEY, SchemaRecord};
 use crate::wire::ros2::{self, RosMessage};
-use crate::wire::{Container, EncodeError, Encoded, Transform};
+use crate::wire::{Container, EncodeError, Encoded, JointState, Transform};
+
+use super::topics;
 
 /// What ROS 2 recordings name as their profile.
 const ROS2: &str = "ros2";
@@ -72,6 +74,27 @@ impl Dialect {
         match self {
             Dialect::Foxglove => encode::frame_transforms(all),
             Dialect::Ros2 => ros2::tf_message(all),
+        }
+    }
+
+    /// Topic of the angles of joints.
+    pub(super) fn joints_topic(self) -> &'static str {
+        match self {
+            Dialect::Foxglove => topics::JOINTS,
+            Dialect::Ros2 => topics::ROS_JOINTS,
+        }
+    }
+
+    /// Angles of joints.
+    pub(super) fn joints(self) -> Format {
+        self.format(Encoded::JointStates, RosMessage::JointState)
+    }
+
+    /// Their message.
+    pub(super) fn joints_of(self, at: Stamp, all: &[JointState]) -> Result<Vec<u8>, EncodeError> {
+        match self {
+            Dialect::Foxglove => encode::joint_states(at, all),
+            Dialect::Ros2 => ros2::joint_state(at, all),
         }
     }
 

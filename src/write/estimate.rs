@@ -7,6 +7,7 @@ use std::path::Path;
 use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
+use super::skeleton::Skeleton;
 use super::{drawing, topics, urdf};
 use crate::motion::{PoseSample, Stamp};
 use crate::report::{
@@ -15,7 +16,7 @@ use crate::report::{
 use crate::sampling::{self, SampledMotion};
 use crate::visual::surface_side_m;
 use crate::wire::ros2;
-use crate::wire::{Container, Transform};
+use crate::wire::{Container, JointState, Transform};
 
 /// Frames per second of the motion, unless the user wants others.
 pub const DEFAULT_FRAME_RATE_HZ: f64 = 240.0;
@@ -126,6 +127,7 @@ impl<'a> Composer<'a> {
             self.add_poses(&topic, &samples[index])?;
         }
         self.add_transforms()?;
+        self.add_joints()?;
         self.add_drawings()?;
         self.add_events()?;
         self.add_reports();
@@ -148,18 +150,22 @@ impl<'a> Composer<'a> {
     /// One message per instant, of all frames that have a pose there.
     fn add_transforms(&mut self) -> Result<(), WriteError> {
         let channel = self.channel(topics::TRANSFORMS, self.dialect.transforms());
-        let bodies = &self.file.of.scene.links;
-        let frames: Vec<String> = bodies
+        let (world_frame, bodies) = (self.file.world_frame, &self.file.of.scene.links);
+        let skeleton = Skeleton::new(self.file.of.scene, world_frame);
+        let moved = skeleton.moved(self.motion);
+        let estimates = moved
             .iter()
-            .map(|body| topics::estimate_frame(&body.name))
-            .chain(bodies.iter().map(|body| topics::sketch_frame(&body.name)))
-            .collect();
-        let samples = self.motion.estimates.iter().chain(&self.motion.sketches);
+            .map(|of| ((of.parent, of.child), of.samples.as_slice()));
+        let sketches = bodies.iter().map(|body| topics::sketch_frame(&body.name));
+        let sketches: Vec<String> = sketches.collect();
+        let sketches = sketches.iter().zip(&self.motion.sketches);
+        let sketches =
+            sketches.map(|(child, samples)| ((world_frame, child.as_str()), samples.as_slice()));
         let mut instants: BTreeMap<Stamp, Vec<Transform>> = BTreeMap::new();
-        for (child, samples) in frames.iter().zip(samples) {
+        for ((parent, child), samples) in estimates.chain(sketches) {
             for &sample in samples {
                 instants.entry(sample.stamp).or_default().push(Transform {
-                    parent: self.file.world_frame,
+                    parent,
                     child,
                     sample,
                 });
@@ -171,6 +177,35 @@ impl<'a> Composer<'a> {
                 .transforms_of(&transforms)
                 .map_err(WriteError::encode(self.path, topics::TRANSFORMS))?;
             self.push(channel, stamp, data);
+        }
+        Ok(())
+    }
+
+    /// The joints of each tree, a message per frame.
+    fn add_joints(&mut self) -> Result<(), WriteError> {
+        let skeleton = Skeleton::new(self.file.of.scene, self.file.world_frame);
+        let trees = self.motion.joints.iter();
+        let trees = trees.map(|of| (skeleton.hinges_of(of.mechanism), &of.samples));
+        let trees: Vec<_> = trees.filter(|(names, _)| !names.is_empty()).collect();
+        if trees.is_empty() {
+            return Ok(());
+        }
+        let topic = self.dialect.joints_topic();
+        let channel = self.channel(topic, self.dialect.joints());
+        for (names, samples) in trees {
+            for sample in samples {
+                let joints = names.iter().enumerate().map(|(place, &name)| JointState {
+                    name,
+                    angle_rad: sample.angles_rad[place],
+                    rate_rad_s: sample.rates_rad_s.as_ref().map(|rates| rates[place]),
+                });
+                let joints: Vec<JointState> = joints.collect();
+                let data = self
+                    .dialect
+                    .joints_of(sample.stamp, &joints)
+                    .map_err(WriteError::encode(self.path, topic))?;
+                self.push(channel, sample.stamp, data);
+            }
         }
         Ok(())
     }

@@ -28,6 +28,7 @@ pub mod recording;
 pub mod recover;
 #[cfg(feature = "live")]
 pub mod show;
+mod skeleton;
 pub mod topics;
 mod urdf;
 

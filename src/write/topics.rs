@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | `/estimate/<body>/pose` | `foxglove.PoseInFrame` | the motion, on a frame grid and exactly at events; after its end what was simulated |
 //! | `/sketch/<body>/pose` | `foxglove.PoseInFrame` | the performance, in body axes, at its physical times |
-//! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch` |
+//! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch`, and the frames of joints |
+//! | `/estimate/joints` | `foxglove.JointStates` | angles and rates of joints, at the frames of the motion; only where bodies are joined |
 //! | `/scene` | `foxglove.SceneUpdate` | bodies, obstacles, surfaces, goals |
 //! | `/robot_description` | `std_msgs/msg/String` | the same as URDF, for viewers that draw that |
 //! | `/estimate/events` | `foxglove.Event` | the scene's events, when they happen, and from when the motion is simulated |
@@ -12,8 +13,11 @@
 //! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate |
 //!
 //! In an input of the `ros2` profile, whose readers know nothing else, they are
-//! `geometry_msgs/msg/PoseStamped`, `tf2_msgs/msg/TFMessage`, `std_msgs/msg/Header` with the event's
-//! name as its frame, and the JSON as `std_msgs/msg/String`; there is no `/scene`.
+//! `geometry_msgs/msg/PoseStamped`, `tf2_msgs/msg/TFMessage`, `sensor_msgs/msg/JointState` on `/joint_states`,
+//! `std_msgs/msg/Header` with the event's name as its frame, and the JSON as `std_msgs/msg/String`; there is no
+//! `/scene`.
+//!
+//! Transforms, joints and URDF are of one robot (`docs/joints.md`).
 //!
 //! Where the input has a topic of that name already, ours begins with `/estimate`, as in
 //! `/estimate/tf`.
@@ -22,6 +26,10 @@ use std::collections::BTreeMap;
 
 /// Frame transforms.
 pub const TRANSFORMS: &str = "/tf";
+/// Angles of joints.
+pub const JOINTS: &str = "/estimate/joints";
+/// The same in ROS 2, where nodes look for it.
+pub const ROS_JOINTS: &str = "/joint_states";
 /// What viewers draw.
 pub const SCENE: &str = "/scene";
 /// The same as URDF.

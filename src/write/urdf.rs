@@ -1,23 +1,32 @@
-//! The scene as URDF, for viewers that draw no scene updates.
+//! The scene as URDF, for viewers that draw no scene updates, and for all who compute with robots.
 //!
-//! The root link is the world frame; each body is a link named as its estimate's frame, moved
-//! by the frame transforms, each obstacle a fixed one. URDF knows boxes, cylinders and spheres:
-//! a cone is drawn as a stack of cylinders, a hull as its bounding box, a rounded box as a sharp
-//! one.
+//! The root link is the world frame, with obstacles and surfaces. Each body is a link named as its
+//! estimate's frame, at its centre of mass along its principal axes; bodies that fly are joined to the
+//! world by floating joints, which frame transforms move. URDF knows no universal joint and no ball: a
+//! joint of the scene is a series of hinges with links between them that have neither mass nor shape
+//! ([`skeleton`](super::skeleton)), and a body hangs fixed on the last of them, for a hinge's link must be at
+//! its axis.
+//!
+//! URDF knows boxes, cylinders and spheres: a cone is drawn as a stack of cylinders, a hull as its
+//! bounding box, a rounded box as a sharp one. It has no word for springs, and for a hinge with one limit
+//! alone: that is without.
 
 use std::fmt::Write;
 
 use nalgebra::{Translation3, Vector3};
 
-use super::topics;
-use crate::math::Pose;
-use crate::motion::Scene;
+use super::skeleton::{Hanging, Hinge, Skeleton};
+use crate::math::{Pose, euler};
+use crate::motion::{Link, Scene};
 use crate::physics::Shape;
 use crate::visual::{Form, Primitive, Subject, Visual, bounding_box, cone_slices};
 use crate::visual::{primitives, visuals};
 
 /// How many cylinders make a cone.
 const CONE_SLICES: usize = 12;
+
+/// URDF demands a greatest rate where there are limits \[rad/s\]: one that says nothing.
+const GREATEST_RATE_RAD_S: f64 = 1e6;
 
 /// The description; surfaces are `surface_side_m` wide.
 pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> String {
@@ -38,21 +47,103 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         add_visual(&mut text, visual);
     }
     text.push_str("  </link>\n");
-    for visual in &visuals {
-        let Subject::Link(link) = visual.subject else {
-            continue;
+    for body in &Skeleton::new(scene, world_frame).bodies {
+        let (parent, pose) = match &body.hanging {
+            Some(hanging) => (
+                add_hinges(&mut text, hanging),
+                Some(hanging.last_from_body()),
+            ),
+            None => (world_frame, None),
         };
-        let link = escaped(&topics::estimate_frame(&scene.links[link].name));
-        let _ = writeln!(text, "  <link name=\"{link}\">");
-        add_visual(&mut text, visual);
-        let _ = write!(
-            text,
-            "  </link>\n  <joint name=\"{link}_joint\" type=\"floating\">\n    \
-             <parent link=\"{world}\"/>\n    <child link=\"{link}\"/>\n  </joint>\n"
-        );
+        let _ = writeln!(text, "  <link name=\"{}\">", escaped(&body.frame));
+        add_inertia(&mut text, &scene.links[body.link]);
+        let is_its = |of: &&Visual| of.subject == Subject::Link(body.link);
+        for visual in visuals.iter().filter(is_its) {
+            add_visual(&mut text, visual);
+        }
+        text.push_str("  </link>\n");
+        let kind = if pose.is_some() { "fixed" } else { "floating" };
+        open_joint(&mut text, (&body.joint, kind), [parent, &body.frame]);
+        if let Some(pose) = &pose {
+            let _ = writeln!(text, "    {}", origin(pose));
+        }
+        text.push_str("  </joint>\n");
     }
     text.push_str("</robot>\n");
     text
+}
+
+/// Hinges with their links; the name of the last of these, or of the parent where there are none.
+fn add_hinges<'s>(text: &mut String, hanging: &'s Hanging) -> &'s str {
+    let mut parent = hanging.parent.as_str();
+    let mut pose = hanging.parent_from_joint();
+    for hinge in &hanging.hinges {
+        let _ = writeln!(text, "  <link name=\"{}\"/>", escaped(&hinge.frame));
+        add_hinge(text, (hanging, hinge), parent, &pose);
+        (parent, pose) = (&hinge.frame, Pose::identity());
+    }
+    parent
+}
+
+fn add_hinge(text: &mut String, (hanging, hinge): (&Hanging, &Hinge), parent: &str, pose: &Pose) {
+    let kind = match hinge.limits_rad {
+        Some(_) => "revolute",
+        None => "continuous",
+    };
+    open_joint(text, (&hinge.name, kind), [parent, &hinge.frame]);
+    let axis = hinge.axis;
+    let _ = writeln!(
+        text,
+        "    {}\n    <axis xyz=\"{} {} {}\"/>",
+        origin(pose),
+        axis.x,
+        axis.y,
+        axis.z
+    );
+    if let Some([least, greatest]) = hinge.limits_rad {
+        // Nothing drives it.
+        let _ = writeln!(
+            text,
+            "    <limit lower=\"{least}\" upper=\"{greatest}\" effort=\"0\" velocity=\"{GREATEST_RATE_RAD_S}\"/>"
+        );
+    }
+    let damping_n_m_s = hanging.joint.joint.damping_n_m_s;
+    if damping_n_m_s > 0.0 {
+        let _ = writeln!(text, "    <dynamics damping=\"{damping_n_m_s}\"/>");
+    }
+    text.push_str("  </joint>\n");
+}
+
+fn open_joint(text: &mut String, (name, kind): (&str, &str), [parent, child]: [&str; 2]) {
+    let [name, parent, child] = [name, parent, child].map(escaped);
+    let _ = writeln!(
+        text,
+        "  <joint name=\"{name}\" type=\"{kind}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>"
+    );
+}
+
+/// Mass and principal moments. What is held moves as its hand does: it has none.
+fn add_inertia(text: &mut String, link: &Link) {
+    if link.held.is_some() {
+        return;
+    }
+    let (mass_kg, moments) = (link.body.mass_kg(), link.body.moments_kg_m2());
+    let _ = writeln!(
+        text,
+        "    <inertial>\n      <mass value=\"{mass_kg}\"/>\n      \
+         <inertia ixx=\"{}\" ixy=\"0\" ixz=\"0\" iyy=\"{}\" iyz=\"0\" izz=\"{}\"/>\n    </inertial>",
+        moments.x, moments.y, moments.z
+    );
+}
+
+/// Where a frame is.
+fn origin(pose: &Pose) -> String {
+    let p = pose.translation.vector;
+    let [roll, pitch, yaw] = euler::roll_pitch_yaw(&pose.rotation);
+    format!(
+        "<origin xyz=\"{} {} {}\" rpy=\"{roll} {pitch} {yaw}\"/>",
+        p.x, p.y, p.z
+    )
 }
 
 fn add_visual(text: &mut String, visual: &Visual) {
@@ -113,17 +204,11 @@ fn cylinder(length_m: f64, radius_m: f64) -> String {
 }
 
 fn add_geometry(text: &mut String, pose: &Pose, geometry: &str, rgba: &str) {
-    let p = pose.translation.vector;
-    // URDF's roll, pitch, yaw are nalgebra's: about fixed x, then y, then z.
-    let (roll, pitch, yaw) = pose.rotation.euler_angles();
     let _ = writeln!(
         text,
-        "    <visual>\n      <origin xyz=\"{} {} {}\" rpy=\"{roll} {pitch} {yaw}\"/>\n      \
-         <geometry>{geometry}</geometry>\n      \
+        "    <visual>\n      {}\n      <geometry>{geometry}</geometry>\n      \
          <material name=\"{}\"><color rgba=\"{rgba}\"/></material>\n    </visual>",
-        p.x,
-        p.y,
-        p.z,
+        origin(pose),
         rgba.replace(' ', "_"),
     );
 }
