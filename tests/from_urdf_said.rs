@@ -9,6 +9,7 @@ use enact::math::Pose;
 use enact::motion::Scene;
 use enact::physics::Shape;
 use enact::physics::tree::JointKind;
+use enact::pipeline::Pipeline;
 use enact_tools::replay::Program;
 use enact_tools::trees::{self, Jointed, Kind, TreeActing};
 use nalgebra::{Matrix3, Vector3};
@@ -211,6 +212,19 @@ fn axes_that_do_not_meet_are_refused() {
     let made = scene_from_urdf(&ok).unwrap();
     let merged = r#"line 4: "one", "two" become one universal joint"#;
     assert!(made.notes.iter().any(|of| of == merged), "{:?}", made.notes);
+    // One with limits and one without.
+    let limited = ok.replace(
+        "name=\"two\" type=\"continuous\">",
+        "name=\"two\" type=\"revolute\"><limit lower=\"-0.5\" upper=\"1e16\"/>",
+    );
+    let scene = read(&limited);
+    let (_, joined) = scene.joint_trees().next().unwrap();
+    let [first, second] = joined.joints[0].joint.limits_rad;
+    assert_eq!(first, [f64::NEG_INFINITY, f64::INFINITY]);
+    assert!(
+        (second[0] + 0.5).abs() < 1e-15 && second[1] > 1e15,
+        "{second:?}"
+    );
     let third = "<link name=\"third\"/><joint name=\"zero\" type=\"continuous\"><parent link=\"between\"/><child link=\"third\"/><axis xyz=\"0 0 1\"/></joint>";
     let ball = |more: &str| {
         robot("<axis xyz=\"0 1 0\"/>", more, third).replace(
@@ -291,7 +305,11 @@ fn solids_are_whole_where_they_lie_along_principal_axes_and_hulls_elsewhere() {
         nearest.fold(f64::INFINITY, f64::min) < 1e-12,
         "{points_m:?}"
     );
-    let round = [r#"<sphere radius="0.2"/>"#, rod];
+    let round = [
+        r#"<sphere radius="0.2"/>"#,
+        r#"<capsule radius="0.1" length="0.4"/>"#,
+        rod,
+    ];
     for solid_of in round {
         let (shape, _) = shape_and_turn(&hinge(&solid("xyz=\"0 0 0.01\"", solid_of), ""));
         let Shape::Hull { points_m } = shape else {
@@ -457,6 +475,23 @@ fn a_scene_of_a_urdf_file_gives_the_estimate_of_a_written_one() {
         "{written:?} {made:?}"
     );
     assert_eq!(made.said["verdict"], "physical");
+    for key in ["objective", "residual_mm"] {
+        let [written, made] = [&written, &made].map(|of| of.said[key].as_f64().unwrap());
+        assert!(
+            (written - made).abs() < 1e-6 * written,
+            "{key}: {written} {made}"
+        );
+    }
+    let states = [performance.scene.clone(), scene_from_toml(&text).unwrap()].map(|scene| {
+        let events = performance.events.iter().cloned();
+        let outcome = Pipeline::of(scene, events).finish(&mut ()).unwrap();
+        outcome.estimate.trees[0].knots[0].state.clone()
+    });
+    let [written, made] = states.map(|of| [of.coordinates, of.rates].concat());
+    assert_eq!(written.len(), 8);
+    for (written, made) in written.iter().zip(&made) {
+        assert!((written - made).abs() < 1e-6, "{written} {made}");
+    }
 }
 
 /// A description with every element that is read.

@@ -10,9 +10,8 @@ use crate::config::error::{Fault, fault};
 use crate::config::number;
 use crate::math::Pose;
 
-/// Greatest number: beyond it is no length, mass or moment of anything that a hand moves, and products
-/// of several stay finite.
-const GREATEST: f64 = 1e9;
+/// Greatest number: products of several stay finite. Some write 1e16 for a limit that is none.
+const GREATEST: f64 = 1e20;
 
 /// What is not read: sentences, each with the place where it is first true and how often it is.
 #[derive(Debug, Default)]

@@ -39,7 +39,10 @@ fn made(text: &str) -> Result<UrdfScene, Fault> {
     let scene = SceneText::new(&robot, &mechanism);
     // What scenes refuse beyond is refused here, at the place that it was made of.
     if let Err(error) = scene_from_toml(&scene.toml) {
-        let said = format!("the scene that this makes is refused: {}", error.message);
+        let said = format!(
+            "the scene that this makes is refused: {}; URDF is in metres, kilograms and kg m², and a link without <collision> and <visual> has the box of its moments for a shape",
+            error.message
+        );
         return fault(scene.origin(error.line), said);
     }
     Ok(UrdfScene {

@@ -24,6 +24,9 @@ const ALONG_RAD: f64 = 1e-5;
 /// Corners of a hull around an axis.
 const CORNERS: usize = 24;
 
+/// Height over radius below which a corner of a sphere is on its equator.
+const EQUATOR: f64 = 1e-9;
+
 /// Least side of a box of given moments, relative to its greatest.
 const FLAT: f64 = 1e-3;
 
@@ -101,9 +104,9 @@ fn chosen<'a>(link: &'a Link, inertial: &Inertial, notes: &mut Notes) -> &'a [Pl
     let of = &link.geometries;
     let name = link.name.get_ref();
     let is_drawn = of.collision.placed.is_empty() && !of.visual.placed.is_empty();
-    let (solids, word) = match is_drawn {
-        true => (&of.visual, "what is drawn"),
-        false => (&of.collision, "what collides"),
+    let solids = match is_drawn {
+        true => &of.visual,
+        false => &of.collision,
     };
     for mesh in of.collision.meshes.iter().chain(&of.visual.meshes) {
         notes.add(mesh, format!("a mesh of {name:?} is not read"));
@@ -112,7 +115,7 @@ fn chosen<'a>(link: &'a Link, inertial: &Inertial, notes: &mut Notes) -> &'a [Pl
         let said = format!("{name:?} has no solid: its shape is a box of the same moments");
         notes.add(&inertial.span, said);
     } else if is_drawn {
-        let said = format!("nothing of {name:?} that collides is read: its shape is {word}");
+        let said = format!("nothing of {name:?} that collides is read: its shape is what is drawn");
         notes.add(&link.name.span(), said);
     }
     &solids.placed
@@ -185,11 +188,16 @@ fn corners(primitive: &Primitive) -> Vec<Vector3<f64>> {
         Primitive::Capsule {
             half_length_m,
             radius_m,
-        } => [-half_length_m, *half_length_m]
+        } => [-1.0, 1.0]
             .into_iter()
-            .flat_map(|z_m| ball(*radius_m, z_m))
+            .flat_map(|end: f64| {
+                let cap = ball(*radius_m).into_iter();
+                // The ring around is of both caps.
+                let cap = cap.filter(move |at| end * at.z > -EQUATOR * radius_m);
+                cap.map(move |at| at + Vector3::z() * end * *half_length_m)
+            })
             .collect(),
-        Primitive::Sphere { radius_m } => ball(*radius_m, 0.0),
+        Primitive::Sphere { radius_m } => ball(*radius_m),
     }
 }
 
@@ -201,11 +209,11 @@ fn ring(radius_m: f64, z_m: f64) -> impl Iterator<Item = Vector3<f64>> {
 }
 
 /// Points of a sphere: its poles, and rings between.
-fn ball(radius_m: f64, z_m: f64) -> Vec<Vector3<f64>> {
-    let poles = [-radius_m, radius_m].map(|of| Vector3::new(0.0, 0.0, z_m + of));
-    let rings = (1..CORNERS / 2).flat_map(|ring_of| {
-        let (sin, cos) = (TAU * ring_of as f64 / CORNERS as f64).sin_cos();
-        ring(radius_m * sin, z_m + radius_m * cos)
+fn ball(radius_m: f64) -> Vec<Vector3<f64>> {
+    let poles = [-radius_m, radius_m].map(|z_m| Vector3::new(0.0, 0.0, z_m));
+    let rings = (1..CORNERS / 2).flat_map(|of| {
+        let (sin, cos) = (TAU * of as f64 / CORNERS as f64).sin_cos();
+        ring(radius_m * sin, radius_m * cos)
     });
     poles.into_iter().chain(rings).collect()
 }
