@@ -41,7 +41,7 @@
 //! | [`visual`] | what of a scene is drawn: shapes as primitives and as triangles, with colours | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `visual`, `wire`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
-//! | [`config`] | TOML → checked scenes | `motion` and below |
+//! | [`config`] | TOML → checked scenes; URDF → TOML | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
 //! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |

@@ -130,6 +130,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ),
     ("tokio", &["src/service/capture/"]),
     ("rustix", &["src/service/doctor.rs"]),
+    ("roxmltree", &["src/config/urdf/"]),
     ("toml", &["src/config/", "src/wire/live/census.rs"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),

@@ -40,6 +40,12 @@ pub(super) enum Command {
     Mark(MarkArguments),
     /// Make a recording of keyframes in a file, or a file of keyframes of a recording
     Sketch(SketchArguments),
+    /// Make scenes
+    Scene {
+        /// Of what
+        #[command(subcommand)]
+        command: SceneCommand,
+    },
     /// Write completions for a shell to stdout
     Completion {
         /// Which shell
@@ -236,6 +242,27 @@ pub(super) struct SketchArguments {
     /// Keyframes of the motion that is estimated from the recording
     #[arg(long)]
     pub(super) estimated: bool,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// The commands of `scene`.
+#[derive(Debug, Subcommand)]
+pub(super) enum SceneCommand {
+    /// Make a scene with the mechanism of a URDF file
+    FromUrdf(FromUrdfArguments),
+}
+
+/// Arguments of `scene from-urdf`.
+#[derive(Debug, Args)]
+pub(super) struct FromUrdfArguments {
+    /// The robot description, a URDF file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// The scene; a file that is there is not replaced [default: IN with .toml]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,

@@ -25,6 +25,7 @@ mod process;
 mod recover;
 mod replay;
 mod run;
+mod scene;
 mod sketch;
 mod table;
 #[cfg(feature = "live")]

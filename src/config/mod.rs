@@ -1,4 +1,5 @@
-//! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]).
+//! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]); URDF → the text of
+//! a scene ([`scene_from_urdf`]).
 //!
 //! Scenes are read in two steps. First the text is parsed into [`serde`] structs: every key that
 //! may be left out is optional, unknown keys are refused, units are in the keys. Then a
@@ -197,11 +198,13 @@ mod solid;
 mod text;
 mod track;
 mod unit;
+mod urdf;
 
 pub use capture::CaptureSettings;
 pub use error::SceneError;
 pub use keyframes::{sketch_from_csv, sketch_from_toml};
 pub use text::{capture_from_toml, scene_from_toml};
+pub use urdf::{UrdfScene, scene_from_urdf};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, `direct` sends commands to a running `capture`, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -14,6 +14,7 @@ mod direct;
 #[cfg(feature = "live")]
 mod doctor;
 mod finish;
+mod from_urdf;
 mod inspect;
 mod mark;
 mod process;
@@ -33,6 +34,7 @@ mod words;
 pub use direct::{Answer, DirectJob, Direction, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
+pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};

@@ -1,0 +1,70 @@
+//! Scenes of robot descriptions.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use serde::Serialize;
+
+use crate::config::scene_from_urdf;
+use crate::write::atomic::AtomicFile;
+
+/// The input of [`from_urdf`].
+#[derive(Clone, Debug)]
+pub struct FromUrdfJob {
+    /// A URDF file.
+    pub input: PathBuf,
+    /// The scene, TOML; beside the input with the ending `.toml` by default.
+    pub output: Option<PathBuf>,
+}
+
+/// The result of [`from_urdf`].
+#[derive(Clone, Debug, Serialize)]
+pub struct UrdfImported {
+    /// The file that was read.
+    pub input: String,
+    /// The file that was written.
+    pub output: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Bodies.
+    pub bodies: usize,
+    /// Joints.
+    pub joints: usize,
+    /// What changes the motion and is not in the scene.
+    pub lost: Vec<String>,
+    /// What else is not, and what was made of what.
+    pub warnings: Vec<String>,
+}
+
+/// Writes a scene with the mechanism of a URDF file. Never replaces a file: a scene is worked on by
+/// hand.
+pub fn from_urdf(job: &FromUrdfJob) -> anyhow::Result<UrdfImported> {
+    let path = job.input.display();
+    let output = job
+        .output
+        .clone()
+        .unwrap_or_else(|| job.input.with_extension("toml"));
+    let text =
+        std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
+    let made = scene_from_urdf(&text).map_err(|error| error.in_file(path.to_string()))?;
+    if output.exists() {
+        bail!(
+            "{}: is there already, expected another name: -o FILE",
+            output.display()
+        );
+    }
+    let mut file = AtomicFile::create(&output)?;
+    file.write_all(made.toml.as_bytes())
+        .with_context(|| format!("{}: cannot write", output.display()))?;
+    file.commit()?;
+    Ok(UrdfImported {
+        input: path.to_string(),
+        output: output.display().to_string(),
+        scene: made.name,
+        bodies: made.bodies,
+        joints: made.joints,
+        lost: made.lost,
+        warnings: made.notes,
+    })
+}
