@@ -30,7 +30,6 @@ use crate::motion::{
     Diagnosis, End, EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
 };
 use crate::segment;
-use crate::settle::settle;
 use crate::verify::verify;
 
 /// One take of one scene, to be estimated.
@@ -126,7 +125,8 @@ impl Pipeline {
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        if let Some(outcome) = joined::outcome(&self.scene, &self.events, observer)? {
+        if let Some(mut outcome) = joined::outcome(&self.scene, &self.events, observer)? {
+            outcome.settle(observer);
             observer.phase(Phase::Done);
             return Ok(outcome);
         }
@@ -149,13 +149,7 @@ impl Pipeline {
         if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {
             outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
         }
-        let scene = &outcome.scene;
-        if outcome.estimate.verdict != Verdict::Failed
-            && let Some(limit_s) = scene.settle_s
-        {
-            observer.phase(Phase::Settle);
-            outcome.settled = settle(scene, &outcome.estimate, limit_s);
-        }
+        outcome.settle(observer);
         if let Some(sought) = sought {
             outcome.lie(sought.work, sought.labels);
         }

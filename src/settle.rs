@@ -1,5 +1,5 @@
 //! Stage 4c: past the sketch. The motion continues from the estimate's end by forward simulation
-//! until it rests (paper §6.2.3: the pencil skitters in the mug). The only module that imports
+//! until it rests (paper §6.2.3: the pencil skitters in the mug). The only room that imports
 //! rapier.
 //!
 //! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed. Held
@@ -9,15 +9,23 @@
 //! bring bodies to rest; it is no estimate of how they come to rest, since none of it was
 //! performed.
 
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+mod convert;
+mod joined;
+
+use nalgebra::{Unit, Vector3};
 use rapier3d::math::{Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
 use rapier3d::prelude::{
-    ColliderBuilder, MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle,
+    ActiveHooks, ColliderBuilder, MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder,
+    RigidBodyHandle,
 };
 use typed_index_collections::{TiSlice, TiVec};
 
-use crate::math::Pose;
-use crate::motion::{Estimate, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface};
+use self::convert::{from_rapier, pose_of, to_rapier, to_rapier_pose};
+use self::joined::{Joined, Moving, Tied};
+use crate::motion::{
+    Estimate, JointTree, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface,
+};
+use crate::physics::tree::{Snapshot, Tree, TreeState};
 use crate::physics::{Body, State};
 
 /// Time between two poses \[s\], and the step of the simulation: at shorter ones rapier's bodies
@@ -44,6 +52,13 @@ const STEPS_AHEAD: f64 = 2.0;
 /// second.
 const PUSH_RADII_PER_S: f64 = 0.5;
 
+/// Steps of rapier's solver in a step, where bodies are joined: with its usual four, thin ones burst.
+const JOINED_SOLVER_STEPS: usize = 16;
+
+/// What a simulation of joined bodies may gain by the order of its steps: of the kinetic energy at the
+/// end of the estimate, and of a fall by their radii.
+const GAIN: f64 = 0.2;
+
 /// Slow is what moves at less than this share of the speed of a fall by its own radius,
 const SLOW: f64 = 0.02;
 /// for so many steps.
@@ -53,7 +68,8 @@ const SLOW_STEPS: usize = 12;
 ///
 /// A link whose last arc ends earlier flies freely until the last of all ends. The first poses
 /// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
-/// not finite.
+/// not finite. Where joined bodies gain energy, which no contact gives them, the simulation has failed:
+/// it ends before, and they are not at rest.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
     simulated(scene, estimate, limit_s, None)
 }
@@ -72,14 +88,23 @@ fn simulated(
     limit_s: f64,
     slow_steps: Option<usize>,
 ) -> Option<Settled> {
-    let from_s = estimate.arcs.iter().map(|arc| arc.end_s).reduce(f64::max)?;
+    let [_, from_s] = estimate.extent_s()?;
     let states = scene.links.iter();
     let states = states.map(|link| last_state(scene, estimate, link.mechanism, from_s));
     let mut states: TiVec<LinkIndex, Option<State>> = states.collect();
     for held in &estimate.held {
         states[held.link] = Some(held.state(from_s));
     }
+    let trees = trees(scene, estimate, from_s);
+    for tree in &trees {
+        let mut snapshot = Snapshot::new(&tree.model, &estimate.gravity_m_s2);
+        snapshot.set(&tree.state);
+        for (place, link) in tree.joined.links().enumerate() {
+            states[link] = Some(snapshot.link_state(place));
+        }
+    }
     let mut simulation = Simulation::new(scene, estimate, &states)?;
+    simulation.join(&trees, &states);
     let steps = (limit_s / INTERVAL_S).floor() as usize;
     let mut settled = Settled {
         from_s,
@@ -101,6 +126,9 @@ fn simulated(
     for _ in 0..steps {
         simulation.lead(estimate, from_s);
         simulation.step();
+        if simulation.has_burst() {
+            break;
+        }
         slow = if simulation.is_slow() { slow + 1 } else { 0 };
         for (link, moving) in settled.links.iter_mut().zip(&simulation.links) {
             let Some(handle) = *moving else { continue };
@@ -135,8 +163,34 @@ fn last_state(
     Some(dynamics.advance(&estimate.gravity_m_s2, &last.state, since_s))
 }
 
+/// Joined bodies in a state.
+struct TreeMotion<'a> {
+    joined: &'a JointTree,
+    model: Tree,
+    state: TreeState,
+}
+
+/// The joined bodies of an estimate at a time that is not before its end.
+fn trees<'a>(scene: &'a Scene, estimate: &Estimate, time_s: f64) -> Vec<TreeMotion<'a>> {
+    let motions = estimate.trees.iter().filter_map(|motion| {
+        let joined = scene.joint_tree(motion.mechanism)?;
+        let model = scene.tree_model(joined);
+        let state = motion.state(&model, &estimate.gravity_m_s2, time_s);
+        Some(TreeMotion {
+            joined,
+            model,
+            state,
+        })
+    });
+    motions.collect()
+}
+
 struct Simulation {
     world: PhysicsWorld,
+    trees: Vec<Joined>,
+    /// Most energy that there can be \[J\]: infinite where something drives the bodies.
+    most_j: f64,
+    tied: Tied,
     links: TiVec<LinkIndex, Option<RigidBodyHandle>>,
     bodies: TiVec<LinkIndex, Body>,
     /// Number of steps so far.
@@ -194,21 +248,102 @@ impl Simulation {
             };
             let solid = link.solid();
             let (shape, solid_from_shape) = solid.parts();
+            let hooks = match scene.joint_tree(link.mechanism) {
+                Some(_) => ActiveHooks::FILTER_CONTACT_PAIRS,
+                None => ActiveHooks::default(),
+            };
             let collider = surfaced(ColliderBuilder::new(shape.clone()))
                 .density(0.0)
-                .position(*solid_from_shape);
+                .position(*solid_from_shape)
+                .active_hooks(hooks);
             Some(world.insert(body, collider).0)
         });
-        let links = links.collect();
+        let links: TiVec<LinkIndex, Option<RigidBodyHandle>> = links.collect();
         let radii = scene.links.iter().map(|link| link.radius_m());
         Some(Self {
             world,
+            trees: Vec::new(),
+            most_j: f64::INFINITY,
+            tied: Tied::default(),
             links,
             steps: 0,
             bodies: scene.links.iter().map(|link| link.body).collect(),
             radii_m: radii.collect(),
             least_prediction_m,
         })
+    }
+
+    /// Joins the links of trees, which are in these states.
+    fn join(&mut self, trees: &[TreeMotion], states: &TiSlice<LinkIndex, Option<State>>) {
+        if trees.is_empty() {
+            return;
+        }
+        self.world.integration_parameters.num_solver_iterations = JOINED_SOLVER_STEPS;
+        let links = self.links.iter().zip(states).zip(&self.bodies);
+        let moving = links.map(|((handle, state), body)| {
+            Some(Moving {
+                handle: (*handle)?,
+                state: (*state)?,
+                moment_kg_m2: body.moments_kg_m2().max(),
+            })
+        });
+        let moving: TiVec<LinkIndex, Option<Moving>> = moving.collect();
+        for tree in trees {
+            let (joined, model) = (tree.joined, &tree.model);
+            self.tied.tie(joined, &moving);
+            let joined = Joined::new(
+                &mut self.world,
+                (joined, model),
+                &tree.state,
+                &moving,
+                ROLLING_PER_S,
+            );
+            self.trees.push(joined);
+        }
+        let [kinetic_j, height_j, fall_j] = self.energies_j();
+        let springs_j: f64 = self.trees.iter().map(|tree| tree.springs_j).sum();
+        let mut bodies = self.bodies.iter();
+        let is_forced = bodies.any(|body| body.force_m_s2() != Vector3::zeros());
+        if !is_forced
+            && !self
+                .world
+                .bodies
+                .iter()
+                .any(|(_, body)| body.is_kinematic())
+        {
+            let gain_j = GAIN * (kinetic_j + springs_j + fall_j);
+            self.most_j = kinetic_j + height_j + springs_j + gain_j;
+        }
+    }
+
+    /// Kinetic and potential energy, and what all gain in falling by their radii \[J\].
+    fn energies_j(&self) -> [f64; 3] {
+        let gravity_m_s2 = from_rapier(self.world.gravity);
+        let links = self.links.iter().zip(&self.bodies).zip(&self.radii_m);
+        let energies = links.filter_map(|((handle, body), radius_m)| {
+            let handle = (*handle)?;
+            let link = &self.world.bodies[handle];
+            let (pose, mass_kg) = (pose_of(link), body.mass_kg());
+            let spin = pose
+                .rotation
+                .inverse_transform_vector(&from_rapier(link.angvel()));
+            let speeds = mass_kg * from_rapier(link.linvel()).norm_squared()
+                + spin.dot(&body.moments_kg_m2().component_mul(&spin));
+            let height = -mass_kg * gravity_m_s2.dot(&pose.translation.vector);
+            Some([
+                0.5 * speeds,
+                height,
+                mass_kg * gravity_m_s2.norm() * radius_m,
+            ])
+        });
+        energies.fold([0.0; 3], |sum, of| [0, 1, 2].map(|at| sum[at] + of[at]))
+    }
+
+    /// Whether, with joined bodies, there is more energy than there can be, or none that is a number.
+    fn has_burst(&self) -> bool {
+        let [kinetic_j, height_j, _] = self.energies_j();
+        let is_sound = kinetic_j + height_j <= self.most_j;
+        !self.trees.is_empty() && !is_sound
     }
 
     /// Moves held bodies to where they are after the next step.
@@ -238,13 +373,24 @@ impl Simulation {
         let prediction_m = (STEPS_AHEAD * way_m).max(self.least_prediction_m);
         let parameters = &mut self.world.integration_parameters;
         parameters.normalized_prediction_distance = prediction_m / parameters.length_unit;
-        self.world.step();
+        self.world.step_with_events(&self.tied, &());
     }
 
-    /// Sets the constant force and drag of this step.
+    /// Sets the forces and moments of this step, which are constant in it.
     fn push(&mut self) {
+        for tree in &self.trees {
+            tree.stretch(&mut self.world);
+        }
         for (handle, body) in self.links.iter().zip(&self.bodies) {
             let Some(handle) = *handle else { continue };
+            if self
+                .world
+                .multibody_joints
+                .rigid_body_link(handle)
+                .is_some()
+            {
+                resist(&mut self.world.bodies[handle], body);
+            }
             if body.is_ballistic() && body.force_m_s2() == Vector3::zeros() {
                 continue;
             }
@@ -294,32 +440,18 @@ fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
         .angular_damping(ROLLING_PER_S)
 }
 
+/// Slows the rotation of a link as that of a body by itself is: rapier does not do that in
+/// multibodies.
+fn resist(link: &mut RigidBody, body: &Body) {
+    let orientation = pose_of(link).rotation;
+    let spin_rad_s = orientation.inverse_transform_vector(&from_rapier(link.angvel()));
+    let momentum = orientation * body.moments_kg_m2().component_mul(&spin_rad_s);
+    link.reset_torques(false);
+    link.add_torque(to_rapier(&(-ROLLING_PER_S * momentum)), false);
+}
+
 fn surfaced(collider: ColliderBuilder) -> ColliderBuilder {
     collider.friction(FRICTION).restitution(RESTITUTION)
-}
-
-fn to_rapier(v: &Vector3<f64>) -> RapierVector {
-    RapierVector::new(v.x, v.y, v.z)
-}
-
-fn from_rapier(v: RapierVector) -> Vector3<f64> {
-    Vector3::new(v.x, v.y, v.z)
-}
-
-fn to_rapier_pose(pose: &Pose) -> RapierPose {
-    let q = pose.rotation.coords;
-    RapierPose::from_parts(
-        to_rapier(&pose.translation.vector),
-        RapierRotation::from_xyzw(q.x, q.y, q.z, q.w),
-    )
-}
-
-fn pose_of(body: &RigidBody) -> Pose {
-    let (position, q) = (body.translation(), body.rotation());
-    Pose::from_parts(
-        from_rapier(position).into(),
-        UnitQuaternion::new_normalize(Quaternion::new(q.w, q.x, q.y, q.z)),
-    )
 }
 
 #[cfg(test)]

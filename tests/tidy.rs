@@ -110,7 +110,7 @@ const NOT_IN_CORE: &[&[&str]] = &[
 /// Third parties, each with the only places that may name it.
 const DOORS: &[(&str, &[&str])] = &[
     ("parry3d", &["src/physics/shape/"]),
-    ("rapier3d", &["src/settle.rs"]),
+    ("rapier3d", &["src/settle.rs", "src/settle/"]),
     ("clarabel", &["src/optimise/"]),
     ("cdr", &["src/wire/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),

@@ -6,10 +6,11 @@ use thiserror::Error;
 use super::infer::Inferred;
 use super::search::SearchWork;
 use crate::motion::{
-    About, Diagnosis, Doubt, Estimate, Observer, Place, Rest, RestWork, SampleCounts, Scene,
-    Settled, Sketch, Suspect, Verification,
+    About, Diagnosis, Doubt, Estimate, Observer, Phase, Place, Rest, RestWork, SampleCounts, Scene,
+    Settled, Sketch, Suspect, Verdict, Verification,
 };
 use crate::segment::SegmentError;
+use crate::settle::settle;
 use crate::verify::lies;
 
 /// The result of a take.
@@ -88,6 +89,17 @@ impl Outcome {
             settled: None,
             diagnoses: Vec::new(),
             rest: None,
+        }
+    }
+
+    /// Continues the motion until it rests, if the scene asks for that and the estimation did not
+    /// fail.
+    pub(super) fn settle(&mut self, observer: &mut dyn Observer) {
+        if self.estimate.verdict != Verdict::Failed
+            && let Some(limit_s) = self.scene.settle_s
+        {
+            observer.phase(Phase::Settle);
+            self.settled = settle(&self.scene, &self.estimate, limit_s);
         }
     }
 

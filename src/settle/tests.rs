@@ -1,5 +1,7 @@
 //! A falling body comes to rest where it should, and begins where the estimate ends.
 
+use nalgebra::UnitQuaternion;
+
 use super::*;
 use crate::config::scene_from_toml;
 use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, Progress, Verdict};
@@ -24,7 +26,7 @@ shape = { kind = "cuboid", size_mm = [20, 400, 400] }
 position_mm = [-60, 0, 200]
 "#;
 
-fn brick(z: f64) -> State {
+pub(super) fn brick(z: f64) -> State {
     State {
         position_m: Vector3::new(0.0, 0.0, z),
         orientation: UnitQuaternion::from_euler_angles(0.3, 0.2, 0.5),
@@ -33,7 +35,7 @@ fn brick(z: f64) -> State {
     }
 }
 
-fn estimate(scene: &Scene, state: State) -> Estimate {
+pub(super) fn estimate(scene: &Scene, state: State) -> Estimate {
     Estimate {
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),

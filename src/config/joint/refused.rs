@@ -81,16 +81,10 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
     fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
         of.as_ref().map(Spanned::span)
     }
-    let of_scene = [
-        (
-            raw.free.first().map(|free| free.quantity.span()),
-            "nothing is estimated beside the motion of joined bodies, expected no [[free]]",
-        ),
-        (
-            span(&raw.settle_s),
-            "joined bodies are not continued until they rest, expected no settle_s",
-        ),
-    ];
+    let of_scene = [(
+        raw.free.first().map(|free| free.quantity.span()),
+        "nothing is estimated beside the motion of joined bodies, expected no [[free]]",
+    )];
     let of_bodies = raw.body.iter().flat_map(|body| {
         let body = body.get_ref();
         let said = "joined bodies fly in gravity alone, expected neither force nor drag";
@@ -113,6 +107,10 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
             .into_iter()
             .chain([(span(&event.time), said)])
     });
+    let at_rest = raw.goal.iter().map(|goal| {
+        let said = "joined bodies are not led to how they rest, expected no face_up";
+        (span(&goal.get_ref().face_up), said)
+    });
     let of_goals = raw.goal.iter().flat_map(|goal| {
         let goal = goal.get_ref();
         let said = "joined bodies begin and end at the marks, expected no goal of a time";
@@ -127,4 +125,5 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
         .chain(of_tracks)
         .chain(of_events)
         .chain(of_goals)
+        .chain(at_rest)
 }

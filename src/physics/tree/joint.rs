@@ -34,6 +34,15 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// The axes about which it has angles, in the joint's frame where all are zero.
+    pub fn axes(&self) -> &[Vector3<f64>] {
+        match self {
+            Self::Pin { axis } => std::slice::from_ref(axis),
+            Self::Universal { axes } => axes,
+            Self::Fixed | Self::Ball | Self::Free => &[],
+        }
+    }
+
     /// Number of directions in which the joint moves.
     pub fn freedoms(&self) -> usize {
         match self {
@@ -65,7 +74,8 @@ pub struct Joint {
     pub stiffness_n_m: f64,
     /// Where the spring is at rest \[rad\], per axis; a ball's rests at the identity.
     pub rest_rad: [f64; 2],
-    /// Least and greatest angle per axis \[rad\]. Checked, not simulated.
+    /// Least and greatest angle per axis \[rad\]. The flow knows no stops: motions
+    /// are checked against them.
     pub limits_rad: [[f64; 2]; 2],
 }
 

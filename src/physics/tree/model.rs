@@ -132,12 +132,7 @@ impl Tree {
             ),
         };
         let mut pose = placed * parent_from_joint;
-        let axes: &[Vector3<f64>] = match kind {
-            JointKind::Pin { axis } => &[*axis],
-            JointKind::Universal { axes } => axes,
-            _ => &[],
-        };
-        for (index, axis) in axes.iter().enumerate() {
+        for (index, axis) in kind.axes().iter().enumerate() {
             // The node's third axis is the joint's.
             let turned =
                 Pose::from_parts(Vector3::zeros().into(), so3::between(&Vector3::z(), axis));
@@ -292,11 +287,7 @@ fn check(index: usize, link: &Link, is_free: bool) -> Result<(), TreeError> {
         return Err(TreeError::Pose { link: index });
     }
     let has_direction = |axis: &Vector3<f64>| axis.norm() > 0.0 && axis.norm().is_finite();
-    let axes: &[Vector3<f64>] = match &joint.kind {
-        JointKind::Pin { axis } => &[*axis],
-        JointKind::Universal { axes } => axes,
-        _ => &[],
-    };
+    let axes = joint.kind.axes();
     if let Some(axis) = axes.iter().position(|axis| !has_direction(axis)) {
         return Err(TreeError::Axis { link: index, axis });
     }

@@ -1,4 +1,5 @@
-//! Joints beyond the limits that the scene gives them: they are checked, not simulated.
+//! Joints beyond the limits that the scene gives them: they are checked, and no stop is
+//! simulated before the end.
 
 use crate::motion::{About, Doubt, JointTree, Place, TreeEstimate};
 use crate::physics::tree::Tree;
