@@ -61,6 +61,12 @@ def rows_of(tree, goals, held):
     return ca.vertcat(*rows)
 
 
+def moving(rows, x):
+    """Those that depend on anything: the place of a pendulum of pins across its plane does not, and would make more
+    equations than unknowns."""
+    return rows[[r for r in range(rows.numel()) if ca.jacobian(rows[r], x).nnz()]]
+
+
 def place_of(given):
     """Link, point and unit of all samples."""
     places = {(s["link"], tuple(s["point_m"]), s["unit_m"]) for s in given["samples"]}
@@ -102,6 +108,10 @@ class Mechanism:
         ]
         held = [ca.SX.sym("held", length) for length in self.lengths]
         rows = [rows_of(tree, goals, values) for goals, values in zip(self.goals, held)]
+        self.all_rows = [
+            ca.Function("rows", [tree.x, values], [row]) for values, row in zip(held, rows)
+        ]
+        rows = [moving(row, tree.x) for row in rows]
         return {
             "seen": trees.term("seen", tree.x, seen, (tree.bodies[link].at(point) - seen) / unit),
             "first": trees.term("first", tree.x, held[0], ca.vertcat(rows[0], *norms)),
@@ -352,9 +362,10 @@ class Shooting(Program):
 
     def rows_of_format(self, x):
         """Rows of the goals in the order of the format: orientations as rotation vectors."""
-        _, g = self.evaluate(x)
-        end = self.row_of(self.segments)
-        rows = [g[self.nx : self.nx + self.library.rows["first"]], g[end:]]
+        state = (self.offset + self.scale * x).reshape(-1, self.nx)
+        held = [self.arrays["first"], self.arrays["last"]]
+        of = zip(self.library.all_rows, (state[0], state[-1]), held)
+        rows = [np.array(function(node, values)).ravel() for function, node, values in of]
         at, result = [0, 0], []
         for goal in self.given["goals"]:
             which = int(goal["time_s"] != self.given["span_s"][0])

@@ -131,8 +131,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         }
     }
     show::show(&rows, &problems, limit_s, record);
-    versions.dedup_by_key(|versions| versions["casadi"].clone());
-    record.numbers("versions", &versions)?;
+    record.numbers("versions", &versions.first())?;
     record.numbers("rows", &rows)?;
     record.numbers("problems", &problems)
 }

@@ -9,6 +9,7 @@ use enact::physics::tree::TreeState;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::figure::or_nan;
 use crate::peers::tools;
 
 /// Formulas that differ by more, relative, are of another problem: accelerations; objectives and rows, which the
@@ -31,14 +32,19 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct Agreement {
     /// Of the accelerations, relative to the greatest.
+    #[serde(deserialize_with = "or_nan")]
     pub accelerations: f64,
     /// Of the objective, relative.
+    #[serde(deserialize_with = "or_nan")]
     pub objective: f64,
     /// Of a row \[units\].
+    #[serde(deserialize_with = "or_nan")]
     pub rows: f64,
     /// First and second derivatives against difference quotients, relative.
+    #[serde(deserialize_with = "or_nan")]
     pub derivative: f64,
     /// What twice the steps change of the objective, relative.
+    #[serde(deserialize_with = "or_nan")]
     pub integration: f64,
     /// Steps between samples.
     pub substeps: usize,
