@@ -158,7 +158,9 @@ fn solved(
         ),
     ];
     let mut points = vec![("start", &posed.start), ("truth", truth)];
-    let states = cells.iter().filter_map(|(_, state)| state.as_ref());
+    // Where a solve failed, angles may be of any size, and sines of such say nothing of formulas.
+    let motions = cells.iter().filter(|(cell, _)| cell.is_converged);
+    let states = motions.filter_map(|(_, state)| state.as_ref());
     points.extend(states.map(|state| ("solution", state)));
     let report = ask(&posed.file(&points)?, &STARTS, limit_s)?;
     let mut cells: Vec<Cell> = cells.drain(..).map(|(cell, _)| cell).collect();

@@ -7,7 +7,7 @@ use enact::estimate::tree::program::{Part, TreeProgram};
 use enact::estimate::tree::sample::TreeSample;
 use enact::estimate::tree::{TreePoint, TreeProblem, problem::RATE_SD_RAD_S};
 use enact::initialise;
-use enact::motion::{BodyPoint, GoalQuantity, GoalSet, Sketch};
+use enact::motion::{BodyPoint, GoalQuantity, GoalSet};
 use enact::optimise::Program;
 use enact::physics::tree::{Snapshot, TreeState};
 use enact::segment::clean::clean;
@@ -20,7 +20,6 @@ use serde_json::{Value, json};
 pub struct Posed<'p> {
     performance: &'p TreePerformance,
     pub problem: TreeProblem,
-    pub sketch: Sketch,
     /// The program's first guess of the state at the start.
     pub start: TreeState,
 }
@@ -57,7 +56,6 @@ impl<'p> Posed<'p> {
         Ok(Self {
             performance,
             problem,
-            sketch,
             start,
         })
     }
