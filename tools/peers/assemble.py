@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+from program import Program
+
 INF = float("inf")
 # Least time between neighbouring samples, where sample times are unknown [s].
 LEAST_GAP_S = 1e-7
@@ -107,7 +109,7 @@ class Group:
         return self.value, self.slope
 
 
-class Assembled:
+class Assembled(Program):
     """Unknowns, bounds, rows and elements of one problem."""
 
     def __init__(self, library, given, start="start", scaled=True):
@@ -391,9 +393,7 @@ class Assembled:
                 if variables[r] >= 0 and variables[c] >= 0:
                     i, j = sorted((variables[r], variables[c]))
                     upper[j, i] = 0
-        full = set(upper) | {(i, j) for j, i in upper}
-        place = [{key: k for k, key in enumerate(sorted(which))} for which in (jacobian, upper, full)]
-        self.jacobian_entries = sorted(jacobian)
+        place = [{key: k for k, key in enumerate(sorted(which))} for which in (jacobian, upper)]
         slope_map, curve_map = [], []
         slope_at, curve_at, variable_at, p_at, row_at = [], [], [], [], []
         variable, constant, p, row = [], [], [], []
@@ -416,16 +416,6 @@ class Assembled:
             constant += values
             p += constants
             row += rows
-        full_map = [[place[2][j, i], place[2][i, j]] for j, i in sorted(upper)]
-
-        def columns(entries, rows):
-            counts = np.zeros(self.n + 1, np.int64)
-            for column, _ in entries:
-                counts[column + 1] += 1
-            start = np.cumsum(counts)
-            index = [entry[1] for entry in sorted(entries)]
-            return np.array([rows, self.n, *start, *index], np.int64)
-
         self.arrays = {
             "kind": np.array([e[0] for e in self.elements], np.int32),
             "variable_at": np.array(variable_at, np.int32),
@@ -442,16 +432,12 @@ class Assembled:
             "weight": np.array([e[5] for e in self.elements], float),
             "offset": self.offset,
             "scale": self.scale,
-            "jacobian": columns(jacobian, self.m),
-            "upper": columns(upper, self.n),
-            "full": columns(full, self.n),
-            "full_map": np.array(full_map, np.int32),
+            **self._patterns(jacobian, upper),
         }
         pointers = {name: array.ctypes.data for name, array in self.arrays.items()}
         self.structure = Structure(self.n, self.m, len(self.elements), **pointers)
         self.row_lower = np.array([low for low, _ in self.row_bounds])
         self.row_upper = np.array([high for _, high in self.row_bounds])
-        self.hessian_entries = len(upper)
 
     def groups(self):
         """The objective arc by arc, the rows event by event, and what is left."""
@@ -470,39 +456,9 @@ class Assembled:
 
     # Values.
 
-    def select(self):
-        """Makes it the problem that the compiled functions are of."""
-        self.library.c.problem_set(ctypes.byref(self.structure))
-
-    def evaluate(self, x, slopes=False):
-        """Objective and rows; with slopes, gradient and entries of the Jacobian too."""
-        x = np.ascontiguousarray(x, float)
-        f, g = np.zeros(1), np.zeros(self.m)
-        gradient, jacobian = np.zeros(self.n), np.zeros(len(self.jacobian_entries))
-        pointers = [f, gradient if slopes else None, g, jacobian if slopes else None]
-        pointers = [None if a is None else a.ctypes.data for a in pointers]
-        code = self.library.c.problem_evaluate(x.ctypes.data, *pointers)
-        if code:
-            raise TimeoutError
-        return (f[0], gradient, g, jacobian) if slopes else (f[0], g)
-
-    def hessian(self, x, sigma, pull):
-        """Upper triangle of the Lagrangian's Hessian, dense and symmetric."""
-        x, pull = np.ascontiguousarray(x, float), np.ascontiguousarray(pull, float)
-        out = np.zeros(self.hessian_entries)
-        self.library.c.problem_hessian(x.ctypes.data, sigma, pull.ctypes.data, out.ctypes.data)
-        pattern = self.arrays["upper"]
-        start, index = pattern[2 : self.n + 3], pattern[self.n + 3 :]
-        dense = np.zeros((self.n, self.n))
-        for column in range(self.n):
-            for k in range(start[column], start[column + 1]):
-                dense[index[k], column] = dense[column, index[k]] = out[k]
-        return dense
-
     def violation(self, x):
         """Largest violation of any constraint or bound, in the format's units."""
-        _, g = self.evaluate(x)
-        worst = np.max(np.maximum(self.row_lower - g, g - self.row_upper), initial=0.0)
+        worst = super().violation(x)
         z = self.offset + self.scale * np.asarray(x)
         for index in self.given["bounded"]:
             free, value = self.given["parameters"][index], z[self.parameters[index]]
@@ -510,7 +466,7 @@ class Assembled:
                 worst = max(worst, (free["lower"] - value) / free["unit"])
             if free["upper"] is not None:
                 worst = max(worst, (value - free["upper"]) / free["unit"])
-        return float(worst) if np.all(np.isfinite(g)) else INF
+        return float(worst)
 
     def rows_of_format(self, x):
         """All rows in the order of the format, bounded parameters included."""
@@ -532,3 +488,7 @@ class Assembled:
             for at, fixed in zip(self.times, self.start["event_times_s"])
         ]
         return all(a <= b for a, b in zip(times, times[1:]))
+
+    def described(self, x):
+        """What else is said of where a solve ended."""
+        return {"is_in_order": x is not None and self.is_in_order(x)}

@@ -118,8 +118,21 @@ def build():
 
 def key():
     """Changes with everything that the machine code is made from."""
-    text = "".join((HERE / name).read_text() for name in ("formulas.py", "driver.c", "compiled.py"))
+    names = ("formulas.py", "driver.c", "interface.h", "interface.c", "compiled.py")
+    text = "".join((HERE / name).read_text() for name in names)
     return hashlib.sha256((text + ca.__version__).encode()).hexdigest()
+
+
+def loaded(path):
+    """Machine code behind interface.c."""
+    c = ctypes.CDLL(path)
+    c.clock_spent.restype = ctypes.c_double
+    c.clock_count.restype = ctypes.c_longlong
+    c.clock_start.argtypes = [ctypes.c_double]
+    pointer = ctypes.c_void_p
+    c.problem_evaluate.argtypes = [pointer] * 5
+    c.problem_hessian.argtypes = [pointer, ctypes.c_double, pointer, pointer]
+    return c
 
 
 class Library:
@@ -132,15 +145,9 @@ class Library:
         self.seconds, self.terms = table["seconds"], table["terms"]
         self.index = {term["name"]: k for k, term in enumerate(self.terms)}
         self.path = str(LIBRARY)
-        self.c = ctypes.CDLL(self.path)
-        self.c.clock_spent.restype = ctypes.c_double
-        self.c.clock_count.restype = ctypes.c_longlong
-        self.c.clock_start.argtypes = [ctypes.c_double]
-        pointer = ctypes.c_void_p
-        self.c.problem_evaluate.argtypes = [pointer] * 5
-        whole = ctypes.c_int
+        self.c = loaded(self.path)
+        pointer, whole = ctypes.c_void_p, ctypes.c_int
         self.c.group_evaluate.argtypes = [pointer, pointer, *[whole] * 5, pointer, pointer]
-        self.c.problem_hessian.argtypes = [pointer, ctypes.c_double, pointer, pointer]
 
 
 if __name__ == "__main__":

@@ -1,17 +1,9 @@
-/* Objective, constraints and derivatives of one problem, summed from compiled terms, behind the
- * interface that CasADi expects of an external function. The problem is global state: one at a
- * time per process.
+/* Objective, constraints and derivatives of one problem, summed from compiled terms.
  *
  * Unknowns are z = offset + scale * x. Every element is a term (`kind`), the unknowns it reads
  * (-1: a constant), its constants, and where its rows go: >= 0 a constraint, -1 the objective as
  * weight * square, -2 nowhere. */
-#include <math.h>
-#include <string.h>
-#include <time.h>
-
-typedef double real;
-typedef long long int integer;
-typedef int (*function)(const real **, real **, integer *, real *, int);
+#include "interface.h"
 
 typedef struct {
     function value, slope, curve, square;
@@ -34,29 +26,10 @@ typedef struct {
 } problem;
 
 static problem P;
-static int wants_full, gauss_newton;
-static double deadline;
-static double spent;
-static long long counts[4];
 static real work[WORK], slopes[4096], curves[8192], values[64], gathered[128], unknowns[65536];
 static integer integers[4096];
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec + 1e-9 * t.tv_nsec;
-}
-
 void problem_set(const problem *given) { P = *given; }
-void options_set(int full, int least_squares) { wants_full = full; gauss_newton = least_squares; }
-void clock_start(double limit) {
-    spent = 0.0;
-    memset(counts, 0, sizeof counts);
-    deadline = now() + limit;
-}
-double clock_spent(void) { return spent; }
-long long clock_count(int which) { return counts[which]; }
-
 static void gather(int e) {
     const int *variable = P.variable + P.variable_at[e];
     const real *constant = P.constant + P.variable_at[e];
@@ -172,28 +145,7 @@ static int hessian_upper(const real *x, real sigma, const real *lambda, real *he
     return 0;
 }
 
-static real upper_entries[1 << 20];
-
-static int hessian(const real *x, real sigma, const real *lambda, real *out) {
-    if (!wants_full) return hessian_upper(x, sigma, lambda, out);
-    if (hessian_upper(x, sigma, lambda, upper_entries)) return 1;
-    for (integer k = 0; k < P.upper[2 + P.n]; ++k) {
-        out[P.full_map[2 * k]] = upper_entries[k];
-        out[P.full_map[2 * k + 1]] = upper_entries[k];
-    }
-    return 0;
-}
-
-/* Straight calls, for what is not CasADi. */
-int problem_evaluate(const real *x, real *f, real *gradient, real *g, real *jacobian) {
-    double began = now();
-    if (began > deadline) return 2;
-    counts[0] += f != 0;
-    counts[1] += gradient != 0 || jacobian != 0;
-    int failed = evaluate(x, f, gradient, g, jacobian);
-    spent += now() - began;
-    return failed;
-}
+#include "interface.c"
 
 /* Elements `from` to `to` on their own unknowns: the sum of what they add to the objective, and
  * its gradient; or else their rows, from `first` on, and the Jacobian, row by row. */
@@ -238,86 +190,4 @@ int group_evaluate(const real *x, const int *own, int n, int from, int to, int f
     counts[0] += from == 0;
     spent += now() - began;
     return 0;
-}
-
-int problem_hessian(const real *x, real sigma, const real *lambda, real *out) {
-    return hessian_upper(x, sigma, lambda, out);
-}
-
-/* CasADi's interface. */
-static integer column_x[8], column_g[8], column_one[8], empty[4] = {0, 0, 0};
-
-static const integer *column(integer *pattern, integer rows) {
-    pattern[0] = rows;
-    pattern[1] = 1;
-    pattern[2] = 1; /* dense */
-    return pattern;
-}
-
-static const integer *pattern_of(const char *name) {
-    if (!strcmp(name, "x") || !strcmp(name, "grad_f_x") || !strcmp(name, "grad_gamma_x"))
-        return column(column_x, P.n);
-    if (!strcmp(name, "g") || !strcmp(name, "lam_g")) return column(column_g, P.m);
-    if (!strcmp(name, "jac_g_x")) return P.jacobian;
-    if (!strcmp(name, "triu_hess_gamma_x_x")) return P.upper;
-    if (!strcmp(name, "hess_gamma_x_x")) return P.full;
-    if (!strcmp(name, "p")) return empty;
-    return column(column_one, 1);
-}
-
-#define EXTERNAL(name, ins, outs, ...)                                                     \
-    static const char *name##_in[] = {"x", "p", "lam_f", "lam_g"};                          \
-    static const char *name##_out[] = {__VA_ARGS__};                                       \
-    integer name##_n_in(void) { return ins; }                                              \
-    integer name##_n_out(void) { return outs; }                                            \
-    const char *name##_name_in(integer i) { return name##_in[i]; }                         \
-    const char *name##_name_out(integer i) { return name##_out[i]; }                       \
-    const integer *name##_sparsity_in(integer i) { return pattern_of(name##_in[i]); }      \
-    const integer *name##_sparsity_out(integer i) { return pattern_of(name##_out[i]); }    \
-    int name##_work(integer *a, integer *r, integer *i, integer *w) {                      \
-        *a = ins; *r = outs; *i = 0; *w = 0; return 0;                                     \
-    }                                                                                      \
-    int name(const real **arg, real **res, integer *iw, real *w, int mem)
-
-#define TIMED(call)                                                                        \
-    double began = now();                                                                  \
-    if (began > deadline) return 1;                                                        \
-    int failed = call;                                                                     \
-    spent += now() - began;                                                                \
-    return failed
-
-EXTERNAL(nlp, 2, 2, "f", "g") { TIMED(evaluate(arg[0], res[0], 0, res[1], 0)); }
-EXTERNAL(nlp_f, 2, 1, "f") { counts[0]++; TIMED(evaluate(arg[0], res[0], 0, 0, 0)); }
-EXTERNAL(nlp_g, 2, 1, "g") { TIMED(evaluate(arg[0], 0, 0, res[0], 0)); }
-EXTERNAL(nlp_fg, 2, 2, "f", "g") {
-    counts[0]++;
-    TIMED(evaluate(arg[0], res[0], 0, res[1], 0));
-}
-EXTERNAL(nlp_grad_f, 2, 2, "f", "grad_f_x") {
-    counts[1]++;
-    TIMED(evaluate(arg[0], res[0], res[1], 0, 0));
-}
-EXTERNAL(nlp_jac_g, 2, 2, "g", "jac_g_x") { TIMED(evaluate(arg[0], 0, 0, res[0], res[1])); }
-EXTERNAL(nlp_jac_fg, 2, 4, "f", "grad_f_x", "g", "jac_g_x") {
-    counts[1]++;
-    TIMED(evaluate(arg[0], res[0], res[1], res[2], res[3]));
-}
-static const char *hessian_in[] = {"x", "p", "lam_f", "lam_g"};
-integer nlp_hess_l_n_in(void) { return 4; }
-integer nlp_hess_l_n_out(void) { return 1; }
-const char *nlp_hess_l_name_in(integer i) { return hessian_in[i]; }
-const char *nlp_hess_l_name_out(integer i) {
-    (void)i;
-    return wants_full ? "hess_gamma_x_x" : "triu_hess_gamma_x_x";
-}
-const integer *nlp_hess_l_sparsity_in(integer i) { return pattern_of(hessian_in[i]); }
-const integer *nlp_hess_l_sparsity_out(integer i) { return pattern_of(nlp_hess_l_name_out(i)); }
-int nlp_hess_l_work(integer *a, integer *r, integer *i, integer *w) {
-    *a = 4; *r = 1; *i = 0; *w = 0;
-    return 0;
-}
-int nlp_hess_l(const real **arg, real **res, integer *iw, real *w, int mem) {
-    counts[2]++;
-    if (!res[0]) return 0;
-    TIMED(hessian(arg[0], arg[2] ? arg[2][0] : 0.0, arg[3], res[0]));
 }

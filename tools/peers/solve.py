@@ -63,24 +63,24 @@ def answer_of(index, problem, name, repeats, limit, tolerance):
             break
     outcome, formulas, evaluations = best
     objective = violation = None
-    is_in_order = False
     problem.library.c.clock_start(1e9)
-    if outcome.x is not None and np.all(np.isfinite(outcome.x)):
-        objective = problem.evaluate(outcome.x)[0]
-        violation = problem.violation(outcome.x)
-        is_in_order = problem.is_in_order(outcome.x)
+    x = outcome.x if outcome.x is not None and np.all(np.isfinite(outcome.x)) else None
+    if x is not None:
+        objective = problem.evaluate(x)[0]
+        violation = problem.violation(x)
     return {
         "problem": index,
         "peer": name,
         "status": OVER if outcome.seconds >= limit else str(outcome.status),
+        "succeeded": bool(outcome.succeeded),
         "seconds": [min(seconds), max(seconds)],
         "formula_seconds": formulas,
         "callback_seconds": outcome.callback_seconds,
         "objective": number(objective),
         "violation": number(violation),
-        "is_in_order": bool(is_in_order),
         "evaluations": evaluations,
         "iterations": outcome.iterations,
+        **problem.described(x),
     }
 
 
@@ -97,28 +97,30 @@ def answer_within(index, problem, name, repeats, limit, tolerance):
             os._exit(0)
     os.close(writer)
     patience = repeats * limit + GRACE_S
-    text = b""
+    text, status = b"", "ended without an answer"
     if select.select([reader], [], [], patience)[0]:
         with os.fdopen(reader, "rb") as pipe:
             text = pipe.read()
     else:
         os.close(reader)
         os.kill(child, signal.SIGKILL)
+        status = OVER
     os.waitpid(child, 0)
     if text:
         return json.loads(text)
     return {
         "problem": index,
         "peer": name,
-        "status": OVER,
+        "status": status,
+        "succeeded": False,
         "seconds": [limit, limit],
         "formula_seconds": 0.0,
         "callback_seconds": None,
         "objective": None,
         "violation": None,
-        "is_in_order": False,
         "evaluations": 0,
         "iterations": None,
+        **problem.described(None),
     }
 
 
@@ -130,7 +132,7 @@ def main():
     parser.add_argument("--limit", type=float, default=2.0)
     parser.add_argument("--tolerance", type=float, default=solvers.TOLERANCE)
     parser.add_argument("--from", dest="start", default="start")
-    parser.add_argument("--peers", default="|".join(solvers.PEERS))
+    parser.add_argument("--peers", default="|".join(solvers.UNSTAGED))
     options = parser.parse_args()
     names = options.peers.split("|")
 

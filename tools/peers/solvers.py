@@ -11,8 +11,11 @@ TOLERANCE = 1e-8
 ITERATIONS = 3000
 # Which Hessian: `gauss_newton` of driver.c.
 EXACT, GAUSS_NEWTON = 0, 2
+# In which form: interface.h.
+UPPER, FULL, FATROP = 0, 1, 2
 
 QUIET = {
+    "show_eval_warnings": False,
     "print_time": False,
     "error_on_fail": False,
     "no_nlp_grad": True,
@@ -30,8 +33,10 @@ QUIET_QP |= {"error_on_fail": False, "max_iter": 300}
 class Outcome:
     """Where a solve ended and what it says of itself."""
 
-    def __init__(self, x, status, iterations, seconds, callback_seconds=None):
+    def __init__(self, x, status, iterations, seconds, callback_seconds=None, succeeded=False):
         self.x, self.status, self.iterations, self.seconds = x, status, iterations, seconds
+        # Whether it says that it has converged.
+        self.succeeded = succeeded
         # In Python, between the solver and the compiled formulas.
         self.callback_seconds = callback_seconds
 
@@ -42,13 +47,13 @@ def drake_version():
     return version("drake")
 
 
-def casadi_solver(problem, plugin, options, full, least_squares):
+def casadi_solver(problem, plugin, options, form, least_squares):
     """A function that solves by one of CasADi's solvers."""
     library = problem.library
 
     def select():
         problem.select()
-        library.c.options_set(int(full), least_squares)
+        library.c.options_set(form, least_squares)
 
     select()
     solver = ca.nlpsol("solver", plugin, library.path, {**QUIET, **options})
@@ -70,7 +75,11 @@ def casadi_solver(problem, plugin, options, full, least_squares):
             seconds = time.perf_counter() - began
             stats = solver.stats()
             return Outcome(
-                np.array(x).ravel(), stats["return_status"], stats.get("iter_count"), seconds
+                np.array(x).ravel(),
+                stats["return_status"],
+                stats.get("iter_count"),
+                seconds,
+                succeeded=stats["success"],
             )
         except RuntimeError as error:
             seconds = time.perf_counter() - began
@@ -92,7 +101,7 @@ def casadi_ipopt(problem, limit, tolerance=TOLERANCE, **more):
         "mu_init": 1e-3,
         **more,
     }
-    return casadi_solver(problem, "ipopt", {"ipopt": options}, False, EXACT)
+    return casadi_solver(problem, "ipopt", {"ipopt": options}, UPPER, EXACT)
 
 
 def casadi_sqp(problem, limit, tolerance=TOLERANCE, least_squares=GAUSS_NEWTON, **more):
@@ -112,7 +121,19 @@ def casadi_sqp(problem, limit, tolerance=TOLERANCE, least_squares=GAUSS_NEWTON, 
         "tol_du": 1e3 * tolerance,
         **more,
     }
-    return casadi_solver(problem, "sqpmethod", options, True, least_squares)
+    return casadi_solver(problem, "sqpmethod", options, FULL, least_squares)
+
+
+def casadi_fatrop(problem, limit, tolerance=TOLERANCE, **more):
+    """Needs to know the stages, and stops by its iterations alone: a limit of time that formulas set."""
+    options = {
+        "no_nlp_grad": False,
+        "structure_detection": "manual",
+        **problem.stages,
+        "equality": [True] * problem.m,
+        "fatrop": {"tol": tolerance, "max_iter": ITERATIONS, "print_level": 0, **more},
+    }
+    return casadi_solver(problem, "fatrop", options, FATROP, EXACT)
 
 
 def drake_solver(problem, limit, which, options=None):
@@ -175,7 +196,14 @@ def drake_solver(problem, limit, which, options=None):
         code = getattr(details, "info", getattr(details, "status", None))
         iterations = getattr(details, "iterations", None)
         status = f"{result.get_solution_result().name}, {code}"
-        return Outcome(np.array(result.GetSolution(x)), status, iterations, seconds, spent[0])
+        return Outcome(
+            np.array(result.GetSolution(x)),
+            status,
+            iterations,
+            seconds,
+            spent[0],
+            result.is_success(),
+        )
 
     return solve
 
@@ -205,6 +233,9 @@ def drake_ipopt(problem, limit, tolerance=TOLERANCE, **more):
 PEERS = {
     "CasADi, IPOPT": casadi_ipopt,
     "CasADi, SQP": casadi_sqp,
+    "CasADi, fatrop": casadi_fatrop,
     "Drake, SNOPT": drake_snopt,
     "Drake, IPOPT": drake_ipopt,
 }
+# Those that need not know the stages of a problem.
+UNSTAGED = [name for name in PEERS if name != "CasADi, fatrop"]

@@ -5,7 +5,8 @@
 //!   [`mod@open`]); real [`tosses`] of a cube, of household [`objects`] and of an [`elbow`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
-//!   thirty digits ([`mod@reference`]), a problem for other solvers ([`export`]);
+//!   thirty digits ([`mod@reference`]), problems and mechanisms for other
+//!   programs ([`export`], [`mechanism_file`]);
 //! - how far an answer is off ([`errors`]) and two motions are [`apart`](mod@apart), and the committed measurements of flows ([`front`]);
 //! - a [`tracker`] that publishes what it is told, and the program's answer to a recording ([`replay`]).
 //!
@@ -22,6 +23,7 @@ pub mod export;
 pub mod front;
 pub mod goals;
 pub mod hands;
+pub mod mechanism_file;
 pub mod methods;
 pub mod nonsense;
 pub mod objects;

@@ -41,6 +41,11 @@ impl JointTree {
 
     /// The equations of motion of links with these masses. Fails where joints or masses allow none.
     pub fn model(&self, body: impl Fn(LinkIndex) -> Body) -> Result<Tree, TreeError> {
+        Tree::new(&self.model_links(body))
+    }
+
+    /// The links of the equations of motion, in their order, with these masses.
+    pub fn model_links(&self, body: impl Fn(LinkIndex) -> Body) -> Vec<tree::Link> {
         let free = tree::Joint::new(JointKind::Free, Pose::identity(), Pose::identity());
         let base = self.base.map(|link| tree::Link {
             parent: None,
@@ -52,7 +57,6 @@ impl JointTree {
             joint: of.joint,
             body: body(of.child),
         });
-        let all: Vec<tree::Link> = base.into_iter().chain(hanging).collect();
-        Tree::new(&all)
+        base.into_iter().chain(hanging).collect()
     }
 }

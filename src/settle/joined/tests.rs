@@ -123,7 +123,7 @@ fn both_after(scene: &Scene, estimate: &Estimate, steps: usize) -> [Vec<Pose>; 2
     let tree = scene.tree_model(joined);
     let mut flow = Flow::new(&tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
     flow.begin(&estimate.trees[0].knots[0].state, false);
-    flow.advance(steps as f64 * INTERVAL_S, 20 * steps, 0.0);
+    flow.advance(steps as f64 * INTERVAL_S, 20 * steps);
     let mut snapshot = Snapshot::new(&tree, &scene.gravity_m_s2);
     snapshot.set(&flow.state());
     let places = 0..tree.link_count();

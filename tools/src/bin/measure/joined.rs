@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::Result;
 use enact::estimate::tree::{TreeProblem, estimate};
 use enact::motion::{Estimate, Verdict};
+use enact::physics::tree::TreeState;
 use enact::pipeline::Pipeline;
 use enact::segment::clean::clean;
 use enact_tools::trees::{Jointed, Kind, TreeActing, TreePerformance, perform};
@@ -23,18 +24,21 @@ const SAME: f64 = 1e-4;
 
 /// What came of one start.
 #[derive(Serialize)]
-struct Solved {
-    verdict: String,
+pub struct Solved {
+    pub verdict: String,
     /// Whether it is a motion: doubted ones, far from their sketch, obey the laws too.
-    is_motion: bool,
+    pub is_motion: bool,
     objective: Option<f64>,
-    iterations: usize,
-    evaluations: usize,
-    seconds: f64,
+    pub iterations: usize,
+    pub evaluations: usize,
+    pub seconds: f64,
+    /// State at the start.
+    #[serde(skip)]
+    pub state: Option<TreeState>,
 }
 
 impl Solved {
-    fn of(estimate: Option<&Estimate>, begin: Instant) -> Self {
+    pub fn of(estimate: Option<&Estimate>, begin: Instant) -> Self {
         let seconds = begin.elapsed().as_secs_f64();
         let Some(estimate) = estimate else {
             return Self {
@@ -44,8 +48,11 @@ impl Solved {
                 iterations: 0,
                 evaluations: 0,
                 seconds,
+                state: None,
             };
         };
+        let knots = estimate.trees.first().map(|tree| &tree.knots);
+        let first = knots.and_then(|knots| knots.first());
         Self {
             verdict: format!("{:?}", estimate.verdict).to_lowercase(),
             is_motion: estimate.verdict != Verdict::Failed,
@@ -53,6 +60,7 @@ impl Solved {
             iterations: estimate.counters.iterations,
             evaluations: estimate.counters.evaluations,
             seconds,
+            state: first.map(|knot| knot.state.clone()),
         }
     }
 
@@ -78,7 +86,7 @@ impl Performed {
         Self {
             seed,
             sketched: sketched(&performance),
-            from_truth: from_truth(&performance),
+            from_truth: solved_from(&performance, performance.truth.clone()),
             truth_objective: performance.truth_cost(),
         }
     }
@@ -97,7 +105,7 @@ impl Performed {
 }
 
 /// The program, from the recording.
-fn sketched(performance: &TreePerformance) -> Solved {
+pub fn sketched(performance: &TreePerformance) -> Solved {
     let begin = Instant::now();
     let events = performance.events.iter().cloned();
     let outcome = Pipeline::of(performance.scene.clone(), events).finish(&mut Limit(begin));
@@ -107,8 +115,8 @@ fn sketched(performance: &TreePerformance) -> Solved {
     )
 }
 
-/// Its solver, from the true state.
-fn from_truth(performance: &TreePerformance) -> Solved {
+/// Its solver, from a state at the start.
+pub fn solved_from(performance: &TreePerformance, start: TreeState) -> Solved {
     let begin = Instant::now();
     let scene = &performance.scene;
     let (Ok((sketch, _)), Some(tree)) = (
@@ -118,8 +126,7 @@ fn from_truth(performance: &TreePerformance) -> Solved {
         return Solved::of(None, begin);
     };
     let problem = TreeProblem::new(scene, &sketch, tree);
-    let truth = performance.truth.clone();
-    let estimate = estimate(scene, &sketch, problem, truth, &mut Limit(begin));
+    let estimate = estimate(scene, &sketch, problem, start, &mut Limit(begin));
     Solved::of(Some(&estimate), begin)
 }
 

@@ -27,6 +27,7 @@ mod flow;
 mod goals;
 mod held;
 mod joined;
+mod joined_peers;
 mod keyframes;
 mod ladder;
 mod limit;
@@ -202,6 +203,11 @@ const SUBJECTS: &[Subject] = &[
         "joined",
         "chains and pendulums from their sketches: how often, in what time",
         joined::run
+    ),
+    subject!(
+        "joined_peers",
+        "general solvers on chains and pendulums",
+        joined_peers::run
     ),
     subject!(
         "struck",

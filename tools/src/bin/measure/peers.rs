@@ -125,7 +125,8 @@ impl Answer {
     }
 }
 
-fn tools() -> PathBuf {
+/// Where the peers are.
+pub fn tools() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("peers")
 }
 

@@ -3,6 +3,7 @@
 use enact::math::Pose;
 use enact::physics::Body;
 use enact::physics::tree::{Joint, JointKind, Link, Snapshot, Tree, TreeState};
+use enact_tools::mechanism_file;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -167,36 +168,6 @@ impl Mechanism {
 
     /// The file.
     pub fn file(&self) -> Value {
-        let pose = |pose: &Pose| {
-            let q = pose.rotation.coords;
-            json!({
-                "position_m": pose.translation.vector.as_slice(),
-                "orientation_wxyz": [q.w, q.x, q.y, q.z],
-            })
-        };
-        let link = |link: &Link| {
-            let (kind, axes) = match &link.joint.kind {
-                JointKind::Fixed => ("fixed", vec![]),
-                JointKind::Pin { axis } => ("pin", vec![axis.as_slice()]),
-                JointKind::Universal { axes } => (
-                    "universal",
-                    axes.iter().map(|axis| axis.as_slice()).collect(),
-                ),
-                JointKind::Ball => ("ball", vec![]),
-                JointKind::Free => ("free", vec![]),
-            };
-            json!({
-                "parent": link.parent,
-                "joint": {
-                    "kind": kind,
-                    "axes": axes,
-                    "parent_from_joint": pose(&link.joint.parent_from_joint),
-                    "link_from_joint": pose(&link.joint.link_from_joint),
-                },
-                "mass_kg": link.body.mass_kg(),
-                "moments_kg_m2": link.body.moments_kg_m2().as_slice(),
-            })
-        };
         let [tangent_units, rate_units] = self.units();
         let coordinates = self.tree.coordinate_count();
         let shift = if self.row.is_free { 3 } else { 0 };
@@ -204,7 +175,7 @@ impl Mechanism {
         json!({
             "format": "enact mechanism 1",
             "gravity_m_s2": GRAVITY_M_S2.as_slice(),
-            "links": self.links.iter().map(link).collect::<Vec<_>>(),
+            "links": mechanism_file::links(&self.links),
             "state": {"coordinates": self.state.coordinates, "rates": self.state.rates},
             "flight_s": self.flight_s,
             "coordinate_units": (0..coordinates).map(unit).collect::<Vec<_>>(),

@@ -1,0 +1,217 @@
+//! General solvers beside the program on bodies joined in trees, from the same sketches.
+//!
+//! A problem goes out as JSON ([`problem`]), `tools/peers/joined.py` shows that its equations of motion and its
+//! objective agree, solves it by multiple shooting, and answers with states at the start ([`ask`]). What any
+//! solver found is judged by the program's own formulas at its state ([`show`] makes tables of it).
+
+mod ask;
+mod problem;
+mod show;
+
+use anyhow::Result;
+use enact::physics::tree::TreeState;
+use enact_tools::trees::{Jointed, Kind, TreeActing, TreePerformance, perform};
+use serde::Serialize;
+
+use crate::joined::{Solved, sketched, solved_from};
+use crate::options::Options;
+use crate::peers::are_installed;
+use crate::record::Record;
+use ask::{Agreement, Answer, ask};
+use problem::{Found, Posed};
+
+/// Of the wander of a usual hand.
+const DISTORTIONS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Performances of a row.
+const SEEDS: u64 = 10;
+/// Where peers start: from the motion of the program's first guess, from nodes along the sketch, from the true motion.
+const STARTS: [&str; 3] = ["start", "sketch", "truth"];
+/// Longest time of a peer's solve \[s\].
+const LIMIT_S: f64 = 60.0;
+/// Violation up to which a motion done again from its start counts: ten micrometres \[units\].
+const FEASIBLE: f64 = 1e-3;
+/// An objective within this of the lowest one, relative, is as good.
+const SAME: f64 = 1e-4;
+/// What this program is called, and its whole answer to a recording.
+const OWN: &str = "enact";
+const WHOLE: &str = "enact, whole answer";
+
+/// What one solver made of a problem from one start.
+#[derive(Serialize)]
+struct Cell {
+    solver: String,
+    from: String,
+    status: String,
+    /// Whether the limit of time stopped it.
+    is_late: bool,
+    seconds: f64,
+    evaluations: usize,
+    iterations: Option<usize>,
+    /// Whether it says that it has converged.
+    is_converged: bool,
+    /// By the program's formulas from the state at the start.
+    objective: Option<f64>,
+    violation: Option<f64>,
+    /// What a peer says besides.
+    answer: Option<Answer>,
+}
+
+impl Cell {
+    /// The objective of what is a motion, done again from its start.
+    fn motion(&self) -> Option<f64> {
+        let holds = self.violation.is_some_and(|off| off < FEASIBLE);
+        self.objective.filter(|_| holds)
+    }
+}
+
+/// All of them on one problem.
+#[derive(Serialize)]
+struct Problem {
+    row: usize,
+    seed: u64,
+    agreement: Agreement,
+    cells: Vec<Cell>,
+    truth_objective: f64,
+}
+
+impl Problem {
+    /// The lowest objective of any motion.
+    fn lowest(&self) -> f64 {
+        let found = self.cells.iter().filter_map(Cell::motion);
+        found.fold(f64::INFINITY, f64::min)
+    }
+
+    fn is_best(&self, cell: &Cell) -> bool {
+        let lowest = self.lowest();
+        cell.motion()
+            .is_some_and(|found| found <= lowest * (1.0 + SAME))
+    }
+}
+
+fn kinds() -> [(&'static str, Kind); 6] {
+    [
+        ("pendulum of 2, pins", Kind::pendulum(2, Jointed::Pin)),
+        (
+            "pendulum of 2, universal",
+            Kind::pendulum(2, Jointed::Universal),
+        ),
+        ("pendulum of 2, balls", Kind::pendulum(2, Jointed::Ball)),
+        ("pendulum of 3, pins", Kind::pendulum(3, Jointed::Pin)),
+        (
+            "pendulum of 3, universal",
+            Kind::pendulum(3, Jointed::Universal),
+        ),
+        ("the chain", Kind::CHAIN),
+    ]
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    if !are_installed() {
+        println!("joined_peers: none installed, left out (tools/peers/install.sh installs them)");
+        return Ok(());
+    }
+    let limit_s = options.either(10.0, LIMIT_S);
+    let distortions = options.either(&DISTORTIONS[..1], &DISTORTIONS[..]);
+    let (mut rows, mut problems, mut versions) = (Vec::new(), Vec::new(), Vec::new());
+    for distortion in distortions {
+        for (name, kind) in kinds() {
+            let row = format!("{name}, {distortion}×");
+            if !options.wants(&row) {
+                continue;
+            }
+            for seed in options.seeds(SEEDS) {
+                let performance = perform(&kind, &TreeActing::of(*distortion), seed);
+                let (problem, said) = solved(&performance, (rows.len(), seed), limit_s)?;
+                problems.push(problem);
+                versions.push(said);
+                eprintln!("  {row}, {seed}");
+            }
+            rows.push(row);
+        }
+    }
+    show::show(&rows, &problems, limit_s, record);
+    record.numbers("versions", &versions.first())?;
+    record.numbers("rows", &rows)?;
+    record.numbers("problems", &problems)
+}
+
+/// One problem by this program and by all peers, one after the other.
+fn solved(
+    performance: &TreePerformance,
+    (row, seed): (usize, u64),
+    limit_s: f64,
+) -> Result<(Problem, serde_json::Value)> {
+    let posed = Posed::of(performance)?;
+    let truth = &performance.truth;
+    let mut cells = vec![
+        own(&posed, (WHOLE, STARTS[0]), sketched(performance)),
+        own(
+            &posed,
+            (OWN, STARTS[0]),
+            solved_from(performance, posed.start.clone()),
+        ),
+        own(
+            &posed,
+            (OWN, STARTS[2]),
+            solved_from(performance, truth.clone()),
+        ),
+    ];
+    let mut points = vec![("start", &posed.start), ("truth", truth)];
+    // Where a solve failed, angles may be of any size, and sines of such say nothing of formulas.
+    let motions = cells.iter().filter(|(cell, _)| cell.is_converged);
+    let states = motions.filter_map(|(_, state)| state.as_ref());
+    points.extend(states.map(|state| ("solution", state)));
+    let report = ask(&posed.file(&points)?, &STARTS, limit_s)?;
+    let mut cells: Vec<Cell> = cells.drain(..).map(|(cell, _)| cell).collect();
+    cells.extend(
+        report
+            .answers
+            .into_iter()
+            .map(|answer| peer(&posed, answer)),
+    );
+    let problem = Problem {
+        row,
+        seed,
+        agreement: report.agreement,
+        cells,
+        truth_objective: posed.found(truth).objective,
+    };
+    Ok((problem, report.versions))
+}
+
+fn own(posed: &Posed, (solver, from): (&str, &str), solved: Solved) -> (Cell, Option<TreeState>) {
+    let found = solved.state.as_ref().map(|state| posed.found(state));
+    let cell = Cell {
+        solver: solver.to_owned(),
+        from: from.to_owned(),
+        status: solved.verdict,
+        is_late: false,
+        seconds: solved.seconds,
+        evaluations: solved.evaluations,
+        iterations: Some(solved.iterations),
+        is_converged: solved.is_motion,
+        objective: found.as_ref().map(|found| found.objective),
+        violation: found.as_ref().map(Found::violation),
+        answer: None,
+    };
+    (cell, solved.state)
+}
+
+fn peer(posed: &Posed, answer: Answer) -> Cell {
+    let state = answer.state.clone().map(TreeState::from);
+    let found = state.map(|state| posed.found(&state));
+    Cell {
+        solver: answer.peer.clone(),
+        from: answer.from.clone(),
+        status: answer.status.clone(),
+        is_late: answer.is_late(),
+        seconds: answer.seconds[0],
+        evaluations: answer.evaluations,
+        iterations: answer.iterations,
+        is_converged: answer.succeeded,
+        objective: found.as_ref().map(|found| found.objective),
+        violation: found.as_ref().map(Found::violation),
+        answer: Some(answer),
+    }
+}
