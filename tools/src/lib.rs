@@ -22,6 +22,7 @@ pub mod export;
 pub mod front;
 pub mod goals;
 pub mod hands;
+pub mod joint_wrongs;
 pub mod methods;
 pub mod nonsense;
 pub mod objects;

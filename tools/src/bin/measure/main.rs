@@ -27,6 +27,7 @@ mod flow;
 mod goals;
 mod held;
 mod joined;
+mod jointly;
 mod keyframes;
 mod ladder;
 mod limit;
@@ -212,6 +213,11 @@ const SUBJECTS: &[Subject] = &[
         "elbow",
         "real tosses of two boxes joined by a hinge: residuals, gravity, a wrong hinge",
         elbow::run
+    ),
+    subject!(
+        "jointly",
+        "wrong scenes of joined bodies: whether they are seen and what is blamed",
+        jointly::run
     ),
     subject!(
         "trees",
