@@ -56,7 +56,9 @@ const LEAST_SHARE: f64 = 0.3;
 /// Least number of residuals beyond what the motion may follow, and of those that tell the noise.
 const LEAST_FREEDOM: f64 = 6.0;
 /// A joint that is elsewhere by this share of its link's length must show, or the motion is not said to fit.
-const SHOWN_SHARE: f64 = 0.2;
+const SHOWN_SHARE: f64 = 0.1;
+/// A wander that is farther from the motion than this, in weights of the samples, is none that a motion fits.
+const FAR: f64 = 3.0;
 
 /// A quantity that the scene keeps fixed.
 struct Candidate {
@@ -164,7 +166,8 @@ pub(super) fn judge(
     let fits = match () {
         () if !suspects.is_empty() || farther_than_rest(problem, joint[0]) => Fits::No,
         () if shown_share > SHOWN_SHARE => Fits::Unknown,
-        () if is_noise || log_odds_of_wander > WANDER => Fits::Yes,
+        () if is_noise => Fits::Yes,
+        () if log_odds_of_wander > WANDER && linear.rms_in_weights() <= FAR => Fits::Yes,
         () => Fits::Unknown,
     };
     let fit = Fit {

@@ -173,6 +173,18 @@ impl Linear {
         })
     }
 
+    /// The greatest root mean square of a series, in weights of its samples.
+    pub(super) fn rms_in_weights(&self) -> f64 {
+        let each = self.series.iter().map(|of| {
+            let rows = of.rows.iter();
+            let sum: f64 = rows
+                .map(|row| self.residuals.rows(*row, 3).norm_squared())
+                .sum();
+            (sum / of.rows.len() as f64).sqrt()
+        });
+        each.fold(0.0, f64::max)
+    }
+
     /// What holds the motion.
     pub(super) fn held(&self) -> Held {
         let size = self.by.ncols();

@@ -216,7 +216,7 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
     let by = by.expect("a motion");
     assert!(by.rows.amax() > 1.0, "{}", by.rows);
     let (step, along) = linear.step(&by, problem.information.0).expect("a step");
-    let share = 1e-4;
+    let share = 1e-5;
     let with = problem.with(&scene, (quantity, scene.value_of(quantity) + share * along));
     let mut there = point.clone();
     point.retract(&problem, &(step * share), &mut there);
