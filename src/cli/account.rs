@@ -55,6 +55,15 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         };
         line(suspect_words(what, suspect, "would explain"));
     }
+    if let Some(note) = &estimate.fit_note {
+        line(format!("note: {note}"));
+    }
+    if style.verbose && !estimate.not_told.is_empty() {
+        let names = estimate.not_told.join(", ");
+        line(format!(
+            "note: samples would not tell were it wrong: {names}"
+        ));
+    }
     for doubt in grave {
         line(format!("doubt: {}", doubt.text));
     }

@@ -8,7 +8,7 @@
 
 mod alone;
 mod event;
-mod hand;
+pub(super) mod hand;
 mod score;
 mod suspects;
 
@@ -53,6 +53,7 @@ pub fn judge(
         joint: rms(problem, errors),
         alone: rms(problem, &alone.errors),
         events: tests.iter().map(|test| test.fit).collect(),
+        whole: None,
     };
     let [not, well, likely] = [NOT, WELL, LIKELY].map(|bound| {
         if problem.times_are_unknown() {

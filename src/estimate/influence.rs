@@ -90,13 +90,15 @@ pub fn drag_is_free(acting: &[Acting]) -> bool {
 
 impl Quantity {
     /// The role of a parameter that holds it; `None` for gravity and laws, which have places of
-    /// their own.
+    /// their own, and for joints, which no free parameter moves.
     fn influence(self) -> Option<Influence> {
         Some(match self {
             Quantity::Gravity { .. }
             | Quantity::Restitution { .. }
             | Quantity::Friction { .. }
-            | Quantity::Tilt { .. } => return None,
+            | Quantity::Tilt { .. }
+            | Quantity::JointPlace { .. }
+            | Quantity::JointTurn { .. } => return None,
             Quantity::Force { axis, .. } => Influence::Pull(axis),
             Quantity::LinearDrag { .. } => Influence::LinearDrag,
             Quantity::QuadraticDrag { .. } => Influence::QuadraticDrag,

@@ -1,5 +1,7 @@
 //! Whether a motion explains its performance.
 
+use super::scene::Quantity;
+
 /// Whether the samples agree with the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fits {
@@ -30,10 +32,27 @@ pub struct Fit {
     pub fits: Fits,
     /// Root mean square residual of the motion: position \[m\], orientation \[rad\].
     pub joint: [f64; 2],
-    /// The same of every flight by itself, without contacts, impacts and goals.
+    /// The same of every flight by itself, without contacts, impacts and goals; of joined bodies, what white noise makes.
     pub alone: [f64; 2],
     /// The test at each event where flights meet or goals hold, in order of time.
     pub events: Vec<EventFit>,
+    /// The test of the motion as a whole, of joined bodies.
+    pub whole: Option<WholeFit>,
+}
+
+/// The test of whether the samples' errors explain what a motion of joined bodies leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WholeFit {
+    /// Under white noise alone,
+    pub by_noise: Tested,
+    /// and whether that explains them.
+    pub is_noise: bool,
+    /// Logarithm of the odds that residuals show a wander.
+    pub log_odds_of_wander: f64,
+    /// How far the place of any joint must be off to be suspected \[m\]: less hides behind noise and wander.
+    pub shown_m: f64,
+    /// What samples would tell nothing of, were it wrong.
+    pub untold: Vec<Quantity>,
 }
 
 /// The test of whether the flights about an event, each by itself, agree with what must hold there.

@@ -41,7 +41,7 @@ pub use estimate::{
     ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
     ParameterEstimate, SegmentResidual, Undetermined,
 };
-pub use fit::{EventFit, Fit, Fits, Tested};
+pub use fit::{EventFit, Fit, Fits, Tested, WholeFit};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
@@ -55,9 +55,9 @@ pub use sample_time::SampleTime;
 pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
-    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Joint, JointTree, Link, Mechanism, Moment,
-    Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing, Together, Touching, Track,
-    TreeTouch, Untold, VelocityGaps, Weighing, Weights,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Joint, JointEnd, JointTree, Link, Mechanism,
+    Moment, Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing, Together,
+    Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::checks::CheckLine;
 use super::diagnoses::DiagnosisLine;
 use super::doubts::DoubtLine;
+use super::fit::{fit_note, not_told};
 use super::goals::{GoalLine, goal_lines};
 use super::held::{HeldLine, held_lines};
 use super::motion::{
@@ -31,6 +32,10 @@ pub struct EstimateReport {
     /// Whether that was asked: not of a motion that failed, or where too little is determined.
     #[serde(skip)]
     pub is_fit_tested: bool,
+    /// What that rests on, as a sentence, where it does not say it all.
+    pub fit_note: Option<String>,
+    /// Names of what samples would tell nothing of, were it wrong in the scene: of joined bodies.
+    pub not_told: Vec<String>,
     /// Whether the performance determines everything that was asked.
     pub determined: bool,
     /// What may be wrong in the scene, the likeliest first; none where the motion fits.
@@ -93,7 +98,9 @@ impl EstimateReport {
             scene: scene.name.clone(),
             verdict: estimate.verdict.as_str(),
             fits: fits(estimate).as_str(),
-            is_fit_tested: estimate.fit.is_some(),
+            is_fit_tested: is_fit_tested(estimate),
+            fit_note: fit_note(estimate),
+            not_told: not_told(scene, estimate),
             determined: estimate.undetermined.is_empty(),
             suspects: suspect_lines(scene, &estimate.suspects),
             freed: suspect_lines(scene, of.freed),
@@ -134,6 +141,15 @@ impl EstimateReport {
     pub fn is_physical(&self) -> bool {
         self.verdict == Verdict::Physical.as_str()
     }
+}
+
+/// Whether it was asked whether a motion fits, and could be told: where noise explains what is left of joined bodies and it is
+/// unknown all the same, samples have no power to tell.
+fn is_fit_tested(estimate: &Estimate) -> bool {
+    estimate.fit.as_ref().is_some_and(|fit| {
+        let is_noise = fit.whole.as_ref().is_some_and(|whole| whole.is_noise);
+        fit.fits != Fits::Unknown || !is_noise
+    })
 }
 
 /// Whether a motion fits; unknown where that was not tested, or could not be.

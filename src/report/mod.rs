@@ -14,6 +14,7 @@ pub mod checks;
 pub mod diagnoses;
 pub mod doubts;
 pub mod estimate;
+mod fit;
 pub mod goals;
 pub mod held;
 pub mod message;

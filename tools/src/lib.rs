@@ -23,6 +23,7 @@ pub mod export;
 pub mod front;
 pub mod goals;
 pub mod hands;
+pub mod joint_wrongs;
 pub mod mechanism_file;
 pub mod methods;
 pub mod nonsense;

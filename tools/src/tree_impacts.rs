@@ -164,7 +164,11 @@ fn struck_motion(
         flow.begin(&state, false);
         flow.advance(step_s, 1);
         let next = flow.state();
-        let low = heights(&next).iter().position(|height_m| *height_m < 0.0);
+        let heights_m = heights(&next);
+        if heights_m.iter().any(|height_m| height_m.is_nan()) {
+            return None;
+        }
+        let low = heights_m.iter().position(|height_m| *height_m < 0.0);
         let is_done = impacts.len() == struck.impacts;
         match low {
             Some(_) if is_done => {

@@ -21,7 +21,7 @@ use crate::math::span::Span;
 
 /// Band of a hand's wander \[Hz\], and the exponents of its power for positions and orientations.
 const BAND_HZ: [f64; 2] = [0.2, 4.0];
-const EXPONENTS: [f64; 2] = [4.0, 3.0];
+pub(in crate::estimate) const EXPONENTS: [f64; 2] = [4.0, 3.0];
 /// Number of frequencies for the band.
 const LINES: usize = 12;
 /// Sizes of the wander, in standard deviations of a sample's white noise.
@@ -108,7 +108,7 @@ impl Hand {
 }
 
 /// Correlations of the bins of each track under a power law.
-fn correlation(bins: &Bins, exponent: f64) -> DMatrix<f64> {
+pub(in crate::estimate) fn correlation(bins: &Bins, exponent: f64) -> DMatrix<f64> {
     let ratio = (BAND_HZ[1] / BAND_HZ[0]).powf(1.0 / LINES as f64);
     let lines: Vec<[f64; 2]> = (0..LINES)
         .map(|line| {

@@ -32,8 +32,15 @@ pub(super) struct Sums {
     pub(super) hessian: DMatrix<f64>,
 }
 
+/// A sample with its residual, in units, and the derivative by the unknowns of its leg.
+pub(super) struct Residual<'s> {
+    pub(super) sample: &'s TreeSample,
+    pub(super) value: Vector3<f64>,
+    pub(super) by: Matrix3xX<f64>,
+}
+
 impl TreeProgram<'_> {
-    /// Evaluates the motion from a node to the next. Where an impact is undefined the cost is not finite, and rows
+    /// Evaluates the motion from a node to the next; `each` is told of every sample. Where an impact is undefined the cost is not finite, and rows
     /// after it are not told.
     pub(super) fn leg(
         &self,
@@ -41,6 +48,7 @@ impl TreeProgram<'_> {
         part: &Part,
         point: &TreePoint,
         blocks: &mut [Block],
+        each: &mut dyn FnMut(&Residual),
     ) -> Sums {
         let problem = self.problem;
         let tree = &problem.tree;
@@ -81,7 +89,9 @@ impl TreeProgram<'_> {
                     let [link] = states([sample.place], (&snapshot, &mut links), width);
                     let valued = quantity::valued(&sample.quantity, &link.0, None, &sample.point_m);
                     let by = chained(&valued, &[link], &jacobian);
-                    sums.add(sample, &valued, &by);
+                    let residual = Residual::new(sample, &valued, &by);
+                    sums.add(&residual);
+                    each(&residual);
                 }
                 Kind::Goal(index, goal) => {
                     let state = course.state();
@@ -273,14 +283,23 @@ fn chained(valued: &Valued, links: &[&LinkState], jacobian: &DMatrix<f64>) -> Ma
     by * jacobian
 }
 
-impl Sums {
-    fn add(&mut self, sample: &TreeSample, valued: &Valued, by: &Matrix3xX<f64>) {
+impl<'s> Residual<'s> {
+    fn new(sample: &'s TreeSample, valued: &Valued, by: &Matrix3xX<f64>) -> Self {
         let per_unit = 1.0 / sample.unit;
-        let residual = (valued.value - sample.seen) * per_unit;
-        let by = by * per_unit;
-        self.cost += 0.5 * residual.norm_squared();
-        self.gradient.gemv_tr(1.0, &by, &residual, 1.0);
-        self.hessian.gemm_tr(1.0, &by, &by, 1.0);
+        Self {
+            sample,
+            value: (valued.value - sample.seen) * per_unit,
+            by: by * per_unit,
+        }
+    }
+}
+
+impl Sums {
+    fn add(&mut self, residual: &Residual) {
+        self.cost += 0.5 * residual.value.norm_squared();
+        self.gradient
+            .gemv_tr(1.0, &residual.by, &residual.value, 1.0);
+        self.hessian.gemm_tr(1.0, &residual.by, &residual.by, 1.0);
     }
 
     /// A row of a goal that weighs: half the square of how far it is from its bounds, in deviations.

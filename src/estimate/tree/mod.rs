@@ -7,6 +7,7 @@
 //! state, which follows from the tree's ([`program`]). [`solve`] grows the part of the sketch that counts from
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
+mod adequacy;
 mod course;
 mod curvature;
 pub mod event;

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::adequacy;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::solve::{self, Solved};
 use super::weak;
@@ -45,6 +46,10 @@ pub fn estimate(
         Vec::new()
     };
     let joined = scene.joint_tree(problem.mechanism).expect("a tree");
+    let judged = (verdict == Verdict::Physical)
+        .then(|| adequacy::judge((scene, joined), problem, solution, observer))
+        .flatten();
+    let (fit, suspects) = judged.unzip();
     let events = (0..scene.events.len()).map(|event| of_event(&solved, sketch, event));
     let mut sample_times: Vec<SampleTime> = Vec::new();
     for sample in &problem.samples {
@@ -74,8 +79,8 @@ pub fn estimate(
         parameters: Vec::new(),
         residuals: Vec::new(),
         sample_times,
-        fit: None,
-        suspects: Vec::new(),
+        fit,
+        suspects: suspects.unwrap_or_default(),
         rivals: 0,
         undetermined: if is_finite {
             open(&solved, joined)

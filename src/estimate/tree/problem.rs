@@ -167,6 +167,14 @@ impl TreeProblem {
         }
     }
 
+    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events.
+    pub(super) fn unknown_of(&self, node: usize, at: usize) -> usize {
+        match at.checked_sub(self.width()) {
+            None => node * self.width() + at,
+            Some(event) => self.width() * self.nodes_s.len() + self.events_of(node).start + event,
+        }
+    }
+
     /// Number of unknowns of a node.
     pub fn width(&self) -> usize {
         2 * self.tree.freedoms()

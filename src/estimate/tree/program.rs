@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 
 use super::curvature::{Lacking, dense};
+use super::leg::Residual;
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::rows;
@@ -95,6 +96,36 @@ impl<'a> TreeProgram<'a> {
         }
     }
 
+    /// [`Program::evaluate`], and every sample of which `each` is told with the node of its leg.
+    pub(super) fn evaluate_each(
+        &self,
+        (part, point): (&Part, &TreePoint),
+        system: &mut System,
+        each: &mut dyn FnMut(usize, &Residual),
+    ) {
+        let problem = self.problem;
+        system.cost = 0.0;
+        system.gradient.fill(0.0);
+        system.hessian.clear();
+        for node in 0..problem.nodes_s.len() {
+            let each = &mut |residual: &Residual| each(node, residual);
+            let sums = self.leg(node, part, point, &mut system.blocks, each);
+            system.cost += sums.cost;
+            let place = |at: usize| problem.unknown_of(node, at);
+            for row in 0..sums.gradient.len() {
+                system.gradient[place(row)] += sums.gradient[row];
+                for column in 0..=row {
+                    let entry = sums.hessian[(row, column)];
+                    let pattern = &self.structure.pattern;
+                    system
+                        .hessian
+                        .add(pattern, place(row), place(column), entry);
+                }
+            }
+        }
+        self.calm(part, point, system);
+    }
+
     /// Hessian of a part's cost.
     pub(super) fn information_at(&self, part: &Part, point: &TreePoint) -> DMatrix<f64> {
         let system = self.evaluated(part, point);
@@ -180,31 +211,7 @@ impl Program for TreeProgram<'_> {
     }
 
     fn evaluate(&self, part: &Part, point: &TreePoint, system: &mut System) {
-        let problem = self.problem;
-        let (width, nodes) = (problem.width(), problem.nodes_s.len());
-        system.cost = 0.0;
-        system.gradient.fill(0.0);
-        system.hessian.clear();
-        for node in 0..nodes {
-            let sums = self.leg(node, part, point, &mut system.blocks);
-            system.cost += sums.cost;
-            let first_event = problem.events_of(node).start;
-            let place = |at: usize| match at.checked_sub(width) {
-                None => node * width + at,
-                Some(event) => nodes * width + first_event + event,
-            };
-            for row in 0..sums.gradient.len() {
-                system.gradient[place(row)] += sums.gradient[row];
-                for column in 0..=row {
-                    let entry = sums.hessian[(row, column)];
-                    let pattern = &self.structure.pattern;
-                    system
-                        .hessian
-                        .add(pattern, place(row), place(column), entry);
-                }
-            }
-        }
-        self.calm(part, point, system);
+        self.evaluate_each((part, point), system, &mut |_, _| {});
     }
 
     fn retract(&self, from: &TreePoint, step: &DVector<f64>, to: &mut TreePoint) {

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 
 use super::event::EventKind;
 use super::goal::GoalTarget;
+use super::joint::{Joint, JointEnd};
+use super::link::Mechanism;
 use super::quantity::Quantity;
 use super::whole::Scene;
 use crate::math::{Pose, so3};
@@ -63,6 +65,13 @@ impl Scene {
         }
         for surface in 0..self.surfaces.len() {
             scene.move_surface(surface, &values);
+        }
+        for mechanism in &mut scene.mechanisms {
+            if let Mechanism::Tree(tree) = mechanism {
+                tree.joints
+                    .iter_mut()
+                    .for_each(|joint| set_joint(joint, &values));
+            }
         }
         Ok(scene)
     }
@@ -180,6 +189,28 @@ impl Scene {
             let pose = &mut self.obstacles[solid].world_from_shape;
             *pose = moved * *pose;
         }
+    }
+}
+
+/// Puts a joint in its place, and turns its axes.
+fn set_joint(joint: &mut Joint, values: &Values) {
+    let child = joint.child;
+    for end in [JointEnd::Parent, JointEnd::Child] {
+        for axis in 0..3 {
+            if let Some(at_m) = values.of(Quantity::JointPlace { child, end, axis }) {
+                joint.put(end, axis, at_m);
+            }
+        }
+    }
+    let turns = joint.turns().into_iter().enumerate();
+    let turn: Vector3<f64> = turns
+        .map(|(about, axis)| {
+            let turn = values.of(Quantity::JointTurn { child, about });
+            axis * turn.unwrap_or(0.0)
+        })
+        .sum();
+    if turn != Vector3::zeros() {
+        joint.turn(turn);
     }
 }
 

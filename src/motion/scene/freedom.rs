@@ -1,6 +1,7 @@
 //! What of a scene may be free: its quantities, their names, and the values that it gives them.
 
 use super::event::Event;
+use super::joint::JointEnd;
 use super::link::Link;
 use super::parameter::FreeParameter;
 use super::quantity::Quantity;
@@ -27,7 +28,8 @@ impl Link {
 }
 
 impl Scene {
-    /// The quantities of the scene that an estimation may free, in the order of its lists. Not
+    /// The quantities of the scene that an estimation may free, in the order of its lists: places and axes of
+    /// joints are none of them. Not
     /// every one of them is told by a performance: see [`Scene::untold`].
     pub fn quantities(&self) -> Vec<Quantity> {
         let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
@@ -110,6 +112,19 @@ impl Scene {
                 surface: of,
                 tangent,
             } => format!("{}.tilt.{tangent}", surface(of)),
+            Quantity::JointPlace { child, end, axis } => {
+                let within = match end {
+                    JointEnd::Child => Some(child),
+                    JointEnd::Parent => self.joint_of(child).and_then(|joint| joint.parent),
+                };
+                let within = within.map_or("the world".to_owned(), |of| format!("`{}`", link(of)));
+                let joint = self.joint_of(child).map_or("", |joint| &joint.name);
+                format!("place of `{joint}` in {within} along {}", AXES[axis])
+            }
+            Quantity::JointTurn { child, about } => {
+                let joint = self.joint_of(child).map_or("", |joint| &joint.name);
+                format!("turn of the axes of `{joint}`, {about}")
+            }
         }
     }
 
@@ -161,6 +176,10 @@ impl Scene {
             Quantity::LinearDrag { link } => self.links[link].body.drag().linear_per_s,
             Quantity::QuadraticDrag { link } => self.links[link].body.drag().quadratic_per_m,
             Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
+            Quantity::JointPlace { child, end, axis } => {
+                let joint = self.joint_of(child);
+                joint.map_or(0.0, |joint| joint.place_m(end)[axis])
+            }
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::TrackerOrientation { .. }
@@ -169,7 +188,8 @@ impl Scene {
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
             | Quantity::SurfaceHeight { .. }
-            | Quantity::SurfaceTilt { .. } => 0.0,
+            | Quantity::SurfaceTilt { .. }
+            | Quantity::JointTurn { .. } => 0.0,
         }
     }
 }

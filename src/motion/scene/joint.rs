@@ -1,8 +1,11 @@
 //! Bodies joined in a tree.
 
-use crate::math::Pose;
+use nalgebra::Vector3;
+
+use crate::math::{Pose, so3};
 use crate::motion::index::LinkIndex;
 use crate::physics::Body;
+use crate::physics::contact::Feature;
 use crate::physics::tree::{self, JointKind, Tree, TreeError};
 
 /// A joint between two links, or between a link and the world.
@@ -16,6 +19,51 @@ pub struct Joint {
     pub child: LinkIndex,
     /// How the child may move against the parent.
     pub joint: tree::Joint,
+}
+
+/// One of the two that a joint ties.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointEnd {
+    /// What it hangs from: a link, or the world.
+    Parent,
+    /// What hangs on it.
+    Child,
+}
+
+impl Joint {
+    /// Where it is in the axes of one of the two \[m\].
+    pub fn place_m(&self, end: JointEnd) -> Vector3<f64> {
+        match end {
+            JointEnd::Parent => self.joint.parent_from_joint.translation.vector,
+            JointEnd::Child => self.joint.link_from_joint.translation.vector,
+        }
+    }
+
+    /// Puts it elsewhere in the axes of one of the two \[m\].
+    pub(super) fn put(&mut self, end: JointEnd, axis: usize, at_m: f64) {
+        let pose = match end {
+            JointEnd::Parent => &mut self.joint.parent_from_joint,
+            JointEnd::Child => &mut self.joint.link_from_joint,
+        };
+        pose.translation.vector[axis] = at_m;
+    }
+
+    /// Axes about which turning the joint in both that it ties makes another joint of it [joint axes, unit length]:
+    /// those across a pin, any three of a universal joint, none of a ball.
+    pub fn turns(&self) -> Vec<Vector3<f64>> {
+        match &self.joint.kind {
+            JointKind::Pin { axis } => Feature::tangents(&axis.normalize()).to_vec(),
+            JointKind::Universal { .. } => vec![Vector3::x(), Vector3::y(), Vector3::z()],
+            JointKind::Ball | JointKind::Fixed | JointKind::Free => Vec::new(),
+        }
+    }
+
+    /// Turns its axes in both that it ties \[rad\].
+    pub(super) fn turn(&mut self, by: Vector3<f64>) {
+        let turn = so3::exp(&by);
+        self.joint.parent_from_joint.rotation *= turn;
+        self.joint.link_from_joint.rotation *= turn;
+    }
 }
 
 /// Links that joints tie to each other, without circles.

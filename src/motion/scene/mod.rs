@@ -33,7 +33,7 @@ pub use contacts::CollisionError;
 pub use event::{Collision, Event, EventKind, EventTime, Partner, Touching};
 pub use goal::{Goal, GoalTarget};
 pub use goal_set::GoalSet;
-pub use joint::{Joint, JointTree};
+pub use joint::{Joint, JointEnd, JointTree};
 pub use link::{Feature, FreeBody, Held, Link, Mechanism, Sees, Track};
 pub use parameter::{Cone, FreeParameter};
 pub use quantity::Quantity;

@@ -1,5 +1,6 @@
 //! The quantities that an estimation may change besides the motion.
 
+use super::joint::JointEnd;
 use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
 
 /// A quantity that may be free.
@@ -125,6 +126,23 @@ pub enum Quantity {
         /// Tangent, 0 or 1.
         tangent: usize,
     },
+    /// Where a joint is in the axes of one of the two that it ties \[m\].
+    JointPlace {
+        /// What hangs on the joint.
+        child: LinkIndex,
+        /// In whose axes.
+        end: JointEnd,
+        /// Axis.
+        axis: usize,
+    },
+    /// Turn of a joint's axes, in both that it ties, about one of [`Joint::turns`](super::Joint::turns) \[rad\]: how both
+    /// are turned where all angles are zero does not change.
+    JointTurn {
+        /// What hangs on the joint.
+        child: LinkIndex,
+        /// Index into those axes.
+        about: usize,
+    },
 }
 
 /// Least factor of a mass or of a moment: a body that is a hundred times lighter is another one.
@@ -146,6 +164,12 @@ impl Quantity {
                 surface,
                 tangent: 0,
             },
+            Quantity::JointPlace { child, end, .. } => Quantity::JointPlace {
+                child,
+                end,
+                axis: 0,
+            },
+            Quantity::JointTurn { child, .. } => Quantity::JointTurn { child, about: 0 },
             other => other,
         };
         thing(self) == thing(other)
@@ -175,12 +199,14 @@ impl Quantity {
             Quantity::ClockRate { .. } => "s/s",
             Quantity::Tilt { .. }
             | Quantity::TrackerOrientation { .. }
-            | Quantity::SurfaceTilt { .. } => "rad",
+            | Quantity::SurfaceTilt { .. }
+            | Quantity::JointTurn { .. } => "rad",
             Quantity::LinearDrag { .. } => "1/s",
             Quantity::QuadraticDrag { .. } => "1/m",
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
-            | Quantity::SurfaceHeight { .. } => "m",
+            | Quantity::SurfaceHeight { .. }
+            | Quantity::JointPlace { .. } => "m",
             Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. } => "s",
@@ -207,7 +233,9 @@ impl Quantity {
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
             | Quantity::SurfaceHeight { .. }
-            | Quantity::SurfaceTilt { .. } => [f64::NEG_INFINITY, f64::INFINITY],
+            | Quantity::SurfaceTilt { .. }
+            | Quantity::JointPlace { .. }
+            | Quantity::JointTurn { .. } => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
 
@@ -223,12 +251,14 @@ impl Quantity {
             Quantity::QuadraticDrag { .. } | Quantity::Moment { .. } | Quantity::Mass { .. } => 0.3,
             Quantity::TrackerOrientation { .. }
             | Quantity::SurfaceTilt { .. }
+            | Quantity::JointTurn { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. } => 0.1,
             Quantity::ClockRate { .. } => 0.03,
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::SurfaceHeight { .. }
+            | Quantity::JointPlace { .. }
             | Quantity::ClockOffset { .. } => 0.01,
         }
     }

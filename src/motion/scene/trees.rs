@@ -1,6 +1,6 @@
 //! The trees of a scene.
 
-use super::joint::JointTree;
+use super::joint::{Joint, JointTree};
 use super::whole::Scene;
 use crate::motion::index::{LinkIndex, MechanismIndex};
 use crate::physics::tree::Tree;
@@ -15,6 +15,12 @@ impl Scene {
     pub fn joint_trees(&self) -> impl Iterator<Item = (MechanismIndex, &JointTree)> {
         let all = self.mechanisms.iter_enumerated();
         all.filter_map(|(index, mechanism)| Some((index, mechanism.tree()?)))
+    }
+
+    /// The joint on which a link hangs.
+    pub fn joint_of(&self, child: LinkIndex) -> Option<&Joint> {
+        let tree = self.joint_tree(self.mechanism_of(child))?;
+        tree.joints.iter().find(|joint| joint.child == child)
     }
 
     /// Whether a joint ties one link to the other.

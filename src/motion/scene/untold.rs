@@ -124,7 +124,9 @@ impl Scene {
             | Quantity::TrackerPosition { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
-            | Quantity::ClockRate { .. } => None,
+            | Quantity::ClockRate { .. }
+            | Quantity::JointPlace { .. }
+            | Quantity::JointTurn { .. } => None,
         }
     }
 

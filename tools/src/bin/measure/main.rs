@@ -28,6 +28,7 @@ mod goals;
 mod held;
 mod joined;
 mod joined_peers;
+mod jointly;
 mod keyframes;
 mod ladder;
 mod limit;
@@ -218,6 +219,11 @@ const SUBJECTS: &[Subject] = &[
         "elbow",
         "real tosses of two boxes joined by a hinge: residuals, gravity, a wrong hinge",
         elbow::run
+    ),
+    subject!(
+        "jointly",
+        "wrong scenes of joined bodies: whether they are seen and what is blamed",
+        jointly::run
     ),
     subject!(
         "trees",

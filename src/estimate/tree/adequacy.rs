@@ -1,0 +1,258 @@
+//! Adequacy of a motion of joined bodies: whether noise and a hand's wander explain what is left of its samples, and
+//! which quantity that the scene keeps fixed would explain it instead.
+//!
+//! Bodies by themselves have flights between events, which fit without them; joined bodies have no such reference. It is
+//! taken from the samples themselves: second differences show the white noise, and what is slower is a wander of the
+//! hand or a wrong scene ([`errors`]). The two are told apart by their shapes: one quantity, moved, changes all samples
+//! in one way `u` beyond what the motion may follow ([`linear`]), a wander in any of many ways. Under each model of the
+//! errors, with a prior `N(0, τ²)` of a typical change `τ`, the odds of a wrong quantity are
+//!
+//! ```text
+//! s = uᵀ P r,   V = uᵀ P u,   Δθ = −s/(V + τ⁻²)
+//! log (L_θ/L) = ½ s²/(V + τ⁻²) − ½ log (τ² V + 1)
+//! ```
+//!
+//! which is Rao's score test `s²/V` with the errors' own covariance, less a price for what the prior allows ([`odds`]).
+//! Those that score high are set free for a [`trial`], whose odds then count. Where no quantity is wrong, the motion is
+//! said to fit only if joints that are elsewhere by a share of a link would have shown.
+
+mod candidates;
+mod errors;
+mod linear;
+mod odds;
+#[cfg(test)]
+mod tests;
+mod trial;
+
+use nalgebra::{DVector, Vector3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use self::candidates::{STEP, candidates, change};
+use self::errors::{Errors, Left};
+use self::linear::Linear;
+use self::trial::{Tried, tried};
+use super::point::TreePoint;
+use super::problem::TreeProblem;
+use crate::motion::{
+    Fit, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
+};
+use crate::optimise::Solution;
+use crate::optimise::active::ActiveSet;
+
+/// Above this probability of the data under white noise they fit.
+const WELL: f64 = 1e-3;
+/// Logarithm of the odds that samples show a wander.
+const WANDER: f64 = 3.0;
+/// Logarithm of the odds, of all quantities together, beyond which one is suspected,
+const SUSPECTED: f64 = 6.0;
+/// and beyond which it is set free for a trial.
+const TRIED: f64 = 0.0;
+/// Greatest number of trials,
+const TRIALS: usize = 6;
+/// and of suspects.
+const MOST: usize = 4;
+/// Least share of the misfit that a suspect explains: of a wander by chance, no quantity explains so much.
+const LEAST_SHARE: f64 = 0.3;
+/// Least number of residuals beyond what the motion may follow, and of those that tell the noise.
+const LEAST_FREEDOM: f64 = 6.0;
+/// A joint that is elsewhere by this share of its link's length must show, or the motion is not said to fit.
+const SHOWN_SHARE: f64 = 0.1;
+/// A wander that is farther from the motion than this, in weights of the samples, is none that a motion fits.
+const FAR: f64 = 3.0;
+
+/// A quantity that the scene keeps fixed.
+struct Candidate {
+    quantity: Quantity,
+    /// `u`.
+    total: DVector<f64>,
+}
+
+/// How well a solution explains its samples, and what in the scene may be wrong where it does not. `None` where samples
+/// are too few to tell, and where the observer stops it.
+pub(super) fn judge(
+    (scene, joined): (&Scene, &JointTree),
+    problem: &TreeProblem,
+    solution: &Solution<TreePoint>,
+    observer: &mut dyn Observer,
+) -> Option<(Fit, Vec<Suspect>)> {
+    let at = (problem, &solution.point);
+    let active = ActiveSet::of(
+        &solution.system,
+        &solution.multipliers,
+        problem.information.1,
+    );
+    let linear = Linear::new(problem, &solution.point, &active)?;
+    let errors = Errors::new(&linear);
+    let held = linear.held();
+    let candidates: Vec<Candidate> = candidates(scene, joined, problem)
+        .into_iter()
+        .filter_map(|quantity| {
+            let step = STEP * quantity.typical();
+            let moved = (quantity, scene.value_of(quantity), step);
+            let change = change(scene, at, &active, moved)?;
+            let total = linear.total(&held, &change);
+            Some(Candidate { quantity, total })
+        })
+        .collect();
+    let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
+    let columns = (totals.as_slice(), &linear.residuals);
+    let left = errors.left(&held.free, columns, problem.information.0);
+    let by_noise = by_noise(&linear, &errors, &left, held.free.ncols())?;
+    let is_told = |at: usize, of: &Candidate| {
+        // Where not even white noise alone lets a typical change show by a standard deviation.
+        left[0].products[(at, at)] * of.quantity.typical().powi(2) > 1.0
+    };
+    let (told, untold): (Vec<_>, Vec<_>) = candidates
+        .iter()
+        .enumerate()
+        .partition(|(at, of)| is_told(*at, of));
+    let price = (told.len().max(1) as f64).ln();
+    let evidence = odds::evidence(&left);
+    let mut scored: Vec<(Quantity, f64)> = told
+        .iter()
+        .map(|(at, of)| {
+            let wrong = odds::evidence_if_wrong(&left, *at, (of.quantity.typical(), 0.0));
+            (of.quantity, wrong - evidence - price)
+        })
+        .filter(|(_, odds)| *odds > TRIED)
+        .collect();
+    scored.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let cost = linear.merit().0;
+    let misfit = (cost - errors.floor()).max(f64::MIN_POSITIVE);
+    let mut suspects = Vec::new();
+    for (quantity, _) in scored.into_iter().take(TRIALS) {
+        if observer.should_stop() {
+            return None;
+        }
+        let Some(tried) = tried(scene, at, &active, quantity) else {
+            continue;
+        };
+        let wrong = evidence_at(scene, &errors, (quantity, &tried), problem.information.0);
+        let odds = wrong - evidence - price;
+        let explains = ((cost - tried.linear.merit().0) / misfit).clamp(0.0, 1.0);
+        if odds > SUSPECTED && explains >= LEAST_SHARE {
+            suspects.push(Suspect {
+                values: vec![(quantity, tried.value)],
+                explains,
+                gain: 2.0 * odds,
+                probability: (-odds).exp(),
+            });
+        }
+    }
+    let suspects = together(suspects);
+    let log_odds_of_wander = odds::of_wander(&left);
+    // Of each joint, the direction in which an error of its place shows best.
+    let shown = joined.joints.iter().map(|joint| {
+        let of_joint = told.iter().filter(|(_, of)| match of.quantity {
+            Quantity::JointPlace { child, .. } => child == joint.child,
+            _ => false,
+        });
+        let errors_m = of_joint
+            .map(|(at, of)| odds::shown(&left, *at, of.quantity.typical(), SUSPECTED + price));
+        let least_m = errors_m.fold(f64::INFINITY, f64::min);
+        (
+            least_m,
+            least_m / (2.0 * scene.links[joint.child].radius_m()),
+        )
+    });
+    let (shown_m, shown_share) = shown.fold(
+        (0.0, 0.0),
+        |most: (f64, f64), of| {
+            if of.1 > most.1 { of } else { most }
+        },
+    );
+    let joint = linear.rms();
+    let is_noise = by_noise.probability >= WELL;
+    let fits = match () {
+        () if !suspects.is_empty() || farther_than_rest(problem, joint[0]) => Fits::No,
+        () if shown_share > SHOWN_SHARE => Fits::Unknown,
+        () if is_noise => Fits::Yes,
+        () if log_odds_of_wander > WANDER && linear.rms_in_weights() <= FAR => Fits::Yes,
+        () => Fits::Unknown,
+    };
+    let fit = Fit {
+        fits,
+        joint,
+        alone: errors.white_rms(&linear.series),
+        events: Vec::new(),
+        whole: Some(WholeFit {
+            by_noise,
+            is_noise,
+            log_odds_of_wander,
+            shown_m,
+            untold: untold.iter().map(|(_, of)| of.quantity).collect(),
+        }),
+    };
+    Some((fit, suspects))
+}
+
+/// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains
+/// best stands for all.
+fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
+    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut kept: Vec<Suspect> = Vec::new();
+    for suspect in suspects {
+        let is_of_first = kept
+            .first()
+            .is_none_or(|first| first.is_rivalled_by(&suspect));
+        if is_of_first && !kept.iter().any(|better| better.is_same_as(&suspect)) {
+            kept.push(suspect);
+        }
+    }
+    kept.truncate(MOST);
+    kept
+}
+
+/// The test of all residuals against white noise; `None` where too few are beyond what the motion may follow.
+fn by_noise(linear: &Linear, errors: &Errors, left: &[Left], followed: usize) -> Option<Tested> {
+    let freedom = errors.row_count(linear) as f64 - followed as f64;
+    let noise_freedom = errors.degrees();
+    if freedom < LEAST_FREEDOM || noise_freedom < LEAST_FREEDOM {
+        return None;
+    }
+    let products = &left.first()?.products;
+    let last = products.nrows() - 1;
+    let statistic = products[(last, last)] / freedom;
+    let law = FisherSnedecor::new(freedom, noise_freedom).ok()?;
+    Some(Tested {
+        statistic,
+        freedom: freedom as usize,
+        noise_freedom: noise_freedom as usize,
+        probability: law.sf(statistic),
+    })
+}
+
+/// Logarithm of the likelihood of a scene with a quantity free, where a trial led.
+fn evidence_at(
+    scene: &Scene,
+    errors: &Errors,
+    (quantity, tried): (Quantity, &Tried),
+    information: f64,
+) -> f64 {
+    let held = tried.linear.held();
+    let total = [tried.linear.total(&held, &tried.change)];
+    let left = errors.left(&held.free, (&total, &tried.linear.residuals), information);
+    let off = tried.value - scene.value_of(quantity);
+    odds::evidence_if_wrong(&left, 0, (quantity.typical(), off))
+}
+
+/// Whether the motion is farther from its samples than bodies that rest at their mean places would be: no one quantity
+/// is to blame for that.
+fn farther_than_rest(problem: &TreeProblem, distance_m: f64) -> bool {
+    let placed = || {
+        let samples = problem.samples.iter();
+        samples.filter(|sample| sample.quantity.unit() == GoalUnit::Metre)
+    };
+    let mut squares_m2 = 0.0;
+    let mut tracks: Vec<_> = placed().map(|sample| sample.track).collect();
+    tracks.sort();
+    tracks.dedup();
+    for track in tracks {
+        let places = || placed().filter(|of| of.track == track).map(|of| of.seen);
+        let mean_m = places().sum::<Vector3<f64>>() / places().count() as f64;
+        squares_m2 += places()
+            .map(|place_m| (place_m - mean_m).norm_squared())
+            .sum::<f64>();
+    }
+    distance_m * distance_m * placed().count() as f64 > squares_m2
+}

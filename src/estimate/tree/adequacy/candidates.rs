@@ -1,0 +1,91 @@
+//! What of a scene of joined bodies may be suspected, and how residuals change with it.
+
+use std::collections::BTreeSet;
+
+use super::linear::{Change, Linear};
+use crate::estimate::tree::point::TreePoint;
+use crate::estimate::tree::problem::TreeProblem;
+use crate::motion::{ContactLawIndex, GoalUnit, JointEnd, JointTree, Quantity, Scene};
+use crate::optimise::active::ActiveSet;
+
+/// Share of a typical change by which a quantity is moved to tell how residuals change.
+pub(super) const STEP: f64 = 1e-3;
+
+/// Quantities that the scene keeps fixed, each by itself.
+pub(super) fn candidates(
+    scene: &Scene,
+    joined: &JointTree,
+    problem: &TreeProblem,
+) -> Vec<Quantity> {
+    let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
+    let masses = joined.links().map(|link| Quantity::Mass { link });
+    let joints = joined.joints.iter().flat_map(|joint| {
+        let child = joint.child;
+        let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
+        let places = ends
+            .flat_map(move |end| (0..3).map(move |axis| Quantity::JointPlace { child, end, axis }));
+        let turns = 0..joint.turns().len();
+        places.chain(turns.map(move |about| Quantity::JointTurn { child, about }))
+    });
+    let events = problem
+        .events
+        .iter()
+        .map(|event| &scene.events[event.event]);
+    let laws: BTreeSet<ContactLawIndex> = events
+        .filter_map(|event| Some(event.kind.collision()?.law))
+        .collect();
+    let laws = laws
+        .into_iter()
+        .flat_map(|law| [Quantity::Restitution { law }, Quantity::Friction { law }]);
+    let surfaces = (0..scene.surfaces.len()).map(|surface| Quantity::SurfaceHeight { surface });
+    let touched = surfaces.filter(|height| scene.untold(*height).is_none());
+    let tracks = scene.tracks.iter_enumerated();
+    let tracks = tracks.filter(|(_, track)| joined.place_of(track.link).is_some());
+    let places = tracks
+        .flat_map(|(track, _)| (0..3).map(move |axis| Quantity::TrackerPosition { track, axis }));
+    let world = gravity.chain(laws).chain(touched);
+    joints.chain(masses).chain(world).chain(places).collect()
+}
+
+/// The derivative of residuals and rows by a quantity at a value, by central differences of the whole flow, which is one
+/// smooth function of it: the number of steps stays, and a coarse reading of the flow tells derivatives well enough. A
+/// formula for each of them would be the derivative of the articulated-body algorithm by each of its constants, and of no
+/// other use. `None` where a motion near by is none.
+pub(super) fn change(
+    scene: &Scene,
+    (problem, point): (&TreeProblem, &TreePoint),
+    active: &ActiveSet,
+    (quantity, value, step): (Quantity, f64, f64),
+) -> Option<Change> {
+    let [lower, upper] = quantity.limits();
+    let [before, after] = [-step, step].map(|by| (value + by).clamp(lower, upper));
+    let coarse = problem.coarse(0.0);
+    let at = |value: f64| {
+        let with = coarse.with(scene, (quantity, value))?;
+        Linear::new(&with, point, active)
+    };
+    Some(Linear::change(&at(before)?, &at(after)?, after - before))
+}
+
+impl TreeProblem {
+    /// The same problem where a quantity of the scene has this value; `None` where no body is so.
+    pub(super) fn with(&self, scene: &Scene, value: (Quantity, f64)) -> Option<Self> {
+        let other = scene.with_values(&[value]).ok()?;
+        let joined = other.joint_tree(self.mechanism).expect("a tree");
+        let mut with = self.clone();
+        with.tree = other.tree_model(joined);
+        with.gravity_m_s2 = other.gravity_m_s2;
+        for event in &mut with.events {
+            if event.touch.is_some() {
+                event.touch = other.tree_touch(joined, event.event);
+            }
+        }
+        for sample in &mut with.samples {
+            if sample.quantity.unit() == GoalUnit::Metre {
+                let [before, after] = [scene, &other].map(|of| of.tracks[sample.track].point_m());
+                sample.point_m += after - before;
+            }
+        }
+        Some(with)
+    }
+}

@@ -1,0 +1,276 @@
+//! A motion, linearised: what samples and priors say near it, and the rows that hold it.
+//!
+//! With residuals `r`, their derivative `J` by the unknowns, acting rows `c = 0` with derivative `C`, a
+//! basis `Z` of what those leave free, and derivatives `r_θ` and `c_θ` by a quantity that the scene keeps fixed,
+//!
+//! ```text
+//! r(x + Z z + B y₀ + B y_θ Δ, θ + Δ) = r₀ + J Z z + u Δ,   u = r_θ + J B y_θ
+//! C B y₀ = −c,   C B y_θ = −c_θ
+//! ```
+//!
+//! where the columns of `B` span the rows of `C`. At an optimum `uᵀ r` is the slope of the Lagrangian in `θ`,
+//! `r_θᵀ r + c_θᵀ λ`, for there `Jᵀ r = −Cᵀ λ`.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::tree::leg::Residual;
+use crate::estimate::tree::point::TreePoint;
+use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
+use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::math::span::Span;
+use crate::motion::{GoalUnit, TrackIndex};
+use crate::optimise::active::ActiveSet;
+use crate::optimise::{Program, System};
+
+/// Weight of a squared step that holds what nothing tells where it is, per information: next to nothing.
+const CALM: f64 = 1e-8;
+/// A pivot below which a row depends on others.
+const DEPENDENT: f64 = 1e-7;
+/// Share of the largest singular value below which a direction of the rows is none.
+const SINGULAR: f64 = 1e-10;
+
+/// Samples of one track that are of one kind: its places, or how it is turned.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Series {
+    pub(super) track: TrackIndex,
+    /// 0: positions, 1: orientations and directions.
+    pub(super) kind: usize,
+    /// When its samples were \[s\], in order.
+    pub(super) times_s: Vec<f64>,
+    /// The first row of each: it has three.
+    pub(super) rows: Vec<usize>,
+    /// One unit of its residuals \[m or rad\].
+    pub(super) unit: f64,
+}
+
+/// Residuals and rows of a motion.
+#[derive(Clone, Debug)]
+pub(super) struct Linear {
+    pub(super) series: Vec<Series>,
+    /// `r` of samples, then of priors; in units.
+    pub(super) residuals: DVector<f64>,
+    /// `J`.
+    by: DMatrix<f64>,
+    /// `c` and `C` of the rows that act.
+    rows: DVector<f64>,
+    rows_by: DMatrix<f64>,
+    /// Objective and constraints.
+    pub(super) system: System,
+}
+
+/// How rows hold the motion.
+pub(super) struct Held {
+    /// `J Z`.
+    pub(super) free: DMatrix<f64>,
+    /// `Z`.
+    pub(super) basis: DMatrix<f64>,
+    /// `B (C B)⁺`.
+    along_rows: DMatrix<f64>,
+}
+
+/// What changes with a quantity.
+#[derive(Clone, Debug)]
+pub(super) struct Change {
+    /// `r_θ`.
+    pub(super) residuals: DVector<f64>,
+    /// `c_θ`.
+    pub(super) rows: DVector<f64>,
+}
+
+impl Linear {
+    /// At a point, with the rows that act; `None` where something there is no number.
+    pub(super) fn new(
+        problem: &TreeProblem,
+        point: &TreePoint,
+        active: &ActiveSet,
+    ) -> Option<Self> {
+        let program = TreeProgram::new(problem, point.clone());
+        let size = problem.unknown_count();
+        let mut system = System::new(program.structure());
+        let mut series: Vec<Series> = Vec::new();
+        let (mut values, mut derivatives) = (Vec::new(), Vec::new());
+        let mut each = |node: usize, residual: &Residual| {
+            let sample = residual.sample;
+            let kind = usize::from(sample.quantity.unit() != GoalUnit::Metre);
+            let is_of = |of: &Series| (of.track, of.kind) == (sample.track, kind);
+            let at = series.iter().position(is_of).unwrap_or_else(|| {
+                series.push(Series {
+                    track: sample.track,
+                    kind,
+                    times_s: Vec::new(),
+                    rows: Vec::new(),
+                    unit: sample.unit,
+                });
+                series.len() - 1
+            });
+            series[at].times_s.push(sample.time_s);
+            series[at].rows.push(values.len());
+            for axis in 0..3 {
+                let mut row = DVector::zeros(size);
+                for (column, by) in residual.by.row(axis).iter().enumerate() {
+                    row[problem.unknown_of(node, column)] = *by;
+                }
+                values.push(residual.value[axis]);
+                derivatives.push(row);
+            }
+        };
+        program.evaluate_each((&Part::whole(), point), &mut system, &mut each);
+        for (unknown, value, weight) in priors(problem, point) {
+            let mut row = DVector::zeros(size);
+            row[unknown] = weight;
+            values.push(value * weight);
+            derivatives.push(row);
+        }
+        let (weights, off) = active.weights_and_violations(&system, program.information().1);
+        let acting: Vec<usize> = (0..off.len()).filter(|row| weights[*row] > 0.0).collect();
+        let mut rows_by = DMatrix::zeros(acting.len(), size);
+        for column in 0..size {
+            let mut unit = DVector::zeros(size);
+            unit[column] = 1.0;
+            let mut along = Vec::new();
+            system.along(program.structure(), &unit, &mut along);
+            for (row, of) in acting.iter().enumerate() {
+                rows_by[(row, column)] = along[*of];
+            }
+        }
+        let by = DMatrix::from_fn(derivatives.len(), size, |row, column| {
+            derivatives[row][column]
+        });
+        let linear = Self {
+            series,
+            residuals: DVector::from_vec(values),
+            by,
+            rows: DVector::from_iterator(acting.len(), acting.iter().map(|row| off[*row])),
+            rows_by,
+            system,
+        };
+        linear.is_finite().then_some(linear)
+    }
+
+    fn is_finite(&self) -> bool {
+        let numbers = self.residuals.iter().chain(&self.by).chain(&self.rows);
+        let mut numbers = numbers.chain(&self.rows_by);
+        self.system.cost.is_finite() && numbers.all(|number| number.is_finite())
+    }
+
+    /// `c`.
+    #[cfg(test)]
+    pub(super) fn rows(&self) -> &DVector<f64> {
+        &self.rows
+    }
+
+    /// Number of rows of samples.
+    pub(super) fn sample_rows(&self) -> usize {
+        3 * self.series.iter().map(|of| of.rows.len()).sum::<usize>()
+    }
+
+    /// Root mean square distance \[m\] and angle \[rad\] of all samples.
+    pub(super) fn rms(&self) -> [f64; 2] {
+        rms(&self.series, |of| {
+            let rows = of.rows.iter();
+            rows.map(|row| self.residuals.rows(*row, 3).norm_squared())
+                .sum()
+        })
+    }
+
+    /// The greatest root mean square of a series, in weights of its samples.
+    pub(super) fn rms_in_weights(&self) -> f64 {
+        let each = self.series.iter().map(|of| {
+            let rows = of.rows.iter();
+            let sum: f64 = rows
+                .map(|row| self.residuals.rows(*row, 3).norm_squared())
+                .sum();
+            (sum / of.rows.len() as f64).sqrt()
+        });
+        each.fold(0.0, f64::max)
+    }
+
+    /// What holds the motion.
+    pub(super) fn held(&self) -> Held {
+        let size = self.by.ncols();
+        let rows: Vec<DVector<f64>> = self.rows_by.row_iter().map(|row| row.transpose()).collect();
+        let span = Span::of(&rows, size, DEPENDENT);
+        let basis = span.beyond(DMatrix::identity(size, size)).transpose();
+        let across = span.basis();
+        let along_rows = if span.rank() == 0 {
+            DMatrix::zeros(size, rows.len())
+        } else {
+            let held = (&self.rows_by * &across).svd(true, true);
+            let least = SINGULAR * held.singular_values.max();
+            let inverse = held.pseudo_inverse(least);
+            across * inverse.expect("it was asked for both factors")
+        };
+        Held {
+            free: &self.by * &basis,
+            basis,
+            along_rows,
+        }
+    }
+
+    /// `u` of a quantity.
+    pub(super) fn total(&self, held: &Held, change: &Change) -> DVector<f64> {
+        &change.residuals - &self.by * (&held.along_rows * &change.rows)
+    }
+
+    /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `calm` holds what nothing
+    /// tells. `None` where nothing tells the quantity.
+    pub(super) fn step(&self, change: &Change, information: f64) -> Option<(DVector<f64>, f64)> {
+        let held = self.held();
+        let to_rows = -&held.along_rows * &self.rows;
+        let residuals = &self.residuals + &self.by * &to_rows;
+        let total = self.total(&held, change);
+        let free = held.free.ncols();
+        let mut columns = held.free.clone().insert_column(free, 0.0);
+        columns.set_column(free, &total);
+        let mut normal = columns.tr_mul(&columns);
+        for at in 0..free {
+            normal[(at, at)] += CALM * information;
+        }
+        let answer = -normal.cholesky()?.solve(&columns.tr_mul(&residuals));
+        let by = answer[free];
+        let step =
+            to_rows + &held.basis * answer.rows(0, free) - &held.along_rows * &change.rows * by;
+        Some((step, by))
+    }
+
+    /// Half the squares of all residuals, and by how much rows do not hold, in units.
+    pub(super) fn merit(&self) -> (f64, f64) {
+        (0.5 * self.residuals.norm_squared(), self.rows.lp_norm(1))
+    }
+
+    /// The change of a quantity from two motions that differ in it alone, by so much.
+    pub(super) fn change(before: &Self, after: &Self, by: f64) -> Change {
+        Change {
+            residuals: (&after.residuals - &before.residuals) / by,
+            rows: (&after.rows - &before.rows) / by,
+        }
+    }
+}
+
+/// Root mean squares over the samples of series with sums of squares in their units \[m, rad\]; zero where none are seen.
+pub(super) fn rms(series: &[Series], squares: impl Fn(&Series) -> f64) -> [f64; 2] {
+    [0, 1].map(|kind| {
+        let of_kind = || series.iter().filter(|of| of.kind == kind);
+        let sum: f64 = of_kind().map(|of| squares(of) * of.unit * of.unit).sum();
+        let samples: usize = of_kind().map(|of| of.rows.len()).sum();
+        (sum / samples.max(1) as f64).sqrt()
+    })
+}
+
+/// What holds rates of the start and times of events at their marks: the unknown, how far it is off, and the
+/// weight's root.
+fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<(usize, f64, f64)> {
+    let freedoms = problem.tree.freedoms();
+    let flight = freedoms - problem.tree.angular_freedoms();
+    let rates = (flight..freedoms).map(|at| {
+        let rate = point.nodes[0].rates[at];
+        (freedoms + at, rate, 1.0 / RATE_SD_RAD_S)
+    });
+    let first = problem.width() * problem.nodes_s.len();
+    let times = problem.events.iter().zip(&point.event_times_s).enumerate();
+    let times = times.filter_map(|(index, (event, time_s))| {
+        let [mark_s, sd_s] = event.mark_s?;
+        Some((first + index, time_s - mark_s, 1.0 / sd_s))
+    });
+    rates.chain(times).collect()
+}
