@@ -14,7 +14,7 @@ use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::rows;
-use super::sample::TreeSample;
+use super::sample::{Residual, TreeSample};
 use crate::estimate::constraint::quantity::{self, Valued};
 use crate::estimate::constraint::within::WithinRow;
 use crate::motion::{GoalQuantity, Moment};
@@ -30,13 +30,6 @@ pub(super) struct Sums {
     pub(super) cost: f64,
     pub(super) gradient: DVector<f64>,
     pub(super) hessian: DMatrix<f64>,
-}
-
-/// A sample with its residual, in units, and the derivative by the unknowns of its leg.
-pub(super) struct Residual<'s> {
-    pub(super) sample: &'s TreeSample,
-    pub(super) value: Vector3<f64>,
-    pub(super) by: Matrix3xX<f64>,
 }
 
 impl TreeProgram<'_> {
@@ -281,17 +274,6 @@ fn chained(valued: &Valued, links: &[&LinkState], jacobian: &DMatrix<f64>) -> Ma
         by += by_link * link;
     }
     by * jacobian
-}
-
-impl<'s> Residual<'s> {
-    fn new(sample: &'s TreeSample, valued: &Valued, by: &Matrix3xX<f64>) -> Self {
-        let per_unit = 1.0 / sample.unit;
-        Self {
-            sample,
-            value: (valued.value - sample.seen) * per_unit,
-            by: by * per_unit,
-        }
-    }
 }
 
 impl Sums {

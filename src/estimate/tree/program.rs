@@ -6,10 +6,10 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 
 use super::curvature::{Lacking, dense};
-use super::leg::Residual;
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::rows;
+use super::sample::Residual;
 use crate::optimise::block::BlockPattern;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::optimise::{Program, Structure, System};

@@ -1,7 +1,8 @@
 //! What was seen of a tree: quantities of its links at times.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3xX, Vector3};
 
+use crate::estimate::constraint::quantity::Valued;
 use crate::motion::{
     BodyPoint, GoalQuantity, JointTree, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
 };
@@ -25,6 +26,24 @@ pub struct TreeSample {
     pub seen: Vector3<f64>,
     /// One unit of its residual, in the quantity's own.
     pub unit: f64,
+}
+
+/// A sample with its residual, in units, and the derivative by the unknowns of its leg.
+pub(super) struct Residual<'s> {
+    pub(super) sample: &'s TreeSample,
+    pub(super) value: Vector3<f64>,
+    pub(super) by: Matrix3xX<f64>,
+}
+
+impl<'s> Residual<'s> {
+    pub(super) fn new(sample: &'s TreeSample, valued: &Valued, by: &Matrix3xX<f64>) -> Self {
+        let per_unit = 1.0 / sample.unit;
+        Self {
+            sample,
+            value: (valued.value - sample.seen) * per_unit,
+            by: by * per_unit,
+        }
+    }
 }
 
 /// The samples of a tree's links within a span \[s\], in order of time.

@@ -13,10 +13,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimate::tree::leg::Residual;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
 use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::estimate::tree::sample::Residual;
 use crate::math::span::Span;
 use crate::motion::{GoalUnit, TrackIndex};
 use crate::optimise::active::ActiveSet;
