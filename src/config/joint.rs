@@ -57,10 +57,6 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
         );
         return fault(span.clone(), said);
     }
-    if mechanisms.len() > 1 {
-        let said = "the joints make several trees, expected one: a scene has one at most";
-        return fault(first, said);
-    }
     for tree in mechanisms.iter().filter_map(Mechanism::tree) {
         let model = tree.model(|link| scene.links[link].body);
         if let Err(error) = model {
@@ -76,7 +72,7 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
             scene.links[link].mechanism = index;
         }
     }
-    Ok(())
+    refused::refuse_neighbours(raw, scene)
 }
 
 /// The tree that begins with a link, whose joints are taken out of those left.

@@ -1,4 +1,4 @@
-//! The course of a tree from a node on, through events, with its derivatives by the unknowns of the leg.
+//! The course of trees from a node on, through events, with its derivatives by the unknowns of the leg.
 //!
 //! With `Φ` the flow's derivative, and `Δ` its change with the duration, a flow from one event, at `T`, to
 //! another, at `T'`, changes with both: `δx' = Φ δx + Δ (δT' − δT)`. An impact's derivative follows. Where
@@ -10,7 +10,9 @@ use super::problem::TreeProblem;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::tableau::{self, Tableau};
-use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, TreeState};
+use crate::physics::tree::{
+    ForestFlow, ForestSnapshot, TreeImpact, TreeImpactDerivative, TreeState,
+};
 
 /// A time on the way at which the course stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +40,7 @@ impl Stop {
 /// The motion from a node on.
 pub(super) struct Course<'t> {
     problem: &'t TreeProblem,
-    flow: Flow<'t>,
+    flow: ForestFlow<'t>,
     now: Stop,
     has_derivatives: bool,
     /// Number of events of the leg.
@@ -76,7 +78,7 @@ impl<'t> Course<'t> {
         tableau: Tableau,
         has_derivatives: bool,
     ) -> Self {
-        let mut flow = Flow::new(&problem.tree, &problem.gravity_m_s2, tableau);
+        let mut flow = ForestFlow::new(&problem.forest, &problem.gravity_m_s2, tableau);
         flow.begin(node, has_derivatives);
         Self {
             problem,
@@ -143,18 +145,17 @@ impl<'t> Course<'t> {
         }
     }
 
-    /// A link hits something now: the impact with its derivatives. Fails as [`Snapshot::impact`] does; the course then
+    /// Something is hit now: the impact with its derivatives. Fails as [`ForestSnapshot::impact`] does; the course then
     /// stays as it was.
     pub(super) fn hit(
         &mut self,
-        snapshot: &Snapshot,
+        snapshot: &ForestSnapshot,
         touch: &TreeTouch,
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
-        let at = (touch.place, &touch.contact);
-        let (impact, derivative) = snapshot.impact_derivative(&state, at, &touch.law)?;
+        let (impact, derivative) = snapshot.impact_derivative(&state, &touch.at, &touch.law)?;
         let mut by_unknowns = self.jacobian();
-        let freedoms = self.problem.tree.freedoms();
+        let freedoms = self.problem.forest.freedoms();
         let rates = &derivative.rates * &by_unknowns;
         by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
         self.by_unknowns = Some(by_unknowns);
@@ -165,9 +166,9 @@ impl<'t> Course<'t> {
     /// [`Course::hit`] of a plain course.
     pub(super) fn hit_plainly(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
-        let mut snapshot = Snapshot::new(&self.problem.tree, &self.problem.gravity_m_s2);
+        let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&state);
-        let impact = snapshot.impact(&state, (touch.place, &touch.contact), &touch.law)?;
+        let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The unknowns of a tree's motion.
+//! The unknowns of the motion of trees.
 
 use nalgebra::DVector;
 
@@ -29,7 +29,7 @@ impl TreePoint {
         let (states, times) = step.as_slice().split_at(width * self.nodes.len());
         let moved = self.nodes.iter().zip(states.chunks_exact(width));
         for ((from, step), to) in moved.zip(&mut to.nodes) {
-            *to = problem.tree.retract(from, step);
+            *to = problem.forest.retract(from, step);
         }
         let moved = self.event_times_s.iter().zip(times);
         for ((from_s, step_s), to_s) in moved.zip(&mut to.event_times_s) {

@@ -1,4 +1,4 @@
-//! The motion that a tree's unknowns say, walked through without derivatives.
+//! The motion that the unknowns say, walked through without derivatives.
 
 use super::course::{Course, Stop};
 use super::point::TreePoint;
@@ -60,7 +60,6 @@ impl TreeProblem {
 
     /// Longest step of the integrator for the motion from its first node to a time \[s\].
     pub(super) fn step_for(&self, point: &TreePoint, until_s: f64) -> f64 {
-        let flight = self.tree.freedoms() - self.tree.angular_freedoms();
         let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
@@ -68,9 +67,9 @@ impl TreeProblem {
         let end_s = until_s.min(self.span_s[1]);
         loop {
             let rates = course.state().rates;
-            let here = rates[flight..]
-                .iter()
-                .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+            let turning = rates.iter().enumerate();
+            let turning = turning.filter(|(at, _)| !self.forest.is_translation(*at));
+            let here = turning.fold(0.0, |most: f64, (_, rate)| most.max(rate.abs()));
             fastest_rad_s = fastest_rad_s.max(here.min(RATE_MOST_RAD_S));
             if now_s >= end_s || !here.is_finite() {
                 break;

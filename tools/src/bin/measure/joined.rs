@@ -111,13 +111,10 @@ fn sketched(performance: &TreePerformance) -> Solved {
 fn from_truth(performance: &TreePerformance) -> Solved {
     let begin = Instant::now();
     let scene = &performance.scene;
-    let (Ok((sketch, _)), Some(tree)) = (
-        clean(scene, &performance.events),
-        scene.joint_trees().next(),
-    ) else {
+    let Ok((sketch, _)) = clean(scene, &performance.events) else {
         return Solved::of(None, begin);
     };
-    let problem = TreeProblem::new(scene, &sketch, tree);
+    let problem = TreeProblem::new(scene, &sketch);
     let truth = performance.truth.clone();
     let estimate = estimate(scene, &sketch, problem, truth, &mut Limit(begin));
     Solved::of(Some(&estimate), begin)
