@@ -165,7 +165,10 @@ normal = [0, 0, 1]
 name = "hanging"
 shape = { kind = "capsule", length_mm = 300, radius_mm = 5 }
 mass_g = 100
-tracked = false
+
+[[body.track]]
+sees = "point"
+tracker = { position_mm = [0, 0, 0] }
 
 [[body]]
 name = "box"
