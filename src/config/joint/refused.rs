@@ -5,8 +5,9 @@ use std::ops::Range;
 use toml::Spanned;
 
 use crate::config::error::{Fault, fault};
+use crate::config::event::link_of;
 use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{Partner, Scene, Timing};
+use crate::motion::{Scene, Timing};
 
 /// Refuses a scene with joints that asks for what is not done there.
 pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
@@ -66,14 +67,16 @@ fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
 
 /// Refuses collisions of two bodies that a joint ties to each other: whether they overlap beside it is not looked at.
 pub(super) fn refuse_neighbours(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
-    for (event, spanned) in scene.events.iter().zip(&raw.event) {
-        if let Some(collision) = event.kind.collision()
-            && let Partner::Link(other) = collision.partner
-            && scene.are_joined(collision.link, other)
-        {
+    for spanned in &raw.event {
+        let event = spanned.get_ref();
+        let (Some(body), Some(other)) = (&event.body, &event.other) else {
+            continue;
+        };
+        let [one, other] = [link_of(body, scene)?, link_of(other, scene)?];
+        if scene.are_joined(one, other) {
             let said = format!(
                 "a joint ties {:?} to {:?}, expected bodies that no joint ties to each other",
-                scene.links[collision.link].name, scene.links[other].name
+                scene.links[one].name, scene.links[other].name
             );
             return fault(spanned.span(), said);
         }
