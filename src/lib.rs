@@ -71,7 +71,7 @@
 //!
 //! - A *link* ([`motion::LinkIndex`]) is one rigid body: mass, shape, and features that touch.
 //! - A *mechanism* ([`motion::MechanismIndex`]) is what moves as one system of differential
-//!   equations between its collisions: one link in free flight.
+//!   equations between its collisions: one link in free flight, or links joined in a tree.
 //! - A *track* ([`motion::TrackIndex`]) is what one tracker on a link delivers.
 //!
 //! A link that somebody holds ([`motion::Held`]) does not fly: its track, smoothed, is its motion
@@ -92,8 +92,8 @@
 //!
 //! # Limits
 //!
-//! Free rigid bodies that collide with the static world, with each other or with bodies in the hand; no
-//! joints. Contacts are
+//! Free rigid bodies that collide with the static world, with each other or with bodies in the hand; bodies
+//! joined in trees, and free ones beside them. Contacts are
 //! between features: points, lines, rims and faces, sharp or rounded, in the pairs that
 //! [`physics::contact`] knows. Friction is for one contact at a time.
 

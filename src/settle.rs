@@ -67,7 +67,7 @@ const SLOW_STEPS: usize = 12;
 /// Simulates all links from the end of the estimate until they rest, for at most `limit_s`.
 ///
 /// A link whose last arc ends earlier flies freely until the last of all ends. The first poses
-/// are those of the estimate's end, bit for bit. `None` where nothing moves or the estimate is
+/// are those of the estimate's end, bit for bit, of joined bodies to rounding. `None` where nothing moves or the estimate is
 /// not finite. Where joined bodies gain energy, which no contact gives them, the simulation has failed:
 /// it ends before, and they are not at rest.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {

@@ -280,7 +280,8 @@ fn the_document_shows_a_scene_that_is_one() {
     let scene = scene_from_toml(&whole).expect("a valid scene");
     let (_, joined) = scene.joint_trees().next().expect("a tree");
     assert_eq!((joined.joints.len(), joined.base), (2, None));
-    assert_eq!((scene.goals.len(), scene.events.len()), (1, 3));
+    assert_eq!((scene.goals.len(), scene.events.len()), (1, 4));
+    assert_eq!(scene.forest().freedoms(), 9);
     assert_eq!(scene.tree_model(joined).freedoms(), 3);
 }
 

@@ -323,7 +323,7 @@ fn collisions_that_are_not_done_are_refused() {
         (
             "surface = \"table\"\nrestitution",
             "other = \"rod 1\"\nrestitution",
-            "static world",
+            "not inferred",
         ),
         (
             "feature = \"end\"\nsurface",
@@ -344,6 +344,11 @@ fn collisions_that_are_not_done_are_refused() {
             "restitution = 0.5",
             "count = 2\nrestitution = 0.5",
             "one by one",
+        ),
+        (
+            "[[goal]]",
+            "[[goal]]\nevent = \"hit 1\"\nbody = \"rod 2\"\ncontact = true\nposition_mm = [0, 0, 0]\n[[goal]]",
+            "no point for goals",
         ),
     ] {
         let text = whole.replacen(from, to, 1);

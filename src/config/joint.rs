@@ -57,10 +57,6 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
         );
         return fault(span.clone(), said);
     }
-    if mechanisms.len() > 1 {
-        let said = "the joints make several trees, expected one: a scene has one at most";
-        return fault(first, said);
-    }
     for tree in mechanisms.iter().filter_map(Mechanism::tree) {
         let model = tree.model(|link| scene.links[link].body);
         if let Err(error) = model {
@@ -70,13 +66,20 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
             );
         }
     }
+    if mechanisms.len() > 1
+        && let Some(settle_s) = &raw.settle_s
+    {
+        let said =
+            "a tree with others beside it is not continued until all rests, expected no settle_s";
+        return fault(settle_s.span(), said);
+    }
     scene.mechanisms = mechanisms.into();
     for (index, mechanism) in scene.mechanisms.iter_enumerated() {
         for link in mechanism.links() {
             scene.links[link].mechanism = index;
         }
     }
-    Ok(())
+    refused::refuse_neighbours(raw, scene)
 }
 
 /// The tree that begins with a link, whose joints are taken out of those left.

@@ -1,4 +1,4 @@
-//! First guess of a tree's motion: as its goals at the start say, else as its first samples show, else straight
+//! First guess of the motion of trees, of a body by itself as of one without joints: as their goals at the start say, else as its first samples show, else straight
 //! joints; at rest, but for what flies.
 
 use std::f64::consts::TAU;
@@ -10,15 +10,21 @@ use crate::motion::{
     EventKind, GoalQuantity, GoalSet, GoalTarget, Joint, JointTree, LinkIndex, Sample, Scene,
     Sketch,
 };
-use crate::physics::tree::{JointKind, Tree, TreeState};
+use crate::physics::tree::{Forest, JointKind, Tree, TreeState};
 
 /// Number of first samples from which the velocity of a free base is told.
 const FIRST: usize = 10;
 /// Angle of joints that nothing tells \[rad\]: hanging straight down, a pendulum would stay there.
 const BENT_RAD: f64 = 0.3;
 
-/// The state of a tree at the beginning of its motion.
-pub fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> TreeState {
+/// The state of all that moves at the beginning.
+pub fn start(scene: &Scene, sketch: &Sketch, forest: &Forest) -> TreeState {
+    let all = scene.mechanisms.iter().zip(forest.trees());
+    forest.whole(all.map(|(of, model)| tree(scene, sketch, &of.as_tree(), model)))
+}
+
+/// The state of a tree at the beginning.
+fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> TreeState {
     let mut state = tree.at_rest();
     let start = scene
         .events
@@ -67,7 +73,11 @@ pub fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> 
             _ => None,
         });
     let samples = || samples_of(scene, sketch, base);
-    let any = || sketch.tracks.iter().flat_map(|track| &track.samples);
+    let any = || {
+        joined
+            .links()
+            .flat_map(|link| samples_of(scene, sketch, link))
+    };
     let orientation = pose.map(|pose| pose.rotation);
     let orientation = orientation.or_else(|| samples().find_map(|of| of.seen.orientation()));
     let place = |sample: &Sample| Some((sample.acted_s, sample.seen.position_m()?));

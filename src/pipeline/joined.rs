@@ -1,24 +1,24 @@
-//! The motion of bodies joined in a tree: from the events of a take to its estimate.
+//! The motion of a scene with joined bodies: from the events of a take to its estimate.
 
 use super::outcome::{Outcome, PipelineError};
 use crate::estimate::tree::{TreeProblem, estimate};
 use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
 use crate::{initialise, segment, verify};
 
-/// The outcome of a take of joined bodies; `None` of a scene of bodies by themselves.
+/// The outcome of a take; `None` of a scene in which no bodies are joined.
 pub(super) fn outcome(
     scene: &Scene,
     events: &[TakeEvent],
     observer: &mut dyn Observer,
 ) -> Result<Option<Outcome>, PipelineError> {
-    let Some((mechanism, joined)) = scene.joint_trees().next() else {
+    if scene.joint_trees().next().is_none() {
         return Ok(None);
-    };
+    }
     observer.phase(Phase::Clean);
     let (sketch, mut counts) = segment::clean::clean(scene, events)?;
-    let problem = TreeProblem::new(scene, &sketch, (mechanism, joined));
+    let problem = TreeProblem::new(scene, &sketch);
     let span_s = problem.span_s;
-    let start = initialise::tree::tree(scene, &sketch, joined, &problem.tree);
+    let start = initialise::tree::start(scene, &sketch, &problem.forest);
     let mut estimate = estimate(scene, &sketch, problem, start, observer);
     let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
     let before = samples()

@@ -1,8 +1,8 @@
-//! What speaks against a motion of bodies joined in a tree.
+//! What speaks against a motion of bodies joined in trees, and of bodies by themselves beside them.
 //!
 //! | quantity | bound | origin |
 //! |---|---|---|
-//! | residual of a track, in weights | 3 | 2 of a hand that wanders by 20 mm, with weights of 10 mm |
+//! | residual of a track, of a body by itself in each flight, in weights | 3 | 2 of a hand that wanders by 20 mm, with weights of 10 mm |
 //! | speed of a link's fastest point, its angular speed | as [`credible`](super::credible) | |
 //! | distance from the same start integrated with half the steps, through impacts by their law | 1 µm | errors at the end of 2 to 5 links, in `tools/results/trees.md`: up to 10⁻⁸ rad |
 //! | distance of what touches at an impact, speed at which it recedes, kinetic energy gained | 1 µm, 1 µm/s, 10⁻⁹ | the same |
@@ -11,6 +11,7 @@
 //! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`TOLERANCE_M`]) | |
 
 mod again;
+mod flights;
 mod limits;
 mod link;
 
@@ -20,7 +21,7 @@ use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;
 use super::meeting::World;
 use super::{TOLERANCE_M, overlap, touch};
-use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackResidual};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackIndex};
 use crate::physics::tree::Snapshot;
 
 /// Greatest root mean square residual of a track, in units of its weights.
@@ -33,7 +34,7 @@ const GAP_M: f64 = 1e-6;
 const RECEDING_M_S: f64 = 1e-6;
 const ENERGY: f64 = 1e-9;
 
-/// Doubts about all joined bodies of an estimate, given when marks of events were made \[s, acted\].
+/// Doubts about all that moves of a scene with joined bodies, given when marks of events were made \[s, acted\].
 pub fn doubts(
     scene: &Scene,
     (sketch, marks_made_s): (&Sketch, &[Option<f64>]),
@@ -45,8 +46,9 @@ pub fn doubts(
             continue;
         };
         for residual in &motion.residuals {
-            let rms = in_weights(scene, residual);
-            doubts.extend(Doubt::beyond(About::Residual, Place::Motion, rms, RESIDUAL));
+            let rms = [residual.position_rms_m, residual.orientation_rms_rad];
+            let off = in_weights(scene, (residual.track, rms));
+            doubts.extend(Doubt::beyond(About::Residual, Place::Motion, off, RESIDUAL));
         }
         let tree = scene.tree_model(joined);
         let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
@@ -62,22 +64,31 @@ pub fn doubts(
             }
         }
         doubts.extend(limits::doubts(joined, &tree, motion));
-        let off = again::off((scene, joined, &tree), estimate, motion);
         doubts.extend(
             [
                 (About::Speed, fastest_m_s, SPEED_M_S),
                 (About::Spin, fastest_rad_s, SPIN_RAD_S),
-                (About::Steps, off.position_m, STEPS_M),
-                (About::Gap, off.gap_m, GAP_M),
-                (About::Receding, off.receding_m_s, RECEDING_M_S),
-                (About::Energy, off.energy, ENERGY),
             ]
             .into_iter()
-            .filter_map(|(about, value, bound)| Doubt::beyond(about, Place::Motion, value, bound)),
+            .filter_map(beyond),
         );
     }
-    if estimate.trees.iter().all(|motion| motion.is_finite()) && !estimate.trees.is_empty() {
+    let off = again::off(scene, estimate);
+    doubts.extend(
+        [
+            (About::Steps, off.position_m, STEPS_M),
+            (About::Gap, off.gap_m, GAP_M),
+            (About::Receding, off.receding_m_s, RECEDING_M_S),
+            (About::Energy, off.energy, ENERGY),
+        ]
+        .into_iter()
+        .filter_map(beyond),
+    );
+    let is_finite = estimate.trees.iter().all(|motion| motion.is_finite())
+        && estimate.arcs.iter().all(|arc| arc.state.is_finite());
+    if is_finite && !estimate.trees.is_empty() {
         let world = World::new(scene, estimate);
+        doubts.extend(flights::doubts(scene, &world, estimate));
         let mut touches = touch::touches(&world);
         let deepest = overlap::deepest(&world, &mut touches);
         doubts.extend(deepest.map(|deepest| deepest.doubt(TOLERANCE_M)));
@@ -87,16 +98,17 @@ pub fn doubts(
     doubts
 }
 
-/// The larger residual of a track in units of its weights.
-fn in_weights(scene: &Scene, residual: &TrackResidual) -> f64 {
-    let weights = scene.tracks[residual.track].weights(&scene.weights);
-    let position = residual
-        .position_rms_m
-        .map(|rms_m| rms_m / weights.position_m);
-    let turn = residual
-        .orientation_rms_rad
-        .map(|rms_rad| rms_rad / weights.orientation_rad);
-    position.into_iter().chain(turn).fold(0.0, larger)
+fn beyond((about, value, bound): (About, f64, f64)) -> Option<Doubt> {
+    Doubt::beyond(about, Place::Motion, value, bound)
+}
+
+/// The larger residual of a track \[m\] \[rad\] in units of its weights.
+fn in_weights(scene: &Scene, (track, rms): (TrackIndex, [Option<f64>; 2])) -> f64 {
+    let weights = scene.tracks[track].weights(&scene.weights);
+    let units = [weights.position_m, weights.orientation_rad];
+    let seen = rms.into_iter().zip(units);
+    let seen = seen.filter_map(|(rms, unit)| Some(rms? / unit));
+    seen.fold(0.0, larger)
 }
 
 /// The larger of two; infinite where the other is no number, so that nothing unknown looks small.

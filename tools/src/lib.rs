@@ -38,6 +38,7 @@ pub mod stress;
 pub mod tosses;
 pub mod tracker;
 pub mod tree_impacts;
+pub mod tree_meetings;
 pub mod trees;
 pub mod waypoints;
 pub mod ways;

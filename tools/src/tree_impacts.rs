@@ -1,4 +1,5 @@
-//! Performances of bodies joined in trees that hit a table: true motions through impacts, and how a hand acts them.
+//! Performances of bodies joined in trees that hit something: true motions through impacts on a table, and how a hand
+//! acts them.
 
 use std::path::Path;
 
@@ -7,7 +8,7 @@ use enact::math::Pose;
 use enact::motion::{Estimate, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::Law;
-use enact::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
+use enact::physics::tree::{Flow, ForestSnapshot, LinkContact, Snapshot, Tree, TreeState, tableau};
 use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -33,7 +34,7 @@ pub struct Struck {
     pub law: [f64; 2],
 }
 
-/// How it is acted: every rod has a tracker.
+/// How it is acted: every body has a tracker.
 #[derive(Clone, Copy, Debug)]
 pub struct Acted {
     /// Wander of a usual hand, times this.
@@ -55,7 +56,7 @@ impl Acted {
     }
 }
 
-/// A performance of a tree that hits the table.
+/// A performance of trees that hit something.
 #[derive(Clone)]
 pub struct Strike {
     /// Its scene file.
@@ -66,7 +67,7 @@ pub struct Strike {
     pub events: Vec<TakeEvent>,
     /// True times of its impacts \[s after the start\].
     pub impacts_s: Vec<f64>,
-    /// True states at the samples.
+    /// True states of all that moves at the samples.
     pub states: Vec<TreeState>,
 }
 
@@ -82,23 +83,22 @@ impl Strike {
         self.events.insert(after.unwrap_or(self.events.len()), mark);
     }
 
-    /// Root mean square distance of all rods' centres from the true ones, at all samples \[m\].
+    /// Root mean square distance of all bodies' centres from the true ones, at all samples \[m\].
     pub fn off_m(&self, estimate: &Estimate) -> f64 {
-        let (_, joined) = self.scene.joint_trees().next().expect("a tree");
-        let tree = self.scene.tree_model(joined);
-        let gravity_m_s2 = &estimate.gravity_m_s2;
-        let mut snapshot = Snapshot::new(&tree, gravity_m_s2);
+        let forest = self.scene.forest();
+        let mut snapshot = ForestSnapshot::new(&forest, &estimate.gravity_m_s2);
         let mut centres = |state: &TreeState| -> Vec<Vector3<f64>> {
             snapshot.set(state);
-            let links = 0..tree.link_count();
+            let links = 0..forest.link_count();
             links
-                .map(|link| snapshot.link_state(link).position_m)
+                .map(|place| snapshot.link_state(place).position_m)
                 .collect()
         };
         let (mut sum, mut count) = (0.0, 0.0);
         for (index, truth) in self.states.iter().enumerate() {
             let time_s = index as f64 / RATE_HZ;
-            let found = estimate.trees[0].state(&tree, gravity_m_s2, time_s);
+            let found = self.scene.forest_state(estimate, &forest, time_s);
+            let found = found.expect("a motion");
             for (a, b) in centres(truth).iter().zip(centres(&found)) {
                 sum += (a - b).norm_squared();
                 count += 1.0;
@@ -212,9 +212,15 @@ fn struck_motion(
                     friction: struck.law[1],
                     tilt_rad: [0.0; 2],
                 };
-                let mut at = Snapshot::new(tree, &scene.gravity_m_s2);
+                let forest = scene.forest();
+                let mut at = ForestSnapshot::new(&forest, &scene.gravity_m_s2);
                 at.set(&before);
-                let impact = at.impact(&before, (link, &contact), &law).ok()?;
+                let touching = LinkContact {
+                    place: link,
+                    other: None,
+                    contact,
+                };
+                let impact = at.impact(&before, &touching, &law).ok()?;
                 if impact.speed_m_s > -SPEED_M_S {
                     return None;
                 }
@@ -246,7 +252,7 @@ fn struck_motion(
 }
 
 /// A state at the beginning.
-fn drawn(tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
+pub(crate) fn drawn(tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
     let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
     let flight = tree.freedoms() - tree.angular_freedoms();
     let mut delta = vec![0.0; 2 * tree.freedoms()];
@@ -325,14 +331,27 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
         end_mm.z
     );
     let scene_toml = scene_toml(struck, &hits, &goals);
+    let impacts_s = hits.iter().map(|(time_s, _)| *time_s).collect();
+    acted_out(scene_toml, (impacts_s, states), acted, &mut random)
+}
+
+/// How a hand acts a motion: impacts at these times, in the order of the scene's events, and states of all at samples.
+pub(crate) fn acted_out(
+    scene_toml: String,
+    (impacts_s, states): (Vec<f64>, Vec<TreeState>),
+    acted: &Acted,
+    random: &mut ChaCha8Rng,
+) -> Strike {
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
+    let forest = scene.forest();
+    let mut snapshot = ForestSnapshot::new(&forest, &scene.gravity_m_s2);
     let mut events: Vec<TakeEvent> = Vec::new();
     for (number, track) in scene.tracks.iter().enumerate() {
-        let place = joined.place_of(track.link).expect("of the tree");
+        let place = scene.place_of(track.link);
         let wanders: Vec<Wander> = [HAND_POSITION; 3]
             .iter()
             .chain(&[HAND_ORIENTATION; 3])
-            .map(|kind| Wander::draw(kind, &mut random))
+            .map(|kind| Wander::draw(kind, random))
             .collect();
         for (index, state) in states.iter().enumerate() {
             snapshot.set(state);
@@ -341,11 +360,12 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
             let acted_s = 3.0 * index as f64 / RATE_HZ;
             let mut off = |first: usize, wander: f64, noise: f64| {
                 Vector3::from_fn(|axis, _| {
-                    let white: f64 = StandardNormal.sample(&mut random);
+                    let white: f64 = StandardNormal.sample(random);
                     wander / 3.0_f64.sqrt() * wanders[first + axis].at(acted_s) + noise * white
                 })
             };
-            let at_m = snapshot.point(place, &track.point_m())
+            let at_m = link.position_m
+                + link.orientation * track.point_m()
                 + off(0, 0.02 * acted.distortion, 0.001 * acted.noise);
             let turn = off(3, 0.1 * acted.distortion, 0.003 * acted.noise);
             let turned = link.orientation * UnitQuaternion::from_scaled_axis(turn);
@@ -364,12 +384,12 @@ pub fn strike(struck: &Struck, acted: &Acted, seed: u64) -> Strike {
         scene_toml,
         scene,
         events,
-        impacts_s: hits.iter().map(|(time_s, _)| *time_s).collect(),
+        impacts_s: impacts_s.clone(),
         states,
     };
     strike.mark("start", 0.0);
-    for (index, (time_s, _)) in hits.iter().enumerate() {
-        let off: f64 = StandardNormal.sample(&mut random);
+    for (index, time_s) in impacts_s.into_iter().enumerate() {
+        let off: f64 = StandardNormal.sample(random);
         strike.mark(
             &format!("hit {}", index + 1),
             time_s + acted.mark_sd_s * off,

@@ -136,8 +136,7 @@ impl TreePerformance {
     /// The objective of the true motion.
     pub fn truth_cost(&self) -> f64 {
         let (sketch, _) = clean(&self.scene, &self.events).expect("a sketch");
-        let tree = self.scene.joint_trees().next().expect("a tree");
-        let mut problem = TreeProblem::new(&self.scene, &sketch, tree);
+        let mut problem = TreeProblem::new(&self.scene, &sketch);
         problem.step_s = 1.0 / RATE_HZ;
         let point = TreePoint::new(&problem, vec![self.truth.clone()]);
         let program = TreeProgram::new(&problem, point.clone());

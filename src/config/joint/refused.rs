@@ -1,19 +1,20 @@
-//! What joined bodies cannot be part of.
+//! What scenes with joints cannot ask for.
 
 use std::ops::Range;
 
 use toml::Spanned;
 
 use crate::config::error::{Fault, fault};
+use crate::config::event::link_of;
 use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{LinkIndex, Scene, Timing};
+use crate::motion::{Scene, Timing};
 
-/// Refuses a scene that asks of joined bodies what is not done for them.
+/// Refuses a scene with joints that asks for what is not done there.
 pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
     if scene.timing != Timing::Known {
         return fault(
             raw.timing.stamps.span(),
-            "joined bodies are estimated from physical stamps, expected stamps = \"physical\"",
+            "a scene with joints is estimated from physical stamps, expected stamps = \"physical\"",
         );
     }
     for event in &raw.event {
@@ -24,19 +25,9 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
             return fault(span, said);
         }
     }
-    let joined = |link: LinkIndex| {
-        raw.joint.iter().any(|of| {
-            let of = of.get_ref();
-            let names = [Some(&of.child), of.parent.as_ref()];
-            names
-                .iter()
-                .flatten()
-                .any(|text| *text.get_ref() == scene.links[link].name)
-        })
-    };
-    if let Some(link) = scene.links.keys().find(|link| !joined(*link)) {
+    if let Some(link) = scene.links.keys().find(|link| scene.is_held(*link)) {
         let said = format!(
-            "{:?} is not joined, expected a joint for it: a scene has either joined bodies or bodies by themselves",
+            "{:?} is held, expected no body in the hand in a scene with joints",
             scene.links[link].name
         );
         return fault(joint.clone(), said);
@@ -44,7 +35,7 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
     Ok(())
 }
 
-/// Collisions of joined bodies are with the static world, at one contact that the scene names.
+/// Collisions in a scene with joints are at one contact that it names.
 fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
     let event = spanned.get_ref();
     if event.kind.get_ref() != "collision" {
@@ -52,16 +43,12 @@ fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
     }
     let refused = [
         (
-            event.other.as_ref().map(Spanned::span),
-            "joined bodies collide with the static world alone, expected surface in place of other",
-        ),
-        (
             event.features.as_ref().map(Spanned::span),
-            "joined bodies touch at one contact at a time, expected one feature",
+            "in a scene with joints bodies touch at one contact at a time, expected one feature",
         ),
         (
             event.count.as_ref().map(Spanned::span),
-            "collisions of joined bodies are listed one by one, expected no count",
+            "collisions in a scene with joints are listed one by one, expected no count",
         ),
     ];
     for (span, said) in refused {
@@ -69,25 +56,47 @@ fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
             return fault(span, said);
         }
     }
-    if event.feature.is_none() || event.surface.is_none() {
-        let said = "what touches is not inferred of joined bodies, expected feature and surface";
+    let is_named =
+        event.surface.is_some() || event.other.is_some() && event.other_feature.is_some();
+    if event.feature.is_none() || !is_named {
+        let said = "what touches is not inferred in a scene with joints, expected feature and surface, or feature, other and other_feature";
         return fault(spanned.span(), said);
     }
     Ok(())
 }
 
-/// Keys that the motion of joined bodies does not heed, and what is expected instead.
+/// Refuses collisions of two bodies that a joint ties to each other: whether they overlap beside it is not looked at.
+pub(super) fn refuse_neighbours(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+    for spanned in &raw.event {
+        let event = spanned.get_ref();
+        let (Some(body), Some(other)) = (&event.body, &event.other) else {
+            continue;
+        };
+        let [one, other] = [link_of(body, scene)?, link_of(other, scene)?];
+        if scene.are_joined(one, other) {
+            let said = format!(
+                "a joint ties {:?} to {:?}, expected bodies that no joint ties to each other",
+                scene.links[one].name, scene.links[other].name
+            );
+            return fault(spanned.span(), said);
+        }
+    }
+    Ok(())
+}
+
+/// Keys that a motion with joints does not heed, and what is expected instead.
 fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'static str)> {
     fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
         of.as_ref().map(Spanned::span)
     }
     let of_scene = [(
         raw.free.first().map(|free| free.quantity.span()),
-        "nothing is estimated beside the motion of joined bodies, expected no [[free]]",
+        "nothing is estimated beside the motion of a scene with joints, expected no [[free]]",
     )];
     let of_bodies = raw.body.iter().flat_map(|body| {
         let body = body.get_ref();
-        let said = "joined bodies fly in gravity alone, expected neither force nor drag";
+        let said =
+            "bodies of a scene with joints fly in gravity alone, expected neither force nor drag";
         [
             (span(&body.force_m_s2), said),
             (span(&body.drag_linear_per_s), said),
@@ -96,12 +105,12 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
     });
     let tracks = raw.body.iter().flat_map(|body| &body.get_ref().track);
     let of_tracks = tracks.map(|track| {
-        let said = "samples of joined bodies weigh what the scene says, expected no weights";
+        let said = "samples in a scene with joints weigh what that says, expected no weights";
         (span(&track.get_ref().weights), said)
     });
     let of_events = raw.event.iter().flat_map(|event| {
         let event = event.get_ref();
-        let said = "times of joined bodies' events are told by their marks alone, expected no other time of the event";
+        let said = "times of events in a scene with joints are told by their marks alone, expected no other time of the event";
         [&event.time_sd_ms, &event.earliest_ms, &event.latest_ms]
             .map(|of| (span(of), said))
             .into_iter()
@@ -113,10 +122,14 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
     });
     let of_goals = raw.goal.iter().flat_map(|goal| {
         let goal = goal.get_ref();
-        let said = "joined bodies begin and end at the marks, expected no goal of a time";
+        let said = "a motion with joints begins and ends at the marks, expected no goal of a time";
         [
             (span(&goal.time_ms), said),
             (span(&goal.time_within_ms), said),
+            (
+                goal.contact.as_ref().filter(|of| *of.get_ref()).map(Spanned::span),
+                "where bodies touch is no point for goals in a scene with joints, expected point_mm or feature",
+            ),
         ]
     });
     of_scene

@@ -1,4 +1,4 @@
-//! The course of a tree from a node on, through events, with its derivatives by the unknowns of the leg.
+//! The course of trees from a node on, through events, with its derivatives by the unknowns of the leg.
 //!
 //! With `Φ` the flow's derivative, and `ẋ` how it goes on, a flow from one event, at `T`, to
 //! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. An impact's derivative follows; where
@@ -10,7 +10,9 @@ use super::problem::TreeProblem;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::tableau;
-use crate::physics::tree::{Flow, Snapshot, TreeImpact, TreeImpactDerivative, TreeState};
+use crate::physics::tree::{
+    ForestFlow, ForestSnapshot, TreeImpact, TreeImpactDerivative, TreeState,
+};
 
 /// A time on the way at which the course stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +36,7 @@ impl Stop {
 /// The motion from a node on.
 pub(super) struct Course<'t> {
     problem: &'t TreeProblem,
-    flow: Flow<'t>,
+    flow: ForestFlow<'t>,
     begun: Stop,
     now: Stop,
     has_derivatives: bool,
@@ -72,8 +74,8 @@ impl<'t> Course<'t> {
         (node, from_s): (&TreeState, f64),
         has_derivatives: bool,
     ) -> Self {
-        let mut flow = Flow::new(
-            &problem.tree,
+        let mut flow = ForestFlow::new(
+            &problem.forest,
             &problem.gravity_m_s2,
             tableau::DORMAND_PRINCE,
         );
@@ -90,10 +92,17 @@ impl<'t> Course<'t> {
         }
     }
 
-    /// Goes on, or back, to a time.
+    /// Goes on, or back, to a time. The state is no number at one that is farther from the motion than that lasts: an event
+    /// that runs away ends a step, and is not followed.
     pub(super) fn advance(&mut self, to: Stop) {
-        self.flow
-            .reach(to.time_s - self.begun.time_s, self.problem.step_s);
+        let [from_s, to_s] = self.problem.span_s;
+        let lasts_s = to_s - from_s;
+        let is_near = (from_s - lasts_s..=to_s + lasts_s).contains(&to.time_s);
+        let elapsed_s = match is_near {
+            true => to.time_s - self.begun.time_s,
+            false => f64::NAN,
+        };
+        self.flow.reach(elapsed_s, self.problem.step_s);
         self.now = to;
     }
 
@@ -128,18 +137,17 @@ impl<'t> Course<'t> {
         by_unknowns
     }
 
-    /// A link hits something now: the impact with its derivatives. Fails as [`Snapshot::impact`] does; the course then
+    /// Something is hit now: the impact with its derivatives. Fails as [`ForestSnapshot::impact`] does; the course then
     /// stays as it was.
     pub(super) fn hit(
         &mut self,
-        snapshot: &Snapshot,
+        snapshot: &ForestSnapshot,
         touch: &TreeTouch,
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
-        let at = (touch.place, &touch.contact);
-        let (impact, derivative) = snapshot.impact_derivative(&state, at, &touch.law)?;
+        let (impact, derivative) = snapshot.impact_derivative(&state, &touch.at, &touch.law)?;
         let mut by_unknowns = self.jacobian();
-        let freedoms = self.problem.tree.freedoms();
+        let freedoms = self.problem.forest.freedoms();
         let rates = &derivative.rates * &by_unknowns;
         by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
         self.by_unknowns = Some(by_unknowns);
@@ -150,9 +158,9 @@ impl<'t> Course<'t> {
     /// [`Course::hit`] of a plain course.
     pub(super) fn hit_plainly(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
-        let mut snapshot = Snapshot::new(&self.problem.tree, &self.problem.gravity_m_s2);
+        let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&state);
-        let impact = snapshot.impact(&state, (touch.place, &touch.contact), &touch.law)?;
+        let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);
         Ok(())
     }

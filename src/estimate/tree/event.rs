@@ -1,6 +1,6 @@
-//! Events within a tree's motion, whose times are unknown: impacts of a link, and waypoints.
+//! Events within the motion of trees, whose times are unknown: impacts of links, and waypoints.
 
-use crate::motion::{EventKind, JointTree, Scene, Sketch, TreeTouch};
+use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
 
 /// An event within the motion.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ pub struct TreeEvent {
 ///
 /// # Panics
 /// Where [`Scene::tree_touch`] says nothing of a collision: what reads scenes refuses those.
-pub(super) fn events(scene: &Scene, sketch: &Sketch, joined: &JointTree) -> Vec<TreeEvent> {
+pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
     let within = scene.events.iter().enumerate();
     let within = within.filter(|(_, of)| !matches!(of.kind, EventKind::Start | EventKind::End));
     within
@@ -29,8 +29,8 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch, joined: &JointTree) -> Vec<
             about_s: sketch.marks_s[event],
             mark_s: sketch.marks[event].map(|mark| [mark.acted_s, mark.sd_s / mark.counted.sqrt()]),
             touch: of.kind.collision().map(|_| {
-                let touch = scene.tree_touch(joined, event);
-                touch.expect("a link of the tree hits the world at one contact")
+                let touch = scene.tree_touch(event);
+                touch.expect("links touch at one contact")
             }),
         })
         .collect()

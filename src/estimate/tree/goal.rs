@@ -1,9 +1,9 @@
-//! What must hold of a tree's motion at events.
+//! What must hold of the motion of trees at events.
 
 use nalgebra::Vector3;
 
 use crate::estimate::problem::unit;
-use crate::motion::{BodyPoint, Condition, GoalSet, JointTree, Scene, Sketch};
+use crate::motion::{BodyPoint, Condition, GoalSet, Scene, Sketch};
 
 /// A condition at an event.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub struct TreeGoal {
     pub event: usize,
     /// Physical time \[s\].
     pub time_s: f64,
-    /// The link's place in the tree, and that of the link in whose axes it is seen.
+    /// The link's place in the forest, and that of the link in whose axes it is seen.
     pub places: [usize; 2],
     /// Point of the link that it is about [m, link axes].
     pub point_m: Vector3<f64>,
@@ -24,23 +24,14 @@ pub struct TreeGoal {
     pub axes: Vec<usize>,
 }
 
-/// The goals of a tree's links, in order of time.
-pub(super) fn goals(
-    scene: &Scene,
-    sketch: &Sketch,
-    joined: &JointTree,
-    span_s: [f64; 2],
-) -> Vec<TreeGoal> {
+/// The goals of all links, in order of time.
+pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<TreeGoal> {
     let mut all = Vec::new();
     for (index, goal) in scene.goals.iter().enumerate() {
-        let Some(place) = joined.place_of(goal.link) else {
-            continue;
-        };
+        let place = scene.place_of(goal.link);
         for condition in goal.target.conditions() {
             let seen_from = condition.quantity.seen_from();
-            let other = seen_from
-                .and_then(|link| joined.place_of(link))
-                .unwrap_or(place);
+            let other = seen_from.map_or(place, |link| scene.place_of(link));
             let point_m = match condition.quantity.point() {
                 Some(BodyPoint::Fixed(point_m)) => point_m,
                 _ => Vector3::zeros(),

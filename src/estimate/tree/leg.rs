@@ -20,9 +20,9 @@ use crate::estimate::constraint::within::WithinRow;
 use crate::motion::{GoalQuantity, Moment};
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::State;
-use crate::physics::tree::{Snapshot, TreeState};
+use crate::physics::tree::{ForestSnapshot, TreeState};
 
-/// A link's state with its derivatives by the tree's.
+/// A link's state with its derivatives by that of all.
 type LinkState = (State, DMatrix<f64>);
 
 /// What one part of the motion, from a node to the next, adds up.
@@ -44,15 +44,14 @@ impl TreeProgram<'_> {
         each: &mut dyn FnMut(&Residual),
     ) -> Sums {
         let problem = self.problem;
-        let tree = &problem.tree;
         let events = problem.events_of(node);
         let (first_event, event_count) = (events.start, events.len());
         let width = problem.width();
         let from = (&point.nodes[node], problem.leg_s(node)[0]);
         let mut course = Course::new(problem, from, event_count);
-        let mut snapshot = Snapshot::new(tree, &problem.gravity_m_s2);
+        let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, width + event_count);
-        let mut links: Vec<Option<LinkState>> = vec![None; tree.link_count()];
+        let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];
         let mut sums = Sums {
             cost: 0.0,
             gradient: DVector::zeros(width + event_count),
@@ -196,13 +195,13 @@ impl TreeProgram<'_> {
         &self,
         goal: &TreeGoal,
         state: &TreeState,
-        (snapshot, links): (&Snapshot, &mut [Option<LinkState>]),
+        (snapshot, links): (&ForestSnapshot, &mut [Option<LinkState>]),
         jacobian: &DMatrix<f64>,
     ) -> (Vector3<f64>, Matrix3xX<f64>) {
         let width = self.problem.width();
         let quantity = &goal.condition.quantity;
         if let GoalQuantity::Angles { count } = quantity {
-            let angles = self.problem.tree.angles_of(goal.places[0]);
+            let angles = self.problem.forest.angles_of(goal.places[0]);
             let [columns, coordinates] = angles.expect("asked of a pin or a universal joint");
             let mut value = Vector3::zeros();
             let mut by = Matrix3xX::zeros(jacobian.ncols());
@@ -251,10 +250,10 @@ impl Kind<'_> {
     }
 }
 
-/// States of links with their derivatives by the tree's state, each computed once per time.
+/// States of links with their derivatives by the state of all, each computed once per time.
 fn states<'l, const N: usize>(
     places: [usize; N],
-    (snapshot, links): (&Snapshot, &'l mut [Option<LinkState>]),
+    (snapshot, links): (&ForestSnapshot, &'l mut [Option<LinkState>]),
     width: usize,
 ) -> [&'l LinkState; N] {
     for place in places {

@@ -1,10 +1,11 @@
-//! The estimation of bodies joined in a tree, from a sketch with physical times.
+//! The estimation of bodies joined in trees, and of bodies by themselves beside them, from a sketch with physical
+//! times.
 //!
-//! The unknowns are states of the tree at a few [nodes](problem) along its motion: at the start alone
-//! (single shooting), or at more where errors grow too much from one end to the other (multiple shooting),
-//! with the flow's end at each node as a hard condition, and times of impacts and waypoints on the way. At an impact
-//! a gap is zero and the rates jump. Samples and goals are quantities of one link's
-//! state, which follows from the tree's ([`program`]). [`solve`] grows the part of the sketch that counts from
+//! All that moves is one [forest](crate::physics::tree::Forest). The unknowns are its states at a few
+//! [nodes](problem) along its motion: at the start alone (single shooting), or at more where errors grow too much
+//! from one end to the other (multiple shooting), with the flow's end at each node as a hard condition, and times of
+//! impacts and waypoints on the way. At an impact a gap is zero and the rates jump. Samples and goals are quantities
+//! of links' states, which follow from that of all ([`program`]). [`solve`] grows the part of the sketch that counts from
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
@@ -13,6 +14,7 @@ mod curvature;
 pub mod event;
 pub mod goal;
 mod leg;
+mod motions;
 pub mod outcome;
 pub mod point;
 pub mod problem;

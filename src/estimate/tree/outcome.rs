@@ -3,25 +3,24 @@
 use nalgebra::DVector;
 
 use super::adequacy;
-use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::motions::{Motions, motions};
+use super::problem::TreeProblem;
 use super::solve::{self, Solved};
 use super::weak;
-use crate::estimate::constraint::quantity;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
-    Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, JointTree, MotionPart,
-    Observer, Reason, SampleTime, Scene, Sketch, TrackIndex, TrackResidual, TreeEstimate, TreeKnot,
-    Undetermined, Verdict,
+    Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, LinkIndex, Mechanism,
+    MotionPart, Observer, Reason, SampleTime, Scene, Sketch, Undetermined, Verdict,
 };
-use crate::physics::tree::{Snapshot, TreeState};
+use crate::physics::tree::TreeState;
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
 const TOLD: f64 = 0.5;
 /// A part of an open direction is named where it has this share of the greatest part.
 const NAMED: f64 = 0.3;
 
-/// The estimate of a scene of joined bodies, from a first guess of its state at the beginning.
+/// The estimate of a scene with joined bodies, from a first guess of the state of all at the beginning.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
@@ -45,12 +44,21 @@ pub fn estimate(
     } else {
         Vec::new()
     };
-    let joined = scene.joint_tree(problem.mechanism).expect("a tree");
-    let judged = (verdict == Verdict::Physical)
-        .then(|| adequacy::judge((scene, joined), problem, solution, observer))
-        .flatten();
+    // Of several that move nobody knows how often it is right.
+    let alone = match scene.mechanisms.raw.as_slice() {
+        [Mechanism::Tree(joined)] => Some(joined),
+        _ => None,
+    };
+    let judged = alone
+        .filter(|_| verdict == Verdict::Physical)
+        .and_then(|joined| adequacy::judge((scene, joined), problem, solution, observer));
     let (fit, suspects) = judged.unzip();
     let events = (0..scene.events.len()).map(|event| of_event(&solved, sketch, event));
+    let events: Vec<EventEstimate> = events.collect();
+    let motions = match knots.is_empty() {
+        true => Motions::default(),
+        false => motions(problem, scene, &knots, &events),
+    };
     let mut sample_times: Vec<SampleTime> = Vec::new();
     for sample in &problem.samples {
         let is_again = |of: &SampleTime| of.track == sample.track && of.stamp == sample.stamp;
@@ -69,34 +77,25 @@ pub fn estimate(
         doubts: Vec::new(),
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity_m_s2,
-        arcs: Vec::new(),
+        arcs: motions.arcs,
         held: Vec::new(),
-        events: events.collect(),
+        events,
         duration: DurationEstimate {
             duration_s: problem.span_s[1] - problem.span_s[0],
             sd_s: Some(0.0),
         },
         parameters: Vec::new(),
-        residuals: Vec::new(),
+        residuals: motions.residuals,
         sample_times,
         fit,
         suspects: suspects.unwrap_or_default(),
         rivals: 0,
         undetermined: if is_finite {
-            open(&solved, joined)
+            open(&solved, scene)
         } else {
             Vec::new()
         },
-        trees: (!knots.is_empty())
-            .then(|| TreeEstimate {
-                mechanism: problem.mechanism,
-                residuals: residuals(problem, &knots),
-                knots,
-                step_s: problem.step_s,
-                rate_sd_rad_s: RATE_SD_RAD_S,
-            })
-            .into_iter()
-            .collect(),
+        trees: motions.trees,
         counters: Counters {
             iterations: solution.work.iterations,
             evaluations: solution.work.evaluations,
@@ -162,39 +161,11 @@ fn gap(solved: &Solved, event: usize, within: Option<usize>) -> Gap {
     gap
 }
 
-fn residuals(problem: &TreeProblem, knots: &[TreeKnot]) -> Vec<TrackResidual> {
-    let mut sums: Vec<(TrackIndex, [(usize, f64); 2])> = Vec::new();
-    let mut snapshot = Snapshot::new(&problem.tree, &problem.gravity_m_s2);
-    for sample in &problem.samples {
-        let at = knots.partition_point(|knot| knot.time_s < sample.time_s);
-        snapshot.set(&knots[at.min(knots.len() - 1)].state);
-        let link = snapshot.link_state(sample.place);
-        let valued = quantity::valued(&sample.quantity, &link, None, &sample.point_m);
-        let square = (valued.value - sample.seen).norm_squared();
-        let kind = usize::from(sample.quantity.unit() != GoalUnit::Metre);
-        if !sums.iter().any(|(track, _)| *track == sample.track) {
-            sums.push((sample.track, [(0, 0.0); 2]));
-        }
-        let of_track = sums.iter_mut().find(|(track, _)| *track == sample.track);
-        let (_, of_kinds) = of_track.expect("just added");
-        of_kinds[kind].0 += 1;
-        of_kinds[kind].1 += square;
-    }
-    let rms = |(count, square): (usize, f64)| (count > 0).then(|| (square / count as f64).sqrt());
-    let lines = sums.into_iter().map(|(track, kinds)| TrackResidual {
-        track,
-        samples: kinds[0].0.max(kinds[1].0),
-        position_rms_m: rms(kinds[0]),
-        orientation_rms_rad: rms(kinds[1]),
-    });
-    lines.collect()
-}
-
 /// Parts of the state at the beginning of which the prior says more than sketch and goals do.
-fn open(solved: &Solved, joined: &JointTree) -> Vec<Undetermined> {
+fn open(solved: &Solved, scene: &Scene) -> Vec<Undetermined> {
     let problem = &solved.problem;
     let directions = weak::directions(problem, &solved.solution, TOLD);
-    let parts = directions.iter().flat_map(|of| parts(problem, joined, of));
+    let parts = directions.iter().flat_map(|of| parts(problem, scene, of));
     let mut open = Vec::new();
     for part in parts {
         if !open.contains(&part) {
@@ -205,31 +176,32 @@ fn open(solved: &Solved, joined: &JointTree) -> Vec<Undetermined> {
 }
 
 /// The parts of the state that a direction moves most.
-fn parts(problem: &TreeProblem, joined: &JointTree, direction: &DVector<f64>) -> Vec<Undetermined> {
-    let tree = &problem.tree;
-    let freedoms = tree.freedoms();
+fn parts(problem: &TreeProblem, scene: &Scene, direction: &DVector<f64>) -> Vec<Undetermined> {
+    let forest = &problem.forest;
+    let freedoms = forest.freedoms();
     let scale = |at: usize| direction[at] / problem.unit_of(at);
     let mut sizes: Vec<(f64, Undetermined)> = Vec::new();
-    for (place, link) in joined.links().enumerate() {
-        let columns = tree.columns_of(place);
-        let flight = if place == 0 {
-            freedoms - tree.angular_freedoms()
-        } else {
-            0
-        };
+    for (place, link) in scene.forest_links().enumerate() {
+        let (columns, flight) = (forest.columns_of(place), forest.flight_of(place));
         let mut add = |range: std::ops::Range<usize>, part: MotionPart| {
             let size = range.map(|at| scale(at).powi(2)).sum::<f64>().sqrt();
-            sizes.push((size, Undetermined::Link { link, part }));
+            sizes.push((size, part_of(scene, link, part)));
         };
-        add(0..flight, MotionPart::Position);
+        let rates = |of: &std::ops::Range<usize>| freedoms + of.start..freedoms + of.end;
+        add(flight.clone(), MotionPart::Position);
         add(columns.clone(), MotionPart::Orientation);
-        add(freedoms..freedoms + flight, MotionPart::Velocity);
-        add(
-            freedoms + columns.start..freedoms + columns.end,
-            MotionPart::Spin,
-        );
+        add(rates(&flight), MotionPart::Velocity);
+        add(rates(&columns), MotionPart::Spin);
     }
     let most = sizes.iter().map(|(size, _)| *size).fold(0.0, f64::max);
     let named = sizes.into_iter().filter(|(size, _)| *size >= NAMED * most);
     named.map(|(_, part)| part).collect()
+}
+
+fn part_of(scene: &Scene, link: LinkIndex, part: MotionPart) -> Undetermined {
+    let mechanism = scene.mechanism_of(link);
+    match scene.joint_tree(mechanism) {
+        Some(_) => Undetermined::Link { link, part },
+        None => Undetermined::Motion { mechanism, part },
+    }
 }

@@ -1,4 +1,4 @@
-//! The unknowns of a tree's motion.
+//! The unknowns of the motion of trees.
 
 use nalgebra::DVector;
 
@@ -29,7 +29,7 @@ impl TreePoint {
         let (states, times) = step.as_slice().split_at(width * self.nodes.len());
         let moved = self.nodes.iter().zip(states.chunks_exact(width));
         for ((from, step), to) in moved.zip(&mut to.nodes) {
-            *to = problem.tree.retract(from, step);
+            *to = problem.forest.retract(from, step);
         }
         let moved = self.event_times_s.iter().zip(times);
         for ((from_s, step_s), to_s) in moved.zip(&mut to.event_times_s) {
@@ -40,7 +40,7 @@ impl TreePoint {
     /// `self ⊟ origin`: the step that leads from there to here.
     pub(super) fn minus(&self, problem: &TreeProblem, origin: &Self) -> DVector<f64> {
         let states = self.nodes.iter().zip(&origin.nodes);
-        let states = states.flat_map(|(to, from)| problem.tree.minus(to, from));
+        let states = states.flat_map(|(to, from)| problem.forest.minus(to, from));
         let times = self.event_times_s.iter().zip(&origin.event_times_s);
         let step: Vec<f64> = states.chain(times.map(|(to, from)| to - from)).collect();
         step.into()

@@ -1,4 +1,4 @@
-//! What is asked of a tree's motion: samples, goals, and where its unknown states are.
+//! What is asked of the motion of trees: samples, goals, and where its unknown states are.
 
 use std::ops::Range;
 
@@ -8,8 +8,8 @@ use super::event::{self, TreeEvent};
 use super::goal::{self, TreeGoal};
 use super::sample::{self, TreeSample};
 use crate::estimate::problem::unit;
-use crate::motion::{EventKind, GoalUnit, JointTree, MechanismIndex, Scene, Sketch};
-use crate::physics::tree::Tree;
+use crate::motion::{EventKind, GoalUnit, Scene, Sketch};
+use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
 /// motions that are as near to the sketch the one that whirls less is kept.
@@ -18,13 +18,11 @@ pub const RATE_SD_RAD_S: f64 = 10.0;
 /// How many times as long steps are where they need not be exact.
 const COARSER: f64 = 1.5;
 
-/// A tree's motion to be estimated.
+/// The motion of all that moves of a scene, to be estimated.
 #[derive(Clone, Debug)]
 pub struct TreeProblem {
-    /// What moves.
-    pub mechanism: MechanismIndex,
-    /// Its equations of motion.
-    pub tree: Tree,
+    /// The equations of motion: a tree for each mechanism.
+    pub forest: Forest,
     /// Gravity [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// Beginning and end of the motion \[s\].
@@ -45,16 +43,12 @@ pub struct TreeProblem {
 }
 
 impl TreeProblem {
-    /// The problem of a tree of the scene, with one node. Times are physical stamps.
-    pub fn new(
-        scene: &Scene,
-        sketch: &Sketch,
-        (mechanism, joined): (MechanismIndex, &JointTree),
-    ) -> Self {
+    /// The problem of a scene, with one node. Times are physical stamps.
+    pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
         let span_s = span_s(scene, sketch);
-        let samples = sample::samples(scene, sketch, joined, span_s);
-        let goals = goal::goals(scene, sketch, joined, span_s);
-        let events = event::events(scene, sketch, joined);
+        let samples = sample::samples(scene, sketch, span_s);
+        let goals = goal::goals(scene, sketch, span_s);
+        let events = event::events(scene, sketch);
         let weighs = samples.iter().map(|sample| match sample.quantity.unit() {
             GoalUnit::Metre => (unit::POSITION_M / sample.unit).powi(2),
             _ => (unit::ORIENTATION_RAD / sample.unit).powi(2),
@@ -62,8 +56,7 @@ impl TreeProblem {
         let least = weighs.clone().fold(f64::INFINITY, f64::min);
         let most = weighs.fold(0.0, f64::max);
         Self {
-            mechanism,
-            tree: scene.tree_model(joined),
+            forest: scene.forest(),
             gravity_m_s2: scene.gravity_m_s2,
             span_s,
             samples,
@@ -157,9 +150,8 @@ impl TreeProblem {
 
     /// One unit of a number of a tangent.
     pub fn unit_of(&self, at: usize) -> f64 {
-        let freedoms = self.tree.freedoms();
-        let flight = freedoms - self.tree.angular_freedoms();
-        match (at / freedoms, at % freedoms < flight) {
+        let freedoms = self.forest.freedoms();
+        match (at / freedoms, self.forest.is_translation(at % freedoms)) {
             (0, true) => unit::POSITION_M,
             (0, false) => unit::ORIENTATION_RAD,
             (_, true) => unit::VELOCITY_M_S,
@@ -177,7 +169,7 @@ impl TreeProblem {
 
     /// Number of unknowns of a node.
     pub fn width(&self) -> usize {
-        2 * self.tree.freedoms()
+        2 * self.forest.freedoms()
     }
 }
 

@@ -1,4 +1,4 @@
-//! A tree's motion as a program for the [optimiser](crate::optimise): its legs (`leg`) summed, what holds rates
+//! The motion of trees as a program for the [optimiser](crate::optimise): its legs (`leg`) summed, what holds rates
 //! at the start and what nothing else does, and the curvature of all of it.
 
 use std::cell::RefCell;
@@ -164,13 +164,12 @@ impl<'a> TreeProgram<'a> {
     /// What holds rates of the start, times at their marks, and what nothing else does.
     fn calm(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
-        let (width, freedoms) = (problem.width(), problem.tree.freedoms());
-        let flight = width / 2 - problem.tree.angular_freedoms();
+        let (width, freedoms) = (problem.width(), problem.forest.freedoms());
         for (node, (state, calm)) in point.nodes.iter().zip(&self.calm.nodes).enumerate() {
-            let off = problem.tree.minus(state, calm);
+            let off = problem.forest.minus(state, calm);
             for (at, off) in off.into_iter().enumerate() {
-                let is_rate = node == 0 && at >= freedoms + flight;
-                let (off, weight) = if is_rate {
+                let is_rate = at >= freedoms && !problem.forest.is_translation(at - freedoms);
+                let (off, weight) = if node == 0 && is_rate {
                     (state.rates[at - freedoms], part.rate_sd_rad_s.powi(-2))
                 } else {
                     (off, CALM * problem.information.0)
@@ -219,7 +218,7 @@ impl Program for TreeProgram<'_> {
     }
 
     fn damping(&self) -> DVector<f64> {
-        let (width, freedoms) = (self.problem.width(), self.problem.tree.freedoms());
+        let (width, freedoms) = (self.problem.width(), self.problem.forest.freedoms());
         let states = width * self.problem.nodes_s.len();
         let weight = |length: f64| 10.0 * self.problem.information.0 / (length * length);
         DVector::from_fn(self.problem.unknown_count(), |at, _| {

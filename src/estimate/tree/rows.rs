@@ -1,4 +1,4 @@
-//! Rows of a tree's goals, of its events, and of how a leg of its motion joins the next.
+//! Rows of goals of trees, of its events, and of how a leg of their motion joins the next.
 
 use nalgebra::{DMatrix, Matrix3xX, Vector3};
 
@@ -109,9 +109,9 @@ pub(super) fn join(
     jacobian: &DMatrix<f64>,
     (pattern, block): (&BlockPattern, &mut Block),
 ) {
-    let (tree, width) = (&problem.tree, problem.width());
-    let off = tree.minus(reached, next);
-    let turned = tree.minus_jacobians(reached, next);
+    let (forest, width) = (&problem.forest, problem.width());
+    let off = forest.minus(reached, next);
+    let turned = forest.minus_jacobians(reached, next);
     for row in 0..width {
         let unit = problem.unit_of(row);
         block.values[row] = off[row] / unit;

@@ -1,10 +1,10 @@
-//! What was seen of a tree: quantities of its links at times.
+//! What was seen of trees: quantities of its links at times.
 
 use nalgebra::{Matrix3xX, Vector3};
 
 use crate::estimate::constraint::quantity::Valued;
 use crate::motion::{
-    BodyPoint, GoalQuantity, JointTree, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
+    BodyPoint, GoalQuantity, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
 };
 
 /// A part of a sample: a quantity of one link at a time, and where it was seen.
@@ -16,7 +16,7 @@ pub struct TreeSample {
     pub stamp: Stamp,
     /// Physical time \[s\].
     pub time_s: f64,
-    /// The link's place in the tree.
+    /// The link's place in the forest.
     pub place: usize,
     /// What was seen.
     pub quantity: GoalQuantity,
@@ -46,18 +46,11 @@ impl<'s> Residual<'s> {
     }
 }
 
-/// The samples of a tree's links within a span \[s\], in order of time.
-pub(super) fn samples(
-    scene: &Scene,
-    sketch: &Sketch,
-    joined: &JointTree,
-    span_s: [f64; 2],
-) -> Vec<TreeSample> {
+/// The samples of all links within a span \[s\], in order of time.
+pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<TreeSample> {
     let mut samples = Vec::new();
     for (index, track) in scene.tracks.iter_enumerated() {
-        let Some(place) = joined.place_of(track.link) else {
-            continue;
-        };
+        let place = scene.place_of(track.link);
         let weights = track.weights(&scene.weights);
         let within = |sample: &&Sample| (span_s[0]..=span_s[1]).contains(&sample.acted_s);
         for sample in sketch.tracks[index].samples.iter().filter(within) {

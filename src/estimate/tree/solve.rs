@@ -136,7 +136,6 @@ fn grown(
     let mut point = TreePoint::new(&problem, vec![start]);
     observer.phase(Phase::ArcFits);
     let mut random = Random::default();
-    let flight = problem.tree.freedoms() - problem.tree.angular_freedoms();
     for until_s in problem.parts_s(growth) {
         problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
         if problem
@@ -144,7 +143,8 @@ fn grown(
             .first()
             .is_none_or(|event| event.about_s > until_s)
         {
-            for rate in &mut point.nodes[0].rates[flight..] {
+            let rates = point.nodes[0].rates.iter_mut().enumerate();
+            for (_, rate) in rates.filter(|(at, _)| !problem.forest.is_translation(*at)) {
                 *rate += KICK_RAD_S * random.normal();
             }
         }

@@ -1,4 +1,4 @@
-//! The program of a chain against differences.
+//! The programs of a chain and of a flail with a box against differences.
 
 use nalgebra::{DVector, Vector3};
 use typed_index_collections::TiVec;
@@ -42,7 +42,7 @@ fn sketch(scene: &Scene) -> Sketch {
 fn some_state(problem: &TreeProblem) -> TreeState {
     let mut random = Random::default();
     let delta: Vec<f64> = (0..problem.width()).map(|_| random.signed()).collect();
-    problem.tree.retract(&problem.tree.at_rest(), &delta)
+    problem.forest.retract(&problem.forest.at_rest(), &delta)
 }
 
 /// Gradient, rows of goals and rows of continuity, with one node and with three.
@@ -50,8 +50,7 @@ fn some_state(problem: &TreeProblem) -> TreeState {
 fn derivatives_are_those_of_differences() {
     let scene = scene();
     let sketch = sketch(&scene);
-    let tree = scene.joint_trees().next().expect("a tree");
-    let mut problem = TreeProblem::new(&scene, &sketch, tree);
+    let mut problem = TreeProblem::new(&scene, &sketch);
     problem.step_s = 0.01;
     // One of the goals weighs instead.
     problem.goals[1].condition.sd = Some(0.2);
@@ -123,7 +122,6 @@ velocity_m_s = [1, 0, 0]
     let text = (before.to_owned() + EVENTS + after).replace("mass_g = 100\n", features);
     let scene = scene_from_toml(&text).expect("a valid scene");
     let mut sketch = sketch(&scene);
-    let tree = scene.joint_trees().next().expect("a tree");
     sketch.marks_s = vec![0.0, 0.023, 0.044, 0.058, 0.093, 0.1];
     sketch.marks = sketch
         .marks_s
@@ -136,7 +134,7 @@ velocity_m_s = [1, 0, 0]
             })
         })
         .collect();
-    let mut problem = TreeProblem::new(&scene, &sketch, tree);
+    let mut problem = TreeProblem::new(&scene, &sketch);
     problem.step_s = 0.01;
     for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
         problem.nodes_s = nodes_s;
@@ -153,8 +151,122 @@ velocity_m_s = [1, 0, 0]
     }
 }
 
+/// A rod's end hits a box that flies by itself, which hits a table, and the chain's last rod its first; a second chain,
+/// which hangs, stands between them in the scene.
+#[test]
+fn derivatives_through_meetings_are_those_of_differences() {
+    const BODIES: &str = r#"
+[[surface]]
+name = "table"
+point_mm = [0, 0, -300]
+normal = [0, 0, 1]
+
+[[body]]
+name = "hanging"
+shape = { kind = "capsule", length_mm = 300, radius_mm = 5 }
+mass_g = 100
+
+[[body.track]]
+sees = "point"
+tracker = { position_mm = [0, 0, 0] }
+
+[[body]]
+name = "box"
+shape = { kind = "cuboid", size_mm = [60, 80, 100] }
+mass_g = 150
+
+[[body.track]]
+sees = "point"
+tracker = { position_mm = [0, 0, 0] }
+
+[[joint]]
+name = "nail"
+kind = "ball"
+parent_at_mm = [0, 100, 500]
+child = "hanging"
+child_at_mm = [0, 0, 150]
+
+"#;
+    const EVENTS: &str = r#"
+[[event]]
+name = "hit"
+kind = "collision"
+body = "rod 3"
+feature = "end -z"
+other = "box"
+other_feature = "face +z"
+restitution = 0.6
+friction = 0.2
+
+[[event]]
+name = "fall"
+kind = "collision"
+body = "box"
+feature = "corner -x -y -z"
+surface = "table"
+restitution = 0.4
+
+[[event]]
+name = "fold"
+kind = "collision"
+body = "rod 1"
+feature = "side"
+other = "rod 3"
+other_feature = "end -z"
+restitution = 0.3
+friction = 0.5
+
+[[event]]
+name = "swing"
+kind = "collision"
+body = "hanging"
+feature = "end -z"
+other = "box"
+other_feature = "face -x"
+restitution = 0.3
+
+[[goal]]
+event = "fall"
+body = "box"
+velocity_m_s = [0, 1, 2]
+after = true
+sd_m_s = 0.3
+
+[[goal]]
+event = "fold"
+body = "box"
+position_mm = [100, 200, 300]
+
+"#;
+    let text = include_str!("../../../config/chain.toml");
+    let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
+    let text = before.to_owned() + EVENTS + after;
+    let (before, after) = text.split_at(text.find("[[joint]]").expect("a joint"));
+    let text = before.to_owned() + BODIES + after;
+    let scene = scene_from_toml(&text.replace("cylinder", "capsule")).expect("a valid scene");
+    let mut sketch = sketch(&scene);
+    sketch.marks_s = vec![0.0, 0.023, 0.044, 0.058, 0.083, 0.1];
+    sketch.marks = vec![None; 6];
+    let mut problem = TreeProblem::new(&scene, &sketch);
+    assert_eq!(problem.forest.trees().len(), 3);
+    problem.step_s = 0.01;
+    for nodes_s in [vec![0.0], vec![0.0, 0.03]] {
+        problem.nodes_s = nodes_s;
+        let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+        let mut point = TreePoint::new(&problem, nodes);
+        for (time_s, off_s) in point
+            .event_times_s
+            .iter_mut()
+            .zip([0.011, -0.006, 0.004, 0.001])
+        {
+            *time_s += off_s;
+        }
+        check(&problem, &point);
+    }
+}
+
 fn check(problem: &TreeProblem, point: &TreePoint) {
-    let rest = vec![problem.tree.at_rest(); point.nodes.len()];
+    let rest = vec![problem.forest.at_rest(); point.nodes.len()];
     let of = TreeProgram::new(problem, TreePoint::new(problem, rest));
     let part = Part::whole();
     let here = of.evaluated(&part, point);

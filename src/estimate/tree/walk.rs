@@ -1,4 +1,4 @@
-//! The motion that a tree's unknowns say, walked through without derivatives.
+//! The motion that the unknowns say, walked through without derivatives.
 
 use super::course::{Course, Stop};
 use super::point::TreePoint;
@@ -62,7 +62,6 @@ impl TreeProblem {
         until_s: f64,
         [most_s, turn_rad]: [f64; 2],
     ) -> f64 {
-        let flight = self.tree.freedoms() - self.tree.angular_freedoms();
         let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
@@ -71,9 +70,9 @@ impl TreeProblem {
         let step_s = |fastest_rad_s: f64| most_s.min(turn_rad / fastest_rad_s.max(1e-9));
         loop {
             let rates = course.state().rates;
-            let here = rates[flight..]
-                .iter()
-                .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+            let turning = rates.iter().enumerate();
+            let turning = turning.filter(|(at, _)| !self.forest.is_translation(*at));
+            let here = turning.fold(0.0, |most: f64, (_, rate)| most.max(rate.abs()));
             fastest_rad_s = fastest_rad_s.max(here.min(RATE_MOST_RAD_S));
             if now_s >= end_s || !here.is_finite() {
                 break;

@@ -1,5 +1,7 @@
 //! What moves and who sees it: links, mechanisms, tracks.
 
+use std::borrow::Cow;
+
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
 use super::joint::JointTree;
@@ -86,6 +88,17 @@ impl Mechanism {
         match self {
             Mechanism::Free(link) => Some(*link),
             Mechanism::Tree(_) => None,
+        }
+    }
+
+    /// The tree that it is: a body by itself is one without joints.
+    pub fn as_tree(&self) -> Cow<'_, JointTree> {
+        match self {
+            Mechanism::Free(link) => Cow::Owned(JointTree {
+                base: Some(*link),
+                joints: Vec::new(),
+            }),
+            Mechanism::Tree(tree) => Cow::Borrowed(tree),
         }
     }
 

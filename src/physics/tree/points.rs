@@ -1,6 +1,6 @@
 //! Links and their points: poses, velocities, Jacobians, and what an impulse at a point does.
 
-use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 
 use super::snapshot::Snapshot;
 use super::spatial::{Force, Motion};
@@ -95,11 +95,6 @@ impl Snapshot<'_> {
         if shift > 0 {
             result[..3].copy_from_slice((self.turn * base).as_slice());
         }
-    }
-
-    /// What an impulse at a point does to the point's own velocity, `K = J M⁻¹ Jᵀ` [1/kg].
-    pub fn inverse_mass_at(&self, link: usize, point: &Vector3<f64>) -> Matrix3<f64> {
-        self.response_at(link, point).0
     }
 
     /// Kinetic and potential energy \[J\], springs' included; heights are against the world's origin.

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Quaternion, UnitQuaternion, Vector3};
 
 use super::model::{Motor, Tree};
 use crate::math::so3;
+use crate::physics::state::State;
 
 /// Coordinates and rates of a tree, laid out as [`Tree`] says.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +13,22 @@ pub struct TreeState {
     pub coordinates: Vec<f64>,
     /// Rates `u`.
     pub rates: Vec<f64>,
+}
+
+impl TreeState {
+    /// That of a tree of one free link, of the state of its body.
+    pub fn of_body(state: &State) -> Self {
+        let turn = state.orientation.coords;
+        Self {
+            coordinates: state.position_m.iter().chain(&turn).copied().collect(),
+            rates: state
+                .velocity_m_s
+                .iter()
+                .chain(&state.angular_velocity_rad_s)
+                .copied()
+                .collect(),
+        }
+    }
 }
 
 /// The quaternion `(i, j, k, w)` at the beginning of a slice, as it is.

@@ -1,9 +1,11 @@
-//! The motion of joined bodies once more from its first state alone, with steps of half the length: through impacts
-//! by their law, at the times that were estimated.
+//! The motion of all once more from its first state alone, with steps of half the length: through impacts by their
+//! law, at the times that were estimated.
+
+use nalgebra::Vector3;
 
 use super::larger;
-use crate::motion::{Estimate, JointTree, Scene, TreeEstimate, TreeTouch};
-use crate::physics::tree::{Flow, Snapshot, Tree, TreeState, tableau};
+use crate::motion::{Estimate, Scene, TreeTouch};
+use crate::physics::tree::{ForestFlow, ForestSnapshot, TreeState, tableau};
 
 /// How far off the motion is, at most.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,25 +16,28 @@ pub(super) struct Off {
     pub(super) gap_m: f64,
     /// How fast the contact of an impact recedes before it [m/s].
     pub(super) receding_m_s: f64,
-    /// What an impact gains of kinetic energy, of that before.
+    /// What an impact gains of the kinetic energy of what takes part, of that before.
     pub(super) energy: f64,
 }
 
-/// Distances of the estimate from the motion done again. What is not finite is infinitely far.
-pub(super) fn off(
-    (scene, joined, tree): (&Scene, &JointTree, &Tree),
-    estimate: &Estimate,
-    motion: &TreeEstimate,
-) -> Off {
+/// Distances of the estimate from the motion done again. What is not finite, or not there, is infinitely far.
+pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     let mut off = Off::default();
-    let [first, rest @ ..] = motion.knots.as_slice() else {
+    // All trees have their states at the same times, two at that of an impact.
+    let motion = estimate.trees.first();
+    let Some((motion, [first, rest @ ..])) = motion.map(|of| (of, of.knots.as_slice())) else {
         return off;
     };
-    let gravity_m_s2 = &estimate.gravity_m_s2;
-    let mut flow = Flow::new(tree, gravity_m_s2, tableau::DORMAND_PRINCE);
-    flow.begin(&first.state, false);
-    let mut snapshot = Snapshot::new(tree, gravity_m_s2);
-    let mut touches = touches(scene, joined, estimate).into_iter().peekable();
+    let (forest, gravity_m_s2) = (scene.forest(), &estimate.gravity_m_s2);
+    let told = |time_s: f64| scene.forest_state(estimate, &forest, time_s);
+    let Some(start) = told(first.time_s) else {
+        off.position_m = f64::INFINITY;
+        return off;
+    };
+    let mut flow = ForestFlow::new(&forest, gravity_m_s2, tableau::DORMAND_PRINCE);
+    flow.begin(&start, false);
+    let mut snapshot = ForestSnapshot::new(&forest, gravity_m_s2);
+    let mut touches = touches(scene, estimate).into_iter().peekable();
     let mut now_s = first.time_s;
     for knot in rest {
         if let Some((_, touch)) = touches.next_if(|(time_s, _)| {
@@ -41,8 +46,7 @@ pub(super) fn off(
         }) {
             let state = flow.state();
             snapshot.set(&state);
-            let at = (touch.place, &touch.contact);
-            let Ok(impact) = snapshot.impact(&state, at, &touch.law) else {
+            let Ok(impact) = snapshot.impact(&state, &touch.at, &touch.law) else {
                 off.gap_m = f64::INFINITY;
                 return off;
             };
@@ -50,9 +54,9 @@ pub(super) fn off(
                 rates: impact.rates,
                 ..state
             };
-            let before_j = snapshot.kinetic_energy();
+            let before_j = snapshot.kinetic_energy_at(&touch.at);
             snapshot.set(&after);
-            let gained_j = snapshot.kinetic_energy() - before_j;
+            let gained_j = snapshot.kinetic_energy_at(&touch.at) - before_j;
             off.gap_m = larger(off.gap_m, impact.gap_m.abs());
             off.receding_m_s = larger(off.receding_m_s, impact.speed_m_s);
             off.energy = larger(off.energy, gained_j / before_j);
@@ -64,11 +68,15 @@ pub(super) fn off(
             flow.advance(interval_s, 2 * steps);
         }
         now_s = knot.time_s;
-        let places = |snapshot: &Snapshot| -> Vec<_> {
-            let links = 0..tree.link_count();
+        let places = |snapshot: &ForestSnapshot| -> Vec<Vector3<f64>> {
+            let links = 0..forest.link_count();
             links.map(|of| snapshot.link_state(of).position_m).collect()
         };
-        snapshot.set(&knot.state);
+        let Some(here) = told(knot.time_s) else {
+            off.position_m = f64::INFINITY;
+            return off;
+        };
+        snapshot.set(&here);
         let here = places(&snapshot);
         snapshot.set(&flow.state());
         for (a, b) in here.iter().zip(places(&snapshot)) {
@@ -83,10 +91,9 @@ pub(super) fn off(
 }
 
 /// Impacts by their times, in order.
-fn touches(scene: &Scene, joined: &JointTree, estimate: &Estimate) -> Vec<(f64, TreeTouch)> {
+fn touches(scene: &Scene, estimate: &Estimate) -> Vec<(f64, TreeTouch)> {
     let events = estimate.events.iter();
-    let touch = |event: usize| scene.tree_touch(joined, event);
-    let touches = events.filter_map(|of| Some((of.time_s, touch(of.event)?)));
+    let touches = events.filter_map(|of| Some((of.time_s, scene.tree_touch(of.event)?)));
     let mut touches: Vec<_> = touches.collect();
     touches.sort_by(|a, b| a.0.total_cmp(&b.0));
     touches

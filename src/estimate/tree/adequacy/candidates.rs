@@ -71,13 +71,12 @@ impl TreeProblem {
     /// The same problem where a quantity of the scene has this value; `None` where no body is so.
     pub(super) fn with(&self, scene: &Scene, value: (Quantity, f64)) -> Option<Self> {
         let other = scene.with_values(&[value]).ok()?;
-        let joined = other.joint_tree(self.mechanism).expect("a tree");
         let mut with = self.clone();
-        with.tree = other.tree_model(joined);
+        with.forest = other.forest();
         with.gravity_m_s2 = other.gravity_m_s2;
         for event in &mut with.events {
             if event.touch.is_some() {
-                event.touch = other.tree_touch(joined, event.event);
+                event.touch = other.tree_touch(event.event);
             }
         }
         for sample in &mut with.samples {

@@ -260,9 +260,9 @@ pub(super) fn rms(series: &[Series], squares: impl Fn(&Series) -> f64) -> [f64; 
 /// What holds rates of the start and times of events at their marks: the unknown, how far it is off, and the
 /// weight's root.
 fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<(usize, f64, f64)> {
-    let freedoms = problem.tree.freedoms();
-    let flight = freedoms - problem.tree.angular_freedoms();
-    let rates = (flight..freedoms).map(|at| {
+    let freedoms = problem.forest.freedoms();
+    let turning = (0..freedoms).filter(|at| !problem.forest.is_translation(*at));
+    let rates = turning.map(|at| {
         let rate = point.nodes[0].rates[at];
         (freedoms + at, rate, 1.0 / RATE_SD_RAD_S)
     });

@@ -114,12 +114,11 @@ fn sketch(scene: &Scene) -> Sketch {
 /// A motion of that scene that is no optimum, with the rows that act.
 fn posed() -> (Scene, TreeProblem, TreePoint, ActiveSet) {
     let scene = scene_from_toml(SCENE).expect("a valid scene");
-    let tree = scene.joint_trees().next().expect("a tree");
-    let mut problem = TreeProblem::new(&scene, &sketch(&scene), tree);
+    let mut problem = TreeProblem::new(&scene, &sketch(&scene));
     problem.step_s = 0.01;
     let mut random = Random::default();
     let delta: Vec<f64> = (0..problem.width()).map(|_| random.signed()).collect();
-    let state = problem.tree.retract(&problem.tree.at_rest(), &delta);
+    let state = problem.forest.retract(&problem.forest.at_rest(), &delta);
     let mut point = TreePoint::new(&problem, vec![state]);
     point.event_times_s[0] += 0.003;
     let program = TreeProgram::new(&problem, point.clone());

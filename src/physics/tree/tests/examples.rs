@@ -1,11 +1,12 @@
 //! Trees for tests.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::math::Pose;
 use crate::math::random::Random;
 use crate::physics::Body;
-use crate::physics::tree::{Joint, JointKind, Link, Tree, TreeState};
+use crate::physics::tree::impact::Side;
+use crate::physics::tree::{Forest, ForestSnapshot, Joint, JointKind, Link, Tree, TreeState};
 
 pub const GRAVITY: Vector3<f64> = Vector3::new(0.3, -0.2, -9.81);
 
@@ -108,6 +109,23 @@ pub fn some_state(tree: &Tree, random: &mut Random, turned: f64, rate: f64) -> T
         .map(|i| random.signed() * if i < freedoms { turned } else { rate })
         .collect();
     tree.retract(&tree.at_rest(), &delta)
+}
+
+/// What an impulse at a point of a link does to the point's own velocity [1/kg].
+pub fn inverse_mass_at(
+    tree: &Tree,
+    state: &TreeState,
+    (place, point_m): (usize, &Vector3<f64>),
+) -> Matrix3<f64> {
+    let forest = Forest::new(vec![tree.clone()]);
+    let mut snapshot = ForestSnapshot::new(&forest, &GRAVITY);
+    snapshot.set(state);
+    let side = Side {
+        place,
+        sign: 1.0,
+        point_m: *point_m,
+    };
+    snapshot.response(&[side]).0
 }
 
 /// All trees of the tests with names.

@@ -2,13 +2,14 @@
 
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
-use super::examples::{GRAVITY, PIN, at, off, rod, rods, some_state, trees};
+use super::examples::{GRAVITY, PIN, at, inverse_mass_at, off, rod, rods, some_state, trees};
 use crate::math::Pose;
 use crate::math::random::Random;
 use crate::physics::contact::{Contact, Feature, Frame};
-use crate::physics::impact::{ContactSet, ImpactError, Law, Side};
+use crate::physics::impact::{self, ContactSet, ImpactError, Law};
 use crate::physics::tree::{
-    Joint, JointKind, Link, Snapshot, Tree, TreeImpact, TreeImpactDerivative, TreeState,
+    Forest, ForestSnapshot, Joint, JointKind, Link, LinkContact, Snapshot, Tree, TreeImpact,
+    TreeImpactDerivative, TreeState,
 };
 use crate::physics::{Body, State};
 
@@ -79,14 +80,26 @@ fn snapshot<'t>(tree: &'t Tree, state: &TreeState) -> Snapshot<'t> {
     snapshot
 }
 
+/// The last link of a tree and the static world.
+fn with_world(tree: &Tree, contact: &Contact) -> (Forest, LinkContact) {
+    let touching = LinkContact {
+        place: tree.link_count() - 1,
+        other: None,
+        contact: *contact,
+    };
+    (Forest::new(vec![tree.clone()]), touching)
+}
+
 fn impact(
     tree: &Tree,
     state: &TreeState,
     contact: &Contact,
     law: &Law,
 ) -> Result<TreeImpact, ImpactError> {
-    let last = tree.link_count() - 1;
-    snapshot(tree, state).impact(state, (last, contact), law)
+    let (forest, touching) = with_world(tree, contact);
+    let mut snapshot = ForestSnapshot::new(&forest, &GRAVITY);
+    snapshot.set(state);
+    snapshot.impact(state, &touching, law)
 }
 
 fn derivative(
@@ -95,8 +108,10 @@ fn derivative(
     contact: &Contact,
     law: &Law,
 ) -> TreeImpactDerivative {
-    let last = tree.link_count() - 1;
-    let both = snapshot(tree, state).impact_derivative(state, (last, contact), law);
+    let (forest, touching) = with_world(tree, contact);
+    let mut snapshot = ForestSnapshot::new(&forest, &GRAVITY);
+    snapshot.set(state);
+    let both = snapshot.impact_derivative(state, &touching, law);
     both.unwrap().1
 }
 
@@ -231,7 +246,7 @@ fn the_response_of_a_contact_is_that_of_the_energys_mass_matrix() {
         let mut jacobian = DMatrix::zeros(3, freedoms);
         here.point_jacobian(last, &point, &mut jacobian);
         let dense = &jacobian * inverse * jacobian.transpose();
-        let found = here.inverse_mass_at(last, &point);
+        let found = inverse_mass_at(&tree, &state, (last, &point));
         let error = (found - dense.fixed_view::<3, 3>(0, 0)).amax() / found.amax();
         assert!(error < 1e-10, "{name}: {error:e}");
     }
@@ -239,10 +254,9 @@ fn the_response_of_a_contact_is_that_of_the_energys_mass_matrix() {
 
 fn state_of(tree: &Tree, place: &State) -> TreeState {
     let mut state = tree.at_rest();
-    state.coordinates[..3].copy_from_slice(place.position_m.as_slice());
-    state.coordinates[3..7].copy_from_slice(place.orientation.coords.as_slice());
-    state.rates[..3].copy_from_slice(place.velocity_m_s.as_slice());
-    state.rates[3..6].copy_from_slice(place.angular_velocity_rad_s.as_slice());
+    let base = TreeState::of_body(place);
+    state.coordinates[..7].copy_from_slice(&base.coordinates);
+    state.rates[..6].copy_from_slice(&base.rates);
     state
 }
 
@@ -264,7 +278,9 @@ fn some_law(random: &mut Random) -> Law {
 /// What an impact makes of a body by itself.
 fn bounced(body: &Body, state: &State, contact: Contact, law: &Law) -> State {
     let contacts = ContactSet::with_friction(&[contact]).unwrap();
-    let impact = contacts.impact(&Side { body, state }, None, law).unwrap();
+    let impact = contacts
+        .impact(&impact::Side { body, state }, None, law)
+        .unwrap();
     State {
         velocity_m_s: impact.after[0].velocity_m_s,
         angular_velocity_rad_s: impact.after[0].angular_velocity_rad_s,

@@ -6,5 +6,6 @@ mod flow;
 mod forms;
 mod impacts;
 mod links;
+mod meetings;
 mod motions;
 mod refusals;

@@ -119,13 +119,10 @@ pub fn sketched(performance: &TreePerformance) -> Solved {
 pub fn solved_from(performance: &TreePerformance, start: TreeState) -> Solved {
     let begin = Instant::now();
     let scene = &performance.scene;
-    let (Ok((sketch, _)), Some(tree)) = (
-        clean(scene, &performance.events),
-        scene.joint_trees().next(),
-    ) else {
+    let Ok((sketch, _)) = clean(scene, &performance.events) else {
         return Solved::of(None, begin);
     };
-    let problem = TreeProblem::new(scene, &sketch, tree);
+    let problem = TreeProblem::new(scene, &sketch);
     let estimate = estimate(scene, &sketch, problem, start, &mut Limit(begin));
     Solved::of(Some(&estimate), begin)
 }

@@ -1,11 +1,12 @@
-//! Bodies joined in trees that hit a table: how often a motion is found, and how near it is to the true one.
+//! Bodies joined in trees that hit a table, bodies by themselves and each other: how often a motion is found, and how near it is to the true one.
 
 use std::time::Instant;
 
 use anyhow::Result;
 use enact::motion::Verdict;
 use enact::pipeline::Pipeline;
-use enact_tools::tree_impacts::{Acted, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::tree_meetings::{Meet, Met, meet};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
 
@@ -20,6 +21,23 @@ const DISTORTIONS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Performances of a row.
 const PERFORMANCES: u64 = 10;
 
+/// What hits what.
+enum Kind {
+    /// A table.
+    Table(Struck),
+    /// Something that moves.
+    Moving(Meet),
+}
+
+impl Kind {
+    fn perform(&self, acted: &Acted, seed: u64) -> Strike {
+        match self {
+            Self::Table(struck) => strike(struck, acted, seed),
+            Self::Moving(of) => meet(of, acted, seed),
+        }
+    }
+}
+
 /// What came of one performance.
 #[derive(Serialize)]
 struct Performed {
@@ -31,15 +49,15 @@ struct Performed {
     /// Greatest error of an impact's time, and of its mark \[s\]; none where no motion is found.
     impact_off_s: Option<f64>,
     mark_off_s: f64,
-    /// Root mean square distance of all rods' centres from the true ones \[m\].
+    /// Root mean square distance of all bodies' centres from the true ones \[m\].
     off_m: Option<f64>,
     evaluations: usize,
     seconds: f64,
 }
 
 impl Performed {
-    fn of(struck: &Struck, acted: &Acted, seed: u64) -> Self {
-        let strike = strike(struck, acted, seed);
+    fn of(kind: &Kind, acted: &Acted, seed: u64) -> Self {
+        let strike = kind.perform(acted, seed);
         let begin = Instant::now();
         let events = strike.events.iter().cloned();
         let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut Limit(begin));
@@ -73,7 +91,7 @@ impl Performed {
     }
 }
 
-fn kinds() -> Vec<(String, Struck)> {
+fn kinds() -> Vec<(String, Kind)> {
     let mut kinds = Vec::new();
     let law = [0.5, 0.2];
     let joints = [
@@ -95,8 +113,42 @@ fn kinds() -> Vec<(String, Struck)> {
                 impacts,
                 law,
             };
-            (format!("{what}, {name}"), struck)
+            (format!("{what}, {name}"), Kind::Table(struck))
         }));
+    }
+    for (what, links, joints, hangs_m, met) in [
+        ("flail of 2 on a box", 2, Jointed::Ball, None, Met::Box),
+        (
+            "hanging flail of 2 on a box",
+            2,
+            Jointed::Universal,
+            Some(0.9),
+            Met::Box,
+        ),
+        (
+            "chain of 3 on a ball",
+            3,
+            Jointed::Universal,
+            None,
+            Met::Ball,
+        ),
+        (
+            "pendulum of 2 on another",
+            2,
+            Jointed::Pin,
+            Some(0.9),
+            Met::Pendulum,
+        ),
+        ("chain of 3 on itself", 3, Jointed::Pin, None, Met::Own),
+    ] {
+        let of = Meet {
+            links,
+            joints,
+            hangs_m,
+            met,
+            law,
+        };
+        kinds.push((what.to_owned(), Kind::Moving(of)));
     }
     kinds
 }
@@ -111,7 +163,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         "physical",
         "impact off, ms",
         "mark off, ms",
-        "rods off, mm",
+        "bodies off, mm",
         "evaluations",
         "time, ms",
         "longest, ms",
@@ -119,7 +171,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     let mut table = Table::new("struck", "", &header);
     let mut numbers = Vec::new();
     let mut shares = DISTORTIONS.map(|_| (0, 0, 0));
-    for (name, struck) in kinds() {
+    for (name, kind) in kinds() {
         for (distortion, counted) in DISTORTIONS.into_iter().zip(&mut shares) {
             if options.quick && distortion != 1.0
                 || !options.wants(&format!("{name}, {distortion}x"))
@@ -129,7 +181,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             let seeds = options.seeds(PERFORMANCES);
             let acted = Acted::of(distortion);
             let all: Vec<Performed> = seeds
-                .map(|seed| Performed::of(&struck, &acted, seed))
+                .map(|seed| Performed::of(&kind, &acted, seed))
                 .collect();
             let of = |of: &dyn Fn(&Performed) -> Option<f64>| {
                 all.iter().filter_map(of).collect::<Vec<f64>>()
@@ -163,7 +215,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         })
         .collect();
     record.say(format!(
-        "Pendulums, flails and chains that hit a table: a motion is found of {}.",
+        "Pendulums, flails and chains that hit a table, a body by itself or each other: a motion is found of {}.",
         said.join(", ")
     ));
     record.table(table);

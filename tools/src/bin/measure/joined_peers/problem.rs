@@ -48,11 +48,8 @@ impl<'p> Posed<'p> {
     pub fn of(performance: &'p TreePerformance) -> Result<Self> {
         let scene = &performance.scene;
         let (sketch, _) = clean(scene, &performance.events)?;
-        let Some((mechanism, joined)) = scene.joint_trees().next() else {
-            bail!("a scene without a tree");
-        };
-        let problem = TreeProblem::new(scene, &sketch, (mechanism, joined));
-        let start = initialise::tree::tree(scene, &sketch, joined, &problem.tree);
+        let problem = TreeProblem::new(scene, &sketch);
+        let start = initialise::tree::start(scene, &sketch, &problem.forest);
         Ok(Self {
             performance,
             problem,
@@ -79,15 +76,15 @@ impl<'p> Posed<'p> {
     /// The file, with what the program finds at the named states.
     pub fn file(&self, points: &[(&str, &TreeState)]) -> Result<Value> {
         let (problem, scene) = (&self.problem, &self.performance.scene);
-        let joined = scene.joint_tree(problem.mechanism);
+        let joined = scene.joint_trees().next().map(|(_, joined)| joined);
         let links = joined.map(|joined| joined.model_links(|link| scene.links[link].body));
         let samples: Result<Vec<Value>> = problem.samples.iter().map(sample).collect();
         let goals: Result<Vec<Value>> = problem.goals.iter().map(goal).collect();
         let points = points.iter().map(|(name, state)| {
             let found = self.found(state);
-            let mut snapshot = Snapshot::new(&problem.tree, &problem.gravity_m_s2);
+            let mut snapshot = Snapshot::new(&problem.forest.trees()[0], &problem.gravity_m_s2);
             snapshot.set(state);
-            let mut accelerations = vec![0.0; problem.tree.freedoms()];
+            let mut accelerations = vec![0.0; problem.forest.freedoms()];
             snapshot.accelerations(&mut accelerations);
             json!({
                 "name": name,
