@@ -237,7 +237,7 @@ impl Program for TreeProgram<'_> {
         self.problem.information
     }
 
-    /// What [`curvature`](super::curvature) tells of a coarse reading of the problem.
+    /// What `curvature` tells of a coarse reading of the problem.
     fn add_curvature(
         &self,
         (point, system): (&TreePoint, &System),
