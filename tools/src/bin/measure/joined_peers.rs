@@ -1,7 +1,7 @@
 //! General solvers beside the program on bodies joined in trees, from the same sketches.
 //!
 //! A problem goes out as JSON ([`problem`]), `tools/peers/joined.py` shows that its equations of motion and its
-//! objective agree, solves it by multiple shooting, and answers with states at the start ([`ask`]). What any
+//! objective agree, solves it by multiple shooting, and answers with states at the start ([`mod@ask`]). What any
 //! solver found is judged by the program's own formulas at its state ([`show`] makes tables of it).
 
 mod ask;
