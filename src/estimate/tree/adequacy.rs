@@ -14,7 +14,7 @@
 //!
 //! which is Rao's score test `s²/V` with the errors' own covariance, less a price for what the prior allows ([`odds`]).
 //! Those that score high are set free for a [`trial`], whose odds then count. Where no quantity is wrong, the motion is
-//! said to fit only if joints that are elsewhere by a share of a link would have shown.
+//! said to fit only if joints that are elsewhere by a share of a link, each where that shows best, would have shown.
 
 mod candidates;
 mod errors;
@@ -55,7 +55,8 @@ const MOST: usize = 4;
 const LEAST_SHARE: f64 = 0.3;
 /// Least number of residuals beyond what the motion may follow, and of those that tell the noise.
 const LEAST_FREEDOM: f64 = 6.0;
-/// A joint that is elsewhere by this share of its link's length must show, or the motion is not said to fit.
+/// A joint that is elsewhere by this share of its link's length, in the direction in which that shows best, must show, or
+/// the motion is not said to fit.
 const SHOWN_SHARE: f64 = 0.1;
 /// A wander that is farther from the motion than this, in weights of the samples, is none that a motion fits.
 const FAR: f64 = 3.0;
