@@ -162,6 +162,8 @@ impl<'t> Flow<'t> {
         }
         self.elapsed_s += duration_s;
         self.begin_step();
+        // No step from the start: what reaches a time begins there again.
+        self.step_s = 0.0;
     }
 
     /// Goes to a time since the start (negative: before it), on or back, in steps of a length, the last one as far as

@@ -85,6 +85,11 @@ fn a_time_is_reached_whatever_came_before() {
         ends.advance(0.06, 2);
         let off = tree.minus(&ends.state(), &reached(&mut flow, 0.06).0);
         assert!(off.iter().all(|off| off.abs() < 1e-14), "{name} {off:?}");
+        assert_eq!(
+            reached(&mut ends, 0.09),
+            reached(&mut begun(), 0.09),
+            "{name}"
+        );
     }
 }
 
