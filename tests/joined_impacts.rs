@@ -7,7 +7,7 @@ use enact::pipeline::{Outcome, Pipeline};
 use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
-use enact_tools::trees::{Jointed, RATE_HZ};
+use enact_tools::trees::Jointed;
 use tempfile::TempDir;
 
 const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
@@ -60,18 +60,8 @@ fn an_exact_sketch_gives_motion_and_impacts_back() {
                 // The prior on the rates at the start draws by as much.
                 assert!(off_s < 2e-5, "{kind:?} {seed}: {off_s}");
             }
-            let (_, joined) = strike.scene.joint_trees().next().expect("a tree");
-            let tree = strike.scene.tree_model(joined);
-            let motion = &estimate.trees[0];
-            for (index, truth) in strike.states.iter().enumerate() {
-                let time_s = index as f64 / RATE_HZ;
-                let found = motion.state(&tree, &estimate.gravity_m_s2, time_s);
-                let off = tree.minus(&found, truth);
-                let off = off[..tree.freedoms()]
-                    .iter()
-                    .fold(0.0, |most: f64, of| most.max(of.abs()));
-                assert!(off < 0.005, "{kind:?} {seed} at {time_s}: {off}");
-            }
+            let off = strike.coordinates_off(&estimate);
+            assert!(off < 0.005, "{kind:?} {seed}: {off}");
         }
     }
 }

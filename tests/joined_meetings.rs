@@ -8,7 +8,7 @@ use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::tree_impacts::{Acted, Strike};
 use enact_tools::tree_meetings::{Meet, Met, meet};
-use enact_tools::trees::{Jointed, RATE_HZ};
+use enact_tools::trees::Jointed;
 use nalgebra::Vector3;
 use tempfile::TempDir;
 
@@ -59,16 +59,8 @@ fn an_exact_sketch_gives_motion_and_meeting_back() {
             let off_s = (hit_s(&estimate) - strike.impacts_s[0]).abs();
             // The prior on the rates at the start draws by as much.
             assert!(off_s < 2e-5, "{kind:?} {seed}: {off_s}");
-            let forest = strike.scene.forest();
-            for (index, truth) in strike.states.iter().enumerate() {
-                let time_s = index as f64 / RATE_HZ;
-                let found = strike.scene.forest_state(&estimate, &forest, time_s);
-                let off = forest.minus(&found.expect("a motion"), truth);
-                let off = off[..forest.freedoms()]
-                    .iter()
-                    .fold(0.0, |most: f64, of| most.max(of.abs()));
-                assert!(off < 0.005, "{kind:?} {seed} at {time_s}: {off}");
-            }
+            let off = strike.coordinates_off(&estimate);
+            assert!(off < 0.005, "{kind:?} {seed}: {off}");
         }
     }
 }

@@ -83,6 +83,27 @@ impl Strike {
         self.events.insert(after.unwrap_or(self.events.len()), mark);
     }
 
+    /// Greatest difference of any coordinate from the true motion, at all samples [m, or rad]; infinite where the
+    /// estimate has no motion.
+    pub fn coordinates_off(&self, estimate: &Estimate) -> f64 {
+        let forest = self.scene.forest();
+        let mut most = 0.0_f64;
+        for (index, truth) in self.states.iter().enumerate() {
+            let time_s = index as f64 / RATE_HZ;
+            let Some(found) = self.scene.forest_state(estimate, &forest, time_s) else {
+                return f64::INFINITY;
+            };
+            for off in &forest.minus(&found, truth)[..forest.freedoms()] {
+                most = most.max(if off.is_nan() {
+                    f64::INFINITY
+                } else {
+                    off.abs()
+                });
+            }
+        }
+        most
+    }
+
     /// Root mean square distance of all bodies' centres from the true ones, at all samples \[m\].
     pub fn off_m(&self, estimate: &Estimate) -> f64 {
         let forest = self.scene.forest();
