@@ -128,10 +128,14 @@ impl<'t> Course<'t> {
                 .clone()
                 .resize_horizontally(width + self.events, 0.0),
         };
-        for (stop, sign) in [(self.begun, -1.0), (self.now, 1.0)] {
-            if let Some(event) = stop.event {
-                let mut column = by_unknowns.column_mut(width + event);
-                column.axpy(sign, &self.flow.rate(), 1.0);
+        let stops = [(self.begun.event, -1.0), (self.now.event, 1.0)];
+        if stops.iter().any(|(event, _)| event.is_some()) {
+            let rate = self.flow.rate();
+            for (event, sign) in stops {
+                if let Some(event) = event {
+                    let mut column = by_unknowns.column_mut(width + event);
+                    column.axpy(sign, &rate, 1.0);
+                }
             }
         }
         by_unknowns

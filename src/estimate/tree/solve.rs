@@ -21,8 +21,9 @@ const FIRST_PARTS: [usize; 3] = [4, 8, 12];
 /// and by how much further ones grow: as a rule, and where that leads to no optimum.
 const GROWTHS: [f64; 2] = [1.5, 1.25];
 /// Longest step of the integrator \[s\], and the greatest turn of any joint in it \[rad\]: on the way, and in the end.
-const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
-const EXACTLY: [f64; 2] = [1.0 / 40.0, 0.2];
+pub const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
+/// See [`ROUGHLY`].
+pub const EXACTLY: [f64; 2] = [1.0 / 40.0, 0.2];
 /// Weight of goals at the start while the part grows, per information,
 const START_WEIGHT: f64 = 100.0;
 /// and how long a descent goes on there.

@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 
+use enact::estimate::tree::solve::{EXACTLY, ROUGHLY};
 use enact::physics::tree::tableau::DORMAND_PRINCE;
 use enact::physics::tree::{Flow, TreeState};
 use nalgebra::DMatrix;
@@ -14,9 +15,6 @@ use crate::statistics::median;
 
 /// Samples per second at which states are told.
 const SAMPLES_HZ: f64 = 120.0;
-/// The estimator's longest step \[s\], and the greatest turn of a joint in it \[rad\]: in the end, and on the way.
-const EXACTLY: [f64; 2] = [1.0 / 40.0, 0.2];
-const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
 /// How many times as short steps are of which states at samples are told for comparison.
 const FINER: f64 = 16.0;
 /// How often plain flows and those with derivatives are timed.
