@@ -11,10 +11,10 @@ use crate::motion::{Scene, Timing};
 
 /// Refuses a scene with joints that asks for what is not done there.
 pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
-    if scene.timing != Timing::Known {
+    if scene.timing == Timing::Edited {
         return fault(
             raw.timing.stamps.span(),
-            "a scene with joints is estimated from physical stamps, expected stamps = \"physical\"",
+            "joined bodies move from start to end at once, expected stamps = \"physical\" or \"tempo\"",
         );
     }
     for event in &raw.event {

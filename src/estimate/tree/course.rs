@@ -1,12 +1,14 @@
 //! The course of trees from a node on, through events, with its derivatives by the unknowns of the leg.
 //!
 //! With `Φ` the flow's derivative, and `ẋ` how it goes on, a flow from one event, at `T`, to
-//! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. An impact's derivative follows; where
+//! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. So it does with the physical times of samples and
+//! nodes where the [tempo](super::tempo) is unknown. An impact's derivative follows; where
 //! the rates jump, what came before is put into one matrix and the flow begins anew.
 
 use nalgebra::DMatrix;
 
 use super::problem::TreeProblem;
+use super::tempo::TimeLine;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::tableau;
@@ -17,18 +19,37 @@ use crate::physics::tree::{
 /// A time on the way at which the course stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stop {
-    /// The time \[s\].
+    /// The physical time \[s\].
     pub(super) time_s: f64,
-    /// Place among the leg's events of the one whose time this is.
-    pub(super) event: Option<usize>,
+    /// What it moves with.
+    pub(super) with: With,
+}
+
+/// What a time moves with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum With {
+    /// Nothing, or nobody asks for derivatives.
+    Nothing,
+    /// It is that of an event: its place among the leg's.
+    Event(usize),
+    /// The tempo: it is acted then \[s\].
+    Tempo(f64),
 }
 
 impl Stop {
-    /// A time that is known \[s\].
+    /// A time that nothing moves \[s\].
     pub(super) fn known(time_s: f64) -> Self {
         Self {
             time_s,
-            event: None,
+            with: With::Nothing,
+        }
+    }
+
+    /// The time that is acted then \[s\].
+    pub(super) fn acted(line: &TimeLine, acted_s: f64) -> Self {
+        Self {
+            time_s: line.time_s(acted_s),
+            with: With::Tempo(acted_s),
         }
     }
 }
@@ -36,42 +57,48 @@ impl Stop {
 /// The motion from a node on.
 pub(super) struct Course<'t> {
     problem: &'t TreeProblem,
+    line: &'t TimeLine<'t>,
     flow: ForestFlow<'t>,
     begun: Stop,
     now: Stop,
     has_derivatives: bool,
-    /// Number of events of the leg.
+    /// Number of events of the leg, and of unknowns.
     events: usize,
-    /// Where the flow began: its derivative by the node's tangent and by the times of the leg's events; none at
-    /// the node itself.
+    size: usize,
+    /// Where the flow began: its derivative by the leg's unknowns; none at the node itself.
     by_unknowns: Option<DMatrix<f64>>,
     /// Derivative of the flow since then.
     by_begin: DMatrix<f64>,
 }
 
 impl<'t> Course<'t> {
-    /// From a node on, with derivatives; so many events are on its leg.
+    /// From a node on, with derivatives.
     pub(super) fn new(
-        problem: &'t TreeProblem,
-        (node, from_s): (&TreeState, f64),
-        events: usize,
+        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
+        node: usize,
+        state: &TreeState,
     ) -> Self {
         let width = problem.width();
+        let from = Stop::acted(line, problem.leg_s(node)[0]);
         Self {
-            events,
+            events: problem.events_of(node).len(),
+            size: problem.leg_size(node),
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun(problem, (node, from_s), true)
+            ..Self::begun((problem, line), (state, from), true)
         }
     }
 
-    /// From a node on, without derivatives.
-    pub(super) fn plain(problem: &'t TreeProblem, from: (&TreeState, f64)) -> Self {
-        Self::begun(problem, from, false)
+    /// From a state on at a physical time \[s\], without derivatives.
+    pub(super) fn plain(
+        on: (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from_s): (&TreeState, f64),
+    ) -> Self {
+        Self::begun(on, (state, Stop::known(from_s)), false)
     }
 
     fn begun(
-        problem: &'t TreeProblem,
-        (node, from_s): (&TreeState, f64),
+        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from): (&TreeState, Stop),
         has_derivatives: bool,
     ) -> Self {
         let mut flow = ForestFlow::new(
@@ -79,14 +106,16 @@ impl<'t> Course<'t> {
             &problem.gravity_m_s2,
             tableau::DORMAND_PRINCE,
         );
-        flow.begin(node, has_derivatives);
+        flow.begin(state, has_derivatives);
         Self {
             problem,
+            line,
             flow,
-            begun: Stop::known(from_s),
-            now: Stop::known(from_s),
+            begun: from,
+            now: from,
             has_derivatives,
             events: 0,
+            size: 0,
             by_unknowns: None,
             by_begin: DMatrix::zeros(0, 0),
         }
@@ -95,7 +124,7 @@ impl<'t> Course<'t> {
     /// Goes on, or back, to a time. The state is no number at one that is farther from the motion than that lasts: an event
     /// that runs away ends a step, and is not followed.
     pub(super) fn advance(&mut self, to: Stop) {
-        let [from_s, to_s] = self.problem.span_s;
+        let [from_s, to_s] = self.line.physical_span_s();
         let lasts_s = to_s - from_s;
         let is_near = (from_s - lasts_s..=to_s + lasts_s).contains(&to.time_s);
         let elapsed_s = match is_near {
@@ -117,24 +146,35 @@ impl<'t> Course<'t> {
         self.flow.state()
     }
 
-    /// Its derivative by the node's tangent and by the times of the leg's events.
+    /// Its derivative by the leg's unknowns.
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
         self.flow.jacobian(&mut self.by_begin);
-        let width = self.problem.width();
         let mut by_unknowns = match &self.by_unknowns {
             Some(by_unknowns) => &self.by_begin * by_unknowns,
-            None => self
-                .by_begin
-                .clone()
-                .resize_horizontally(width + self.events, 0.0),
+            None => self.by_begin.clone().resize_horizontally(self.size, 0.0),
         };
-        let stops = [(self.begun.event, -1.0), (self.now.event, 1.0)];
-        if stops.iter().any(|(event, _)| event.is_some()) {
+        let stops = [(self.begun.with, -1.0), (self.now.with, 1.0)];
+        let moves = |with: &With| match with {
+            With::Nothing => false,
+            With::Event(_) => true,
+            With::Tempo(_) => self.line.is_unknown(),
+        };
+        if stops.iter().any(|(with, _)| moves(with)) {
             let rate = self.flow.rate();
-            for (event, sign) in stops {
-                if let Some(event) = event {
-                    let mut column = by_unknowns.column_mut(width + event);
-                    column.axpy(sign, &rate, 1.0);
+            let width = self.problem.width();
+            let mut add = |at: usize, by: f64| {
+                let mut column = by_unknowns.column_mut(width + at);
+                column.axpy(by, &rate, 1.0);
+            };
+            for (with, sign) in stops {
+                match with {
+                    With::Nothing => {}
+                    With::Event(event) => add(event, sign),
+                    With::Tempo(acted_s) => {
+                        for (piece, by) in self.line.by_log_paces(acted_s).enumerate() {
+                            add(self.events + piece, sign * by);
+                        }
+                    }
                 }
             }
         }

@@ -7,10 +7,10 @@ use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
 pub struct TreeEvent {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// About when it is \[s\]: samples before belong to the motion before it, later ones to that after it,
+    /// About when it is \[s, acted\]: samples before belong to the motion before it, later ones to that after it,
     /// wherever its estimated time is.
     pub about_s: f64,
-    /// When it was marked, and the mark's standard deviation \[s\].
+    /// When it was marked, and the mark's standard deviation \[s, acted\].
     pub mark_s: Option<[f64; 2]>,
     /// What hits what; none at a waypoint, where the motion goes on as it was.
     pub touch: Option<TreeTouch>,

@@ -22,6 +22,7 @@ pub mod program;
 mod rows;
 pub mod sample;
 pub mod solve;
+pub mod tempo;
 mod walk;
 mod weak;
 

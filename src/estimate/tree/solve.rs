@@ -5,6 +5,7 @@
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::program::{Part, TreeProgram};
+use super::tempo::TimeLine;
 use crate::estimate::recipe::Watched;
 use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
@@ -14,8 +15,10 @@ use crate::optimise::trust::{self, Nearness};
 use crate::optimise::{self, Program, Schedule, Solution, Stage, Work};
 use crate::physics::tree::TreeState;
 
-/// Standard deviation of the rates at the start while the part grows [rad/s].
+/// Standard deviation of the rates at the start while the part grows [rad/s],
 const GROWING_SD_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
+/// and of the first log-pace of an unknown tempo from its guess.
+const GROWING_LOG_PACE_SD: f64 = 0.1;
 /// Samples of the first parts,
 const FIRST_PARTS: [usize; 3] = [4, 8, 12];
 /// and by how much further ones grow: as a rule, and where that leads to no optimum.
@@ -42,6 +45,11 @@ const NEARNESS: Nearness = Nearness {
     decrease: 1e-6,
     violation: 1e-6,
 };
+/// How many paces are gone on with,
+const LIKELIEST: usize = 2;
+/// and how far, root mean square in weights, an optimum may be from samples in an unknown tempo before more is tried: as far as
+/// motions are not doubted for.
+const FAR: f64 = 3.0;
 /// How often samples about an event are given anew to the motions before and after it.
 const SIDINGS: usize = 4;
 
@@ -53,19 +61,33 @@ pub struct Solved {
     pub solution: Solution<TreePoint>,
 }
 
-/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth is
-/// tried, and then multiplier rounds from where each led.
-pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
+/// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
+/// stamps are physical times. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
+/// tempo to one that is far from the samples, slower growth is tried, and then multiplier rounds from where each led.
+pub fn solve(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    observer: &mut dyn Observer,
+) -> Solved {
     let mut work = Work::default();
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
+    let mut far: Option<Solved> = None;
     for growth in GROWTHS {
-        let (problem, point) = grown((&problem, start.clone()), growth, &mut work, observer);
-        let at_once = Schedule::default().from_the_last();
-        let solved = finished(&problem, &point, &at_once, &mut work, observer);
-        if solved.has_ended() {
-            return solved;
+        for (problem, point) in likeliest((problem, starts), growth, &mut work, observer) {
+            let at_once = Schedule::default().from_the_last();
+            let solved = finished(&problem, &point, &at_once, &mut work, observer);
+            if !solved.has_ended() {
+                tried.push((problem, point));
+            } else if solved.solution.stopped || !solved.is_far() {
+                return solved;
+            } else if far.as_ref().is_none_or(|of| solved.cost() < of.cost()) {
+                far = Some(solved);
+            }
         }
-        tried.push((problem, point));
+    }
+    if let Some(mut far) = far {
+        far.solution.work = work;
+        return far;
     }
     let rounds = Schedule {
         sweep_weights: Vec::new(),
@@ -80,6 +102,36 @@ pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer
         last = Some(solved);
     }
     last.expect("it grew at least once")
+}
+
+/// Where growing leads from each pace: the likeliest, in order.
+fn likeliest(
+    (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
+    growth: f64,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Vec<(TreeProblem, TreePoint)> {
+    let mut all: Vec<(f64, (TreeProblem, TreePoint))> = Vec::new();
+    for (pace, start) in starts {
+        let mut paced = problem.clone();
+        if let Some(tempo) = &mut paced.tempo {
+            tempo.guess = *pace;
+        }
+        let (problem, point) = grown((&paced, start.clone()), growth, work, observer);
+        let cost = match starts.len() {
+            1 => 0.0,
+            _ => {
+                let program = TreeProgram::new(&problem, point.clone());
+                program.evaluated(&Part::whole(), &point).cost
+            }
+        };
+        all.push((cost, (problem, point)));
+        if observer.should_stop() {
+            break;
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().take(LIKELIEST).map(|(_, of)| of).collect()
 }
 
 /// The optimum near a point, with all the work so far. Samples that it leaves on the wrong side of an event are given
@@ -124,6 +176,16 @@ impl Solved {
     fn has_ended(&self) -> bool {
         self.solution.finished.converged || self.solution.stopped
     }
+
+    fn cost(&self) -> f64 {
+        self.solution.system.cost
+    }
+
+    /// Whether an optimum in an unknown tempo is so far from its samples that it is likely a wrong one.
+    fn is_far(&self) -> bool {
+        let samples = self.problem.samples.len() as f64;
+        self.problem.tempo.is_some() && self.cost() > 0.5 * FAR * FAR * samples
+    }
 }
 
 /// Lets the part that counts grow, each time by this share: where that leads, with the problem whose steps are as short as it needs.
@@ -153,6 +215,7 @@ fn grown(
         let part = Part {
             until_s,
             rate_sd_rad_s: GROWING_SD_RAD_S,
+            log_pace_sd: Some(GROWING_LOG_PACE_SD),
         };
         let mut descent = Descent::new(&program, point);
         descent.refresh(&part);
@@ -214,11 +277,14 @@ impl TreeProblem {
     fn part_at(&mut self, point: &TreePoint) -> bool {
         let [mut least_s, most_s] = self.span_s;
         let mut is_other = false;
-        for (event, time_s) in self.events.iter_mut().zip(&point.event_times_s) {
-            let about_s = time_s.max(least_s).min(most_s);
+        let line = TimeLine::new(self, &point.log_paces);
+        let times_s = point.event_times_s.iter();
+        let acted_s: Vec<f64> = times_s.map(|time_s| line.acted_s(*time_s).0).collect();
+        for (event, acted_s) in self.events.iter_mut().zip(acted_s) {
+            let about_s = acted_s.max(least_s).min(most_s);
             let between_s = event.about_s.min(about_s)..event.about_s.max(about_s);
             let mut samples = self.samples.iter();
-            is_other |= samples.any(|sample| between_s.contains(&sample.time_s));
+            is_other |= samples.any(|sample| between_s.contains(&sample.acted_s));
             event.about_s = about_s;
             least_s = about_s;
         }
@@ -227,7 +293,7 @@ impl TreeProblem {
 
     /// Times at which the growing parts end \[s\]: before the goals at the end.
     fn parts_s(&self, growth: f64) -> Vec<f64> {
-        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
         times_s.dedup();
         let mut counts = FIRST_PARTS.to_vec();
         while let Some(last) = counts.last().copied()

@@ -14,17 +14,21 @@ impl TreeProblem {
     /// the one after.
     pub(super) fn knots(&self, point: &TreePoint) -> Vec<TreeKnot> {
         let mut knots = Vec::new();
+        let line = &point.time_line(self);
         for (node, state) in point.nodes.iter().enumerate() {
-            let [from_s, to_s] = self.leg_s(node);
-            let mut course = Course::plain(self, (state, from_s));
+            let [from_s, to_s] = self.leg_s(node).map(|end_s| line.time_s(end_s));
+            let mut course = Course::plain((self, line), (state, from_s));
             let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
             knot(from_s, state.clone());
-            let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+            let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
             let known = self
                 .goals
                 .iter()
                 .filter(|goal| self.event_within(goal).is_none());
-            times_s.extend(known.map(|goal| goal.time_s));
+            times_s.extend(known.map(|goal| goal.acted_s));
+            times_s
+                .iter_mut()
+                .for_each(|at_s| *at_s = line.time_s(*at_s));
             times_s.retain(|time_s| *time_s > from_s && *time_s <= to_s);
             times_s.push(to_s);
             times_s.sort_by(f64::total_cmp);
@@ -54,7 +58,7 @@ impl TreeProblem {
         course.hit_plainly(touch).is_ok()
     }
 
-    /// Step of the integrator for the motion from its first node to a time \[s\]: not longer than `most_s` \[s\], and
+    /// Step of the integrator for the motion from its first node to a stamp \[s\]: not longer than `most_s` \[s\], and
     /// no joint turns by more than `turn_rad` \[rad\] in it.
     pub(super) fn step_for(
         &self,
@@ -62,11 +66,13 @@ impl TreeProblem {
         until_s: f64,
         [most_s, turn_rad]: [f64; 2],
     ) -> f64 {
-        let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
+        let line = &point.time_line(self);
+        let [begin_s, last_s] = line.physical_span_s();
+        let mut course = Course::plain((self, line), (&point.nodes[0], begin_s));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
-        let mut now_s = self.span_s[0];
-        let end_s = until_s.min(self.span_s[1]);
+        let mut now_s = begin_s;
+        let end_s = line.time_s(until_s).min(last_s);
         let step_s = |fastest_rad_s: f64| most_s.min(turn_rad / fastest_rad_s.max(1e-9));
         loop {
             let rates = course.state().rates;
@@ -85,7 +91,7 @@ impl TreeProblem {
             course.step(now_s);
         }
         // As many as fit.
-        let span_s = self.span_s[1] - self.span_s[0];
+        let span_s = last_s - begin_s;
         span_s / (span_s / step_s(fastest_rad_s)).ceil()
     }
 }
