@@ -7,6 +7,7 @@
 
 use nalgebra::DMatrix;
 
+use super::law::FreeLaw;
 use super::problem::TreeProblem;
 use super::tempo::TimeLine;
 use crate::motion::TreeTouch;
@@ -186,7 +187,7 @@ impl<'t> Course<'t> {
     pub(super) fn hit(
         &mut self,
         snapshot: &ForestSnapshot,
-        touch: &TreeTouch,
+        (touch, free): (&TreeTouch, &FreeLaw),
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
         let (impact, derivative) = snapshot.impact_derivative(&state, &touch.at, &touch.law)?;
@@ -194,6 +195,12 @@ impl<'t> Course<'t> {
         let freedoms = self.problem.forest.freedoms();
         let rates = &derivative.rates * &by_unknowns;
         by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
+        let first = self.size - self.problem.parameters.len();
+        for (parameter, by) in free.rates_by(&derivative) {
+            let mut column = by_unknowns.column_mut(first + parameter);
+            let mut rates = column.rows_mut(freedoms, freedoms);
+            rates += by;
+        }
         self.by_unknowns = Some(by_unknowns);
         self.go_on(state, &impact);
         Ok((impact, derivative))

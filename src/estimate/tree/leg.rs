@@ -1,8 +1,8 @@
 //! One leg of the motion, from a node to the next: residuals of its samples, rows of its goals and events, and
 //! how it joins the next, with all derivatives by the leg's unknowns: the node's tangent, then times of its events, then
-//! the log-paces of an unknown tempo.
+//! the log-paces of an unknown tempo and what of the laws of impacts is unknown.
 //!
-//! With `X = ∂x(t)/∂(x_k, T, λ)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
+//! With `X = ∂x(t)/∂(x_k, T, λ, p)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
 //! `y` of a quantity, a row `y(link(x(t)))` has the derivative `y_link L X`. The flow to the next node must end
 //! there: `x(t_{k+1}) ⊟ x_{k+1} = 0`.
 
@@ -103,8 +103,11 @@ impl TreeProgram<'_> {
                     let (pattern, block) = self.room(problem.event_block(index), blocks);
                     let times = (line, point.event_times_s.as_slice());
                     rows::order(problem, (index, times), (pattern, &mut *block));
-                    let Some(touch) = &event.touch else { continue };
-                    let Ok((impact, derivative)) = course.hit(&snapshot, touch) else {
+                    let Some(touch) = event.touch_at(point) else {
+                        continue;
+                    };
+                    let law = (&touch, &event.free);
+                    let Ok((impact, derivative)) = course.hit(&snapshot, law) else {
                         sums.cost = f64::NAN;
                         return sums;
                     };

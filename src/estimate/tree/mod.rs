@@ -13,6 +13,7 @@ mod course;
 mod curvature;
 pub mod event;
 pub mod goal;
+pub mod law;
 mod leg;
 mod motions;
 pub mod outcome;

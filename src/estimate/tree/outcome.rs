@@ -12,7 +12,8 @@ use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
     Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, LinkIndex, Mechanism,
-    MotionPart, Observer, Reason, SampleTime, Scene, Sketch, Undetermined, Verdict,
+    MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch, Undetermined,
+    Verdict,
 };
 use crate::physics::tree::TreeState;
 
@@ -62,9 +63,9 @@ pub fn estimate(
         .flatten();
     let events = (0..scene.events.len()).map(|event| of_event((&solved, line), sketch, event));
     let mut events: Vec<EventEstimate> = events.collect();
-    let sd_s = |moment: Vec<(usize, f64)>| Some(certainty.as_ref()?.sd(&moment));
+    let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
     for event in events.iter_mut().filter(|event| !event.is_fixed) {
-        event.sd_s = sd_s(
+        event.sd_s = sd_of(
             match problem.events.iter().position(|of| of.event == event.event) {
                 Some(within) => vec![(problem.unknown_of_event(within), 1.0)],
                 None => line.moment(problem, event.acted_s),
@@ -91,7 +92,7 @@ pub fn estimate(
     let duration = DurationEstimate {
         duration_s: to_s - from_s,
         sd_s: match line.is_unknown() {
-            true => sd_s(line.moment(problem, problem.span_s[1])),
+            true => sd_of(line.moment(problem, problem.span_s[1])),
             false => Some(0.0),
         },
     };
@@ -101,6 +102,27 @@ pub fn estimate(
     };
     if is_finite && !duration.is_determined() {
         undetermined.push(Undetermined::Duration);
+    }
+    let parameters = problem.parameters.iter().zip(&solution.point.parameters);
+    let parameters = parameters.enumerate().map(|(index, (free, value))| {
+        let at_bound = problem.at_bound(&solution.point, index);
+        let moment = vec![(problem.unknown_of_parameter(index), 1.0)];
+        // A bound is a prior of half the width.
+        let half_width = at_bound.map_or(0.0, |_| 0.5 * free.length());
+        ParameterEstimate {
+            name: free.name.clone(),
+            value: *value,
+            sd: sd_of(moment).map(|sd| sd.hypot(half_width)),
+            at_bound,
+            lower: free.lower,
+            upper: free.upper,
+        }
+    });
+    let parameters: Vec<ParameterEstimate> = parameters.collect();
+    for (index, parameter) in parameters.iter().enumerate() {
+        if is_finite && parameter.sd.is_none() {
+            undetermined.push(Undetermined::Parameter(index));
+        }
     }
     Estimate {
         verdict,
@@ -112,7 +134,7 @@ pub fn estimate(
         held: Vec::new(),
         events,
         duration,
-        parameters: Vec::new(),
+        parameters,
         residuals: motions.residuals,
         sample_times,
         fit,

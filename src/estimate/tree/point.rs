@@ -6,7 +6,8 @@ use super::problem::TreeProblem;
 use super::tempo::TimeLine;
 use crate::physics::tree::TreeState;
 
-/// Values of all unknowns. Steps are the tangents of the nodes, one after the other, then the times, then the log-paces.
+/// Values of all unknowns. Steps are the tangents of the nodes, one after the other, then the times, then the log-paces, then
+/// the parameters.
 #[derive(Clone, Debug)]
 pub struct TreePoint {
     /// States at the nodes.
@@ -16,6 +17,8 @@ pub struct TreePoint {
     /// Logarithms of the physical per the acted time, piece by piece of the problem's tempo; none where stamps are
     /// physical times.
     pub log_paces: Vec<f64>,
+    /// Values of the problem's parameters.
+    pub parameters: Vec<f64>,
 }
 
 impl TreePoint {
@@ -30,6 +33,7 @@ impl TreePoint {
             nodes,
             event_times_s: events.map(|event| line.time_s(event.about_s)).collect(),
             log_paces,
+            parameters: problem.parameters.iter().map(|of| of.initial).collect(),
         }
     }
 
@@ -37,7 +41,8 @@ impl TreePoint {
     pub(super) fn retract(&self, problem: &TreeProblem, step: &DVector<f64>, to: &mut Self) {
         let width = problem.width();
         let (states, rest) = step.as_slice().split_at(width * self.nodes.len());
-        let (times, paces) = rest.split_at(self.event_times_s.len());
+        let (times, rest) = rest.split_at(self.event_times_s.len());
+        let (paces, parameters) = rest.split_at(self.log_paces.len());
         let moved = self.nodes.iter().zip(states.chunks_exact(width));
         for ((from, step), to) in moved.zip(&mut to.nodes) {
             *to = problem.forest.retract(from, step);
@@ -50,6 +55,10 @@ impl TreePoint {
         for ((from, step), to) in moved.zip(&mut to.log_paces) {
             *to = from + step;
         }
+        let moved = self.parameters.iter().zip(parameters);
+        for ((from, step), to) in moved.zip(&mut to.parameters) {
+            *to = from + step;
+        }
     }
 
     /// `self ⊟ origin`: the step that leads from there to here.
@@ -58,15 +67,18 @@ impl TreePoint {
         let states = states.flat_map(|(to, from)| problem.forest.minus(to, from));
         let times = self.event_times_s.iter().zip(&origin.event_times_s);
         let paces = self.log_paces.iter().zip(&origin.log_paces);
-        let numbers = times.chain(paces).map(|(to, from)| to - from);
+        let parameters = self.parameters.iter().zip(&origin.parameters);
+        let numbers = times.chain(paces).chain(parameters);
+        let numbers = numbers.map(|(to, from)| to - from);
         let step: Vec<f64> = states.chain(numbers).collect();
         step.into()
     }
 
-    /// Whether all rates, times and paces are finite.
+    /// Whether all rates, times, paces and parameters are finite.
     pub fn is_finite(&self) -> bool {
         let rates = self.nodes.iter().flat_map(|state| &state.rates);
-        let mut numbers = rates.chain(&self.event_times_s).chain(&self.log_paces);
+        let numbers = rates.chain(&self.event_times_s).chain(&self.log_paces);
+        let mut numbers = numbers.chain(&self.parameters);
         numbers.all(|number| number.is_finite())
     }
 }

@@ -9,7 +9,7 @@ use super::goal::{self, TreeGoal};
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
 use crate::estimate::problem::unit;
-use crate::motion::{EventKind, GoalUnit, Scene, Sketch};
+use crate::motion::{Cone, EventKind, FreeParameter, GoalUnit, Scene, Sketch};
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -31,6 +31,10 @@ pub struct TreeProblem {
     pub span_s: [f64; 2],
     /// Of stamps that are no physical times.
     pub tempo: Option<Tempo>,
+    /// What of the laws of impacts is unknown, and cones about tilts.
+    pub parameters: Vec<FreeParameter>,
+    /// See `parameters`.
+    pub cones: Vec<Cone>,
     /// In order of time.
     pub samples: Vec<TreeSample>,
     /// In order of time.
@@ -64,6 +68,8 @@ impl TreeProblem {
             gravity_m_s2: scene.gravity_m_s2,
             span_s,
             tempo: Tempo::of_scene(scene, span_s, &samples),
+            parameters: scene.parameters.clone(),
+            cones: scene.cones.clone(),
             samples,
             goals,
             events,
@@ -96,9 +102,14 @@ impl TreeProblem {
         }
     }
 
-    /// Number of all unknowns: the nodes' tangents, then the events' times, then the log-paces.
+    /// Number of all unknowns: the nodes' tangents, then the events' times, then the log-paces, then parameters.
     pub fn unknown_count(&self) -> usize {
-        self.unknown_of_pace(self.pace_count())
+        self.unknown_of_parameter(self.parameters.len())
+    }
+
+    /// The place of a parameter among all unknowns.
+    pub(super) fn unknown_of_parameter(&self, parameter: usize) -> usize {
+        self.unknown_of_pace(self.pace_count() + parameter)
     }
 
     /// Number of paces of an unknown tempo.
@@ -116,9 +127,10 @@ impl TreeProblem {
         self.unknown_of_event(self.events.len() + piece)
     }
 
-    /// Number of unknowns of the motion from a node to the next: the node's tangent, times of events, log-paces.
+    /// Number of unknowns of the motion from a node to the next: the node's tangent, times of events, log-paces,
+    /// parameters.
     pub(super) fn leg_size(&self, node: usize) -> usize {
-        self.width() + self.events_of(node).len() + self.pace_count()
+        self.width() + self.events_of(node).len() + self.pace_count() + self.parameters.len()
     }
 
     /// The first unknown with which one is coupled, of those before it.
@@ -126,7 +138,7 @@ impl TreeProblem {
         let width = self.width();
         let node = match unknown.checked_sub(width * self.nodes_s.len()) {
             None => (unknown / width).saturating_sub(1),
-            // The tempo is everywhere's.
+            // Tempo and parameters are everywhere's.
             Some(event) if event >= self.events.len() => 0,
             Some(event) => self.node_of(self.events[event].about_s),
         };
@@ -186,7 +198,8 @@ impl TreeProblem {
         }
     }
 
-    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events, then log-paces.
+    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events, then log-paces and
+    /// parameters.
     pub(super) fn unknown_of(&self, node: usize, at: usize) -> usize {
         let events = self.events_of(node);
         match at.checked_sub(self.width()) {

@@ -87,6 +87,7 @@ impl<'a> TreeProgram<'a> {
             }
             blocks.push(pattern);
         }
+        blocks.extend(problem.bound_patterns());
         let size = problem.unknown_count();
         let couplings =
             (0..size).flat_map(|row| (problem.first_coupled(row)..=row).map(move |at| (row, at)));
@@ -130,6 +131,7 @@ impl<'a> TreeProgram<'a> {
                 }
             }
         }
+        problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
         self.calm(part, point, system);
     }
 
@@ -168,7 +170,7 @@ impl<'a> TreeProgram<'a> {
         DMatrix::from_columns(&free)
     }
 
-    /// What holds rates of the start, times at their marks, the tempo, and what nothing else does.
+    /// What holds rates of the start, times at their marks, the tempo, parameters, and what nothing else does.
     fn calm(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
         let (width, freedoms) = (problem.width(), problem.forest.freedoms());
@@ -205,6 +207,18 @@ impl<'a> TreeProgram<'a> {
             }
         }
         self.calm_tempo(part, point, system);
+        let values = point.parameters.iter().zip(&problem.parameters);
+        for (index, (value, free)) in values.enumerate() {
+            let by = [(problem.unknown_of_parameter(index), 1.0)];
+            let (off, weight) = match free.prior_sd {
+                Some(sd) => (value - free.initial, sd.powi(-2)),
+                None => {
+                    let weight = CALM * problem.information.0 * free.length().powi(-2);
+                    (value - self.calm.parameters[index], weight)
+                }
+            };
+            self.pull((off, &by), weight, system);
+        }
     }
 
     /// What holds an unknown tempo: it changes little from piece to piece.
@@ -266,12 +280,14 @@ impl Program for TreeProgram<'_> {
         let (width, freedoms) = (self.problem.width(), self.problem.forest.freedoms());
         let states = width * self.problem.nodes_s.len();
         let times = states + self.problem.events.len();
+        let paces = times + self.problem.pace_count();
         let weight = |length: f64| 10.0 * self.problem.information.0 / (length * length);
         DVector::from_fn(self.problem.unknown_count(), |at, _| {
             weight(match at < states {
                 true => LENGTHS[usize::from(at % width >= freedoms)],
                 false if at < times => TIME_LENGTH_S,
-                false => LOG_PACE_LENGTH,
+                false if at < paces => LOG_PACE_LENGTH,
+                false => self.problem.parameters[at - paces].length(),
             })
         })
     }

@@ -45,6 +45,8 @@ const NEARNESS: Nearness = Nearness {
     decrease: 1e-6,
     violation: 1e-6,
 };
+/// Costs are the same that differ by no larger share.
+const SAME: f64 = 0.01;
 /// How many paces are gone on with,
 const LIKELIEST: usize = 2;
 /// and how far, root mean square in weights, an optimum may be from samples in an unknown tempo before more is tried: as far as
@@ -104,7 +106,7 @@ pub fn solve(
     last.expect("it grew at least once")
 }
 
-/// Where growing leads from each pace: the likeliest, in order.
+/// Where growing leads from each pace, until two lead to the same: the likeliest, in order.
 fn likeliest(
     (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
     growth: f64,
@@ -125,8 +127,13 @@ fn likeliest(
                 program.evaluated(&Part::whole(), &point).cost
             }
         };
+        let is_same = |other: f64| (other - cost).abs() < SAME * cost;
+        let is_again = all.iter().any(|(other, _)| is_same(*other));
+        let is_least = all
+            .iter()
+            .all(|(other, _)| cost <= *other || is_same(*other));
         all.push((cost, (problem, point)));
-        if observer.should_stop() {
+        if is_again && is_least || observer.should_stop() {
             break;
         }
     }

@@ -39,7 +39,7 @@ impl TreeProblem {
                     let event_s = point.event_times_s[event];
                     course.advance(Stop::known(event_s));
                     knot(event_s, course.state());
-                    if self.pass(event, &mut course) {
+                    if self.pass((event, point), &mut course) {
                         knot(event_s, course.state());
                     }
                 }
@@ -51,11 +51,9 @@ impl TreeProblem {
     }
 
     /// Goes through an event; whether the rates jump there.
-    fn pass(&self, event: usize, course: &mut Course) -> bool {
-        let Some(touch) = &self.events[event].touch else {
-            return false;
-        };
-        course.hit_plainly(touch).is_ok()
+    fn pass(&self, (event, point): (usize, &TreePoint), course: &mut Course) -> bool {
+        let touch = self.events[event].touch_at(point);
+        touch.is_some_and(|touch| course.hit_plainly(&touch).is_ok())
     }
 
     /// Step of the integrator for the motion from its first node to a stamp \[s\]: not longer than `most_s` \[s\], and
@@ -86,7 +84,7 @@ impl TreeProblem {
             now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
                 course.step(point.event_times_s[event]);
-                self.pass(event, &mut course);
+                self.pass((event, point), &mut course);
             }
             course.step(now_s);
         }

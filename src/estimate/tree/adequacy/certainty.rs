@@ -17,6 +17,9 @@ use crate::optimise::active::ActiveSet;
 /// Weight of a squared step that holds what nothing tells, per information: next to nothing.
 const CALM: f64 = 1e-8;
 
+/// Greatest share of what is known of a sum of unknowns that is from it, or nothing tells that.
+const CALM_MOST: f64 = 0.1;
+
 /// Deviations at an optimum.
 pub(in crate::estimate::tree) struct Certainty {
     errors: Errors,
@@ -53,14 +56,20 @@ impl Certainty {
         })
     }
 
-    /// Standard deviation of a sum of unknowns, each with a factor.
-    pub(in crate::estimate::tree) fn sd(&self, moment: &[(usize, f64)]) -> f64 {
+    /// Standard deviation of a sum of unknowns, each with a factor; `None` where neither samples nor priors tell it.
+    pub(in crate::estimate::tree) fn sd(&self, moment: &[(usize, f64)]) -> Option<f64> {
         let mut of = DVector::zeros(self.held.basis.nrows());
         for (unknown, factor) in moment {
             of[*unknown] += factor;
         }
-        let answer = self.factor.solve(&self.held.basis.tr_mul(&of));
-        let response = &self.held.free * answer;
-        self.errors.variance(&self.left, &response).max(0.0).sqrt()
+        let free = self.held.basis.tr_mul(&of);
+        let answer = self.factor.solve(&free);
+        let response = &self.held.free * &answer;
+        let (own, seen) = (free.dot(&answer), response.norm_squared());
+        // Written so that what is no number is not told.
+        if !(own - seen <= CALM_MOST * own) {
+            return None;
+        }
+        Some(self.errors.variance(&self.left, &response).max(0.0).sqrt())
     }
 }

@@ -262,7 +262,7 @@ pub(super) fn rms(series: &[Series], squares: impl Fn(&Series) -> f64) -> [f64; 
 /// A prior: its residual, and the derivatives by unknowns, in units.
 type Prior = (f64, Vec<(usize, f64)>);
 
-/// What holds rates of the start, times of events at their marks, and an unknown tempo.
+/// What holds rates of the start, times of events at their marks, an unknown tempo, and parameters.
 fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<Prior> {
     let freedoms = problem.forest.freedoms();
     let turning = (0..freedoms).filter(|at| !problem.forest.is_translation(*at));
@@ -288,5 +288,11 @@ fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<Prior> {
             ((pair[1] - pair[0]) * per_unit, by.to_vec())
         })
     });
-    rates.chain(times).chain(tempo).collect()
+    let parameters = problem.parameters.iter().zip(&point.parameters).enumerate();
+    let parameters = parameters.filter_map(|(index, (free, value))| {
+        let sd = free.prior_sd?;
+        let by = vec![(problem.unknown_of_parameter(index), 1.0 / sd)];
+        Some(((value - free.initial) / sd, by))
+    });
+    rates.chain(times).chain(tempo).chain(parameters).collect()
 }
