@@ -81,10 +81,11 @@ fn an_exact_sketch_gives_the_law_back() {
     assert!(slid > 0);
 }
 
-/// From a usual hand restitution is as certain as it is said to be; what is off its bounds stays at one.
+/// From a usual hand restitution and the time of the impact are as certain as they are said to be; what is off its bounds
+/// stays at one.
 #[test]
 fn a_rough_sketch_tells_restitution_within_its_deviation() {
-    let (mut physical, mut within) = (0, 0);
+    let (mut physical, mut within, mut in_time) = (0, 0, 0);
     for kind in &KINDS {
         for seed in 8310..8314 {
             let performed = strike(kind, &Acted::of(1.0), seed);
@@ -96,10 +97,15 @@ fn a_rough_sketch_tells_restitution_within_its_deviation() {
             let found = &estimate.parameters[0];
             let sd = found.sd.expect("a deviation");
             within += usize::from((found.value - LAW[0]).abs() < 2.0 * sd);
+            let mut hits = estimate.events.iter().filter(|event| !event.is_fixed);
+            let hit = hits.next().expect("an impact");
+            let off_s = (hit.time_s - performed.impacts_s[0]).abs();
+            in_time += usize::from(off_s < 2.0 * hit.sd_s.expect("a deviation"));
         }
     }
     assert!(physical >= 6, "{physical} of 8");
     assert!(within + 2 >= physical, "{within} of {physical}");
+    assert!(in_time + 2 >= physical, "{in_time} of {physical}");
     let exact = Acted {
         distortion: 0.0,
         noise: 0.0,

@@ -57,8 +57,9 @@ pub fn estimate(
         .and_then(|joined| adequacy::judge((scene, joined), problem, solution, observer));
     let (fit, suspects) = judged.unzip();
     let line = &solution.point.time_line(problem);
-    let certainty = finished
-        .converged
+    let is_asked =
+        line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
+    let certainty = (finished.converged && is_asked)
         .then(|| Certainty::new(problem, solution))
         .flatten();
     let events = (0..scene.events.len()).map(|event| of_event((&solved, line), sketch, event));
