@@ -14,6 +14,7 @@ mod curvature;
 pub mod event;
 pub mod goal;
 mod grow;
+pub mod law;
 mod leg;
 mod motions;
 pub mod outcome;
@@ -24,6 +25,7 @@ mod rows;
 pub mod sample;
 mod segments;
 pub mod solve;
+pub mod tempo;
 mod walk;
 mod weak;
 

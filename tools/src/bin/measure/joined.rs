@@ -123,7 +123,7 @@ pub fn solved_from(performance: &TreePerformance, start: TreeState) -> Solved {
         return Solved::of(None, begin);
     };
     let problem = TreeProblem::new(scene, &sketch);
-    let estimate = estimate(scene, &sketch, problem, start, &mut Limit(begin));
+    let estimate = estimate(scene, &sketch, &problem, &[(1.0, start)], &mut Limit(begin));
     Solved::of(Some(&estimate), begin)
 }
 
