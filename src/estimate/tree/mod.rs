@@ -9,6 +9,7 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+mod bounds;
 mod course;
 mod curvature;
 pub mod event;
@@ -24,6 +25,7 @@ mod rows;
 pub mod sample;
 pub mod solve;
 pub mod tempo;
+mod time_line;
 mod walk;
 mod weak;
 

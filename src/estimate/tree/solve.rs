@@ -5,7 +5,7 @@
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::program::{Part, TreeProgram};
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::estimate::recipe::Watched;
 use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
