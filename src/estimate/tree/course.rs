@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::law::FreeLaw;
 use super::problem::TreeProblem;
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::tableau;

@@ -9,6 +9,7 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+mod bounds;
 mod course;
 mod curvature;
 pub mod event;
@@ -26,6 +27,7 @@ pub mod sample;
 mod segments;
 pub mod solve;
 pub mod tempo;
+mod time_line;
 mod walk;
 mod weak;
 

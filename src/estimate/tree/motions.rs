@@ -2,7 +2,7 @@
 //! from what each track saw.
 
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::estimate::constraint::quantity;
 use crate::motion::{
     ArcEstimate, EventEstimate, GoalUnit, Mechanism, MechanismIndex, Scene, SegmentResidual,

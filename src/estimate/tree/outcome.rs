@@ -6,7 +6,7 @@ use super::adequacy::{self, certainty::Certainty};
 use super::motions::{Motions, motions};
 use super::problem::TreeProblem;
 use super::solve::{self, Solved};
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use super::weak;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::problem::TreeProblem;
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::physics::tree::TreeState;
 
 /// Values of all unknowns. Steps are the tangents of the nodes, one after the other, then the times, then the log-paces, then
@@ -59,6 +59,11 @@ impl TreePoint {
         for ((from, step), to) in moved.zip(&mut to.parameters) {
             *to = from + step;
         }
+    }
+
+    /// Acted to physical time.
+    pub(super) fn time_line<'p>(&self, problem: &'p TreeProblem) -> TimeLine<'p> {
+        TimeLine::new(problem, &self.log_paces)
     }
 
     /// `self ⊟ origin`: the step that leads from there to here.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3xX, Vector3};
 
 use super::goal::TreeGoal;
 use super::problem::TreeProblem;
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::estimate::constraint::within::{self, WithinRow};
 use crate::estimate::problem::unit;
 use crate::optimise::block::{Block, BlockPattern};

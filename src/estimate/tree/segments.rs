@@ -15,7 +15,7 @@ use super::course::Course;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::LENGTHS;
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::physics::tree::TreeState;
 
 /// Errors may grow by so much on a leg,

@@ -5,7 +5,7 @@ use super::grow::{Grown, Growth, grown};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use super::walk::EXACTLY;
 use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};

@@ -7,7 +7,7 @@ use super::curvature::Lacking;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
-use super::tempo::TimeLine;
+use super::time_line::TimeLine;
 use crate::config::scene_from_toml;
 use crate::math::differentiate;
 use crate::math::random::Random;
