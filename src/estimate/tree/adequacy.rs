@@ -14,7 +14,8 @@
 //!
 //! which is Rao's score test `s²/V` with the errors' own covariance, less a price for what the prior allows ([`odds`]).
 //! Those that score high are set free for a [`trial`], whose odds then count. Where no quantity is wrong, the motion is
-//! said to fit only if joints that are elsewhere by a share of a link, each where that shows best, would have shown.
+//! said to fit only if joints that are elsewhere by a share of a link would have shown, in every direction that samples tell
+//! anything of.
 
 mod candidates;
 pub(super) mod certainty;
@@ -56,7 +57,7 @@ const MOST: usize = 4;
 const LEAST_SHARE: f64 = 0.3;
 /// Least number of residuals beyond what the motion may follow, and of those that tell the noise.
 const LEAST_FREEDOM: f64 = 6.0;
-/// A joint that is elsewhere by this share of its link's length, in the direction in which that shows best, must show, or
+/// A joint that is elsewhere by this share of its link's length, in any direction that samples tell of, must show, or
 /// the motion is not said to fit.
 const SHOWN_SHARE: f64 = 0.1;
 /// A wander that is farther from the motion than this, in weights of the samples, is none that a motion fits.
@@ -143,7 +144,7 @@ pub(super) fn judge(
     }
     let suspects = together(suspects);
     let log_odds_of_wander = odds::of_wander(&left);
-    // Of each joint, the direction in which an error of its place shows best.
+    // Of each joint, the direction in which an error of its place shows least.
     let shown = joined.joints.iter().map(|joint| {
         let of_joint = told.iter().filter(|(_, of)| match of.quantity {
             Quantity::JointPlace { child, .. } => child == joint.child,
@@ -151,11 +152,8 @@ pub(super) fn judge(
         });
         let errors_m = of_joint
             .map(|(at, of)| odds::shown(&left, *at, of.quantity.typical(), SUSPECTED + price));
-        let least_m = errors_m.fold(f64::INFINITY, f64::min);
-        (
-            least_m,
-            least_m / (2.0 * scene.links[joint.child].radius_m()),
-        )
+        let most_m = errors_m.reduce(f64::max).unwrap_or(f64::INFINITY);
+        (most_m, most_m / (2.0 * scene.links[joint.child].radius_m()))
     });
     let (shown_m, shown_share) = shown.fold(
         (0.0, 0.0),
