@@ -73,11 +73,11 @@ pub(super) struct Course<'t> {
 }
 
 impl<'t> Course<'t> {
-    /// From a node on, with derivatives.
+    /// From a node on, with derivatives where they are asked for.
     pub(super) fn new(
         (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
-        node: usize,
-        state: &TreeState,
+        (node, state): (usize, &TreeState),
+        has_derivatives: bool,
     ) -> Self {
         let width = problem.width();
         let from = Stop::acted(line, problem.leg_s(node)[0]);
@@ -85,7 +85,20 @@ impl<'t> Course<'t> {
             events: problem.events_of(node).len(),
             size: problem.leg_size(node),
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun((problem, line), (state, from), true)
+            ..Self::begun((problem, line), (state, from), has_derivatives)
+        }
+    }
+
+    /// From a state on at a physical time \[s\], with derivatives by that state alone.
+    pub(super) fn of_state(
+        on: (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from_s): (&TreeState, f64),
+    ) -> Self {
+        let width = on.0.width();
+        Self {
+            size: width,
+            by_begin: DMatrix::zeros(width, width),
+            ..Self::begun(on, (state, Stop::known(from_s)), true)
         }
     }
 
@@ -147,8 +160,11 @@ impl<'t> Course<'t> {
         self.flow.state()
     }
 
-    /// Its derivative by the leg's unknowns.
+    /// Its derivative by the leg's unknowns; zeros where none were asked for.
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
+        if !self.has_derivatives {
+            return DMatrix::zeros(self.problem.width(), self.size);
+        }
         self.flow.jacobian(&mut self.by_begin);
         let mut by_unknowns = match &self.by_unknowns {
             Some(by_unknowns) => &self.by_begin * by_unknowns,
@@ -206,11 +222,15 @@ impl<'t> Course<'t> {
         Ok((impact, derivative))
     }
 
-    /// [`Course::hit`] of a plain course.
-    pub(super) fn hit_plainly(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
+    /// [`Course::hit`] by a law of which nothing is free, where nothing is asked of the impact.
+    pub(super) fn bounce(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&state);
+        if self.has_derivatives {
+            let fixed = FreeLaw::default();
+            return self.hit(&snapshot, (touch, &fixed)).map(|_| ());
+        }
         let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);
         Ok(())

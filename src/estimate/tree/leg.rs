@@ -48,7 +48,8 @@ impl TreeProgram<'_> {
         let first_event = problem.events_of(node).start;
         let (width, size) = (problem.width(), problem.leg_size(node));
         let line = &point.time_line(problem);
-        let mut course = Course::new((problem, line), node, &point.nodes[node]);
+        let from = (node, &point.nodes[node]);
+        let mut course = Course::new((problem, line), from, self.has_derivatives);
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, size);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];

@@ -18,7 +18,7 @@ use crate::optimise::{Program, Structure, System};
 /// information: next to nothing.
 const CALM: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds,
-const LENGTHS: [f64; 2] = [0.3, 3.0];
+pub(super) const LENGTHS: [f64; 2] = [0.3, 3.0];
 /// of times \[s\],
 const TIME_LENGTH_S: f64 = 0.03;
 /// and of log-paces.
@@ -54,6 +54,8 @@ pub struct TreeProgram<'a> {
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
     calm: TreePoint,
+    /// Whether it is evaluated with derivatives.
+    pub(super) has_derivatives: bool,
     /// What was told last of the curvature.
     told: RefCell<Option<Lacking>>,
 }
@@ -100,7 +102,16 @@ impl<'a> TreeProgram<'a> {
             },
             problem,
             calm,
+            has_derivatives: true,
             told: RefCell::new(None),
+        }
+    }
+
+    /// The same program where values alone are evaluated: all derivatives are zero.
+    pub(super) fn without_derivatives(self) -> Self {
+        Self {
+            has_derivatives: false,
+            ..self
         }
     }
 
@@ -315,8 +326,11 @@ impl Program for TreeProgram<'_> {
             let pace = problem.tempo.as_ref().map_or(1.0, |of| of.guess);
             let coarse = problem.coarse(CURVATURE_S / pace);
             let coarse = TreeProgram::new(&coarse, self.calm.clone());
-            let free = self.free_directions(system);
-            Lacking::new((&coarse, &Part::whole()), &free, point, multipliers)
+            let of = (&coarse, &Part::whole());
+            match problem.nodes_s.len() {
+                1 => Lacking::along(of, &self.free_directions(system), point, multipliers),
+                _ => Lacking::on_legs(of, problem, point, multipliers),
+            }
         });
         told.insert(kept)
             .add(problem, &self.structure.pattern, hessian);
