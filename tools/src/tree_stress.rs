@@ -152,28 +152,32 @@ impl Hard {
         random: &mut ChaCha8Rng,
     ) -> Option<Vec<TreeState>> {
         let start = self.drawn(tree, random);
-        let mut steps = STEPS;
-        let mut states = self.flown(scene, tree, &start, steps);
-        while self.is_exact {
-            steps *= 2;
-            let finer = self.flown(scene, tree, &start, steps);
-            let ends = [&states, &finer].map(|all| &all[all.len() - 1]);
-            let off = tree.minus(ends[0], ends[1]);
-            let is_near = off.iter().all(|off| off.abs() < EXACT);
-            states = finer;
-            if is_near {
-                break;
-            }
-            if steps >= MOST_STEPS {
-                return None;
-            }
-        }
+        let states = match self.is_exact {
+            true => self.told(scene, tree, &start)?,
+            false => self.flown(scene, tree, &start, STEPS),
+        };
         let numbers = |state: &TreeState| {
             let all = state.coordinates.iter().chain(&state.rates);
             all.copied().all(f64::is_finite)
         };
         let is_finite = states.iter().all(numbers);
         (is_finite && self.is_of_kind(tree, &states)).then_some(states)
+    }
+
+    /// The motion to rounding, by steps that are halved until they change nothing; none where that takes too many.
+    fn told(&self, scene: &Scene, tree: &Tree, start: &TreeState) -> Option<Vec<TreeState>> {
+        let mut steps = STEPS;
+        let mut states = self.flown(scene, tree, start, steps);
+        while steps < MOST_STEPS {
+            steps *= 2;
+            let finer = self.flown(scene, tree, start, steps);
+            let off = tree.minus(&states[states.len() - 1], &finer[finer.len() - 1]);
+            if off.iter().all(|off| off.abs() < EXACT) {
+                return Some(finer);
+            }
+            states = finer;
+        }
+        None
     }
 
     fn flown(&self, scene: &Scene, tree: &Tree, start: &TreeState, steps: usize) -> Vec<TreeState> {
