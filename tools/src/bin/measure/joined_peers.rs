@@ -20,6 +20,7 @@ use crate::joined::{Solved, sketched, solved_from};
 use crate::options::Options;
 use crate::peers::are_installed;
 use crate::record::Record;
+use crate::run::Run;
 use ask::{Agreement, Answer, ask};
 use problem::{Found, Posed};
 
@@ -144,7 +145,10 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             versions = versions.or(Some(said));
             eprintln!("  {name}, {seed}: {:.0} s", begin.elapsed().as_secs_f64());
             if options.rows.is_none() {
-                let mut so_far = Record::quiet(record.run.clone());
+                let mut so_far = Record::quiet(Run {
+                    seconds: begin.elapsed().as_secs_f64(),
+                    ..record.run.clone()
+                });
                 tell(&problems, &versions, &mut so_far)?;
                 so_far.save(&options.folder, "joined_peers")?;
             }

@@ -45,7 +45,7 @@ pub fn show(rows: &[(String, Vec<Answered>)], record: &mut Record) {
     let count = |holds: &dyn Fn(&Answered) -> bool| all().filter(|of| holds(of)).count();
     record.say(format!(
         "Of {} performances of joined bodies that are hard or impossible, {} end as physical and {} as doubted motions, {} fail, {} are stopped after \
-         {} s of a core; {} of the physical ones are not, {} panic, {} have a number that is none.",
+         {} s of a core; an independent look finds something against {} of the physical ones, {} panic, {} have a number that is none.",
         all().count(),
         percent(count(&|of| of.ended == Ended::Physical), all().count()),
         percent(count(&|of| of.ended == Ended::Doubted), all().count()),
