@@ -50,17 +50,17 @@ pub(super) struct Course<'t> {
 }
 
 impl<'t> Course<'t> {
-    /// From a node on, with derivatives; so many events are on its leg.
+    /// From a node on, with derivatives where they are asked for; so many events are on its leg.
     pub(super) fn new(
         problem: &'t TreeProblem,
         (node, from_s): (&TreeState, f64),
-        events: usize,
+        (events, has_derivatives): (usize, bool),
     ) -> Self {
         let width = problem.width();
         Self {
             events,
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun(problem, (node, from_s), true)
+            ..Self::begun(problem, (node, from_s), has_derivatives)
         }
     }
 
@@ -117,8 +117,12 @@ impl<'t> Course<'t> {
         self.flow.state()
     }
 
-    /// Its derivative by the node's tangent and by the times of the leg's events.
+    /// Its derivative by the node's tangent and by the times of the leg's events; zeros where none were asked for.
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
+        if !self.has_derivatives {
+            let width = self.problem.width();
+            return DMatrix::zeros(width, width + self.events);
+        }
         self.flow.jacobian(&mut self.by_begin);
         let width = self.problem.width();
         let mut by_unknowns = match &self.by_unknowns {
@@ -159,11 +163,14 @@ impl<'t> Course<'t> {
         Ok((impact, derivative))
     }
 
-    /// [`Course::hit`] of a plain course.
-    pub(super) fn hit_plainly(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
+    /// [`Course::hit`] where nothing is asked of the impact.
+    pub(super) fn bounce(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&state);
+        if self.has_derivatives {
+            return self.hit(&snapshot, touch).map(|_| ());
+        }
         let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);
         Ok(())

@@ -7,7 +7,8 @@
 //! S P + P S − P S P
 //! ```
 //!
-//! is added, which makes steps along `Z` what they are with all of `S`: what of it is left out only multipliers see. What
+//! is added, which makes steps along `Z` what they are with all of `S`: what of it is left out only multipliers see. Of
+//! several legs `S` itself is told, but for what little couples two of them: directions that are free move all nodes. What
 //! was told at one point serves near by: a step by a Hessian that is nearly right leads to the same optimum, and each
 //! direction costs an evaluation.
 
@@ -34,30 +35,13 @@ pub(super) struct Lacking {
 
 impl Lacking {
     /// Tells it of a program along free directions, a column each, orthonormal.
-    pub(super) fn new<P: Program<Point = TreePoint>>(
-        (program, guidance): (&P, &P::Guidance),
+    pub(super) fn along<P: Program<Point = TreePoint>>(
+        of: (&P, &P::Guidance),
         free: &DMatrix<f64>,
         point: &TreePoint,
         multipliers: &[f64],
     ) -> Self {
-        let structure = program.structure();
-        let slope = |system: &System| {
-            let mut gradient = system.gradient.clone();
-            system.add_pull(structure, |row| multipliers[row], &mut gradient);
-            gradient
-        };
-        let here = program.evaluated(guidance, point);
-        let before = slope(&here);
-        let given = dense(&structure.pattern, &here.hessian);
-        let mut lacking = DMatrix::zeros(free.nrows(), free.ncols());
-        let mut moved = point.clone();
-        let mut there = System::new(structure);
-        for (at, direction) in free.column_iter().enumerate() {
-            program.retract(point, &(direction * STEP), &mut moved);
-            program.evaluate(guidance, &moved, &mut there);
-            let change = (slope(&there) - &before) / STEP;
-            lacking.set_column(at, &(change - &given * direction));
-        }
+        let lacking = changes(of, free, point, multipliers);
         let across = &lacking * free.transpose();
         let along = free * free.tr_mul(&lacking) * free.transpose();
         Self {
@@ -65,6 +49,51 @@ impl Lacking {
             multipliers: multipliers.to_vec(),
             matrix: &across + across.transpose() - 0.5 * (&along + along.transpose()),
         }
+    }
+
+    /// Tells of it, where there are several legs, all that couples unknowns of the same one: one difference tells a column
+    /// of every other leg.
+    pub(super) fn on_legs<P: Program<Point = TreePoint>>(
+        of: (&P, &P::Guidance),
+        problem: &TreeProblem,
+        point: &TreePoint,
+        multipliers: &[f64],
+    ) -> Self {
+        let (size, nodes) = (problem.unknown_count(), problem.nodes_s.len());
+        let unknowns = |node: usize| {
+            let count = problem.width() + problem.events_of(node).len();
+            (0..count).map(move |at| problem.unknown_of(node, at))
+        };
+        let most = (0..nodes).map(|node| unknowns(node).len()).max();
+        let mut matrix = DMatrix::zeros(size, size);
+        for parity in 0..2 {
+            let moved = || (parity..nodes).step_by(2);
+            let mut each = DMatrix::zeros(size, most.unwrap_or(0));
+            for (at, unknown) in moved().flat_map(|node| unknowns(node).enumerate()) {
+                each[(unknown, at)] = 1.0;
+            }
+            let lacking = changes(of, &each, point, multipliers);
+            for node in moved() {
+                for (at, column) in unknowns(node).enumerate() {
+                    for row in unknowns(node) {
+                        let half = 0.5 * lacking[(row, at)];
+                        matrix[(row, column)] += half;
+                        matrix[(column, row)] += half;
+                    }
+                }
+            }
+        }
+        Self {
+            point: point.clone(),
+            multipliers: multipliers.to_vec(),
+            matrix,
+        }
+    }
+
+    /// The matrix that is added.
+    #[cfg(test)]
+    pub(super) fn matrix(&self) -> &DMatrix<f64> {
+        &self.matrix
     }
 
     /// Whether it serves at another point of the program with other multipliers.
@@ -93,6 +122,34 @@ impl Lacking {
             }
         }
     }
+}
+
+/// How the Lagrangian's gradient changes along directions, a column each, beyond what the program's Hessian says.
+fn changes<P: Program<Point = TreePoint>>(
+    (program, guidance): (&P, &P::Guidance),
+    directions: &DMatrix<f64>,
+    point: &TreePoint,
+    multipliers: &[f64],
+) -> DMatrix<f64> {
+    let structure = program.structure();
+    let slope = |system: &System| {
+        let mut gradient = system.gradient.clone();
+        system.add_pull(structure, |row| multipliers[row], &mut gradient);
+        gradient
+    };
+    let here = program.evaluated(guidance, point);
+    let before = slope(&here);
+    let given = dense(&structure.pattern, &here.hessian);
+    let mut changes = DMatrix::zeros(directions.nrows(), directions.ncols());
+    let mut moved = point.clone();
+    let mut there = System::new(structure);
+    for (at, direction) in directions.column_iter().enumerate() {
+        program.retract(point, &(direction * STEP), &mut moved);
+        program.evaluate(guidance, &moved, &mut there);
+        let change = (slope(&there) - &before) / STEP;
+        changes.set_column(at, &(change - &given * direction));
+    }
+    changes
 }
 
 /// A symmetric matrix with all its entries.

@@ -48,7 +48,7 @@ impl TreeProgram<'_> {
         let (first_event, event_count) = (events.start, events.len());
         let width = problem.width();
         let from = (&point.nodes[node], problem.leg_s(node)[0]);
-        let mut course = Course::new(problem, from, event_count);
+        let mut course = Course::new(problem, from, (event_count, self.has_derivatives));
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, width + event_count);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];

@@ -18,7 +18,7 @@ use crate::optimise::{Program, Structure, System};
 /// information: next to nothing.
 const CALM: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds,
-const LENGTHS: [f64; 2] = [0.3, 3.0];
+pub(super) const LENGTHS: [f64; 2] = [0.3, 3.0];
 /// and of times \[s\].
 const TIME_LENGTH_S: f64 = 0.03;
 /// How far samples are apart of which second derivatives are told \[s\].
@@ -49,6 +49,8 @@ pub struct TreeProgram<'a> {
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
     calm: TreePoint,
+    /// Whether it is evaluated with derivatives.
+    pub(super) has_derivatives: bool,
     /// What was told last of the curvature.
     told: RefCell<Option<Lacking>>,
 }
@@ -92,7 +94,16 @@ impl<'a> TreeProgram<'a> {
             },
             problem,
             calm,
+            has_derivatives: true,
             told: RefCell::new(None),
+        }
+    }
+
+    /// The same program where values alone are evaluated: all derivatives are zero.
+    pub(super) fn without_derivatives(self) -> Self {
+        Self {
+            has_derivatives: false,
+            ..self
         }
     }
 
@@ -251,8 +262,11 @@ impl Program for TreeProgram<'_> {
         let kept = kept.unwrap_or_else(|| {
             let coarse = problem.coarse(CURVATURE_S);
             let coarse = TreeProgram::new(&coarse, self.calm.clone());
-            let free = self.free_directions(system);
-            Lacking::new((&coarse, &Part::whole()), &free, point, multipliers)
+            let of = (&coarse, &Part::whole());
+            match problem.nodes_s.len() {
+                1 => Lacking::along(of, &self.free_directions(system), point, multipliers),
+                _ => Lacking::on_legs(of, problem, point, multipliers),
+            }
         });
         told.insert(kept)
             .add(problem, &self.structure.pattern, hessian);

@@ -1,12 +1,12 @@
-//! From a first guess to the optimum: grow the part of the sketch that counts from the start, so that no fit
-//! has to find more than a part of a whirl; bring the goals in by a sweep; come near by steps in a trust region;
-//! finish.
+//! From a first guess to the optimum: [grow](grown) the part of the sketch that counts; bring the goals in by a sweep; come
+//! near by steps in a trust region; finish.
 
+use super::grow::{Grown, Growth, grown};
 use super::point::TreePoint;
-use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
+use super::walk::EXACTLY;
 use crate::estimate::recipe::Watched;
-use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
@@ -14,26 +14,21 @@ use crate::optimise::trust::{self, Nearness};
 use crate::optimise::{self, Program, Schedule, Solution, Stage, Work};
 use crate::physics::tree::TreeState;
 
-/// Standard deviation of the rates at the start while the part grows [rad/s].
-const GROWING_SD_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
-/// Samples of the first parts,
-const FIRST_PARTS: [usize; 3] = [4, 8, 12];
-/// and by how much further ones grow: as a rule, and where that leads to no optimum.
-const GROWTHS: [f64; 2] = [1.5, 1.25];
-/// Longest step of the integrator \[s\], and the greatest turn of any joint in it \[rad\]: on the way, and in the end.
-pub const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
-/// See [`ROUGHLY`].
-pub const EXACTLY: [f64; 2] = [1.0 / 40.0, 0.2];
-/// Weight of goals at the start while the part grows, per information,
-const START_WEIGHT: f64 = 100.0;
-/// and how long a descent goes on there.
-const GROWING: Patience = Patience {
-    steps: 12,
-    gain: 0.1,
-};
-/// How much faster each rate is made at random before a part is fitted that ends before any event [rad/s]: a chain that
-/// flies without turning moves alike whichever way it is about to turn, and would stay at rest.
-const KICK_RAD_S: f64 = 0.1;
+/// How the part that counts grows: as a rule, and where that leads to no optimum.
+const GROWTHS: [Growth; 3] = [
+    Growth {
+        by: 1.5,
+        has_legs: false,
+    },
+    Growth {
+        by: 1.5,
+        has_legs: true,
+    },
+    Growth {
+        by: 1.25,
+        has_legs: false,
+    },
+];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
 const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
 /// How near steps in a trust region come to the optimum before the finish.
@@ -42,6 +37,8 @@ const NEARNESS: Nearness = Nearness {
     decrease: 1e-6,
     violation: 1e-6,
 };
+/// By which share the objective may be greater on one leg than on several.
+const SAME: f64 = 1e-6;
 /// How often samples about an event are given anew to the motions before and after it.
 const SIDINGS: usize = 4;
 
@@ -53,19 +50,29 @@ pub struct Solved {
     pub solution: Solution<TreePoint>,
 }
 
-/// Solves a problem from a state at its start. Where growing by half leads to no optimum, slower growth is
-/// tried, and then multiplier rounds from where each led.
+/// Solves a problem from a state at its start. Where growing by half leads to no optimum, growing with further nodes is
+/// tried, then slower growth, and then multiplier rounds from where each led.
 pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
     let mut work = Work::default();
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
+    let mut lost = None;
     for growth in GROWTHS {
-        let (problem, point) = grown((&problem, start.clone()), growth, &mut work, observer);
+        observer.phase(Phase::ArcFits);
+        let led = grown((&problem, start.clone()), growth, &mut work, observer);
+        if led.is_lost {
+            lost.get_or_insert(led);
+            continue;
+        }
+        let (problem, point) = swept(led, &mut work, observer);
         let at_once = Schedule::default().from_the_last();
         let solved = finished(&problem, &point, &at_once, &mut work, observer);
         if solved.has_ended() {
-            return solved;
+            return in_one(solved, &mut work, observer);
         }
         tried.push((problem, point));
+    }
+    if tried.is_empty() {
+        tried.extend(lost.map(|led| swept(led, &mut work, observer)));
     }
     let rounds = Schedule {
         sweep_weights: Vec::new(),
@@ -75,7 +82,7 @@ pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer
     for (problem, point) in &tried {
         let solved = finished(problem, point, &rounds, &mut work, observer);
         if solved.has_ended() {
-            return solved;
+            return in_one(solved, &mut work, observer);
         }
         last = Some(solved);
     }
@@ -104,6 +111,30 @@ fn finished(
     solved
 }
 
+/// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
+/// for that, as it was on several legs.
+fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
+    let (problem, solution) = (&solved.problem, &solved.solution);
+    if problem.nodes_s.len() == 1 || solution.stopped {
+        return solved;
+    }
+    let alone = TreeProblem {
+        nodes_s: vec![problem.nodes_s[0]],
+        ..problem.clone()
+    };
+    let mut point = solution.point.clone();
+    point.nodes.truncate(1);
+    let at_once = Schedule::default().from_the_last();
+    let mut one = finished(&alone, &point, &at_once, work, observer);
+    let is_same = one.solution.system.cost <= solution.system.cost * (1.0 + SAME);
+    if one.solution.finished.converged && is_same {
+        return one;
+    }
+    one = solved;
+    one.solution.work = *work;
+    one
+}
+
 fn optimum(
     problem: TreeProblem,
     point: &TreePoint,
@@ -126,67 +157,14 @@ impl Solved {
     }
 }
 
-/// Lets the part that counts grow, each time by this share: where that leads, with the problem whose steps are as short as it needs.
-fn grown(
-    (problem, start): (&TreeProblem, TreeState),
-    growth: f64,
-    work: &mut Work,
-    observer: &mut dyn Observer,
-) -> (TreeProblem, TreePoint) {
-    let mut problem = problem.clone();
-    let mut point = TreePoint::new(&problem, vec![start]);
-    observer.phase(Phase::ArcFits);
-    let mut random = Random::default();
-    for until_s in problem.parts_s(growth) {
-        problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
-        if problem
-            .events
-            .first()
-            .is_none_or(|event| event.about_s > until_s)
-        {
-            let rates = point.nodes[0].rates.iter_mut().enumerate();
-            for (_, rate) in rates.filter(|(at, _)| !problem.forest.is_translation(*at)) {
-                *rate += KICK_RAD_S * random.normal();
-            }
-        }
-        let program = TreeProgram::new(&problem, point.clone());
-        let part = Part {
-            until_s,
-            rate_sd_rad_s: GROWING_SD_RAD_S,
-        };
-        let mut descent = Descent::new(&program, point);
-        descent.refresh(&part);
-        let information = problem.information.1;
-        let lagrangian = AugmentedLagrangian::new(&descent.system, START_WEIGHT * information);
-        let patience = Patience {
-            gain: GROWING.gain * problem.information.0,
-            ..GROWING
-        };
-        descent.run(&part, &lagrangian, patience);
-        work.add(&descent.work);
-        point = descent.point;
-        problem.part_at(&point);
-        if observer.should_stop() {
-            break;
-        }
-    }
-    problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
-    let program = TreeProgram::new(&problem, point.clone());
-    let point = swept(&program, point, work, observer);
-    problem.step_s = problem.step_for(&point, problem.span_s[1], EXACTLY);
-    problem.part_at(&point);
-    (problem, point)
-}
-
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
-/// spin of a whole chain, the valley is curved.
-fn swept(
-    program: &TreeProgram,
-    point: TreePoint,
-    work: &mut Work,
-    observer: &mut dyn Observer,
-) -> TreePoint {
+/// spin of a whole chain, the valley is curved. Steps are exact from there on.
+fn swept(grown: Grown, work: &mut Work, observer: &mut dyn Observer) -> (TreeProblem, TreePoint) {
+    let Grown {
+        mut problem, point, ..
+    } = grown;
     observer.phase(Phase::Sweep);
+    let program = &TreeProgram::new(&problem, point.clone());
     let (least, most) = program.information();
     let whole = Part::whole();
     let mut descent = Descent::new(program, point);
@@ -206,12 +184,15 @@ fn swept(
     let stop = &mut || observer.should_stop();
     let near = trust::approach(program, descent.point, &whole, &NEARNESS, stop);
     work.add(&near.work);
-    near.point
+    let point = near.point;
+    problem.step_s = problem.exact_step_s(&point, EXACTLY);
+    problem.part_at(&point);
+    (problem, point)
 }
 
 impl TreeProblem {
     /// Parts samples where a point has the events; whether one then is on another side than before.
-    fn part_at(&mut self, point: &TreePoint) -> bool {
+    pub(super) fn part_at(&mut self, point: &TreePoint) -> bool {
         let [mut least_s, most_s] = self.span_s;
         let mut is_other = false;
         for (event, time_s) in self.events.iter_mut().zip(&point.event_times_s) {
@@ -223,23 +204,5 @@ impl TreeProblem {
             least_s = about_s;
         }
         is_other
-    }
-
-    /// Times at which the growing parts end \[s\]: before the goals at the end.
-    fn parts_s(&self, growth: f64) -> Vec<f64> {
-        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
-        times_s.dedup();
-        let mut counts = FIRST_PARTS.to_vec();
-        while let Some(last) = counts.last().copied()
-            && last < times_s.len()
-        {
-            counts.push((last as f64 * growth) as usize);
-        }
-        counts.retain(|count| *count < times_s.len());
-        counts.push(times_s.len());
-        // A goal at the last sample's time does not count yet.
-        let end_s = self.span_s[1];
-        let last = counts.iter().filter_map(|count| times_s.get(count - 1));
-        last.map(|time_s| time_s.min(end_s.next_down())).collect()
     }
 }

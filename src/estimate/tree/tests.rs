@@ -1,8 +1,9 @@
 //! The programs of a chain and of a flail with a box against differences.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use typed_index_collections::TiVec;
 
+use super::curvature::Lacking;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
@@ -19,13 +20,18 @@ fn scene() -> Scene {
 
 /// A tenth of a second of any path.
 fn sketch(scene: &Scene) -> Sketch {
+    sketch_of(scene, 11)
+}
+
+/// So many samples of any path, 10 ms apart.
+fn sketch_of(scene: &Scene, count: usize) -> Sketch {
     let mut random = Random::default();
     let sample = |index: usize, at_m: Vector3<f64>| Sample {
         stamp: Stamp(index as i64 * 10_000_000),
         acted_s: 0.01 * index as f64,
         seen: Seen::Point(at_m),
     };
-    let samples = (0..11).map(|index| sample(index, Vector3::from_fn(|_, _| random.signed())));
+    let samples = (0..count).map(|index| sample(index, Vector3::from_fn(|_, _| random.signed())));
     let track = TrackSketch::new(samples.collect());
     Sketch {
         origin: Stamp(0),
@@ -34,7 +40,7 @@ fn sketch(scene: &Scene) -> Sketch {
             .iter()
             .map(|_| track.clone())
             .collect::<TiVec<_, _>>(),
-        marks_s: vec![0.0, 0.1],
+        marks_s: vec![0.0, 0.01 * (count - 1) as f64],
         marks: vec![None; 2],
     }
 }
@@ -263,6 +269,71 @@ position_mm = [100, 200, 300]
         }
         check(&problem, &point);
     }
+}
+
+/// A motion of which errors grow too much is cut into legs that lie on it; a calm one is not.
+#[test]
+fn a_motion_is_cut_where_errors_grow() {
+    let scene = scene();
+    let problem = TreeProblem {
+        step_s: 0.002,
+        ..TreeProblem::new(&scene, &sketch_of(&scene, 201))
+    };
+    let whole_s = problem.span_s[1];
+    for (factor, is_cut) in [(0.1, false), (25.0, true)] {
+        let mut state = some_state(&problem);
+        state.rates.iter_mut().for_each(|rate| *rate *= factor);
+        let point = TreePoint::new(&problem, vec![state]);
+        let (cut, point) = problem.clone().cut(point, whole_s);
+        assert_eq!(cut.nodes_s.len(), point.nodes.len());
+        assert_eq!(cut.nodes_s.len() > 1, is_cut, "{:?}", cut.nodes_s);
+        let lengths = cut.nodes_s.windows(2).map(|ends_s| ends_s[1] - ends_s[0]);
+        assert!(lengths.into_iter().all(|length_s| length_s > 0.119));
+        let program = TreeProgram::new(&cut, point.clone());
+        let system = program.evaluated(&Part::whole(), &point);
+        for node in 0..cut.nodes_s.len() - 1 {
+            let off = &system.blocks[cut.join_block(node)].values;
+            assert!(off.iter().all(|off| off.abs() < 1e-6), "{node}: {off:?}");
+        }
+        // Followed as far as errors let it, by a share of that, and on to the end.
+        let from_s = 0.2;
+        let all_s = problem.followed_s(&point, (from_s, whole_s), 1.0);
+        let half_s = problem.followed_s(&point, (from_s, whole_s), 0.5);
+        assert!(from_s < half_s && half_s < all_s && all_s <= whole_s);
+        assert_eq!(all_s == whole_s, !is_cut);
+    }
+}
+
+/// What the Hessian lacks, told of all legs at once, is what is told along every unknown by itself.
+#[test]
+fn curvature_of_legs_is_that_along_all_unknowns() {
+    let scene = scene();
+    let mut problem = TreeProblem::new(&scene, &sketch(&scene));
+    problem.step_s = 0.01;
+    problem.nodes_s = vec![0.0, 0.05];
+    let nodes = vec![some_state(&problem); 2];
+    let point = TreePoint::new(&problem, nodes);
+    let program = TreeProgram::new(&problem, point.clone());
+    let rows = program.evaluated(&Part::whole(), &point).row_count();
+    let multipliers: Vec<f64> = (0..rows).map(|row| (row as f64).sin()).collect();
+    let size = problem.unknown_count();
+    let of = (&program, &Part::whole());
+    let all = Lacking::along(of, &DMatrix::identity(size, size), &point, &multipliers);
+    let legs = Lacking::on_legs(of, &problem, &point, &multipliers);
+    let width = problem.width();
+    let largest = all.matrix().amax();
+    for (row, column) in (0..size).flat_map(|row| (0..size).map(move |column| (row, column))) {
+        let (all, legs) = (all.matrix()[(row, column)], legs.matrix()[(row, column)]);
+        if row / width == column / width {
+            assert!(
+                (all - legs).abs() < 1e-3 * largest,
+                "{row} {column}: {all} {legs}"
+            );
+        } else {
+            assert_eq!(legs, 0.0);
+        }
+    }
+    assert!(largest > 1.0);
 }
 
 fn check(problem: &TreeProblem, point: &TreePoint) {

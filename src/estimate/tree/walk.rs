@@ -1,10 +1,24 @@
 //! The motion that the unknowns say, walked through without derivatives.
 
+use nalgebra::Vector3;
+
 use super::course::{Course, Stop};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use crate::motion::TreeKnot;
-use crate::physics::tree::TreeState;
+use crate::physics::tree::{ForestSnapshot, TreeState};
+
+/// Longest step of the integrator \[s\], and the greatest turn of any joint in it \[rad\]: on the way,
+pub const ROUGHLY: [f64; 2] = [1.0 / 15.0, 0.8];
+/// and at most in the end, where steps are as long as halving them tells.
+pub const EXACTLY: [f64; 2] = [1.0 / 20.0, 0.4];
+/// By how much a motion changes at most where the steps that are exact enough are halved \[m\]: of what verification lets
+/// pass, a thirtieth.
+const EXACT_M: f64 = 3e-8;
+/// The method's errors are as this power of its steps.
+const ORDER: f64 = 8.0;
+/// How often steps are shortened, by at most which factor, and by how much more than their errors ask.
+const SHORTENED: (usize, f64, f64) = (3, 0.3, 0.9);
 
 /// Fastest joint for which steps are shortened [rad/s]: faster ones are far from any hand's.
 const RATE_MOST_RAD_S: f64 = 400.0;
@@ -46,12 +60,70 @@ impl TreeProblem {
         knots
     }
 
+    /// Goes on from a time to a later one \[s\], through the events after that and until this.
+    pub(super) fn follow(
+        &self,
+        point: &TreePoint,
+        (from_s, to_s): (f64, f64),
+        course: &mut Course,
+    ) {
+        for (event, event_s) in point.event_times_s.iter().enumerate() {
+            if *event_s > from_s && *event_s <= to_s {
+                course.advance(Stop::known(*event_s));
+                self.pass(event, course);
+            }
+        }
+        course.advance(Stop::known(to_s));
+    }
+
     /// Goes through an event; whether the rates jump there.
     fn pass(&self, event: usize, course: &mut Course) -> bool {
         let Some(touch) = &self.events[event].touch else {
             return false;
         };
-        course.hit_plainly(touch).is_ok()
+        course.bounce(touch).is_ok()
+    }
+
+    /// Step of the integrator for the whole motion, whose half leads every link to the same place within [`EXACT_M`]; at most
+    /// as [`TreeProblem::step_for`] has it.
+    pub(super) fn exact_step_s(&self, point: &TreePoint, at_most: [f64; 2]) -> f64 {
+        let (times, least, margin) = SHORTENED;
+        let mut problem = self.clone();
+        problem.step_s = self.step_for(point, self.span_s[1], at_most);
+        for _ in 0..times {
+            let off_m = problem.off_by_halving_m(point);
+            if off_m <= EXACT_M {
+                break;
+            }
+            let by = margin * (EXACT_M / off_m).powf(ORDER.recip());
+            // At least so much where nothing is known.
+            problem.step_s *= by.max(least);
+        }
+        problem.step_s
+    }
+
+    /// How far centres of links are at most from where they are with steps of half the length \[m\].
+    fn off_by_halving_m(&self, point: &TreePoint) -> f64 {
+        let half = Self {
+            step_s: 0.5 * self.step_s,
+            ..self.clone()
+        };
+        let mut snapshot = ForestSnapshot::new(&self.forest, &self.gravity_m_s2);
+        let mut places_m = |problem: &Self| -> Vec<Vector3<f64>> {
+            let mut places_m = Vec::new();
+            for knot in problem.knots(point) {
+                snapshot.set(&knot.state);
+                let links = 0..self.forest.link_count();
+                places_m.extend(links.map(|link| snapshot.link_state(link).position_m));
+            }
+            places_m
+        };
+        let (here_m, there_m) = (places_m(self), places_m(&half));
+        let off_m = here_m.iter().zip(&there_m).map(|(a, b)| (a - b).norm());
+        off_m.fold(0.0, |most: f64, off_m| match off_m.is_nan() {
+            true => f64::INFINITY,
+            false => most.max(off_m),
+        })
     }
 
     /// Step of the integrator for the motion from its first node to a time \[s\]: not longer than `most_s` \[s\], and

@@ -11,6 +11,9 @@ use crate::optimise::active::ActiveSet;
 /// Share of a typical change by which a quantity is moved to tell how residuals change.
 pub(super) const STEP: f64 = 1e-3;
 
+/// How many times as long steps are for the derivatives.
+const LONGER: f64 = 2.0;
+
 /// Quantities that the scene keeps fixed, each by itself.
 pub(super) fn candidates(
     scene: &Scene,
@@ -48,7 +51,7 @@ pub(super) fn candidates(
 }
 
 /// The derivative of residuals and rows by a quantity at a value, by central differences of the whole flow, which is one
-/// smooth function of it: the number of steps stays, and a coarse reading of the flow tells derivatives well enough. A
+/// smooth function of it: the number of steps stays, and long steps tell derivatives well enough. A
 /// formula for each of them would be the derivative of the articulated-body algorithm by each of its constants, and of no
 /// other use. `None` where a motion near by is none.
 pub(super) fn change(
@@ -59,10 +62,13 @@ pub(super) fn change(
 ) -> Option<Change> {
     let [lower, upper] = quantity.limits();
     let [before, after] = [-step, step].map(|by| (value + by).clamp(lower, upper));
-    let coarse = problem.coarse(0.0);
+    let rough = TreeProblem {
+        step_s: LONGER * problem.step_s,
+        ..problem.clone()
+    };
     let at = |value: f64| {
-        let with = coarse.with(scene, (quantity, value))?;
-        Linear::new(&with, point, active)
+        let with = rough.with(scene, (quantity, value))?;
+        Linear::without_derivatives(&with, point, active)
     };
     Some(Linear::change(&at(before)?, &at(after)?, after - before))
 }

@@ -84,7 +84,21 @@ impl Linear {
         point: &TreePoint,
         active: &ActiveSet,
     ) -> Option<Self> {
+        Self::of(&TreeProgram::new(problem, point.clone()), point, active)
+    }
+
+    /// The same where `J` and `C` are not asked for: they are zero.
+    pub(super) fn without_derivatives(
+        problem: &TreeProblem,
+        point: &TreePoint,
+        active: &ActiveSet,
+    ) -> Option<Self> {
         let program = TreeProgram::new(problem, point.clone());
+        Self::of(&program.without_derivatives(), point, active)
+    }
+
+    fn of(program: &TreeProgram, point: &TreePoint, active: &ActiveSet) -> Option<Self> {
+        let problem = program.problem;
         let size = problem.unknown_count();
         let mut system = System::new(program.structure());
         let mut series: Vec<Series> = Vec::new();

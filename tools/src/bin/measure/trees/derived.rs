@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use enact::estimate::tree::solve::{EXACTLY, ROUGHLY};
+use enact::estimate::tree::{EXACTLY, ROUGHLY};
 use enact::physics::tree::tableau::DORMAND_PRINCE;
 use enact::physics::tree::{Flow, TreeState};
 use nalgebra::DMatrix;

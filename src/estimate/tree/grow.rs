@@ -1,0 +1,165 @@
+//! The part of the sketch that counts grows from the start, so that no fit has to find more than a part of a whirl.
+
+use super::point::TreePoint;
+use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::program::{Part, TreeProgram};
+use super::walk::ROUGHLY;
+use crate::math::random::Random;
+use crate::motion::Observer;
+use crate::optimise::Work;
+use crate::optimise::descend::{Descent, Patience};
+use crate::optimise::lagrangian::AugmentedLagrangian;
+use crate::physics::tree::TreeState;
+
+/// Standard deviation of the rates at the start while the part grows [rad/s].
+const RATES_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
+/// Samples of the first parts.
+const FIRST: [usize; 3] = [4, 8, 12];
+/// Weight of goals at the start, per information,
+const START_WEIGHT: f64 = 100.0;
+/// and how long a descent goes on.
+const PATIENCE: Patience = Patience {
+    steps: 12,
+    gain: 0.1,
+};
+/// How much faster each rate is made at random before a part is fitted that ends before any event [rad/s]: a chain that
+/// flies without turning moves alike whichever way it is about to turn, and would stay at rest.
+const KICK_RAD_S: f64 = 0.1;
+/// A motion is lost where each of its samples costs so many times what one did of the best part with so many samples,
+/// but at least so much.
+const LOST: (f64, usize, f64) = (30.0, 24, 0.1);
+/// Share of a further part that is tried where the whole leads to a lost motion, and how often.
+const LESS: (f64, usize) = (0.5, 3);
+
+/// How the part that counts grows.
+#[derive(Clone, Copy)]
+pub(super) struct Growth {
+    /// By which factor.
+    pub(super) by: f64,
+    /// Whether only as far as errors let the motion be followed, and with further nodes where they grow too much.
+    pub(super) has_legs: bool,
+}
+
+/// Where growing led.
+pub(super) struct Grown {
+    /// The problem, with the nodes that it needs and steps for a rough flow.
+    pub(super) problem: TreeProblem,
+    pub(super) point: TreePoint,
+    /// Whether the motion is far from the samples.
+    pub(super) is_lost: bool,
+}
+
+/// Lets the part that counts grow from a state at the start to the whole.
+pub(super) fn grown(
+    (problem, start): (&TreeProblem, TreeState),
+    growth: Growth,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Grown {
+    let mut problem = problem.clone();
+    let mut point = TreePoint::new(&problem, vec![start]);
+    let mut random = Random::default();
+    let mut parts_s = problem.parts_s(growth.by).into_iter().peekable();
+    let mut reached_s = problem.span_s[0];
+    let mut best_each = f64::INFINITY;
+    let (mut share, mut is_lost) = (1.0, false);
+    while let Some(part_s) = parts_s.peek().copied() {
+        let until_s = match growth.has_legs {
+            true => problem.followed_s(&point, (reached_s, part_s), share),
+            false => part_s,
+        };
+        let (mut further, fitted) = (problem.clone(), point.clone());
+        let (fitted, cost) = fit((&mut further, fitted), until_s, &mut random, work);
+        let count = problem.count_until(until_s);
+        let each = cost / count as f64;
+        is_lost = count >= LOST.1 && !(each <= LOST.0 * best_each.max(LOST.2));
+        if is_lost && growth.has_legs {
+            if share <= LESS.0.powi(LESS.1 as i32) {
+                break;
+            }
+            share *= LESS.0;
+            continue;
+        }
+        share = 1.0;
+        if count >= LOST.1 {
+            best_each = each.min(best_each);
+        }
+        (problem, point) = match growth.has_legs {
+            true => further.cut(fitted, until_s),
+            false => (further, fitted),
+        };
+        if until_s >= part_s {
+            parts_s.next();
+        }
+        reached_s = until_s;
+        if observer.should_stop() {
+            break;
+        }
+    }
+    problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
+    Grown {
+        problem,
+        point,
+        is_lost,
+    }
+}
+
+/// Fits the part until a time \[s\]: where that leads, and what it costs.
+fn fit(
+    (problem, mut point): (&mut TreeProblem, TreePoint),
+    until_s: f64,
+    random: &mut Random,
+    work: &mut Work,
+) -> (TreePoint, f64) {
+    problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
+    let first = problem.events.first();
+    if first.is_none_or(|event| event.about_s > until_s) {
+        let rates = point.nodes[0].rates.iter_mut().enumerate();
+        for (_, rate) in rates.filter(|(at, _)| !problem.forest.is_translation(*at)) {
+            *rate += KICK_RAD_S * random.normal();
+        }
+    }
+    let program = TreeProgram::new(problem, point.clone());
+    let part = Part {
+        until_s,
+        rate_sd_rad_s: RATES_RAD_S,
+    };
+    let mut descent = Descent::new(&program, point);
+    descent.refresh(&part);
+    let information = problem.information;
+    let lagrangian = AugmentedLagrangian::new(&descent.system, START_WEIGHT * information.1);
+    let patience = Patience {
+        gain: PATIENCE.gain * information.0,
+        ..PATIENCE
+    };
+    descent.run(&part, &lagrangian, patience);
+    work.add(&descent.work);
+    let (point, cost) = (descent.point, descent.system.cost);
+    problem.part_at(&point);
+    (point, cost)
+}
+
+impl TreeProblem {
+    /// Number of samples until a time \[s\].
+    fn count_until(&self, until_s: f64) -> usize {
+        let until = self.samples.iter().filter(|of| of.time_s <= until_s);
+        until.count()
+    }
+
+    /// Times at which the growing parts end \[s\]: before the goals at the end.
+    fn parts_s(&self, growth: f64) -> Vec<f64> {
+        let times_s = self.sample_times_s();
+        let mut counts = FIRST.to_vec();
+        while let Some(last) = counts.last().copied()
+            && last < times_s.len()
+        {
+            counts.push((last as f64 * growth) as usize);
+        }
+        counts.retain(|count| *count < times_s.len());
+        counts.push(times_s.len());
+        // A goal at the last sample's time does not count yet.
+        let end_s = self.span_s[1];
+        let last = counts.iter().filter_map(|count| times_s.get(count - 1));
+        last.map(|time_s| time_s.min(end_s.next_down())).collect()
+    }
+}

@@ -1,0 +1,124 @@
+//! Where the motion is cut into legs, and how far it is followed at a time: by how errors grow along it.
+//!
+//! With `Φ` the flow's derivative and `S` typical changes of coordinates and rates, an error has grown by
+//!
+//! ```text
+//! γ = ‖S⁻¹ Φ S‖ / ‖1‖      (Frobenius)
+//! ```
+//!
+//! Unknown states at nodes keep it small on each leg (multiple shooting: Bock and Plitt, IFAC World Congress, 1984). A
+//! motion of which errors grow less needs the one at its beginning alone.
+
+use nalgebra::DMatrix;
+
+use super::course::Course;
+use super::point::TreePoint;
+use super::problem::TreeProblem;
+use super::program::LENGTHS;
+use crate::physics::tree::TreeState;
+
+/// Errors may grow by so much on a leg,
+const ON_A_LEG: f64 = 300.0;
+/// and by so much on what is added to the part of the sketch that counts.
+const FURTHER: f64 = 30.0;
+/// Samples that are added at least,
+const LEAST_FURTHER: usize = 4;
+/// and that a leg has: where errors grow faster a joint whirls, which no node mends.
+const LEAST_ON_A_LEG: usize = 12;
+
+impl TreeProblem {
+    /// The last sample's time, not after `to_s`, to which the motion is followed from `from_s` before errors grow too
+    /// much \[s\]; a share of the samples on that way.
+    pub(super) fn followed_s(
+        &self,
+        point: &TreePoint,
+        (from_s, to_s): (f64, f64),
+        share: f64,
+    ) -> f64 {
+        let between = |time_s: &f64| (from_s..to_s).contains(time_s);
+        let times_s: Vec<f64> = self.sample_times_s().into_iter().filter(between).collect();
+        if times_s.len() <= LEAST_FURTHER {
+            return to_s;
+        }
+        let state = self.state_at(point, from_s);
+        let mut errors = Errors::new(self, point, (&state, from_s));
+        let too_far = times_s
+            .iter()
+            .position(|time_s| errors.grown(*time_s) > FURTHER);
+        let count = too_far.unwrap_or(times_s.len()) as f64 * share;
+        match times_s.get((count as usize).max(LEAST_FURTHER)) {
+            Some(until_s) => *until_s,
+            None => to_s,
+        }
+    }
+
+    /// The problem and its point with further nodes, so that errors do not grow too much on any leg until a time \[s\].
+    pub(super) fn cut(mut self, mut point: TreePoint, until_s: f64) -> (Self, TreePoint) {
+        while let Some((node_s, state)) = self.next_node(&point, until_s) {
+            self.nodes_s.push(node_s);
+            point.nodes.push(state);
+        }
+        (self, point)
+    }
+
+    /// Where the last leg has to end, and the state there.
+    fn next_node(&self, point: &TreePoint, until_s: f64) -> Option<(f64, TreeState)> {
+        let (from_s, from) = (*self.nodes_s.last()?, point.nodes.last()?);
+        let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
+        let times_s: Vec<f64> = self.sample_times_s().into_iter().filter(after).collect();
+        let mut errors = Errors::new(self, point, (from, from_s));
+        let at = times_s
+            .iter()
+            .position(|time_s| errors.grown(*time_s) > ON_A_LEG)?;
+        (at >= LEAST_ON_A_LEG).then(|| (times_s[at - 1], self.state_at(point, times_s[at - 1])))
+    }
+
+    /// Times of samples \[s\], each once.
+    pub(super) fn sample_times_s(&self) -> Vec<f64> {
+        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+        times_s.dedup();
+        times_s
+    }
+
+    /// The state at a time, from the node before it.
+    fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
+        let node = self.node_of(time_s);
+        let from_s = self.nodes_s[node];
+        let mut course = Course::plain(self, (&point.nodes[node], from_s));
+        self.follow(point, (from_s, time_s), &mut course);
+        course.state()
+    }
+}
+
+/// Errors on the way from a state.
+struct Errors<'p> {
+    problem: &'p TreeProblem,
+    point: &'p TreePoint,
+    course: Course<'p>,
+    now_s: f64,
+}
+
+impl<'p> Errors<'p> {
+    fn new(problem: &'p TreeProblem, point: &'p TreePoint, from: (&TreeState, f64)) -> Self {
+        Self {
+            problem,
+            point,
+            course: Course::new(problem, from, (0, true)),
+            now_s: from.1,
+        }
+    }
+
+    /// By how much they have grown at a later time \[s\]; no number where the motion is none.
+    fn grown(&mut self, time_s: f64) -> f64 {
+        let way_s = (self.now_s, time_s);
+        self.problem.follow(self.point, way_s, &mut self.course);
+        self.now_s = time_s;
+        let jacobian = self.course.jacobian();
+        let freedoms = self.problem.forest.freedoms();
+        let length = |at: usize| LENGTHS[usize::from(at >= freedoms)];
+        let scaled = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |row, column| {
+            jacobian[(row, column)] * length(column) / length(row)
+        });
+        scaled.norm() / (scaled.ncols() as f64).sqrt()
+    }
+}
