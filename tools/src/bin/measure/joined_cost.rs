@@ -7,8 +7,7 @@ use std::hint::black_box;
 
 use anyhow::Result;
 use enact::estimate::tree::program::{Part, TreeProgram};
-use enact::estimate::tree::solve::EXACTLY;
-use enact::estimate::tree::{TreePoint, TreeProblem};
+use enact::estimate::tree::{EXACTLY, TreePoint, TreeProblem};
 use enact::optimise::Program;
 use enact::physics::tree::tableau::DORMAND_PRINCE;
 use enact::physics::tree::{Flow, TreeState};

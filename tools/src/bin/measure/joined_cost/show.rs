@@ -72,8 +72,9 @@ fn evaluations(name: &str, curves: &[&str], label: &str, all: &[Evaluated]) -> F
     Figure {
         name: format!("joined_cost_{name}"),
         title: format!("How one evaluation with derivatives grows with {name} of a pendulum"),
-        note: "Fastest of several runs. Powers are fitted over the upper half of the sizes."
-            .to_owned(),
+        note:
+            "Least of several runs, on a core. Powers are fitted over the upper half of the sizes."
+                .to_owned(),
         x: Axis::logarithmic(label),
         y: Axis::logarithmic("time [s]"),
         curves: drawn,
@@ -92,7 +93,8 @@ fn answers(name: &str, curves: &[&str], label: &str, all: &[Whole]) -> Figure {
     Figure {
         name: format!("joined_cost_answers_{name}"),
         title: format!("How a whole answer's time grows with {name} of a pendulum"),
-        note: "Medians of three performances. A cross: fewer than half are motions.".to_owned(),
+        note: "Medians of three performances, on a core. A cross: fewer than half are motions."
+            .to_owned(),
         x: Axis::logarithmic(label),
         y: Axis::logarithmic("time [s]"),
         curves: curves.iter().map(curve).collect(),
