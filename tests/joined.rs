@@ -197,8 +197,8 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
         ),
         (
             "stamps = \"physical\"",
-            "stamps = \"tempo\"",
-            "physical stamps",
+            "stamps = \"edited\"",
+            "\"physical\" or \"tempo\"",
         ),
         (
             "kind = \"end\"",

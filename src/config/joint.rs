@@ -2,6 +2,8 @@
 
 mod refused;
 
+pub(super) use refused::refuse_free;
+
 use std::ops::Range;
 
 use nalgebra::{UnitQuaternion, Vector3};

@@ -8,7 +8,7 @@ use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
 use super::held::hold;
-use super::joint::join;
+use super::joint::{join, refuse_free};
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -89,6 +89,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.goals = goals;
     scene.rest_goals = rest_goals(&at_rest, &scene)?;
     parameters(&raw.free, &mut scene)?;
+    refuse_free(raw, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),

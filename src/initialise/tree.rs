@@ -8,7 +8,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::ballistic;
 use crate::motion::{
     EventKind, GoalQuantity, GoalSet, GoalTarget, Joint, JointTree, LinkIndex, Sample, Scene,
-    Sketch,
+    Sketch, Timing,
 };
 use crate::physics::tree::{Forest, JointKind, Tree, TreeState};
 
@@ -17,14 +17,46 @@ const FIRST: usize = 10;
 /// Angle of joints that nothing tells \[rad\]: hanging straight down, a pendulum would stay there.
 const BENT_RAD: f64 = 0.3;
 
-/// The state of all that moves at the beginning.
-pub fn start(scene: &Scene, sketch: &Sketch, forest: &Forest) -> TreeState {
-    let all = scene.mechanisms.iter().zip(forest.trees());
-    forest.whole(all.map(|(of, model)| tree(scene, sketch, &of.as_tree(), model)))
+/// Paces that are tried, physical per acted time, where nothing tells one,
+const PACES: [f64; 3] = [0.25, 0.45, 0.8];
+/// and beside one that a fall tells: of joined bodies one point tells it roughly.
+const ABOUT: [f64; 3] = [0.75, 1.0, 1.33];
+
+/// First guesses of the pace, each with the state of all that moves at the beginning: one where stamps are physical times.
+pub fn starts(scene: &Scene, sketch: &Sketch, forest: &Forest) -> Vec<(f64, TreeState)> {
+    let paces = match scene.timing {
+        Timing::Known | Timing::Edited => vec![1.0],
+        Timing::Unknown { .. } => paces(scene, sketch),
+    };
+    let at = |pace: f64| {
+        let all = scene.mechanisms.iter().zip(forest.trees());
+        forest.whole(all.map(|(of, model)| tree((scene, sketch, pace), &of.as_tree(), model)))
+    };
+    paces.into_iter().map(|pace| (pace, at(pace))).collect()
+}
+
+/// Paces to try: about that in which what flies falls, where one does.
+fn paces(scene: &Scene, sketch: &Sketch) -> Vec<f64> {
+    let fallen = scene.mechanisms.iter().find_map(|of| {
+        let joined = of.as_tree();
+        joined.base?;
+        let of_links = joined.links().map(|link| places_of(scene, sketch, link));
+        let places = of_links.max_by_key(Vec::len)?;
+        let middle_s = 0.5 * (places.first()?.0 + places.last()?.0);
+        ballistic::fit(&places, middle_s, &scene.gravity_m_s2, None).rate
+    });
+    match fallen {
+        Some(pace) => ABOUT.map(|factor| factor * pace).to_vec(),
+        None => PACES.to_vec(),
+    }
 }
 
 /// The state of a tree at the beginning.
-fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> TreeState {
+fn tree(
+    (scene, sketch, pace): (&Scene, &Sketch, f64),
+    joined: &JointTree,
+    tree: &Tree,
+) -> TreeState {
     let mut state = tree.at_rest();
     let start = scene
         .events
@@ -73,17 +105,12 @@ fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> Tree
             _ => None,
         });
     let samples = || samples_of(scene, sketch, base);
-    let any = || {
-        joined
-            .links()
-            .flat_map(|link| samples_of(scene, sketch, link))
-    };
     let orientation = pose.map(|pose| pose.rotation);
     let orientation = orientation.or_else(|| samples().find_map(|of| of.seen.orientation()));
-    let place = |sample: &Sample| Some((sample.acted_s, sample.seen.position_m()?));
-    let mut places: Vec<ballistic::Place> = samples().filter_map(place).collect();
+    let mut places = places_of(scene, sketch, base);
     if places.is_empty() {
-        places = any().filter_map(place).collect();
+        let of_links = joined.links().map(|link| places_of(scene, sketch, link));
+        places = of_links.flatten().collect();
     }
     places.truncate(FIRST);
     let position_m = pose.map(|pose| pose.translation.vector);
@@ -92,7 +119,8 @@ fn tree(scene: &Scene, sketch: &Sketch, joined: &JointTree, tree: &Tree) -> Tree
     let velocity_m_s = match places.len() {
         0 | 1 => Vector3::zeros(),
         _ => {
-            ballistic::fit(&places, places[0].0, &scene.gravity_m_s2, Some(1.0)).acted_velocity_m_s
+            let fit = ballistic::fit(&places, places[0].0, &scene.gravity_m_s2, Some(pace));
+            fit.acted_velocity_m_s / pace
         }
     };
     state.coordinates[..3].copy_from_slice(position_m.unwrap_or_default().as_slice());
@@ -110,6 +138,12 @@ fn samples_of<'a>(
     let tracks = scene.tracks.iter_enumerated();
     let of_link = tracks.filter(move |(_, track)| track.link == link);
     of_link.flat_map(|(index, _)| &sketch.tracks[index].samples)
+}
+
+/// Where a link was seen, and when.
+fn places_of(scene: &Scene, sketch: &Sketch, link: LinkIndex) -> Vec<ballistic::Place> {
+    let place = |sample: &Sample| Some((sample.acted_s, sample.seen.position_m()?));
+    samples_of(scene, sketch, link).filter_map(place).collect()
 }
 
 /// The angles of a joint at the beginning, or the rotation vector of a ball, from the first orientations that are

@@ -18,8 +18,8 @@ pub(super) fn outcome(
     let (sketch, mut counts) = segment::clean::clean(scene, events)?;
     let problem = TreeProblem::new(scene, &sketch);
     let span_s = problem.span_s;
-    let start = initialise::tree::start(scene, &sketch, &problem.forest);
-    let mut estimate = estimate(scene, &sketch, problem, start, observer);
+    let starts = initialise::tree::starts(scene, &sketch, &problem.forest);
+    let mut estimate = estimate(scene, &sketch, &problem, &starts, observer);
     let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
     let before = samples()
         .filter(|sample| sample.acted_s < span_s[0])

@@ -21,7 +21,7 @@ use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;
 use super::meeting::World;
 use super::{TOLERANCE_M, overlap, touch};
-use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackIndex};
+use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackIndex, Verdict};
 use crate::physics::tree::Snapshot;
 
 /// Greatest root mean square residual of a track, in units of its weights.
@@ -86,7 +86,9 @@ pub fn doubts(
     );
     let is_finite = estimate.trees.iter().all(|motion| motion.is_finite())
         && estimate.arcs.iter().all(|arc| arc.state.is_finite());
-    if is_finite && !estimate.trees.is_empty() {
+    // What failed is no motion that could be called physical; joints that whirl take long to follow from all sides.
+    let is_motion = is_finite && estimate.verdict != Verdict::Failed;
+    if is_motion && !estimate.trees.is_empty() {
         let world = World::new(scene, estimate);
         doubts.extend(flights::doubts(scene, &world, estimate));
         let mut touches = touch::touches(&world);

@@ -20,6 +20,10 @@ const HALF_M: [f64; 3] = [0.05, 0.025, 0.025];
 const HINGE_M: [[f64; 3]; 2] = [[-0.035, 0.06, 0.0], [0.035, 0.0, 0.0]];
 /// Height at which a corner may touch before the next reading \[m\]: a corner that falls at 3 m/s gets so far.
 const NEAR_M: f64 = 0.02;
+/// Height above which no corner but that of the first impact touches \[m\],
+const APART_M: f64 = 0.005;
+/// and least number of readings from the impact on.
+const AFTER_LEAST: usize = 6;
 
 /// A reading: time \[s\], pose of the first box, angle of the hinge \[rad\].
 #[derive(Clone, Copy, Debug)]
@@ -51,18 +55,63 @@ impl Reading {
         self.first * Pose::from_parts(hinge.into(), turn) * Pose::from(centre)
     }
 
+    /// Heights of the corners \[m\]: of the first box, then of the second.
+    fn heights_m(&self) -> [f64; 16] {
+        let both = [self.first, self.second()];
+        std::array::from_fn(|index| {
+            let corner = Corner(index);
+            let at_m = Vector3::from_fn(|axis, _| corner.sign(axis) * HALF_M[axis]);
+            (both[corner.of()] * Point3::from(at_m)).z
+        })
+    }
+
     /// Height of the lowest corner of both boxes \[m\].
     fn lowest_m(&self) -> f64 {
-        let corner = |index: usize| {
-            let sign = |axis: usize| if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
-            Point3::from(Vector3::from_fn(|axis, _| sign(axis) * HALF_M[axis]))
-        };
-        let both = [self.first, self.second()];
-        let heights = both
-            .iter()
-            .flat_map(|pose| (0..8).map(move |index| (pose * corner(index)).z));
-        heights.fold(f64::INFINITY, f64::min)
+        self.heights_m().into_iter().fold(f64::INFINITY, f64::min)
     }
+}
+
+/// One of the corners of both boxes: those of the first box, then of the second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corner(usize);
+
+impl Corner {
+    /// Which box it is of: 0 or 1.
+    fn of(self) -> usize {
+        self.0 / 8
+    }
+
+    fn sign(self, axis: usize) -> f64 {
+        if self.0 >> axis & 1 == 0 { -1.0 } else { 1.0 }
+    }
+
+    /// As scenes name it.
+    fn feature(self) -> String {
+        let signs = [0, 1, 2].map(|axis| if self.sign(axis) < 0.0 { '-' } else { '+' });
+        format!("corner {}x {}y {}z", signs[0], signs[1], signs[2])
+    }
+}
+
+/// The readings of a toss through its first impact, as far as one corner alone is near the table.
+#[derive(Clone, Debug)]
+pub struct FirstImpact {
+    /// From the first on.
+    pub readings: Vec<Reading>,
+    /// The reading at which the corner is lowest.
+    pub lowest: usize,
+    /// What hits.
+    pub corner: Corner,
+}
+
+/// How the law of the first impact is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadLaw {
+    /// Restitution and friction, or where they begin.
+    pub law: [f64; 2],
+    /// Whether both are free.
+    pub is_free: bool,
+    /// Height of the table \[m\].
+    pub table_m: f64,
 }
 
 /// The files of all tosses, in order; none where they are not there.
@@ -87,6 +136,43 @@ pub fn files() -> Vec<PathBuf> {
 /// # Panics
 /// Where the file is not as documented.
 pub fn flight(path: &Path) -> Vec<Reading> {
+    let readings = readings(path).into_iter();
+    readings
+        .take_while(|reading| reading.lowest_m() > NEAR_M)
+        .collect()
+}
+
+/// The readings through the first impact; `None` where another corner is near the table too soon after it.
+///
+/// # Panics
+/// Where the file is not as documented.
+pub fn first_impact(path: &Path) -> Option<FirstImpact> {
+    let mut readings = readings(path);
+    let lowest_m: Vec<f64> = readings.iter().map(Reading::lowest_m).collect();
+    let near = lowest_m.iter().position(|lowest_m| *lowest_m < NEAR_M)?;
+    let falls = lowest_m[near..].windows(2);
+    let lowest = near + falls.take_while(|pair| pair[1] < pair[0]).count();
+    let at_m = readings[lowest].heights_m();
+    let corner = (0..16).min_by(|a, b| at_m[*a].total_cmp(&at_m[*b]))?;
+    let mut before_m = f64::NEG_INFINITY;
+    let free = readings[lowest..].iter().take_while(|reading| {
+        let heights_m = reading.heights_m();
+        let mut others = (0..16).filter(|other| *other != corner);
+        let own_m = heights_m[corner];
+        let rises = own_m > before_m.min(NEAR_M);
+        before_m = own_m;
+        rises && others.all(|other| heights_m[other] > APART_M)
+    });
+    let after = free.count();
+    readings.truncate(lowest + after);
+    (after >= AFTER_LEAST).then_some(FirstImpact {
+        readings,
+        lowest,
+        corner: Corner(corner),
+    })
+}
+
+fn readings(path: &Path) -> Vec<Reading> {
     let text = std::fs::read_to_string(path).expect("a file of the folder");
     let rows = text.lines().skip(1).map(|line| {
         let numbers: Vec<f64> = line
@@ -103,13 +189,36 @@ pub fn flight(path: &Path) -> Vec<Reading> {
             angle_rad,
         }
     });
-    rows.take_while(|reading| reading.lowest_m() > NEAR_M)
-        .collect()
+    rows.collect()
 }
 
 /// Scene and events of a flight.
 pub fn take(flight: &[Reading], reads: &Reads) -> (Scene, Vec<TakeEvent>) {
-    let scene = scene_from_toml(&scene_toml(flight, reads)).expect("a valid scene");
+    taken(flight, (&scene_toml(flight, reads, ""), reads), None)
+}
+
+/// Scene and events of a toss through its first impact.
+pub fn take_struck(of: &FirstImpact, reads: &Reads, law: &ReadLaw) -> (Scene, Vec<TakeEvent>) {
+    let [restitution, friction] = law.law;
+    let mut hit = format!(
+        "\n[[surface]]\nname = \"table\"\npoint_mm = [0, 0, {:?}]\nnormal = [0, 0, 1]\n\n[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"{}\"\nfeature = \"{}\"\nsurface = \"table\"\nrestitution = {restitution:?}\nfriction = {friction:?}\n",
+        1e3 * law.table_m,
+        ["first", "second"][of.corner.of()],
+        of.corner.feature(),
+    );
+    if law.is_free {
+        hit += "\n[[free]]\nquantity = \"hit.restitution\"\n\n[[free]]\nquantity = \"hit.friction\"\nupper = 1.5\n";
+    }
+    let toml = scene_toml(&of.readings, reads, &hit);
+    taken(&of.readings, (&toml, reads), Some(of.lowest))
+}
+
+fn taken(
+    flight: &[Reading],
+    (toml, reads): (&str, &Reads),
+    hit: Option<usize>,
+) -> (Scene, Vec<TakeEvent>) {
+    let scene = scene_from_toml(toml).expect("a valid scene");
     let stamp = |reading: &Reading| Stamp(1_000_000_000 + (1e9 * reading.time_s).round() as i64);
     let mark = |name: &str, reading: &Reading| {
         TakeEvent::Mark(Mark {
@@ -134,11 +243,12 @@ pub fn take(flight: &[Reading], reads: &Reads) -> (Scene, Vec<TakeEvent>) {
         }
     }
     events.push(mark("start", &flight[0]));
+    events.extend(hit.map(|hit| mark("hit", &flight[hit])));
     events.push(mark("end", &flight[flight.len() - 1]));
     (scene, events)
 }
 
-fn scene_toml(flight: &[Reading], reads: &Reads) -> String {
+fn scene_toml(flight: &[Reading], reads: &Reads, hit: &str) -> String {
     let mut text = String::from(
         "name = \"elbow\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 1\norientation_deg = 1\n",
     );
@@ -157,7 +267,9 @@ fn scene_toml(flight: &[Reading], reads: &Reads) -> String {
     text += &format!(
         "\n[[joint]]\nname = \"hinge\"\nkind = \"pin\"\naxis = [0, 1, 0]\nparent = \"first\"\nparent_at_mm = [{hinge_mm:?}, 60, 0]\nchild = \"second\"\nchild_at_mm = [-35, 0, 0]\n"
     );
-    text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
+    text += "\n[[event]]\nname = \"start\"\nkind = \"start\"\n";
+    text += hit;
+    text += "\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
     if !reads.sees_both {
         let angle_deg = flight[0].angle_rad.to_degrees();
         text += &format!(

@@ -19,6 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::perform::recording;
+use crate::perform::tempo::Tempo;
 use crate::perform::wander::{HAND_POSITION, Wander};
 
 /// A kind of joint in scene files.
@@ -94,6 +95,10 @@ pub struct TreePerformance {
     pub truth: TreeState,
     /// Its duration \[s\].
     pub duration_s: f64,
+    /// The true physical time of each sample \[s\].
+    pub sample_times_s: Vec<f64>,
+    /// The hidden tempo of slow motion.
+    pub tempo: Option<Tempo>,
 }
 
 /// How it is acted.
@@ -107,6 +112,9 @@ pub struct TreeActing {
     pub rate_hz: f64,
     /// Whether the whole configuration at the start is a goal.
     pub asks_start: bool,
+    /// Slow motion: acted per physical time on the whole, and the standard deviation of the logarithm of the tempo. None:
+    /// stamps are physical times.
+    pub slowly: Option<[f64; 2]>,
 }
 
 impl TreeActing {
@@ -117,7 +125,64 @@ impl TreeActing {
             noise_m: 0.001,
             rate_hz: RATE_HZ,
             asks_start: true,
+            slowly: None,
         }
+    }
+
+    /// The same, acted in slow motion as a usual hand does.
+    pub fn slowly(self) -> Self {
+        Self {
+            slowly: Some([2.5, 0.3]),
+            ..self
+        }
+    }
+}
+
+/// A moment of a performance \[s\].
+#[derive(Clone, Copy, Debug)]
+struct Instant {
+    /// Since the start, by the tracker's clock,
+    stamp_s: f64,
+    /// in the motion,
+    physical_s: f64,
+    /// and for the hand.
+    acted_s: f64,
+}
+
+impl TreeActing {
+    /// The tempo of a performance.
+    fn tempo(&self, duration_s: f64, seed: u64) -> Option<Tempo> {
+        let [slowdown, variation] = self.slowly?;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(1);
+        Some(Tempo::draw(duration_s, slowdown, variation, &mut random))
+    }
+
+    /// When samples are taken, the end last.
+    fn instants(&self, duration_s: f64, tempo: Option<&Tempo>) -> Vec<Instant> {
+        let Some(tempo) = tempo else {
+            let count = (duration_s * self.rate_hz).round() as usize;
+            let at = |index: usize| {
+                let physical_s = index as f64 / self.rate_hz;
+                // A hand acts at a third of the motion's speed.
+                let acted_s = 3.0 * index as f64 / self.rate_hz;
+                Instant {
+                    stamp_s: physical_s,
+                    physical_s,
+                    acted_s,
+                }
+            };
+            return (0..=count).map(at).collect();
+        };
+        let lasts_s = tempo.acted_duration_s();
+        let at = |acted_s: f64| Instant {
+            stamp_s: acted_s,
+            physical_s: tempo.physical_s(acted_s),
+            acted_s,
+        };
+        let count = (lasts_s * self.rate_hz).ceil() as usize;
+        let steps = (0..count).map(|index| at(index as f64 / self.rate_hz));
+        steps.chain([at(lasts_s)]).collect()
     }
 }
 
@@ -138,7 +203,16 @@ impl TreePerformance {
         let (sketch, _) = clean(&self.scene, &self.events).expect("a sketch");
         let mut problem = TreeProblem::new(&self.scene, &sketch);
         problem.step_s = 1.0 / RATE_HZ;
-        let point = TreePoint::new(&problem, vec![self.truth.clone()]);
+        let mut point = TreePoint::new(&problem, vec![self.truth.clone()]);
+        if let (Some(of), Some(tempo)) = (&problem.tempo, &self.tempo) {
+            let pieces = of.knots_s.windows(2);
+            let pace = |ends_s: &[f64]| {
+                let [from_s, to_s] =
+                    [ends_s[0], ends_s[1]].map(|acted_s| tempo.physical_s(acted_s));
+                (to_s - from_s) / (ends_s[1] - ends_s[0])
+            };
+            point.log_paces = pieces.map(|ends_s| pace(ends_s).ln()).collect();
+        }
         let program = TreeProgram::new(&problem, point.clone());
         2.0 * program.evaluated(&Part::whole(), &point).cost
     }
@@ -156,11 +230,16 @@ pub fn kept() -> (&'static str, TreePerformance) {
 /// Acts a motion.
 pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let bare = scene_from_toml(&scene_toml(kind, "")).expect("a valid scene");
+    let bare = scene_from_toml(&scene_toml(kind, acting, "")).expect("a valid scene");
     let (_, joined) = bare.joint_trees().next().expect("a tree");
     let tree = bare.tree_model(joined);
     let truth = drawn(kind, &tree, &mut random);
-    let states = motion(&bare, &tree, &truth, kind.duration_s, acting.rate_hz);
+    let tempo = acting.tempo(kind.duration_s, seed);
+    let instants = acting.instants(kind.duration_s, tempo.as_ref());
+    let states = match acting.slowly {
+        None => motion(&bare, &tree, &truth, kind.duration_s, acting.rate_hz),
+        Some(_) => states_at(&bare, &tree, &truth, &instants),
+    };
     let last = states.last().expect("samples");
     let mut snapshot = Snapshot::new(&tree, &bare.gravity_m_s2);
     snapshot.set(last);
@@ -171,7 +250,7 @@ pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
         asks_start: acting.asks_start,
     };
     let goals = goals(&asked, (&bare, joined, &tree), &truth, &end_m);
-    let scene_toml = scene_toml(kind, &goals);
+    let scene_toml = scene_toml(kind, acting, &goals);
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
     let wanders: Vec<Wander> = (0..3)
         .map(|_| Wander::draw(&HAND_POSITION, &mut random))
@@ -185,14 +264,13 @@ pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
     );
     assert_eq!(scene.tracks[track].sees, Sees::Point);
     let start = 1_000_000_000;
-    let stamp = |index: usize| Stamp(start + (1e9 * index as f64 / acting.rate_hz).round() as i64);
+    let stamp = |index: usize| Stamp(start + (1e9 * instants[index].stamp_s).round() as i64);
     let mut events: Vec<TakeEvent> = Vec::new();
     for (index, state) in states.iter().enumerate() {
         snapshot.set(state);
         let at_m = snapshot.point(place, &point_m);
         let per_axis = acting.wander_m / 3.0_f64.sqrt();
-        // A hand acts at a third of the motion's speed.
-        let acted_s = 3.0 * index as f64 / acting.rate_hz;
+        let acted_s = instants[index].acted_s;
         let off = Vector3::from_fn(|axis, _| {
             let noise: f64 = StandardNormal.sample(&mut random);
             per_axis * wanders[axis].at(acted_s) + acting.noise_m * noise
@@ -222,7 +300,26 @@ pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
         events,
         truth,
         duration_s: kind.duration_s,
+        sample_times_s: instants.iter().map(|at| at.physical_s).collect(),
+        tempo,
     }
+}
+
+/// States at instants.
+fn states_at(
+    scene: &Scene,
+    tree: &Tree,
+    start: &TreeState,
+    instants: &[Instant],
+) -> Vec<TreeState> {
+    const STEP_S: f64 = 1e-3;
+    let mut flow = Flow::new(tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
+    flow.begin(start, false);
+    let at = |instant: &Instant| {
+        flow.reach(instant.physical_s, STEP_S);
+        flow.state()
+    };
+    instants.iter().map(at).collect()
 }
 
 /// States at every sample of a motion.
@@ -294,9 +391,13 @@ pub(crate) fn joint_between(
     )
 }
 
-fn scene_toml(kind: &Kind, goals: &str) -> String {
-    let mut text = String::from(
-        "name = \"rods\"\n\n[timing]\nstamps = \"physical\"\n\n[weights]\nposition_mm = 10\n",
+fn scene_toml(kind: &Kind, acting: &TreeActing, goals: &str) -> String {
+    let stamps = match acting.slowly {
+        None => "physical",
+        Some(_) => "tempo",
+    };
+    let mut text = format!(
+        "name = \"rods\"\n\n[timing]\nstamps = \"{stamps}\"\n\n[weights]\nposition_mm = 10\n",
     );
     let tracked = if kind.is_clamped { kind.links - 1 } else { 0 };
     for link in 0..kind.links {

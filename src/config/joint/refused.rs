@@ -7,14 +7,14 @@ use toml::Spanned;
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
 use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{Scene, Timing};
+use crate::motion::{Quantity, Scene, Timing};
 
 /// Refuses a scene with joints that asks for what is not done there.
 pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
-    if scene.timing != Timing::Known {
+    if scene.timing == Timing::Edited {
         return fault(
             raw.timing.stamps.span(),
-            "a scene with joints is estimated from physical stamps, expected stamps = \"physical\"",
+            "joined bodies move from start to end at once, expected stamps = \"physical\" or \"tempo\"",
         );
     }
     for event in &raw.event {
@@ -33,6 +33,29 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
         return fault(joint.clone(), said);
     }
     Ok(())
+}
+
+/// Refuses free quantities of a scene with joints that are not of the law of an impact.
+pub(in crate::config) fn refuse_free(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+    if scene.joint_trees().next().is_none() {
+        return Ok(());
+    }
+    let of_law = |quantity| {
+        matches!(
+            quantity,
+            Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
+        )
+    };
+    let Some(other) = scene.parameters.iter().find(|of| !of_law(of.quantity)) else {
+        return Ok(());
+    };
+    let mut named = raw.free.iter().map(|free| &free.quantity);
+    let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
+    let said = format!(
+        "of a scene with joints restitution, friction and tilts of its collisions may be free, expected one of them instead of {:?}",
+        other.name
+    );
+    fault(place.map_or(0..0, Spanned::span), said)
 }
 
 /// Collisions in a scene with joints are at one contact that it names.
@@ -89,10 +112,6 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
     fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
         of.as_ref().map(Spanned::span)
     }
-    let of_scene = [(
-        raw.free.first().map(|free| free.quantity.span()),
-        "nothing is estimated beside the motion of a scene with joints, expected no [[free]]",
-    )];
     let of_bodies = raw.body.iter().flat_map(|body| {
         let body = body.get_ref();
         let said =
@@ -132,9 +151,7 @@ fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'stati
             ),
         ]
     });
-    of_scene
-        .into_iter()
-        .chain(of_bodies)
+    of_bodies
         .chain(of_tracks)
         .chain(of_events)
         .chain(of_goals)

@@ -17,6 +17,7 @@
 //! said to fit only if joints that are elsewhere by a share of a link, each where that shows best, would have shown.
 
 mod candidates;
+pub(super) mod certainty;
 mod errors;
 mod linear;
 mod odds;

@@ -1,12 +1,15 @@
 //! The course of trees from a node on, through events, with its derivatives by the unknowns of the leg.
 //!
 //! With `Φ` the flow's derivative, and `ẋ` how it goes on, a flow from one event, at `T`, to
-//! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. An impact's derivative follows; where
+//! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. So it does with the physical times of samples and
+//! nodes where the [tempo](super::tempo) is unknown. An impact's derivative follows; where
 //! the rates jump, what came before is put into one matrix and the flow begins anew.
 
 use nalgebra::DMatrix;
 
+use super::law::FreeLaw;
 use super::problem::TreeProblem;
+use super::time_line::TimeLine;
 use crate::motion::TreeTouch;
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::tableau;
@@ -17,18 +20,37 @@ use crate::physics::tree::{
 /// A time on the way at which the course stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stop {
-    /// The time \[s\].
+    /// The physical time \[s\].
     pub(super) time_s: f64,
-    /// Place among the leg's events of the one whose time this is.
-    pub(super) event: Option<usize>,
+    /// What it moves with.
+    pub(super) with: With,
+}
+
+/// What a time moves with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum With {
+    /// Nothing, or nobody asks for derivatives.
+    Nothing,
+    /// It is that of an event: its place among the leg's.
+    Event(usize),
+    /// The tempo: it is acted then \[s\].
+    Tempo(f64),
 }
 
 impl Stop {
-    /// A time that is known \[s\].
+    /// A time that nothing moves \[s\].
     pub(super) fn known(time_s: f64) -> Self {
         Self {
             time_s,
-            event: None,
+            with: With::Nothing,
+        }
+    }
+
+    /// The time that is acted then \[s\].
+    pub(super) fn acted(line: &TimeLine, acted_s: f64) -> Self {
+        Self {
+            time_s: line.time_s(acted_s),
+            with: With::Tempo(acted_s),
         }
     }
 }
@@ -36,42 +58,61 @@ impl Stop {
 /// The motion from a node on.
 pub(super) struct Course<'t> {
     problem: &'t TreeProblem,
+    line: &'t TimeLine<'t>,
     flow: ForestFlow<'t>,
     begun: Stop,
     now: Stop,
     has_derivatives: bool,
-    /// Number of events of the leg.
+    /// Number of events of the leg, and of unknowns.
     events: usize,
-    /// Where the flow began: its derivative by the node's tangent and by the times of the leg's events; none at
-    /// the node itself.
+    size: usize,
+    /// Where the flow began: its derivative by the leg's unknowns; none at the node itself.
     by_unknowns: Option<DMatrix<f64>>,
     /// Derivative of the flow since then.
     by_begin: DMatrix<f64>,
 }
 
 impl<'t> Course<'t> {
-    /// From a node on, with derivatives where they are asked for; so many events are on its leg.
+    /// From a node on, with derivatives where they are asked for.
     pub(super) fn new(
-        problem: &'t TreeProblem,
-        (node, from_s): (&TreeState, f64),
-        (events, has_derivatives): (usize, bool),
+        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
+        (node, state): (usize, &TreeState),
+        has_derivatives: bool,
     ) -> Self {
         let width = problem.width();
+        let from = Stop::acted(line, problem.leg_s(node)[0]);
         Self {
-            events,
+            events: problem.events_of(node).len(),
+            size: problem.leg_size(node),
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun(problem, (node, from_s), has_derivatives)
+            ..Self::begun((problem, line), (state, from), has_derivatives)
         }
     }
 
-    /// From a node on, without derivatives.
-    pub(super) fn plain(problem: &'t TreeProblem, from: (&TreeState, f64)) -> Self {
-        Self::begun(problem, from, false)
+    /// From a state on at a physical time \[s\], with derivatives by that state alone.
+    pub(super) fn of_state(
+        on: (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from_s): (&TreeState, f64),
+    ) -> Self {
+        let width = on.0.width();
+        Self {
+            size: width,
+            by_begin: DMatrix::zeros(width, width),
+            ..Self::begun(on, (state, Stop::known(from_s)), true)
+        }
+    }
+
+    /// From a state on at a physical time \[s\], without derivatives.
+    pub(super) fn plain(
+        on: (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from_s): (&TreeState, f64),
+    ) -> Self {
+        Self::begun(on, (state, Stop::known(from_s)), false)
     }
 
     fn begun(
-        problem: &'t TreeProblem,
-        (node, from_s): (&TreeState, f64),
+        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
+        (state, from): (&TreeState, Stop),
         has_derivatives: bool,
     ) -> Self {
         let mut flow = ForestFlow::new(
@@ -79,14 +120,16 @@ impl<'t> Course<'t> {
             &problem.gravity_m_s2,
             tableau::DORMAND_PRINCE,
         );
-        flow.begin(node, has_derivatives);
+        flow.begin(state, has_derivatives);
         Self {
             problem,
+            line,
             flow,
-            begun: Stop::known(from_s),
-            now: Stop::known(from_s),
+            begun: from,
+            now: from,
             has_derivatives,
             events: 0,
+            size: 0,
             by_unknowns: None,
             by_begin: DMatrix::zeros(0, 0),
         }
@@ -95,7 +138,7 @@ impl<'t> Course<'t> {
     /// Goes on, or back, to a time. The state is no number at one that is farther from the motion than that lasts: an event
     /// that runs away ends a step, and is not followed.
     pub(super) fn advance(&mut self, to: Stop) {
-        let [from_s, to_s] = self.problem.span_s;
+        let [from_s, to_s] = self.line.physical_span_s();
         let lasts_s = to_s - from_s;
         let is_near = (from_s - lasts_s..=to_s + lasts_s).contains(&to.time_s);
         let elapsed_s = match is_near {
@@ -117,28 +160,38 @@ impl<'t> Course<'t> {
         self.flow.state()
     }
 
-    /// Its derivative by the node's tangent and by the times of the leg's events; zeros where none were asked for.
+    /// Its derivative by the leg's unknowns; zeros where none were asked for.
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
         if !self.has_derivatives {
-            let width = self.problem.width();
-            return DMatrix::zeros(width, width + self.events);
+            return DMatrix::zeros(self.problem.width(), self.size);
         }
         self.flow.jacobian(&mut self.by_begin);
-        let width = self.problem.width();
         let mut by_unknowns = match &self.by_unknowns {
             Some(by_unknowns) => &self.by_begin * by_unknowns,
-            None => self
-                .by_begin
-                .clone()
-                .resize_horizontally(width + self.events, 0.0),
+            None => self.by_begin.clone().resize_horizontally(self.size, 0.0),
         };
-        let stops = [(self.begun.event, -1.0), (self.now.event, 1.0)];
-        if stops.iter().any(|(event, _)| event.is_some()) {
+        let stops = [(self.begun.with, -1.0), (self.now.with, 1.0)];
+        let moves = |with: &With| match with {
+            With::Nothing => false,
+            With::Event(_) => true,
+            With::Tempo(_) => self.line.is_unknown(),
+        };
+        if stops.iter().any(|(with, _)| moves(with)) {
             let rate = self.flow.rate();
-            for (event, sign) in stops {
-                if let Some(event) = event {
-                    let mut column = by_unknowns.column_mut(width + event);
-                    column.axpy(sign, &rate, 1.0);
+            let width = self.problem.width();
+            let mut add = |at: usize, by: f64| {
+                let mut column = by_unknowns.column_mut(width + at);
+                column.axpy(by, &rate, 1.0);
+            };
+            for (with, sign) in stops {
+                match with {
+                    With::Nothing => {}
+                    With::Event(event) => add(event, sign),
+                    With::Tempo(acted_s) => {
+                        for (piece, by) in self.line.by_log_paces(acted_s).enumerate() {
+                            add(self.events + piece, sign * by);
+                        }
+                    }
                 }
             }
         }
@@ -150,7 +203,7 @@ impl<'t> Course<'t> {
     pub(super) fn hit(
         &mut self,
         snapshot: &ForestSnapshot,
-        touch: &TreeTouch,
+        (touch, free): (&TreeTouch, &FreeLaw),
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
         let (impact, derivative) = snapshot.impact_derivative(&state, &touch.at, &touch.law)?;
@@ -158,18 +211,25 @@ impl<'t> Course<'t> {
         let freedoms = self.problem.forest.freedoms();
         let rates = &derivative.rates * &by_unknowns;
         by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
+        let first = self.size - self.problem.parameters.len();
+        for (parameter, by) in free.rates_by(&derivative) {
+            let mut column = by_unknowns.column_mut(first + parameter);
+            let mut rates = column.rows_mut(freedoms, freedoms);
+            rates += by;
+        }
         self.by_unknowns = Some(by_unknowns);
         self.go_on(state, &impact);
         Ok((impact, derivative))
     }
 
-    /// [`Course::hit`] where nothing is asked of the impact.
+    /// [`Course::hit`] by a law of which nothing is free, where nothing is asked of the impact.
     pub(super) fn bounce(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&state);
         if self.has_derivatives {
-            return self.hit(&snapshot, touch).map(|_| ());
+            let fixed = FreeLaw::default();
+            return self.hit(&snapshot, (touch, &fixed)).map(|_| ());
         }
         let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);

@@ -1,5 +1,6 @@
 //! Events within the motion of trees, whose times are unknown: impacts of links, and waypoints.
 
+use super::law::FreeLaw;
 use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
 
 /// An event within the motion.
@@ -7,13 +8,15 @@ use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
 pub struct TreeEvent {
     /// Index into `Scene::events`.
     pub event: usize,
-    /// About when it is \[s\]: samples before belong to the motion before it, later ones to that after it,
+    /// About when it is \[s, acted\]: samples before belong to the motion before it, later ones to that after it,
     /// wherever its estimated time is.
     pub about_s: f64,
-    /// When it was marked, and the mark's standard deviation \[s\].
+    /// When it was marked, and the mark's standard deviation \[s, acted\].
     pub mark_s: Option<[f64; 2]>,
     /// What hits what; none at a waypoint, where the motion goes on as it was.
     pub touch: Option<TreeTouch>,
+    /// What of its law is unknown.
+    pub free: FreeLaw,
 }
 
 /// The events between the start and the end, in the scene's order.
@@ -32,6 +35,7 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
                 let touch = scene.tree_touch(event);
                 touch.expect("links touch at one contact")
             }),
+            free: FreeLaw::of(scene, event),
         })
         .collect()
 }

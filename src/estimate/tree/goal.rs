@@ -12,8 +12,8 @@ pub struct TreeGoal {
     pub goal: usize,
     /// Index into `Scene::events`.
     pub event: usize,
-    /// Physical time \[s\].
-    pub time_s: f64,
+    /// Stamp of its event \[s\].
+    pub acted_s: f64,
     /// The link's place in the forest, and that of the link in whose axes it is seen.
     pub places: [usize; 2],
     /// Point of the link that it is about [m, link axes].
@@ -45,7 +45,7 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
             all.push(TreeGoal {
                 goal: index,
                 event: goal.event,
-                time_s: sketch.marks_s[goal.event].clamp(span_s[0], span_s[1]),
+                acted_s: sketch.marks_s[goal.event].clamp(span_s[0], span_s[1]),
                 places: [place, other],
                 point_m,
                 condition,
@@ -53,7 +53,7 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
             });
         }
     }
-    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    all.sort_by(|a, b| a.acted_s.total_cmp(&b.acted_s));
     all
 }
 

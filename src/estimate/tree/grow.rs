@@ -11,8 +11,10 @@ use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
 use crate::physics::tree::TreeState;
 
-/// Standard deviation of the rates at the start while the part grows [rad/s].
+/// Standard deviation of the rates at the start while the part grows [rad/s],
 const RATES_RAD_S: f64 = 0.5 * RATE_SD_RAD_S;
+/// and of the first log-pace of an unknown tempo from its guess.
+const LOG_PACE_SD: f64 = 0.1;
 /// Samples of the first parts.
 const FIRST: [usize; 3] = [4, 8, 12];
 /// Weight of goals at the start, per information,
@@ -123,6 +125,7 @@ fn fit(
     let part = Part {
         until_s,
         rate_sd_rad_s: RATES_RAD_S,
+        log_pace_sd: Some(LOG_PACE_SD),
     };
     let mut descent = Descent::new(&program, point);
     descent.refresh(&part);
@@ -142,13 +145,13 @@ fn fit(
 impl TreeProblem {
     /// Number of samples until a time \[s\].
     fn count_until(&self, until_s: f64) -> usize {
-        let until = self.samples.iter().filter(|of| of.time_s <= until_s);
+        let until = self.samples.iter().filter(|of| of.acted_s <= until_s);
         until.count()
     }
 
     /// Times at which the growing parts end \[s\]: before the goals at the end.
     fn parts_s(&self, growth: f64) -> Vec<f64> {
-        let times_s = self.sample_times_s();
+        let times_s = self.sample_stamps_s();
         let mut counts = FIRST.to_vec();
         while let Some(last) = counts.last().copied()
             && last < times_s.len()

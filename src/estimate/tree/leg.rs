@@ -1,13 +1,14 @@
 //! One leg of the motion, from a node to the next: residuals of its samples, rows of its goals and events, and
-//! how it joins the next, with all derivatives by the leg's unknowns: the node's tangent, then times of its events.
+//! how it joins the next, with all derivatives by the leg's unknowns: the node's tangent, then times of its events, then
+//! the log-paces of an unknown tempo and what of the laws of impacts is unknown.
 //!
-//! With `X = ∂x(t)/∂(x_k, T)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
+//! With `X = ∂x(t)/∂(x_k, T, λ, p)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
 //! `y` of a quantity, a row `y(link(x(t)))` has the derivative `y_link L X`. The flow to the next node must end
 //! there: `x(t_{k+1}) ⊟ x_{k+1} = 0`.
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
-use super::course::{Course, Stop};
+use super::course::{Course, Stop, With};
 use super::event::TreeEvent;
 use super::goal::TreeGoal;
 use super::point::TreePoint;
@@ -44,31 +45,34 @@ impl TreeProgram<'_> {
         each: &mut dyn FnMut(&Residual),
     ) -> Sums {
         let problem = self.problem;
-        let events = problem.events_of(node);
-        let (first_event, event_count) = (events.start, events.len());
-        let width = problem.width();
-        let from = (&point.nodes[node], problem.leg_s(node)[0]);
-        let mut course = Course::new(problem, from, (event_count, self.has_derivatives));
+        let first_event = problem.events_of(node).start;
+        let (width, size) = (problem.width(), problem.leg_size(node));
+        let line = &point.time_line(problem);
+        let from = (node, &point.nodes[node]);
+        let mut course = Course::new((problem, line), from, self.has_derivatives);
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
-        let mut jacobian = DMatrix::zeros(width, width + event_count);
+        let mut jacobian = DMatrix::zeros(width, size);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];
         let mut sums = Sums {
             cost: 0.0,
-            gradient: DVector::zeros(width + event_count),
-            hessian: DMatrix::zeros(width + event_count, width + event_count),
+            gradient: DVector::zeros(size),
+            hessian: DMatrix::zeros(size, size),
         };
         let mut reached: Option<Stop> = None;
         for item in self.items(node) {
-            let mut to = item.stop;
             if item.about_s > part.until_s {
                 if let Some(index) = item.kind.block(problem) {
                     rows::silence(&self.structure.blocks[index], &mut blocks[index]);
                 }
                 continue;
             }
-            if let Some(event) = to.event {
-                to.time_s = point.event_times_s[first_event + event];
-            }
+            let to = match item.event {
+                Some(event) => Stop {
+                    time_s: point.event_times_s[first_event + event],
+                    with: With::Event(event),
+                },
+                None => Stop::acted(line, item.about_s),
+            };
             if reached != Some(to) {
                 course.advance(to);
                 reached = Some(to);
@@ -98,10 +102,13 @@ impl TreeProgram<'_> {
                 }
                 Kind::Event(index, event) => {
                     let (pattern, block) = self.room(problem.event_block(index), blocks);
-                    let times_s = &point.event_times_s;
-                    rows::order(problem, (index, times_s), (pattern, &mut *block));
-                    let Some(touch) = &event.touch else { continue };
-                    let Ok((impact, derivative)) = course.hit(&snapshot, touch) else {
+                    let times = (line, point.event_times_s.as_slice());
+                    rows::order(problem, (index, times), (pattern, &mut *block));
+                    let Some(touch) = event.touch_at(point) else {
+                        continue;
+                    };
+                    let law = (&touch, &event.free);
+                    let Ok((impact, derivative)) = course.hit(&snapshot, law) else {
                         sums.cost = f64::NAN;
                         return sums;
                     };
@@ -139,24 +146,21 @@ impl TreeProgram<'_> {
             let of_leg = problem.events[events.clone()].iter();
             of_leg.filter(|event| event.about_s <= about_s).count()
         };
-        let at_known = |time_s: f64, kind| Item {
-            phase: (before(time_s), 0),
-            about_s: time_s,
-            stop: Stop::known(time_s),
+        let at_stamp = |acted_s: f64, kind| Item {
+            phase: (before(acted_s), 0),
+            about_s: acted_s,
+            event: None,
             kind,
         };
-        let is_here = |time_s: f64| problem.node_of(time_s) == node;
-        let samples = problem.samples.iter().filter(|of| is_here(of.time_s));
+        let is_here = |acted_s: f64| problem.node_of(acted_s) == node;
+        let samples = problem.samples.iter().filter(|of| is_here(of.acted_s));
         let mut items: Vec<Item> = samples
-            .map(|sample| at_known(sample.time_s, Kind::Sample(sample)))
+            .map(|sample| at_stamp(sample.acted_s, Kind::Sample(sample)))
             .collect();
         let at_event = |event: usize, kind, rank| Item {
             phase: (event - events.start, rank),
             about_s: problem.events[event].about_s,
-            stop: Stop {
-                time_s: problem.events[event].about_s,
-                event: Some(event - events.start),
-            },
+            event: Some(event - events.start),
             kind,
         };
         for (index, goal) in problem.goals.iter().enumerate() {
@@ -170,7 +174,7 @@ impl TreeProgram<'_> {
                     items.push(at_event(event, kind, rank));
                 }
                 Some(_) => {}
-                None if is_here(goal.time_s) => items.push(at_known(goal.time_s, kind)),
+                None if is_here(goal.acted_s) => items.push(at_stamp(goal.acted_s, kind)),
                 None => {}
             }
         }
@@ -179,7 +183,7 @@ impl TreeProgram<'_> {
             items.push(at_event(event, kind, 2));
         }
         if node + 1 < problem.nodes_s.len() {
-            let mut next = at_known(problem.leg_s(node)[1], Kind::Next(node));
+            let mut next = at_stamp(problem.leg_s(node)[1], Kind::Next(node));
             next.phase = (events.len(), 1);
             items.push(next);
         }
@@ -224,9 +228,10 @@ impl TreeProgram<'_> {
 struct Item<'a> {
     /// Number of the leg's events before it; at an event, its goals come before it or after it.
     phase: (usize, usize),
-    /// About when it is \[s\].
+    /// About when it is \[s, acted\].
     about_s: f64,
-    stop: Stop,
+    /// Place among the leg's events of the one whose time is its time.
+    event: Option<usize>,
     kind: Kind<'a>,
 }
 

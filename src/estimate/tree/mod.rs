@@ -9,11 +9,13 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+mod bounds;
 mod course;
 mod curvature;
 pub mod event;
 pub mod goal;
 mod grow;
+pub mod law;
 mod leg;
 mod motions;
 pub mod outcome;
@@ -24,6 +26,8 @@ mod rows;
 pub mod sample;
 mod segments;
 pub mod solve;
+pub mod tempo;
+mod time_line;
 mod walk;
 mod weak;
 

@@ -2,6 +2,7 @@
 //! from what each track saw.
 
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::time_line::TimeLine;
 use crate::estimate::constraint::quantity;
 use crate::motion::{
     ArcEstimate, EventEstimate, GoalUnit, Mechanism, MechanismIndex, Scene, SegmentResidual,
@@ -19,7 +20,7 @@ pub(super) struct Motions {
 
 /// The motions that states of all say, with events at these times.
 pub(super) fn motions(
-    problem: &TreeProblem,
+    (problem, line): (&TreeProblem, &TimeLine),
     scene: &Scene,
     knots: &[TreeKnot],
     events: &[EventEstimate],
@@ -28,7 +29,7 @@ pub(super) fn motions(
     for (mechanism, of) in scene.mechanisms.iter_enumerated() {
         match of {
             Mechanism::Free(_) => {
-                let arcs = arcs(problem, (scene, mechanism), knots, events);
+                let arcs = arcs((problem, line), (scene, mechanism), knots, events);
                 motions.arcs.extend(arcs);
             }
             Mechanism::Tree(_) => motions.trees.push(TreeEstimate {
@@ -40,7 +41,7 @@ pub(super) fn motions(
             }),
         }
     }
-    for sum in sums(problem, scene, knots, &motions.arcs) {
+    for sum in sums((problem, line), scene, knots, &motions.arcs) {
         let ([position, turn], track) = (sum.kinds, sum.track);
         let samples = position.0.max(turn.0);
         let rms =
@@ -91,7 +92,7 @@ fn own_knots(
 
 /// The flights of a body by itself, from collision to collision.
 fn arcs(
-    problem: &TreeProblem,
+    (problem, line): (&TreeProblem, &TimeLine),
     (scene, mechanism): (&Scene, MechanismIndex),
     knots: &[TreeKnot],
     events: &[EventEstimate],
@@ -100,7 +101,7 @@ fn arcs(
         let mut hits = scene.events[of.event].kind.collision().into_iter();
         hits.any(|of| scene.takes_part(mechanism, of))
     });
-    let [start_s, end_s] = problem.span_s;
+    let [start_s, end_s] = line.physical_span_s();
     let hits_s = hits.map(|of| of.time_s);
     let ends_s: Vec<f64> = [start_s].into_iter().chain(hits_s).chain([end_s]).collect();
     let place = scene.place_of(scene.free_link(mechanism));
@@ -129,7 +130,7 @@ struct Sum {
 }
 
 fn sums(
-    problem: &TreeProblem,
+    (problem, line): (&TreeProblem, &TimeLine),
     scene: &Scene,
     knots: &[TreeKnot],
     arcs: &[ArcEstimate],
@@ -137,7 +138,8 @@ fn sums(
     let mut sums: Vec<Sum> = Vec::new();
     let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
     for sample in &problem.samples {
-        let at = knots.partition_point(|knot| knot.time_s < sample.time_s);
+        let time_s = line.time_s(sample.acted_s);
+        let at = knots.partition_point(|knot| knot.time_s < time_s);
         snapshot.set(&knots[at.min(knots.len() - 1)].state);
         let link = snapshot.link_state(sample.place);
         let valued = quantity::valued(&sample.quantity, &link, None, &sample.point_m);
@@ -146,7 +148,7 @@ fn sums(
         let mechanism = scene.mechanism_seen_by(sample.track);
         let arc = arcs
             .iter()
-            .rposition(|arc| arc.mechanism == mechanism && arc.start_s <= sample.time_s);
+            .rposition(|arc| arc.mechanism == mechanism && arc.start_s <= time_s);
         let is_its = |sum: &Sum| (sum.track, sum.arc) == (sample.track, arc);
         let place = sums.iter().position(is_its).unwrap_or_else(|| {
             sums.push(Sum {

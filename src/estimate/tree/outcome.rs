@@ -2,16 +2,18 @@
 
 use nalgebra::DVector;
 
-use super::adequacy;
+use super::adequacy::{self, certainty::Certainty};
 use super::motions::{Motions, motions};
 use super::problem::TreeProblem;
 use super::solve::{self, Solved};
+use super::time_line::TimeLine;
 use super::weak;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
     Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, LinkIndex, Mechanism,
-    MotionPart, Observer, Reason, SampleTime, Scene, Sketch, Undetermined, Verdict,
+    MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch, Undetermined,
+    Verdict,
 };
 use crate::physics::tree::TreeState;
 
@@ -20,15 +22,16 @@ const TOLD: f64 = 0.5;
 /// A part of an open direction is named where it has this share of the greatest part.
 const NAMED: f64 = 0.3;
 
-/// The estimate of a scene with joined bodies, from a first guess of the state of all at the beginning.
+/// The estimate of a scene with joined bodies, from first guesses of the pace in which it is acted, each with the state of all
+/// at the beginning.
 pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
-    problem: TreeProblem,
-    start: TreeState,
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
     observer: &mut dyn Observer,
 ) -> Estimate {
-    let solved = solve::solve(problem, start, observer);
+    let solved = solve::solve(problem, starts, observer);
     let (problem, solution) = (&solved.problem, &solved.solution);
     let finished = &solution.finished;
     let progress = progress(finished);
@@ -44,21 +47,37 @@ pub fn estimate(
     } else {
         Vec::new()
     };
-    // Of several that move nobody knows how often it is right.
+    // Of several that move, and where the tempo is unknown, nobody knows how often it is right.
     let alone = match scene.mechanisms.raw.as_slice() {
         [Mechanism::Tree(joined)] => Some(joined),
         _ => None,
     };
     let judged = alone
-        .filter(|_| verdict == Verdict::Physical)
+        .filter(|_| verdict == Verdict::Physical && problem.tempo.is_none())
         .and_then(|joined| adequacy::judge((scene, joined), problem, solution, observer));
     let (fit, suspects) = judged.unzip();
-    let events = (0..scene.events.len()).map(|event| of_event(&solved, sketch, event));
-    let events: Vec<EventEstimate> = events.collect();
+    let line = &solution.point.time_line(problem);
+    let is_asked =
+        line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
+    let certainty = (finished.converged && is_asked)
+        .then(|| Certainty::new(problem, solution))
+        .flatten();
+    let events = (0..scene.events.len()).map(|event| of_event((&solved, line), sketch, event));
+    let mut events: Vec<EventEstimate> = events.collect();
+    let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
+    for event in events.iter_mut().filter(|event| !event.is_fixed) {
+        event.sd_s = sd_of(
+            match problem.events.iter().position(|of| of.event == event.event) {
+                Some(within) => vec![(problem.unknown_of_event(within), 1.0)],
+                None => line.moment(problem, event.acted_s),
+            },
+        );
+    }
     let motions = match knots.is_empty() {
         true => Motions::default(),
-        false => motions(problem, scene, &knots, &events),
+        false => motions((problem, line), scene, &knots, &events),
     };
+    let [from_s, to_s] = line.physical_span_s();
     let mut sample_times: Vec<SampleTime> = Vec::new();
     for sample in &problem.samples {
         let is_again = |of: &SampleTime| of.track == sample.track && of.stamp == sample.stamp;
@@ -66,9 +85,44 @@ pub fn estimate(
             sample_times.push(SampleTime {
                 track: sample.track,
                 stamp: sample.stamp,
-                time_s: sample.time_s,
+                time_s: line.time_s(sample.acted_s),
                 is_open: false,
             });
+        }
+    }
+    let duration = DurationEstimate {
+        duration_s: to_s - from_s,
+        sd_s: match line.is_unknown() {
+            true => sd_of(line.moment(problem, problem.span_s[1])),
+            false => Some(0.0),
+        },
+    };
+    let mut undetermined = match is_finite {
+        true => open(&solved, scene),
+        false => Vec::new(),
+    };
+    if is_finite && !duration.is_determined() {
+        undetermined.push(Undetermined::Duration);
+    }
+    let parameters = problem.parameters.iter().zip(&solution.point.parameters);
+    let parameters = parameters.enumerate().map(|(index, (free, value))| {
+        let at_bound = problem.at_bound(&solution.point, index);
+        let moment = vec![(problem.unknown_of_parameter(index), 1.0)];
+        // A bound is a prior of half the width.
+        let half_width = at_bound.map_or(0.0, |_| 0.5 * free.length());
+        ParameterEstimate {
+            name: free.name.clone(),
+            value: *value,
+            sd: sd_of(moment).map(|sd| sd.hypot(half_width)),
+            at_bound,
+            lower: free.lower,
+            upper: free.upper,
+        }
+    });
+    let parameters: Vec<ParameterEstimate> = parameters.collect();
+    for (index, parameter) in parameters.iter().enumerate() {
+        if is_finite && parameter.sd.is_none() {
+            undetermined.push(Undetermined::Parameter(index));
         }
     }
     Estimate {
@@ -80,21 +134,14 @@ pub fn estimate(
         arcs: motions.arcs,
         held: Vec::new(),
         events,
-        duration: DurationEstimate {
-            duration_s: problem.span_s[1] - problem.span_s[0],
-            sd_s: Some(0.0),
-        },
-        parameters: Vec::new(),
+        duration,
+        parameters,
         residuals: motions.residuals,
         sample_times,
         fit,
         suspects: suspects.unwrap_or_default(),
         rivals: 0,
-        undetermined: if is_finite {
-            open(&solved, scene)
-        } else {
-            Vec::new()
-        },
+        undetermined,
         trees: motions.trees,
         counters: Counters {
             iterations: solution.work.iterations,
@@ -107,20 +154,26 @@ pub fn estimate(
 }
 
 /// An event of the scene as estimated.
-fn of_event(solved: &Solved, sketch: &Sketch, event: usize) -> EventEstimate {
+fn of_event((solved, line): (&Solved, &TimeLine), sketch: &Sketch, event: usize) -> EventEstimate {
     let mut within = solved.problem.events.iter();
     let within = within.position(|of| of.event == event);
-    let time_s = match within {
-        Some(within) => solved.solution.point.event_times_s[within],
-        None => sketch.marks_s[event],
+    let (time_s, acted_s) = match within {
+        Some(within) => {
+            let time_s = solved.solution.point.event_times_s[within];
+            (time_s, line.acted_s(time_s).0)
+        }
+        None => {
+            let acted_s = sketch.marks_s[event];
+            (line.time_s(acted_s), acted_s)
+        }
     };
     EventEstimate {
         event,
         time_s,
         sd_s: None,
-        is_fixed: within.is_none(),
+        is_fixed: within.is_none() && !(line.is_unknown() && acted_s > solved.problem.span_s[0]),
         at_bound: None,
-        acted_s: time_s,
+        acted_s,
         gap: gap(solved, event, within),
     }
 }

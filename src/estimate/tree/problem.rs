@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 use super::event::{self, TreeEvent};
 use super::goal::{self, TreeGoal};
 use super::sample::{self, TreeSample};
+use super::tempo::Tempo;
 use crate::estimate::problem::unit;
-use crate::motion::{EventKind, GoalUnit, Scene, Sketch};
+use crate::motion::{Cone, EventKind, FreeParameter, GoalUnit, Scene, Sketch};
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -25,8 +26,15 @@ pub struct TreeProblem {
     pub forest: Forest,
     /// Gravity [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
-    /// Beginning and end of the motion \[s\].
+    /// Beginning and end of the motion \[s, acted\]: all times here are stamps, which are physical times but where the
+    /// tempo is unknown.
     pub span_s: [f64; 2],
+    /// Of stamps that are no physical times.
+    pub tempo: Option<Tempo>,
+    /// What of the laws of impacts is unknown, and cones about tilts.
+    pub parameters: Vec<FreeParameter>,
+    /// See `parameters`.
+    pub cones: Vec<Cone>,
     /// In order of time.
     pub samples: Vec<TreeSample>,
     /// In order of time.
@@ -43,7 +51,7 @@ pub struct TreeProblem {
 }
 
 impl TreeProblem {
-    /// The problem of a scene, with one node. Times are physical stamps.
+    /// The problem of a scene, with one node.
     pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
         let span_s = span_s(scene, sketch);
         let samples = sample::samples(scene, sketch, span_s);
@@ -59,6 +67,9 @@ impl TreeProblem {
             forest: scene.forest(),
             gravity_m_s2: scene.gravity_m_s2,
             span_s,
+            tempo: Tempo::of_scene(scene, span_s, &samples),
+            parameters: scene.parameters.clone(),
+            cones: scene.cones.clone(),
             samples,
             goals,
             events,
@@ -74,11 +85,11 @@ impl TreeProblem {
         let mut last_s = f64::NEG_INFINITY;
         let mut kept = self.samples.clone();
         kept.retain(|sample| {
-            let is_next = sample.time_s >= last_s + apart_s;
+            let is_next = sample.acted_s >= last_s + apart_s;
             if is_next {
-                last_s = sample.time_s;
+                last_s = sample.acted_s;
             }
-            sample.time_s == last_s
+            sample.acted_s == last_s
         });
         let share = kept.len() as f64 / self.samples.len() as f64;
         for sample in &mut kept {
@@ -91,9 +102,35 @@ impl TreeProblem {
         }
     }
 
-    /// Number of all unknowns: the nodes' tangents, then the events' times.
+    /// Number of all unknowns: the nodes' tangents, then the events' times, then the log-paces, then parameters.
     pub fn unknown_count(&self) -> usize {
-        self.width() * self.nodes_s.len() + self.events.len()
+        self.unknown_of_parameter(self.parameters.len())
+    }
+
+    /// The place of a parameter among all unknowns.
+    pub(super) fn unknown_of_parameter(&self, parameter: usize) -> usize {
+        self.unknown_of_pace(self.pace_count() + parameter)
+    }
+
+    /// Number of paces of an unknown tempo.
+    pub(super) fn pace_count(&self) -> usize {
+        self.tempo.as_ref().map_or(0, Tempo::pieces)
+    }
+
+    /// The place of the time of an event among all unknowns.
+    pub(super) fn unknown_of_event(&self, event: usize) -> usize {
+        self.width() * self.nodes_s.len() + event
+    }
+
+    /// The place of a log-pace among all unknowns.
+    pub(super) fn unknown_of_pace(&self, piece: usize) -> usize {
+        self.unknown_of_event(self.events.len() + piece)
+    }
+
+    /// Number of unknowns of the motion from a node to the next: the node's tangent, times of events, log-paces,
+    /// parameters.
+    pub(super) fn leg_size(&self, node: usize) -> usize {
+        self.width() + self.events_of(node).len() + self.pace_count() + self.parameters.len()
     }
 
     /// The first unknown with which one is coupled, of those before it.
@@ -101,6 +138,8 @@ impl TreeProblem {
         let width = self.width();
         let node = match unknown.checked_sub(width * self.nodes_s.len()) {
             None => (unknown / width).saturating_sub(1),
+            // Tempo and parameters are everywhere's.
+            Some(event) if event >= self.events.len() => 0,
             Some(event) => self.node_of(self.events[event].about_s),
         };
         node * width
@@ -130,10 +169,10 @@ impl TreeProblem {
         self.events.iter().position(|of| of.event == goal.event)
     }
 
-    /// About when a goal holds \[s\].
+    /// About when a goal holds \[s, acted\].
     pub(super) fn about_s(&self, goal: &TreeGoal) -> f64 {
         self.event_within(goal)
-            .map_or(goal.time_s, |event| self.events[event].about_s)
+            .map_or(goal.acted_s, |event| self.events[event].about_s)
     }
 
     /// The node from which the motion reaches a time.
@@ -159,11 +198,14 @@ impl TreeProblem {
         }
     }
 
-    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events.
+    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events, then log-paces and
+    /// parameters.
     pub(super) fn unknown_of(&self, node: usize, at: usize) -> usize {
+        let events = self.events_of(node);
         match at.checked_sub(self.width()) {
             None => node * self.width() + at,
-            Some(event) => self.width() * self.nodes_s.len() + self.events_of(node).start + event,
+            Some(event) if event < events.len() => self.unknown_of_event(events.start + event),
+            Some(pace) => self.unknown_of_pace(pace - events.len()),
         }
     }
 
@@ -173,7 +215,7 @@ impl TreeProblem {
     }
 }
 
-/// Physical times at which the motion begins and ends: the events, or the first and the last sample.
+/// Stamps at which the motion begins and ends: the events, or the first and the last sample.
 fn span_s(scene: &Scene, sketch: &Sketch) -> [f64; 2] {
     let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
     let first_s = samples()

@@ -19,8 +19,10 @@ use crate::optimise::{Program, Structure, System};
 const CALM: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds,
 pub(super) const LENGTHS: [f64; 2] = [0.3, 3.0];
-/// and of times \[s\].
+/// of times \[s\],
 const TIME_LENGTH_S: f64 = 0.03;
+/// and of log-paces.
+const LOG_PACE_LENGTH: f64 = 0.3;
 /// How far samples are apart of which second derivatives are told \[s\].
 const CURVATURE_S: f64 = 1.0 / 60.0;
 
@@ -31,6 +33,8 @@ pub struct Part {
     pub until_s: f64,
     /// Standard deviation of the rates at the start [rad/s].
     pub rate_sd_rad_s: f64,
+    /// Of an unknown tempo the standard deviation of the first log-pace from its guess, if any.
+    pub log_pace_sd: Option<f64>,
 }
 
 impl Part {
@@ -39,6 +43,7 @@ impl Part {
         Self {
             until_s: f64::INFINITY,
             rate_sd_rad_s: RATE_SD_RAD_S,
+            log_pace_sd: None,
         }
     }
 }
@@ -60,8 +65,10 @@ impl<'a> TreeProgram<'a> {
     pub fn new(problem: &'a TreeProblem, calm: TreePoint) -> Self {
         let (width, nodes) = (problem.width(), problem.nodes_s.len());
         let of = |node: usize| node * width..(node + 1) * width;
-        let time = |event: usize| nodes * width + event;
-        let of_leg = |node: usize| of(node).chain(problem.events_of(node).map(time));
+        let of_leg = |node: usize| {
+            let own = 0..problem.leg_size(node);
+            own.map(move |at| problem.unknown_of(node, at))
+        };
         let mut blocks: Vec<BlockPattern> = Vec::new();
         for goal in &problem.goals {
             let node = problem.node_of(problem.about_s(goal));
@@ -77,11 +84,12 @@ impl<'a> TreeProgram<'a> {
         for (index, event) in problem.events.iter().enumerate() {
             let node = problem.node_of(event.about_s);
             let mut pattern = BlockPattern::dense(event.touch_row_count(), of_leg(node).collect());
-            for times in rows::order_unknowns(index, problem.events.len()) {
-                pattern.push(1, times.into_iter().map(time));
+            for times in rows::order_unknowns(problem, index) {
+                pattern.push(1, times);
             }
             blocks.push(pattern);
         }
+        blocks.extend(problem.bound_patterns());
         let size = problem.unknown_count();
         let couplings =
             (0..size).flat_map(|row| (problem.first_coupled(row)..=row).map(move |at| (row, at)));
@@ -134,6 +142,7 @@ impl<'a> TreeProgram<'a> {
                 }
             }
         }
+        problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
         self.calm(part, point, system);
     }
 
@@ -172,7 +181,7 @@ impl<'a> TreeProgram<'a> {
         DMatrix::from_columns(&free)
     }
 
-    /// What holds rates of the start, times at their marks, and what nothing else does.
+    /// What holds rates of the start, times at their marks, the tempo, parameters, and what nothing else does.
     fn calm(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
         let (width, freedoms) = (problem.width(), problem.forest.freedoms());
@@ -193,21 +202,71 @@ impl<'a> TreeProgram<'a> {
                     .add(&self.structure.pattern, row, row, weight);
             }
         }
+        let line = point.time_line(problem);
         let times = point.event_times_s.iter().zip(&problem.events);
         for (index, (time_s, event)) in times.enumerate() {
-            let (off_s, weight) = match event.mark_s {
-                Some([mark_s, sd_s]) => (time_s - mark_s, sd_s.powi(-2)),
-                None => (
-                    time_s - self.calm.event_times_s[index],
-                    CALM * problem.information.0,
-                ),
+            let row = problem.unknown_of_event(index);
+            match event.mark_s {
+                Some([mark_s, sd_s]) => {
+                    let (acted_s, by) = line.acted_by(problem, index, *time_s);
+                    self.pull((acted_s - mark_s, &by), sd_s.powi(-2), system);
+                }
+                None => {
+                    let off_s = time_s - self.calm.event_times_s[index];
+                    self.pull((off_s, &[(row, 1.0)]), CALM * problem.information.0, system);
+                }
+            }
+        }
+        self.calm_tempo(part, point, system);
+        let values = point.parameters.iter().zip(&problem.parameters);
+        for (index, (value, free)) in values.enumerate() {
+            let by = [(problem.unknown_of_parameter(index), 1.0)];
+            let (off, weight) = match free.prior_sd {
+                Some(sd) => (value - free.initial, sd.powi(-2)),
+                None => {
+                    let weight = CALM * problem.information.0 * free.length().powi(-2);
+                    (value - self.calm.parameters[index], weight)
+                }
             };
-            let row = problem.nodes_s.len() * width + index;
-            system.cost += 0.5 * weight * off_s * off_s;
-            system.gradient[row] += weight * off_s;
-            system
-                .hessian
-                .add(&self.structure.pattern, row, row, weight);
+            self.pull((off, &by), weight, system);
+        }
+    }
+
+    /// What holds an unknown tempo: it changes little from piece to piece.
+    fn calm_tempo(&self, part: &Part, point: &TreePoint, system: &mut System) {
+        let problem = self.problem;
+        let Some(tempo) = &problem.tempo else {
+            return;
+        };
+        let unknown = |piece: usize| problem.unknown_of_pace(piece);
+        let paces = &point.log_paces;
+        for (piece, pair) in paces.windows(2).enumerate() {
+            let by = [(unknown(piece), -1.0), (unknown(piece + 1), 1.0)];
+            let weight = tempo.change_sd(piece).powi(-2);
+            self.pull((pair[1] - pair[0], &by), weight, system);
+        }
+        let first = [(unknown(0), 1.0)];
+        let (off, weight) = match part.log_pace_sd {
+            Some(sd) => (paces[0] - tempo.guess.ln(), sd.powi(-2)),
+            None => (
+                paces[0] - self.calm.log_paces[0],
+                CALM * problem.information.0,
+            ),
+        };
+        self.pull((off, &first), weight, system);
+    }
+
+    /// Half the square of what is so far off, with its derivatives by unknowns, times a weight.
+    fn pull(&self, (off, by): (f64, &[(usize, f64)]), weight: f64, system: &mut System) {
+        system.cost += 0.5 * weight * off * off;
+        for (row, by_row) in by {
+            system.gradient[*row] += weight * off * by_row;
+            for (column, by_column) in by.iter().filter(|(column, _)| column <= row) {
+                let entry = weight * by_row * by_column;
+                system
+                    .hessian
+                    .add(&self.structure.pattern, *row, *column, entry);
+            }
         }
     }
 }
@@ -231,11 +290,15 @@ impl Program for TreeProgram<'_> {
     fn damping(&self) -> DVector<f64> {
         let (width, freedoms) = (self.problem.width(), self.problem.forest.freedoms());
         let states = width * self.problem.nodes_s.len();
+        let times = states + self.problem.events.len();
+        let paces = times + self.problem.pace_count();
         let weight = |length: f64| 10.0 * self.problem.information.0 / (length * length);
         DVector::from_fn(self.problem.unknown_count(), |at, _| {
             weight(match at < states {
                 true => LENGTHS[usize::from(at % width >= freedoms)],
-                false => TIME_LENGTH_S,
+                false if at < times => TIME_LENGTH_S,
+                false if at < paces => LOG_PACE_LENGTH,
+                false => self.problem.parameters[at - paces].length(),
             })
         })
     }
@@ -260,7 +323,8 @@ impl Program for TreeProgram<'_> {
         let kept = told.take();
         let kept = kept.filter(|kept| kept.serves((self, problem), point, multipliers));
         let kept = kept.unwrap_or_else(|| {
-            let coarse = problem.coarse(CURVATURE_S);
+            let pace = problem.tempo.as_ref().map_or(1.0, |of| of.guess);
+            let coarse = problem.coarse(CURVATURE_S / pace);
             let coarse = TreeProgram::new(&coarse, self.calm.clone());
             let of = (&coarse, &Part::whole());
             match problem.nodes_s.len() {

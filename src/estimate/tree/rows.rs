@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Matrix3xX, Vector3};
 
 use super::goal::TreeGoal;
 use super::problem::TreeProblem;
+use super::time_line::TimeLine;
 use crate::estimate::constraint::within::{self, WithinRow};
 use crate::estimate::problem::unit;
 use crate::optimise::block::{Block, BlockPattern};
@@ -66,12 +67,14 @@ pub(super) fn touch(
     }
 }
 
-/// Events whose times the rows of an event's order are about.
-pub(super) fn order_unknowns(event: usize, count: usize) -> Vec<Vec<usize>> {
-    let after = event.checked_sub(1).into_iter().chain([event]).collect();
-    let mut rows = vec![after];
-    if event + 1 == count {
-        rows.push(vec![event]);
+/// Unknowns that the rows of an event's order are about.
+pub(super) fn order_unknowns(problem: &TreeProblem, event: usize) -> Vec<Vec<usize>> {
+    let time = |event: usize| problem.unknown_of_event(event);
+    let after = event.checked_sub(1).into_iter().chain([event]).map(time);
+    let mut rows = vec![after.collect()];
+    if event + 1 == problem.events.len() {
+        let paces = (0..problem.pace_count()).map(|piece| problem.unknown_of_pace(piece));
+        rows.push([time(event)].into_iter().chain(paces).collect());
     }
     rows
 }
@@ -79,7 +82,7 @@ pub(super) fn order_unknowns(event: usize, count: usize) -> Vec<Vec<usize>> {
 /// Order of events: each is after the one before it, the last before the end. These rows end the event's block.
 pub(super) fn order(
     problem: &TreeProblem,
-    (event, times_s): (usize, &[f64]),
+    (event, (line, times_s)): (usize, (&TimeLine, &[f64])),
     (pattern, block): (&BlockPattern, &mut Block),
 ) {
     let here_s = times_s[event];
@@ -93,12 +96,15 @@ pub(super) fn order(
         }
         row += 1;
     };
+    let [from_s, to_s] = line.physical_span_s();
     match event.checked_sub(1) {
         Some(before) => put(here_s - times_s[before], &[-1.0, 1.0]),
-        None => put(here_s - problem.span_s[0], &[1.0]),
+        None => put(here_s - from_s, &[1.0]),
     }
     if event + 1 == times_s.len() {
-        put(problem.span_s[1] - here_s, &[-1.0]);
+        let by_paces = line.by_log_paces(problem.span_s[1]);
+        let by: Vec<f64> = [-1.0].into_iter().chain(by_paces).collect();
+        put(to_s - here_s, &by);
     }
 }
 

@@ -14,8 +14,8 @@ pub struct TreeSample {
     pub track: TrackIndex,
     /// When it was measured.
     pub stamp: Stamp,
-    /// Physical time \[s\].
-    pub time_s: f64,
+    /// The same \[s\].
+    pub acted_s: f64,
     /// The link's place in the forest.
     pub place: usize,
     /// What was seen.
@@ -57,7 +57,7 @@ pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<T
             let begun = TreeSample {
                 track: index,
                 stamp: sample.stamp,
-                time_s: sample.acted_s,
+                acted_s: sample.acted_s,
                 place,
                 quantity: GoalQuantity::Position {
                     point: BodyPoint::Centre,
@@ -75,7 +75,7 @@ pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<T
             ));
         }
     }
-    samples.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    samples.sort_by(|a, b| a.acted_s.total_cmp(&b.acted_s));
     samples
 }
 

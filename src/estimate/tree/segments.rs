@@ -15,6 +15,7 @@ use super::course::Course;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::LENGTHS;
+use super::time_line::TimeLine;
 use crate::physics::tree::TreeState;
 
 /// Errors may grow by so much on a leg,
@@ -27,7 +28,7 @@ const LEAST_FURTHER: usize = 4;
 const LEAST_ON_A_LEG: usize = 12;
 
 impl TreeProblem {
-    /// The last sample's time, not after `to_s`, to which the motion is followed from `from_s` before errors grow too
+    /// The last sample's stamp, not after `to_s`, to which the motion is followed from `from_s` before errors grow too
     /// much \[s\]; a share of the samples on that way.
     pub(super) fn followed_s(
         &self,
@@ -36,15 +37,16 @@ impl TreeProblem {
         share: f64,
     ) -> f64 {
         let between = |time_s: &f64| (from_s..to_s).contains(time_s);
-        let times_s: Vec<f64> = self.sample_times_s().into_iter().filter(between).collect();
+        let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(between).collect();
         if times_s.len() <= LEAST_FURTHER {
             return to_s;
         }
         let state = self.state_at(point, from_s);
-        let mut errors = Errors::new(self, point, (&state, from_s));
+        let line = &point.time_line(self);
+        let mut errors = Errors::new((self, line), point, (&state, line.time_s(from_s)));
         let too_far = times_s
             .iter()
-            .position(|time_s| errors.grown(*time_s) > FURTHER);
+            .position(|time_s| errors.grown(line.time_s(*time_s)) > FURTHER);
         let count = too_far.unwrap_or(times_s.len()) as f64 * share;
         match times_s.get((count as usize).max(LEAST_FURTHER)) {
             Some(until_s) => *until_s,
@@ -65,27 +67,29 @@ impl TreeProblem {
     fn next_node(&self, point: &TreePoint, until_s: f64) -> Option<(f64, TreeState)> {
         let (from_s, from) = (*self.nodes_s.last()?, point.nodes.last()?);
         let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
-        let times_s: Vec<f64> = self.sample_times_s().into_iter().filter(after).collect();
-        let mut errors = Errors::new(self, point, (from, from_s));
+        let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(after).collect();
+        let line = &point.time_line(self);
+        let mut errors = Errors::new((self, line), point, (from, line.time_s(from_s)));
         let at = times_s
             .iter()
-            .position(|time_s| errors.grown(*time_s) > ON_A_LEG)?;
+            .position(|time_s| errors.grown(line.time_s(*time_s)) > ON_A_LEG)?;
         (at >= LEAST_ON_A_LEG).then(|| (times_s[at - 1], self.state_at(point, times_s[at - 1])))
     }
 
-    /// Times of samples \[s\], each once.
-    pub(super) fn sample_times_s(&self) -> Vec<f64> {
-        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+    /// Stamps of samples \[s\], each once.
+    pub(super) fn sample_stamps_s(&self) -> Vec<f64> {
+        let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
         times_s.dedup();
         times_s
     }
 
-    /// The state at a time, from the node before it.
+    /// The state at a stamp \[s\], from the node before it.
     fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
         let node = self.node_of(time_s);
-        let from_s = self.nodes_s[node];
-        let mut course = Course::plain(self, (&point.nodes[node], from_s));
-        self.follow(point, (from_s, time_s), &mut course);
+        let line = &point.time_line(self);
+        let way_s = (line.time_s(self.nodes_s[node]), line.time_s(time_s));
+        let mut course = Course::plain((self, line), (&point.nodes[node], way_s.0));
+        self.follow(point, way_s, &mut course);
         course.state()
     }
 }
@@ -99,16 +103,20 @@ struct Errors<'p> {
 }
 
 impl<'p> Errors<'p> {
-    fn new(problem: &'p TreeProblem, point: &'p TreePoint, from: (&TreeState, f64)) -> Self {
+    fn new(
+        on: (&'p TreeProblem, &'p TimeLine<'p>),
+        point: &'p TreePoint,
+        from: (&TreeState, f64),
+    ) -> Self {
         Self {
-            problem,
+            problem: on.0,
             point,
-            course: Course::new(problem, from, (0, true)),
+            course: Course::of_state(on, from),
             now_s: from.1,
         }
     }
 
-    /// By how much they have grown at a later time \[s\]; no number where the motion is none.
+    /// By how much they have grown at a later physical time \[s\]; no number where the motion is none.
     fn grown(&mut self, time_s: f64) -> f64 {
         let way_s = (self.now_s, time_s);
         self.problem.follow(self.point, way_s, &mut self.course);

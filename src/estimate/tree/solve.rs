@@ -5,6 +5,7 @@ use super::grow::{Grown, Growth, grown};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
+use super::time_line::TimeLine;
 use super::walk::EXACTLY;
 use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};
@@ -38,7 +39,14 @@ const NEARNESS: Nearness = Nearness {
     violation: 1e-6,
 };
 /// By which share the objective may be greater on one leg than on several.
-const SAME: f64 = 1e-6;
+const IN_ONE: f64 = 1e-6;
+/// Costs of two paces are the same that differ by no larger share.
+const SAME: f64 = 0.01;
+/// How many paces are gone on with,
+const LIKELIEST: usize = 2;
+/// and how far, root mean square in weights, an optimum may be from samples in an unknown tempo before more is tried: as far as
+/// motions are not doubted for.
+const FAR: f64 = 3.0;
 /// How often samples about an event are given anew to the motions before and after it.
 const SIDINGS: usize = 4;
 
@@ -50,26 +58,38 @@ pub struct Solved {
     pub solution: Solution<TreePoint>,
 }
 
-/// Solves a problem from a state at its start. Where growing by half leads to no optimum, growing with further nodes is
-/// tried, then slower growth, and then multiplier rounds from where each led.
-pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer) -> Solved {
+/// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
+/// stamps are physical times. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
+/// tempo to one that is far from the samples, growing with further nodes is tried, then slower growth, and then multiplier
+/// rounds from where each led.
+pub fn solve(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    observer: &mut dyn Observer,
+) -> Solved {
     let mut work = Work::default();
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
+    let mut far: Option<Solved> = None;
     let mut lost = None;
-    for growth in GROWTHS {
-        observer.phase(Phase::ArcFits);
-        let led = grown((&problem, start.clone()), growth, &mut work, observer);
-        if led.is_lost {
-            lost.get_or_insert(led);
-            continue;
+    // Of a tempo and of parameters, which all legs share, one leg alone is tried.
+    let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
+    for growth in GROWTHS.iter().filter(|of| !(is_alone && of.has_legs)) {
+        let of = (problem, starts);
+        for (problem, point) in likeliest(of, *growth, &mut lost, &mut work, observer) {
+            let at_once = Schedule::default().from_the_last();
+            let solved = finished(&problem, &point, &at_once, &mut work, observer);
+            if !solved.has_ended() {
+                tried.push((problem, point));
+            } else if solved.solution.stopped || !solved.is_far() {
+                return in_one(solved, &mut work, observer);
+            } else if far.as_ref().is_none_or(|of| solved.cost() < of.cost()) {
+                far = Some(solved);
+            }
         }
-        let (problem, point) = swept(led, &mut work, observer);
-        let at_once = Schedule::default().from_the_last();
-        let solved = finished(&problem, &point, &at_once, &mut work, observer);
-        if solved.has_ended() {
-            return in_one(solved, &mut work, observer);
-        }
-        tried.push((problem, point));
+    }
+    if let Some(mut far) = far {
+        far.solution.work = work;
+        return far;
     }
     if tried.is_empty() {
         tried.extend(lost.map(|led| swept(led, &mut work, observer)));
@@ -87,6 +107,49 @@ pub fn solve(problem: TreeProblem, start: TreeState, observer: &mut dyn Observer
         last = Some(solved);
     }
     last.expect("it grew at least once")
+}
+
+/// Where growing leads from each pace, until two lead to the same: the likeliest, in order. None where stamps are physical times
+/// and the motion is lost.
+fn likeliest(
+    (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
+    growth: Growth,
+    lost: &mut Option<Grown>,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> Vec<(TreeProblem, TreePoint)> {
+    let mut all: Vec<(f64, (TreeProblem, TreePoint))> = Vec::new();
+    for (pace, start) in starts {
+        let mut paced = problem.clone();
+        if let Some(tempo) = &mut paced.tempo {
+            tempo.guess = *pace;
+        }
+        observer.phase(Phase::ArcFits);
+        let led = grown((&paced, start.clone()), growth, work, observer);
+        if led.is_lost && problem.tempo.is_none() {
+            lost.get_or_insert(led);
+            continue;
+        }
+        let (problem, point) = swept(led, work, observer);
+        let cost = match starts.len() {
+            1 => 0.0,
+            _ => {
+                let program = TreeProgram::new(&problem, point.clone());
+                program.evaluated(&Part::whole(), &point).cost
+            }
+        };
+        let is_same = |other: f64| (other - cost).abs() < SAME * cost;
+        let is_again = all.iter().any(|(other, _)| is_same(*other));
+        let is_least = all
+            .iter()
+            .all(|(other, _)| cost <= *other || is_same(*other));
+        all.push((cost, (problem, point)));
+        if is_again && is_least || observer.should_stop() {
+            break;
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().take(LIKELIEST).map(|(_, of)| of).collect()
 }
 
 /// The optimum near a point, with all the work so far. Samples that it leaves on the wrong side of an event are given
@@ -126,7 +189,7 @@ fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solve
     point.nodes.truncate(1);
     let at_once = Schedule::default().from_the_last();
     let mut one = finished(&alone, &point, &at_once, work, observer);
-    let is_same = one.solution.system.cost <= solution.system.cost * (1.0 + SAME);
+    let is_same = one.solution.system.cost <= solution.system.cost * (1.0 + IN_ONE);
     if one.solution.finished.converged && is_same {
         return one;
     }
@@ -154,6 +217,16 @@ fn optimum(
 impl Solved {
     fn has_ended(&self) -> bool {
         self.solution.finished.converged || self.solution.stopped
+    }
+
+    fn cost(&self) -> f64 {
+        self.solution.system.cost
+    }
+
+    /// Whether an optimum in an unknown tempo is so far from its samples that it is likely a wrong one.
+    fn is_far(&self) -> bool {
+        let samples = self.problem.samples.len() as f64;
+        self.problem.tempo.is_some() && self.cost() > 0.5 * FAR * FAR * samples
     }
 }
 
@@ -195,11 +268,14 @@ impl TreeProblem {
     pub(super) fn part_at(&mut self, point: &TreePoint) -> bool {
         let [mut least_s, most_s] = self.span_s;
         let mut is_other = false;
-        for (event, time_s) in self.events.iter_mut().zip(&point.event_times_s) {
-            let about_s = time_s.max(least_s).min(most_s);
+        let line = TimeLine::new(self, &point.log_paces);
+        let times_s = point.event_times_s.iter();
+        let acted_s: Vec<f64> = times_s.map(|time_s| line.acted_s(*time_s).0).collect();
+        for (event, acted_s) in self.events.iter_mut().zip(acted_s) {
+            let about_s = acted_s.max(least_s).min(most_s);
             let between_s = event.about_s.min(about_s)..event.about_s.max(about_s);
             let mut samples = self.samples.iter();
-            is_other |= samples.any(|sample| between_s.contains(&sample.time_s));
+            is_other |= samples.any(|sample| between_s.contains(&sample.acted_s));
             event.about_s = about_s;
             least_s = about_s;
         }

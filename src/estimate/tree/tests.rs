@@ -7,6 +7,7 @@ use super::curvature::Lacking;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
+use super::time_line::TimeLine;
 use crate::config::scene_from_toml;
 use crate::math::differentiate;
 use crate::math::random::Random;
@@ -69,9 +70,7 @@ fn derivatives_are_those_of_differences() {
 
 /// The last rod's end hits a table, the first rod's does without friction and with a tilt, and two waypoints
 /// lie between and after: times that are before and after those of samples on either side.
-#[test]
-fn derivatives_through_events_are_those_of_differences() {
-    const EVENTS: &str = r#"
+const STRUCK: &str = r#"
 [[surface]]
 name = "table"
 point_mm = [0, 0, -300]
@@ -122,10 +121,16 @@ body = "rod 2"
 velocity_m_s = [1, 0, 0]
 
 "#;
+
+/// [`STRUCK`], with stamps of this kind.
+fn struck(stamps: &str) -> TreeProblem {
     let text = include_str!("../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
     let features = "mass_g = 100\nfeatures_mm = { end = [0, 0, -100] }\n";
-    let text = (before.to_owned() + EVENTS + after).replace("mass_g = 100\n", features);
+    let text = (before.to_owned() + STRUCK + after).replace("mass_g = 100\n", features);
+    // What follows the stamps comes last.
+    let (stamps, free) = stamps.split_once('\n').unwrap_or((stamps, ""));
+    let text = text.replace("\"physical\"", stamps) + free;
     let scene = scene_from_toml(&text).expect("a valid scene");
     let mut sketch = sketch(&scene);
     sketch.marks_s = vec![0.0, 0.023, 0.044, 0.058, 0.093, 0.1];
@@ -142,6 +147,12 @@ velocity_m_s = [1, 0, 0]
         .collect();
     let mut problem = TreeProblem::new(&scene, &sketch);
     problem.step_s = 0.01;
+    problem
+}
+
+#[test]
+fn derivatives_through_events_are_those_of_differences() {
+    let mut problem = struck("\"physical\"");
     for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
         problem.nodes_s = nodes_s;
         let nodes = vec![some_state(&problem); problem.nodes_s.len()];
@@ -154,6 +165,95 @@ velocity_m_s = [1, 0, 0]
             *time_s += off_s;
         }
         check(&problem, &point);
+    }
+}
+
+/// The same in a tempo that is not known: samples, nodes, the end and marks all move with it. Marks see a kink between two
+/// pieces, which differences must not cross.
+#[test]
+fn derivatives_by_the_tempo_are_those_of_differences() {
+    let mut problem = struck("\"tempo\"");
+    for (knots_s, offs) in [
+        (vec![0.0, 0.05, 0.1], vec![0.1, -0.2]),
+        (
+            vec![0.0, 0.027, 0.052, 0.077, 0.1],
+            vec![0.2, -0.1, 0.3, -0.3],
+        ),
+    ] {
+        let tempo = problem.tempo.as_mut().expect("an unknown tempo");
+        (tempo.knots_s, tempo.guess) = (knots_s, 0.9);
+        for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
+            problem.nodes_s = nodes_s;
+            let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+            let mut point = TreePoint::new(&problem, nodes);
+            for (log, off) in point.log_paces.iter_mut().zip(&offs) {
+                *log += off;
+            }
+            let line = point.time_line(&problem);
+            let times_s = [0.015, 0.02, 0.081, 0.086].map(|acted_s| line.time_s(acted_s));
+            point.event_times_s = times_s.to_vec();
+            check(&problem, &point);
+        }
+        for event in &mut problem.events {
+            event.mark_s = None;
+        }
+    }
+}
+
+/// What of the laws of impacts is free: of a contact that slides, and of one without friction.
+#[test]
+fn derivatives_by_laws_of_impacts_are_those_of_differences() {
+    const FREE: &str = r#"
+[[free]]
+quantity = "hit.restitution"
+lower = 0.1
+upper = 0.9
+
+[[free]]
+quantity = "hit.friction"
+prior_sd = 0.1
+
+[[free]]
+quantity = "again.tilt"
+cone_deg = 6
+
+[[free]]
+quantity = "again.restitution"
+"#;
+    for stamps in ["\"physical\"", "\"tempo\""] {
+        let mut problem = struck(&format!("{stamps}{FREE}"));
+        assert_eq!((problem.parameters.len(), problem.cones.len()), (5, 1));
+        for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
+            problem.nodes_s = nodes_s;
+            let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+            let mut point = TreePoint::new(&problem, nodes);
+            point.parameters = vec![0.45, 0.15, 0.02, -0.05, 0.35];
+            check(&problem, &point);
+        }
+    }
+}
+
+#[test]
+fn a_time_line_leads_there_and_back() {
+    let mut problem = struck("\"tempo\"");
+    problem.tempo.as_mut().expect("an unknown tempo").knots_s = vec![0.0, 0.03, 0.05, 0.1];
+    let log_paces = [-0.5, 0.4, -1.2];
+    let line = TimeLine::new(&problem, &log_paces);
+    // A third of the way into the second piece.
+    let told_s = 0.03 * (-0.5f64).exp() + 0.007 * 0.4f64.exp();
+    assert!((line.time_s(0.037) - told_s).abs() < 1e-15);
+    for acted_s in [-0.02, 0.0, 0.03, 0.037, 0.05, 0.09, 0.1, 0.13] {
+        let (back_s, _) = line.acted_s(line.time_s(acted_s));
+        assert!((back_s - acted_s).abs() < 1e-15, "{acted_s}: {back_s}");
+        let numeric = differentiate::jacobian(1, 3, |delta| {
+            let moved = [0, 1, 2].map(|piece| log_paces[piece] + delta[piece]);
+            vec![TimeLine::new(&problem, &moved).time_s(acted_s)]
+        });
+        let mut given: Vec<f64> = line.by_log_paces(acted_s).collect();
+        given.resize(3, 0.0);
+        for (numeric, given) in numeric[0].iter().zip(given) {
+            assert!((numeric - given).abs() < 1e-9, "{acted_s}");
+        }
     }
 }
 

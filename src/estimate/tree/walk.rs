@@ -28,17 +28,21 @@ impl TreeProblem {
     /// the one after.
     pub(super) fn knots(&self, point: &TreePoint) -> Vec<TreeKnot> {
         let mut knots = Vec::new();
+        let line = &point.time_line(self);
         for (node, state) in point.nodes.iter().enumerate() {
-            let [from_s, to_s] = self.leg_s(node);
-            let mut course = Course::plain(self, (state, from_s));
+            let [from_s, to_s] = self.leg_s(node).map(|end_s| line.time_s(end_s));
+            let mut course = Course::plain((self, line), (state, from_s));
             let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
             knot(from_s, state.clone());
-            let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.time_s).collect();
+            let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
             let known = self
                 .goals
                 .iter()
                 .filter(|goal| self.event_within(goal).is_none());
-            times_s.extend(known.map(|goal| goal.time_s));
+            times_s.extend(known.map(|goal| goal.acted_s));
+            times_s
+                .iter_mut()
+                .for_each(|at_s| *at_s = line.time_s(*at_s));
             times_s.retain(|time_s| *time_s > from_s && *time_s <= to_s);
             times_s.push(to_s);
             times_s.sort_by(f64::total_cmp);
@@ -49,7 +53,7 @@ impl TreeProblem {
                     let event_s = point.event_times_s[event];
                     course.advance(Stop::known(event_s));
                     knot(event_s, course.state());
-                    if self.pass(event, &mut course) {
+                    if self.pass((event, point), &mut course) {
                         knot(event_s, course.state());
                     }
                 }
@@ -60,7 +64,7 @@ impl TreeProblem {
         knots
     }
 
-    /// Goes on from a time to a later one \[s\], through the events after that and until this.
+    /// Goes on from a physical time to a later one \[s\], through the events after that and until this.
     pub(super) fn follow(
         &self,
         point: &TreePoint,
@@ -70,18 +74,16 @@ impl TreeProblem {
         for (event, event_s) in point.event_times_s.iter().enumerate() {
             if *event_s > from_s && *event_s <= to_s {
                 course.advance(Stop::known(*event_s));
-                self.pass(event, course);
+                self.pass((event, point), course);
             }
         }
         course.advance(Stop::known(to_s));
     }
 
     /// Goes through an event; whether the rates jump there.
-    fn pass(&self, event: usize, course: &mut Course) -> bool {
-        let Some(touch) = &self.events[event].touch else {
-            return false;
-        };
-        course.bounce(touch).is_ok()
+    fn pass(&self, (event, point): (usize, &TreePoint), course: &mut Course) -> bool {
+        let touch = self.events[event].touch_at(point);
+        touch.is_some_and(|touch| course.bounce(&touch).is_ok())
     }
 
     /// Step of the integrator for the whole motion, whose half leads every link to the same place within [`EXACT_M`]; at most
@@ -126,7 +128,7 @@ impl TreeProblem {
         })
     }
 
-    /// Step of the integrator for the motion from its first node to a time \[s\]: not longer than `most_s` \[s\], and
+    /// Step of the integrator for the motion from its first node to a stamp \[s\]: not longer than `most_s` \[s\], and
     /// no joint turns by more than `turn_rad` \[rad\] in it.
     pub(super) fn step_for(
         &self,
@@ -134,11 +136,13 @@ impl TreeProblem {
         until_s: f64,
         [most_s, turn_rad]: [f64; 2],
     ) -> f64 {
-        let mut course = Course::plain(self, (&point.nodes[0], self.span_s[0]));
+        let line = &point.time_line(self);
+        let [begin_s, last_s] = line.physical_span_s();
+        let mut course = Course::plain((self, line), (&point.nodes[0], begin_s));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
-        let mut now_s = self.span_s[0];
-        let end_s = until_s.min(self.span_s[1]);
+        let mut now_s = begin_s;
+        let end_s = line.time_s(until_s).min(last_s);
         let step_s = |fastest_rad_s: f64| most_s.min(turn_rad / fastest_rad_s.max(1e-9));
         loop {
             let rates = course.state().rates;
@@ -152,12 +156,12 @@ impl TreeProblem {
             now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
                 course.step(point.event_times_s[event]);
-                self.pass(event, &mut course);
+                self.pass((event, point), &mut course);
             }
             course.step(now_s);
         }
         // As many as fit.
-        let span_s = self.span_s[1] - self.span_s[0];
+        let span_s = last_s - begin_s;
         span_s / (span_s / step_s(fastest_rad_s)).ceil()
     }
 }

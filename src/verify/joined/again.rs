@@ -23,6 +23,8 @@ pub(super) struct Off {
 /// Distances of the estimate from the motion done again. What is not finite, or not there, is infinitely far.
 pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     let mut off = Off::default();
+    // With the laws of impacts that were found.
+    let scene = &scene.as_estimated(estimate);
     // All trees have their states at the same times, two at that of an impact.
     let motion = estimate.trees.first();
     let Some((motion, [first, rest @ ..])) = motion.map(|of| (of, of.knots.as_slice())) else {

@@ -47,7 +47,8 @@ pub(super) fn candidates(
     let places = tracks
         .flat_map(|(track, _)| (0..3).map(move |axis| Quantity::TrackerPosition { track, axis }));
     let world = gravity.chain(laws).chain(touched);
-    joints.chain(masses).chain(world).chain(places).collect()
+    let all = joints.chain(masses).chain(world).chain(places);
+    all.filter(|quantity| !scene.frees(*quantity)).collect()
 }
 
 /// The derivative of residuals and rows by a quantity at a value, by central differences of the whole flow, which is one

@@ -66,6 +66,8 @@ pub(super) struct Errors {
 
 /// What is left under one model beyond what the motion may follow.
 pub(super) struct Left {
+    /// Which one.
+    model: usize,
     /// Logarithm of prior and restricted likelihood.
     pub(super) log: f64,
     /// `[U r]ᵀ P [U r]`.
@@ -159,7 +161,8 @@ impl Errors {
         let priors = all.rows(self.first_prior, all.nrows() - self.first_prior);
         let of_priors = priors.tr_mul(&priors);
         let count = free.ncols();
-        let models = self.models.iter().filter_map(|model| {
+        let models = self.models.iter().enumerate();
+        let models = models.filter_map(|(index, model)| {
             let mut gram = of_priors.clone();
             for (means, factor) in binned.iter().zip(&model.factors) {
                 for axis in means {
@@ -179,11 +182,54 @@ impl Errors {
             let log = model.log_prior
                 - 0.5 * (model.log_determinant + followed.ln_determinant() - scale + square);
             Some(Left {
+                model: index,
                 log,
                 products: kept,
             })
         });
         models.collect()
+    }
+
+    /// Variance of what responds so to each row, with the covariance that the models have in the mean, as the residuals make
+    /// them likely: `yᵀ Σ y`, of rows of priors as they are.
+    pub(super) fn variance(&self, left: &[Left], response: &DVector<f64>) -> f64 {
+        let best = left
+            .iter()
+            .map(|of| of.log)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for of in left {
+            let model = &self.models[of.model];
+            let weight = (of.log - best).exp();
+            weights += weight;
+            sum += weight * self.variance_if(model, response);
+        }
+        let priors = response.rows(self.first_prior, response.len() - self.first_prior);
+        sum / weights + priors.norm_squared()
+    }
+
+    /// The part of samples, under one model.
+    fn variance_if(&self, model: &Model, response: &DVector<f64>) -> f64 {
+        let mut sum = 0.0;
+        for (of, factor) in self.binned.iter().zip(&model.factors) {
+            let mut sums = DMatrix::zeros(of.rows.len(), 3);
+            for (bin, rows) in of.rows.iter().enumerate() {
+                for (row, axis) in rows
+                    .iter()
+                    .flat_map(|row| [0, 1, 2].map(|axis| (row, axis)))
+                {
+                    let by = response[row + axis];
+                    sums[(bin, axis)] += by;
+                    sum += of.white * by * by;
+                }
+            }
+            // `L Lᵀ` has the white noise of each bin's mean, which is counted sample by sample.
+            sum += (factor.l().transpose() * &sums).norm_squared();
+            for (row, bin) in sums.row_iter().zip(&of.bins.bins) {
+                sum -= of.white / bin.samples as f64 * row.norm_squared();
+            }
+        }
+        sum
     }
 
     /// Number of binned rows and of priors.

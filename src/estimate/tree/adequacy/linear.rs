@@ -117,7 +117,7 @@ impl Linear {
                 });
                 series.len() - 1
             });
-            series[at].times_s.push(sample.time_s);
+            series[at].times_s.push(sample.acted_s);
             series[at].rows.push(values.len());
             for axis in 0..3 {
                 let mut row = DVector::zeros(size);
@@ -129,10 +129,12 @@ impl Linear {
             }
         };
         program.evaluate_each((&Part::whole(), point), &mut system, &mut each);
-        for (unknown, value, weight) in priors(problem, point) {
+        for (value, by) in priors(problem, point) {
             let mut row = DVector::zeros(size);
-            row[unknown] = weight;
-            values.push(value * weight);
+            for (unknown, by) in by {
+                row[unknown] = by;
+            }
+            values.push(value);
             derivatives.push(row);
         }
         let (weights, off) = active.weights_and_violations(&system, program.information().1);
@@ -271,20 +273,40 @@ pub(super) fn rms(series: &[Series], squares: impl Fn(&Series) -> f64) -> [f64; 
     })
 }
 
-/// What holds rates of the start and times of events at their marks: the unknown, how far it is off, and the
-/// weight's root.
-fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<(usize, f64, f64)> {
+/// A prior: its residual, and the derivatives by unknowns, in units.
+type Prior = (f64, Vec<(usize, f64)>);
+
+/// What holds rates of the start, times of events at their marks, an unknown tempo, and parameters.
+fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<Prior> {
     let freedoms = problem.forest.freedoms();
     let turning = (0..freedoms).filter(|at| !problem.forest.is_translation(*at));
     let rates = turning.map(|at| {
         let rate = point.nodes[0].rates[at];
-        (freedoms + at, rate, 1.0 / RATE_SD_RAD_S)
+        let per_unit = 1.0 / RATE_SD_RAD_S;
+        (rate * per_unit, vec![(freedoms + at, per_unit)])
     });
-    let first = problem.width() * problem.nodes_s.len();
+    let line = &point.time_line(problem);
     let times = problem.events.iter().zip(&point.event_times_s).enumerate();
     let times = times.filter_map(|(index, (event, time_s))| {
         let [mark_s, sd_s] = event.mark_s?;
-        Some((first + index, time_s - mark_s, 1.0 / sd_s))
+        let (acted_s, by) = line.acted_by(problem, index, *time_s);
+        let by = by.into_iter().map(|(at, by)| (at, by / sd_s));
+        Some(((acted_s - mark_s) / sd_s, by.collect()))
     });
-    rates.chain(times).collect()
+    let tempo = problem.tempo.iter().flat_map(|tempo| {
+        let pairs = point.log_paces.windows(2).enumerate();
+        pairs.map(|(piece, pair)| {
+            let per_unit = 1.0 / tempo.change_sd(piece);
+            let ends = [(piece, -per_unit), (piece + 1, per_unit)];
+            let by = ends.map(|(piece, by)| (problem.unknown_of_pace(piece), by));
+            ((pair[1] - pair[0]) * per_unit, by.to_vec())
+        })
+    });
+    let parameters = problem.parameters.iter().zip(&point.parameters).enumerate();
+    let parameters = parameters.filter_map(|(index, (free, value))| {
+        let sd = free.prior_sd?;
+        let by = vec![(problem.unknown_of_parameter(index), 1.0 / sd)];
+        Some(((value - free.initial) / sd, by))
+    });
+    rates.chain(times).chain(tempo).chain(parameters).collect()
 }

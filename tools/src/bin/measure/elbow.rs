@@ -1,5 +1,7 @@
 //! Real tosses of two boxes joined by a hinge: residuals, gravity, and what the scene says wrongly.
 
+mod struck;
+
 use std::time::Instant;
 
 use anyhow::Result;
@@ -203,5 +205,6 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         ));
     }
     record.table(table);
-    record.numbers("elbow", &numbers)
+    record.numbers("elbow", &numbers)?;
+    struck::run(options, record)
 }

@@ -128,7 +128,13 @@ pub fn from_state(
 ) -> Option<Estimate> {
     let (sketch, _) = clean(scene, events).ok()?;
     let problem = TreeProblem::new(scene, &sketch);
-    Some(estimate(scene, &sketch, problem, start, observer))
+    Some(estimate(
+        scene,
+        &sketch,
+        &problem,
+        &[(1.0, start)],
+        observer,
+    ))
 }
 
 fn kinds() -> Vec<(String, Kind)> {

@@ -48,6 +48,7 @@ mod record;
 mod rest;
 mod run;
 mod sequences;
+mod slowly;
 mod speed;
 mod spent;
 mod statistics;
@@ -224,13 +225,18 @@ const SUBJECTS: &[Subject] = &[
         joined_stress::run
     ),
     subject!(
+        "slowly",
+        "chains and pendulums in slow motion whose tempo is not known",
+        slowly::run
+    ),
+    subject!(
         "struck",
         "joined bodies that hit a table: how often, how near to the truth, in what time",
         struck::run
     ),
     subject!(
         "elbow",
-        "real tosses of two boxes joined by a hinge: residuals, gravity, a wrong hinge",
+        "real tosses of two boxes joined by a hinge: residuals, gravity, a wrong hinge, the first impact",
         elbow::run
     ),
     subject!(

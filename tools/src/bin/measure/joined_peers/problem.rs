@@ -49,7 +49,7 @@ impl<'p> Posed<'p> {
         let scene = &performance.scene;
         let (sketch, _) = clean(scene, &performance.events)?;
         let problem = TreeProblem::new(scene, &sketch);
-        let start = initialise::tree::start(scene, &sketch, &problem.forest);
+        let (_, start) = initialise::tree::starts(scene, &sketch, &problem.forest).swap_remove(0);
         Ok(Self {
             performance,
             problem,
@@ -112,7 +112,7 @@ fn sample(sample: &TreeSample) -> Result<Value> {
         bail!("no peer is told of samples but positions");
     };
     Ok(json!({
-        "time_s": sample.time_s,
+        "time_s": sample.acted_s,
         "link": sample.place,
         "point_m": sample.point_m.as_slice(),
         "seen_m": sample.seen.as_slice(),
@@ -148,7 +148,7 @@ fn goal(goal: &TreeGoal) -> Result<Value> {
         _ => bail!("no peer is told of such a goal"),
     };
     Ok(json!({
-        "time_s": goal.time_s,
+        "time_s": goal.acted_s,
         "kind": kind,
         "link": goal.places[0],
         "point_m": goal.point_m.as_slice(),

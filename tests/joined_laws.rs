@@ -1,0 +1,131 @@
+//! Laws of impacts of joined bodies that are free: restitution and friction, estimated with the motion.
+
+use enact::config::scene_from_toml;
+use enact::motion::{AtBound, Estimate, FreeParameter, Quantity, Verdict};
+use enact::pipeline::Pipeline;
+use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::trees::{self, Jointed, Kind, TreeActing};
+
+const LAW: [f64; 2] = [0.5, 0.2];
+
+/// A pendulum above the table, and a chain.
+const KINDS: [Struck; 2] = [
+    Struck {
+        links: 2,
+        joints: Jointed::Universal,
+        hangs_m: Some(0.35),
+        impacts: 1,
+        law: LAW,
+    },
+    Struck {
+        links: 3,
+        joints: Jointed::Universal,
+        hangs_m: None,
+        impacts: 1,
+        law: LAW,
+    },
+];
+
+/// The same performance with restitution and friction free, from other values than the true ones.
+fn freed(mut strike: Strike, bounds: [f64; 2]) -> Strike {
+    let mut laws = strike.scene.events.iter();
+    let law = laws.find_map(|event| Some(event.kind.collision()?.law));
+    let law = law.expect("a collision");
+    let free = |name: &str, quantity, initial: f64, [lower, upper]: [f64; 2]| FreeParameter {
+        name: name.to_owned(),
+        quantity,
+        initial,
+        lower,
+        upper,
+        prior_sd: None,
+    };
+    strike.scene.parameters = vec![
+        free("restitution", Quantity::Restitution { law }, 0.7, bounds),
+        free("friction", Quantity::Friction { law }, 0.35, [0.0, 1.0]),
+    ];
+    strike
+}
+
+fn finished(strike: &Strike) -> Estimate {
+    let events = strike.events.iter().cloned();
+    let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut ());
+    outcome.expect("an estimate").estimate
+}
+
+/// From exact samples the law comes back; friction where the contact slid, which is said.
+#[test]
+fn an_exact_sketch_gives_the_law_back() {
+    let exact = Acted {
+        distortion: 0.0,
+        noise: 0.0,
+        mark_sd_s: 0.0,
+    };
+    let mut slid = 0;
+    for kind in &KINDS {
+        for seed in 8300..8302 {
+            let estimate = finished(&freed(strike(kind, &exact, seed), [0.0, 1.0]));
+            assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
+            let [restitution, friction] = &estimate.parameters[..] else {
+                panic!("two parameters");
+            };
+            let off = (restitution.value - LAW[0]).abs();
+            assert!(off < 2e-3, "{kind:?} {seed}: {off}");
+            assert_eq!(restitution.at_bound, None);
+            if friction.sd.is_some() {
+                slid += 1;
+                let off = (friction.value - LAW[1]).abs();
+                assert!(off < 5e-3, "{kind:?} {seed}: {off}");
+            }
+        }
+    }
+    assert!(slid > 0);
+}
+
+/// From a usual hand restitution and the time of the impact are as certain as they are said to be; what is off its bounds
+/// stays at one.
+#[test]
+fn a_rough_sketch_tells_restitution_within_its_deviation() {
+    let (mut physical, mut within, mut in_time) = (0, 0, 0);
+    for kind in &KINDS {
+        for seed in 8310..8313 {
+            let performed = strike(kind, &Acted::of(1.0), seed);
+            let estimate = finished(&freed(performed.clone(), [0.0, 1.0]));
+            if estimate.verdict != Verdict::Physical {
+                continue;
+            }
+            physical += 1;
+            let found = &estimate.parameters[0];
+            let sd = found.sd.expect("a deviation");
+            within += usize::from((found.value - LAW[0]).abs() < 2.0 * sd);
+            let mut hits = estimate.events.iter().filter(|event| !event.is_fixed);
+            let hit = hits.next().expect("an impact");
+            let off_s = (hit.time_s - performed.impacts_s[0]).abs();
+            in_time += usize::from(off_s < 2.0 * hit.sd_s.expect("a deviation"));
+        }
+    }
+    assert!(physical >= 4, "{physical} of 6");
+    assert!(within + 2 >= physical, "{within} of {physical}");
+    assert!(in_time + 2 >= physical, "{in_time} of {physical}");
+    let exact = Acted {
+        distortion: 0.0,
+        noise: 0.0,
+        mark_sd_s: 0.0,
+    };
+    let bounded = finished(&freed(strike(&KINDS[0], &exact, 8320), [0.6, 1.0]));
+    let found = &bounded.parameters[0];
+    assert!((found.value - 0.6).abs() < 1e-6, "{found:?}");
+    assert_eq!(found.at_bound, Some(AtBound::Lower));
+}
+
+#[test]
+fn other_quantities_of_scenes_with_joints_are_refused() {
+    let hung = TreeActing {
+        asks_start: false,
+        ..TreeActing::of(1.0)
+    };
+    let kind = Kind::pendulum(2, Jointed::Universal);
+    let text = trees::perform(&kind, &hung, 8330).scene_toml;
+    let text = text + "\n[[free]]\nquantity = \"gravity.z\"\n";
+    let error = scene_from_toml(&text).unwrap_err().to_string();
+    assert!(error.contains("restitution, friction and tilts"), "{error}");
+}
