@@ -4,7 +4,8 @@ use enact::motion::{Estimate, EventKind, GoalSet, GoalTarget, Scene};
 use enact::physics::tree::{Snapshot, Tree, TreeState};
 use nalgebra::Vector3;
 
-use super::{Performance, flown};
+use super::Performance;
+use super::motion::flown;
 use crate::trees::RATE_HZ;
 
 /// Bounds of a motion that obeys the laws and meets its goals: distance of any rod's centre from the same motion done
