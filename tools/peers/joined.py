@@ -65,6 +65,8 @@ def main():
     options = parser.parse_args()
     given = json.loads(options.file.read_text())
     assert given["format"] == "enact joined problem 1", given["format"]
+    names = [point["name"] for point in given["points"]]
+    assert len(set(names)) == len(names), "points are found by their names"
     library = Mechanism(given)
     problem = Shooting(library, given)
     agrees = agreement(problem)

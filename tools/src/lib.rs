@@ -39,6 +39,7 @@ pub mod tosses;
 pub mod tracker;
 pub mod tree_impacts;
 pub mod tree_meetings;
+pub mod tree_stress;
 pub mod trees;
 pub mod waypoints;
 pub mod ways;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::math::Pose;
-use enact::motion::{Estimate, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
+use enact::motion::{Estimate, Holds, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::Law;
 use enact::physics::tree::{Flow, ForestSnapshot, LinkContact, Snapshot, Tree, TreeState, tableau};
@@ -391,7 +391,10 @@ pub(crate) fn acted_out(
             let turn = off(3, 0.1 * acted.distortion, 0.003 * acted.noise);
             let turned = link.orientation * UnitQuaternion::from_scaled_axis(turn);
             let seen = Pose::from_parts(at_m.into(), turned);
-            let sample = PoseSample::from_pose(stamp_at(index as f64 / RATE_HZ), &seen);
+            let mut sample = PoseSample::from_pose(stamp_at(index as f64 / RATE_HZ), &seen);
+            if track.sees == Sees::Point {
+                sample.holds = Holds::Position;
+            }
             events.push(TakeEvent::Pose {
                 track: TrackIndex(number),
                 stream: 0,

@@ -244,7 +244,12 @@ pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
     let mut snapshot = Snapshot::new(&tree, &bare.gravity_m_s2);
     snapshot.set(last);
     let end_m = snapshot.point(kind.links - 1, &Vector3::new(0.0, 0.0, -0.5 * ROD_M));
-    let goals = goals((kind, acting), (&bare, joined, &tree), &truth, &end_m);
+    let asked = Asked {
+        links: kind.links,
+        last_m: ROD_M,
+        asks_start: acting.asks_start,
+    };
+    let goals = goals(&asked, (&bare, joined, &tree), &truth, &end_m);
     let scene_toml = scene_toml(kind, acting, &goals);
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
     let wanders: Vec<Wander> = (0..3)
@@ -359,12 +364,22 @@ fn drawn(kind: &Kind, tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
 
 /// The joint from which a rod hangs: from the rod before it, the first from a place so high above the origin \[m\].
 pub(crate) fn joint_toml(joints: Jointed, link: usize, hangs_m: f64) -> String {
-    let half_mm = 500.0 * ROD_M;
+    joint_between(joints, link, hangs_m, [ROD_M; 2])
+}
+
+/// The same with the lengths of the rod before it and of the rod itself \[m\].
+pub(crate) fn joint_between(
+    joints: Jointed,
+    link: usize,
+    hangs_m: f64,
+    [before_m, own_m]: [f64; 2],
+) -> String {
+    let half_mm = 500.0 * own_m;
     let parent = match link.checked_sub(1) {
         Some(parent) => format!(
             "parent = \"rod {}\"\nparent_at_mm = [0, 0, {:?}]\n",
             parent + 1,
-            -half_mm
+            -500.0 * before_m
         ),
         None => format!("parent_at_mm = [0, 0, {:?}]\n", 1e3 * hangs_m),
     };
@@ -410,9 +425,19 @@ fn scene_toml(kind: &Kind, acting: &TreeActing, goals: &str) -> String {
     text + goals
 }
 
+/// Of which rods goals are.
+pub(crate) struct Asked {
+    /// Number of rods.
+    pub links: usize,
+    /// Length of the last one \[m\].
+    pub last_m: f64,
+    /// Whether the whole configuration at the start is a goal.
+    pub asks_start: bool,
+}
+
 /// The whole configuration at the start, where that is asked, and the place of the last rod's end at the end.
-fn goals(
-    (kind, acting): (&Kind, &TreeActing),
+pub(crate) fn goals(
+    asked: &Asked,
     (scene, joined, tree): (&Scene, &JointTree, &Tree),
     truth: &TreeState,
     end_m: &Vector3<f64>,
@@ -424,10 +449,10 @@ fn goals(
             .map(|number| format!("{:?}", number * factor));
         numbers.collect::<Vec<_>>().join(", ")
     };
-    if acting.asks_start {
+    if asked.asks_start {
         let mut snapshot = Snapshot::new(tree, &scene.gravity_m_s2);
         snapshot.set(truth);
-        let states: Vec<State> = (0..kind.links)
+        let states: Vec<State> = (0..asked.links)
             .map(|link| snapshot.link_state(link))
             .collect();
         for (place, state) in states.iter().enumerate() {
@@ -456,8 +481,8 @@ fn goals(
     }
     text += &format!(
         "\n[[goal]]\nevent = \"end\"\nbody = \"rod {}\"\npoint_mm = [0, 0, {:?}]\nposition_mm = [{}]\n",
-        kind.links,
-        -500.0 * ROD_M,
+        asked.links,
+        -500.0 * asked.last_m,
         list(end_m.as_slice(), 1e3)
     );
     text

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::estimate::tree::{TreeProblem, estimate};
-use enact::motion::{Estimate, Verdict};
+use enact::motion::{Estimate, Observer, Scene, TakeEvent, Verdict};
 use enact::physics::tree::TreeState;
 use enact::pipeline::Pipeline;
 use enact::segment::clean::clean;
@@ -38,8 +38,7 @@ pub struct Solved {
 }
 
 impl Solved {
-    pub fn of(estimate: Option<&Estimate>, begin: Instant) -> Self {
-        let seconds = begin.elapsed().as_secs_f64();
+    pub fn of(estimate: Option<&Estimate>, seconds: f64) -> Self {
         let Some(estimate) = estimate else {
             return Self {
                 verdict: "refused".to_owned(),
@@ -65,7 +64,7 @@ impl Solved {
     }
 
     /// The objective of a motion.
-    fn best(&self) -> Option<f64> {
+    pub fn best(&self) -> Option<f64> {
         self.objective.filter(|_| self.is_motion)
     }
 }
@@ -109,22 +108,33 @@ pub fn sketched(performance: &TreePerformance) -> Solved {
     let begin = Instant::now();
     let events = performance.events.iter().cloned();
     let outcome = Pipeline::of(performance.scene.clone(), events).finish(&mut Limit(begin));
-    Solved::of(
-        outcome.as_ref().ok().map(|outcome| &outcome.estimate),
-        begin,
-    )
+    let estimate = outcome.as_ref().ok().map(|outcome| &outcome.estimate);
+    Solved::of(estimate, begin.elapsed().as_secs_f64())
 }
 
 /// Its solver, from a state at the start.
 pub fn solved_from(performance: &TreePerformance, start: TreeState) -> Solved {
     let begin = Instant::now();
-    let scene = &performance.scene;
-    let Ok((sketch, _)) = clean(scene, &performance.events) else {
-        return Solved::of(None, begin);
-    };
+    let (scene, events) = (&performance.scene, &performance.events);
+    let estimate = from_state((scene, events), start, &mut Limit(begin));
+    Solved::of(estimate.as_ref(), begin.elapsed().as_secs_f64())
+}
+
+/// What the solver makes of a take from a state at the start; none where that cannot be read.
+pub fn from_state(
+    (scene, events): (&Scene, &[TakeEvent]),
+    start: TreeState,
+    observer: &mut dyn Observer,
+) -> Option<Estimate> {
+    let (sketch, _) = clean(scene, events).ok()?;
     let problem = TreeProblem::new(scene, &sketch);
-    let estimate = estimate(scene, &sketch, &problem, &[(1.0, start)], &mut Limit(begin));
-    Solved::of(Some(&estimate), begin)
+    Some(estimate(
+        scene,
+        &sketch,
+        &problem,
+        &[(1.0, start)],
+        observer,
+    ))
 }
 
 fn kinds() -> Vec<(String, Kind)> {

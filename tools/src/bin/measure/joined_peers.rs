@@ -8,26 +8,32 @@ mod ask;
 mod problem;
 mod show;
 
+use std::time::Instant;
+
 use anyhow::Result;
 use enact::physics::tree::TreeState;
 use enact_tools::trees::{Jointed, Kind, TreeActing, TreePerformance, perform};
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::joined::{Solved, sketched, solved_from};
 use crate::options::Options;
 use crate::peers::are_installed;
 use crate::record::Record;
+use crate::run::Run;
 use ask::{Agreement, Answer, ask};
 use problem::{Found, Posed};
 
 /// Of the wander of a usual hand.
 const DISTORTIONS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Performances of a row.
-const SEEDS: u64 = 10;
+const SEEDS: u64 = 3;
 /// Where peers start: from the motion of the program's first guess, from nodes along the sketch, from the true motion.
 const STARTS: [&str; 3] = ["start", "sketch", "truth"];
-/// Longest time of a peer's solve \[s\].
-const LIMIT_S: f64 = 60.0;
+/// Longest time of a peer's solve \[s\]: of a problem twelve times that.
+const LIMIT_S: f64 = 10.0;
+/// No new problem is begun after so long \[s\].
+const SPENT_S: f64 = 1200.0;
 /// Violation up to which a motion done again from its start counts: ten micrometres \[units\].
 const FEASIBLE: f64 = 1e-3;
 /// An objective within this of the lowest one, relative, is as good.
@@ -57,6 +63,11 @@ struct Cell {
 }
 
 impl Cell {
+    /// Of its state among the points of a problem: no other is called so.
+    fn name(&self) -> String {
+        format!("solution of {}, from the {}", self.solver, self.from)
+    }
+
     /// The objective of what is a motion, done again from its start.
     fn motion(&self) -> Option<f64> {
         let holds = self.violation.is_some_and(|off| off < FEASIBLE);
@@ -112,28 +123,47 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         return Ok(());
     }
     let limit_s = options.either(10.0, LIMIT_S);
-    let distortions = options.either(&DISTORTIONS[..1], &DISTORTIONS[..]);
-    let (mut rows, mut problems, mut versions) = (Vec::new(), Vec::new(), Vec::new());
-    for distortion in distortions {
-        for (name, kind) in kinds() {
-            let row = format!("{name}, {distortion}×");
-            if !options.wants(&row) {
+    let rows = rows(options);
+    let names: Vec<String> = rows.iter().map(|(name, ..)| name.clone()).collect();
+    let (mut problems, mut versions) = (Vec::new(), None);
+    let begin = Instant::now();
+    let tell = |problems: &[Problem], versions: &Option<Value>, record: &mut Record| {
+        show::show(&names, problems, limit_s, record);
+        record.numbers("versions", versions)?;
+        record.numbers("rows", &names)?;
+        record.numbers("problems", &problems)
+    };
+    // All rows of a seed before the next: what is broken off has a little of each.
+    for seed in options.seeds(SEEDS) {
+        for (row, (name, kind, distortion)) in rows.iter().enumerate() {
+            if begin.elapsed().as_secs_f64() > SPENT_S {
                 continue;
             }
-            for seed in options.seeds(SEEDS) {
-                let performance = perform(&kind, &TreeActing::of(*distortion), seed);
-                let (problem, said) = solved(&performance, (rows.len(), seed), limit_s)?;
-                problems.push(problem);
-                versions.push(said);
-                eprintln!("  {row}, {seed}");
+            let performance = perform(kind, &TreeActing::of(*distortion), seed);
+            let (problem, said) = solved(&performance, (row, seed), limit_s)?;
+            problems.push(problem);
+            versions = versions.or(Some(said));
+            eprintln!("  {name}, {seed}: {:.0} s", begin.elapsed().as_secs_f64());
+            if options.rows.is_none() {
+                let mut so_far = Record::quiet(Run {
+                    seconds: begin.elapsed().as_secs_f64(),
+                    ..record.run.clone()
+                });
+                tell(&problems, &versions, &mut so_far)?;
+                so_far.save(&options.folder, "joined_peers")?;
             }
-            rows.push(row);
         }
     }
-    show::show(&rows, &problems, limit_s, record);
-    record.numbers("versions", &versions.first())?;
-    record.numbers("rows", &rows)?;
-    record.numbers("problems", &problems)
+    tell(&problems, &versions, record)
+}
+
+/// What is measured: a name, what moves, and how wide a hand wanders.
+fn rows(options: &Options) -> Vec<(String, Kind, f64)> {
+    let distortions = options.either(&DISTORTIONS[..1], &DISTORTIONS[..]);
+    let all = distortions.iter().flat_map(|distortion| {
+        kinds().map(|(name, kind)| (format!("{name}, {distortion}×"), kind, *distortion))
+    });
+    all.filter(|(name, ..)| options.wants(name)).collect()
 }
 
 /// One problem by this program and by all peers, one after the other.
@@ -141,7 +171,7 @@ fn solved(
     performance: &TreePerformance,
     (row, seed): (usize, u64),
     limit_s: f64,
-) -> Result<(Problem, serde_json::Value)> {
+) -> Result<(Problem, Value)> {
     let posed = Posed::of(performance)?;
     let truth = &performance.truth;
     let mut cells = vec![
@@ -157,11 +187,17 @@ fn solved(
             solved_from(performance, truth.clone()),
         ),
     ];
-    let mut points = vec![("start", &posed.start), ("truth", truth)];
-    // Where a solve failed, angles may be of any size, and sines of such say nothing of formulas.
+    // Where a solve failed its motion may whirl: what integrators make of that says nothing of formulas.
     let motions = cells.iter().filter(|(cell, _)| cell.is_converged);
-    let states = motions.filter_map(|(_, state)| state.as_ref());
-    points.extend(states.map(|state| ("solution", state)));
+    let solutions: Vec<(String, &TreeState)> = motions
+        .filter_map(|(cell, state)| Some((cell.name(), state.as_ref()?)))
+        .collect();
+    let mut points = vec![("start", &posed.start), ("truth", truth)];
+    points.extend(
+        solutions
+            .iter()
+            .map(|(name, state)| (name.as_str(), *state)),
+    );
     let report = ask(&posed.file(&points)?, &STARTS, limit_s)?;
     let mut cells: Vec<Cell> = cells.drain(..).map(|(cell, _)| cell).collect();
     cells.extend(

@@ -15,6 +15,7 @@ mod accuracy;
 mod adequacy;
 mod answer;
 mod clatter;
+mod core_time;
 mod cost;
 mod damage;
 mod diagnosis;
@@ -27,7 +28,9 @@ mod flow;
 mod goals;
 mod held;
 mod joined;
+mod joined_cost;
 mod joined_peers;
+mod joined_stress;
 mod jointly;
 mod keyframes;
 mod ladder;
@@ -212,6 +215,16 @@ const SUBJECTS: &[Subject] = &[
         joined_peers::run
     ),
     subject!(
+        "joined_cost",
+        "how cost grows with links, segments and duration of joined bodies",
+        joined_cost::run
+    ),
+    subject!(
+        "joined_stress",
+        "joined bodies that are hard, or scenes of them that are wrong: what is found and what is said",
+        joined_stress::run
+    ),
+    subject!(
         "slowly",
         "chains and pendulums in slow motion whose tempo is not known",
         slowly::run
@@ -279,6 +292,7 @@ fn main() -> Result<()> {
         eprintln!("{}", subject.name);
         let here = Run::here(options.quick);
         let mut record = Record::default();
+        record.run.clone_from(&here);
         let begin = Instant::now();
         (subject.run)(&options, &mut record)?;
         let seconds = begin.elapsed().as_secs_f64();

@@ -25,12 +25,26 @@ pub struct Record {
     pub figures: Vec<Figure>,
     /// What no table and no figure holds, by name.
     pub numbers: BTreeMap<String, Value>,
+    /// Whether it is kept without being printed.
+    #[serde(skip)]
+    is_quiet: bool,
 }
 
 impl Record {
+    /// What is not printed: of a run that goes on.
+    pub fn quiet(run: Run) -> Self {
+        Self {
+            run,
+            is_quiet: true,
+            ..Self::default()
+        }
+    }
+
     /// Prints a table and keeps it.
     pub fn table(&mut self, table: Table) {
-        println!("{table}");
+        if !self.is_quiet {
+            println!("{table}");
+        }
         self.tables.push(table);
     }
 
@@ -48,7 +62,9 @@ impl Record {
 
     /// Prints a sentence of the summary and keeps it.
     pub fn say(&mut self, sentence: String) {
-        println!("{sentence}\n");
+        if !self.is_quiet {
+            println!("{sentence}\n");
+        }
         self.summary.push(sentence);
     }
 

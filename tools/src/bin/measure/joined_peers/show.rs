@@ -57,6 +57,8 @@ pub fn show(rows: &[String], problems: &[Problem], limit_s: f64, record: &mut Re
         (row.clone(), own.collect::<Vec<&Problem>>())
     };
     let groups = rows.iter().enumerate().map(of_row).chain([every]);
+    // What was broken off has not reached all rows.
+    let groups = groups.filter(|(_, problems)| !problems.is_empty());
     for (row, problems) in groups {
         for solver in &solvers {
             table.row(line(&row, &problems, *solver));
