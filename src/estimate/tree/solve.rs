@@ -1,4 +1,4 @@
-//! From a first guess to the optimum: [grow](grown) the part of the sketch that counts; bring the goals in by a sweep; come
+//! From a first guess to the optimum: `grow` the part of the sketch that counts; bring the goals in by a sweep; come
 //! near by steps in a trust region; finish.
 
 use super::grow::{Grown, Growth, grown};
