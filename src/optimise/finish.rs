@@ -157,9 +157,14 @@ impl<P: Program> Finish<'_, P> {
                     && self.restores(guidance, tolerances, &mut trial)
             };
             finished.violation = self.system.violation();
-            finished.converged = finished.violation < tolerances.violation
+            let is_met = finished.violation < tolerances.violation;
+            // Where a damped step promises nothing, the undamped one tells whether there is nothing left.
+            let is_asked = is_met && self.damping > 0.0 && promised < tolerances.decrease;
+            let undamped = is_asked.then(|| self.undamped_promise()).flatten();
+            finished.decrease = undamped.unwrap_or(finished.decrease);
+            finished.converged = is_met
                 && finished.decrease < tolerances.decrease
-                && (is_restored || self.damping == 0.0);
+                && (is_restored || self.damping == 0.0 || undamped.is_some());
             if finished.converged || taken == Taken::Not && !self.can_damp() {
                 break;
             }
@@ -204,10 +209,7 @@ impl<P: Program> Finish<'_, P> {
     /// The step with the exact Hessian, damped until the model is convex on the active rows where it
     /// may be; `None` where it is not convex then.
     fn curved_step(&mut self) -> Option<(Kkt, KktStep)> {
-        let mut exact = self.system.hessian.clone();
-        let at = (&self.point, &self.system);
-        self.program
-            .add_curvature(at, &self.multipliers, &mut exact);
+        let exact = self.exact();
         loop {
             let step = if self.damping > 0.0 {
                 self.step_with(Some(&self.damped(&exact)))
@@ -219,6 +221,23 @@ impl<P: Program> Finish<'_, P> {
             }
             self.damp();
         }
+    }
+
+    /// Hessian of the Lagrangian.
+    fn exact(&self) -> Envelope {
+        let mut exact = self.system.hessian.clone();
+        let at = (&self.point, &self.system);
+        self.program
+            .add_curvature(at, &self.multipliers, &mut exact);
+        exact
+    }
+
+    /// What the undamped step with the exact Hessian promises, relative to the objective; `None` where the model is
+    /// not convex on the active rows.
+    fn undamped_promise(&mut self) -> Option<f64> {
+        let exact = self.exact();
+        let (_, step) = self.step_with(Some(&exact))?;
+        Some(self.promises(&step))
     }
 
     /// `H + λ D`.

@@ -30,6 +30,8 @@ const KICK_RAD_S: f64 = 0.1;
 /// A motion is lost where each of its samples costs so many times what one did of the best part with so many samples,
 /// but at least so much.
 const LOST: (f64, usize, f64) = (30.0, 24, 0.1);
+/// Errors that grow by more along one leg lead to no optimum of it.
+const WHIRL: f64 = 1e4;
 /// Share of a further part that is tried where the whole leads to a lost motion, and how often.
 const LESS: (f64, usize) = (0.5, 3);
 
@@ -47,7 +49,7 @@ pub(super) struct Grown {
     /// The problem, with the nodes that it needs and steps for a rough flow.
     pub(super) problem: TreeProblem,
     pub(super) point: TreePoint,
-    /// Whether the motion is far from the samples.
+    /// Whether the motion is far from the samples, or errors grow too much along its one leg.
     pub(super) is_lost: bool,
 }
 
@@ -75,8 +77,8 @@ pub(super) fn grown(
         let count = problem.count_until(until_s);
         let each = cost / count as f64;
         is_lost = count >= LOST.1 && !(each <= LOST.0 * best_each.max(LOST.2));
-        if is_lost && growth.has_legs {
-            if share <= LESS.0.powi(LESS.1 as i32) {
+        if is_lost {
+            if !growth.has_legs || share <= LESS.0.powi(LESS.1 as i32) {
                 break;
             }
             share *= LESS.0;
@@ -99,10 +101,11 @@ pub(super) fn grown(
         }
     }
     problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
+    let whirls = !growth.has_legs && !(problem.errors_grown(&point) <= WHIRL);
     Grown {
         problem,
         point,
-        is_lost,
+        is_lost: is_lost || whirls,
     }
 }
 

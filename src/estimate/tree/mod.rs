@@ -18,6 +18,7 @@ mod grow;
 pub mod law;
 mod leg;
 mod motions;
+mod optimum;
 pub mod outcome;
 pub mod point;
 pub mod problem;
@@ -28,6 +29,7 @@ mod segments;
 pub mod solve;
 pub mod tempo;
 mod time_line;
+mod valley;
 mod walk;
 mod weak;
 

@@ -4,8 +4,9 @@ use nalgebra::DVector;
 
 use super::adequacy::{self, certainty::Certainty};
 use super::motions::{Motions, motions};
+use super::optimum::Solved;
 use super::problem::TreeProblem;
-use super::solve::{self, Solved};
+use super::solve;
 use super::time_line::TimeLine;
 use super::weak;
 use crate::estimate::outcome::progress;

@@ -76,6 +76,14 @@ impl TreeProblem {
         (at >= LEAST_ON_A_LEG).then(|| (times_s[at - 1], self.state_at(point, times_s[at - 1])))
     }
 
+    /// By how much errors grow from the first node to the end.
+    pub(super) fn errors_grown(&self, point: &TreePoint) -> f64 {
+        let line = &point.time_line(self);
+        let [from_s, to_s] = line.physical_span_s();
+        let mut errors = Errors::new((self, line), point, (&point.nodes[0], from_s));
+        errors.grown(to_s)
+    }
+
     /// Stamps of samples \[s\], each once.
     pub(super) fn sample_stamps_s(&self) -> Vec<f64> {
         let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();

@@ -2,17 +2,16 @@
 //! near by steps in a trust region; finish.
 
 use super::grow::{Grown, Growth, grown};
+use super::optimum::{Solved, approached, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
-use super::time_line::TimeLine;
+use super::valley::walked;
 use super::walk::EXACTLY;
-use crate::estimate::recipe::Watched;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
-use crate::optimise::trust::{self, Nearness};
-use crate::optimise::{self, Program, Schedule, Solution, Stage, Work};
+use crate::optimise::{Program, Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
@@ -22,45 +21,26 @@ const GROWTHS: [Growth; 3] = [
         has_legs: false,
     },
     Growth {
-        by: 1.5,
-        has_legs: true,
-    },
-    Growth {
         by: 1.25,
         has_legs: false,
+    },
+    Growth {
+        by: 1.5,
+        has_legs: true,
     },
 ];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
 const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
-/// How near steps in a trust region come to the optimum before the finish.
-const NEARNESS: Nearness = Nearness {
-    steps: 40,
-    decrease: 1e-6,
-    violation: 1e-6,
-};
 /// By which share the objective may be greater on one leg than on several.
 const IN_ONE: f64 = 1e-6;
 /// Costs of two paces are the same that differ by no larger share.
 const SAME: f64 = 0.01;
-/// How many paces are gone on with,
+/// How many paces are gone on with.
 const LIKELIEST: usize = 2;
-/// and how far, root mean square in weights, an optimum may be from samples in an unknown tempo before more is tried: as far as
-/// motions are not doubted for.
-const FAR: f64 = 3.0;
-/// How often samples about an event are given anew to the motions before and after it.
-const SIDINGS: usize = 4;
-
-/// The optimum that a start leads to, with the problem whose steps are as short as it needs.
-pub struct Solved {
-    /// The problem.
-    pub problem: TreeProblem,
-    /// Its solution.
-    pub solution: Solution<TreePoint>,
-}
 
 /// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
 /// stamps are physical times. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
-/// tempo to one that is far from the samples, growing with further nodes is tried, then slower growth, and then multiplier
+/// tempo to one that is far from the samples, slower growth is tried, then growing with further nodes, and then multiplier
 /// rounds from where each led.
 pub fn solve(
     problem: &TreeProblem,
@@ -81,7 +61,8 @@ pub fn solve(
             if !solved.has_ended() {
                 tried.push((problem, point));
             } else if solved.solution.stopped || !solved.is_far() {
-                return in_one(solved, &mut work, observer);
+                let solved = in_one(solved, &mut work, observer);
+                return walked(solved, &mut work, observer);
             } else if far.as_ref().is_none_or(|of| solved.cost() < of.cost()) {
                 far = Some(solved);
             }
@@ -130,6 +111,10 @@ fn likeliest(
             lost.get_or_insert(led);
             continue;
         }
+        if growth.has_legs && led.problem.nodes_s.len() == 1 {
+            // It has grown as it did without.
+            continue;
+        }
         let (problem, point) = swept(led, work, observer);
         let cost = match starts.len() {
             1 => 0.0,
@@ -150,28 +135,6 @@ fn likeliest(
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.into_iter().take(LIKELIEST).map(|(_, of)| of).collect()
-}
-
-/// The optimum near a point, with all the work so far. Samples that it leaves on the wrong side of an event are given
-/// to the other side, and it is found again.
-fn finished(
-    problem: &TreeProblem,
-    point: &TreePoint,
-    schedule: &Schedule,
-    work: &mut Work,
-    observer: &mut dyn Observer,
-) -> Solved {
-    let mut solved = optimum(problem.clone(), point, schedule, work, observer);
-    for _ in 0..SIDINGS {
-        let mut sided = solved.problem.clone();
-        if !solved.solution.finished.converged || !sided.part_at(&solved.solution.point) {
-            break;
-        }
-        let schedule = Schedule::default().from_the_last();
-        let point = solved.solution.point;
-        solved = optimum(sided, &point, &schedule, work, observer);
-    }
-    solved
 }
 
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
@@ -198,38 +161,6 @@ fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solve
     one
 }
 
-fn optimum(
-    problem: TreeProblem,
-    point: &TreePoint,
-    schedule: &Schedule,
-    work: &mut Work,
-    observer: &mut dyn Observer,
-) -> Solved {
-    let program = TreeProgram::new(&problem, point.clone());
-    let guidance = |_: Stage| Part::whole();
-    let watch = &mut Watched(observer);
-    let mut solution = optimise::solve(&program, point.clone(), schedule, &guidance, watch);
-    work.add(&solution.work);
-    solution.work = *work;
-    Solved { problem, solution }
-}
-
-impl Solved {
-    fn has_ended(&self) -> bool {
-        self.solution.finished.converged || self.solution.stopped
-    }
-
-    fn cost(&self) -> f64 {
-        self.solution.system.cost
-    }
-
-    /// Whether an optimum in an unknown tempo is so far from its samples that it is likely a wrong one.
-    fn is_far(&self) -> bool {
-        let samples = self.problem.samples.len() as f64;
-        self.problem.tempo.is_some() && self.cost() > 0.5 * FAR * FAR * samples
-    }
-}
-
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
 /// spin of a whole chain, the valley is curved. Steps are exact from there on.
 fn swept(grown: Grown, work: &mut Work, observer: &mut dyn Observer) -> (TreeProblem, TreePoint) {
@@ -254,31 +185,8 @@ fn swept(grown: Grown, work: &mut Work, observer: &mut dyn Observer) -> (TreePro
         }
     }
     work.add(&descent.work);
-    let stop = &mut || observer.should_stop();
-    let near = trust::approach(program, descent.point, &whole, &NEARNESS, stop);
-    work.add(&near.work);
-    let point = near.point;
+    let point = approached(program, descent.point, work, observer);
     problem.step_s = problem.exact_step_s(&point, EXACTLY);
     problem.part_at(&point);
     (problem, point)
-}
-
-impl TreeProblem {
-    /// Parts samples where a point has the events; whether one then is on another side than before.
-    pub(super) fn part_at(&mut self, point: &TreePoint) -> bool {
-        let [mut least_s, most_s] = self.span_s;
-        let mut is_other = false;
-        let line = TimeLine::new(self, &point.log_paces);
-        let times_s = point.event_times_s.iter();
-        let acted_s: Vec<f64> = times_s.map(|time_s| line.acted_s(*time_s).0).collect();
-        for (event, acted_s) in self.events.iter_mut().zip(acted_s) {
-            let about_s = acted_s.max(least_s).min(most_s);
-            let between_s = event.about_s.min(about_s)..event.about_s.max(about_s);
-            let mut samples = self.samples.iter();
-            is_other |= samples.any(|sample| between_s.contains(&sample.acted_s));
-            event.about_s = about_s;
-            least_s = about_s;
-        }
-        is_other
-    }
 }
