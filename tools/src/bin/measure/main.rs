@@ -34,7 +34,6 @@ mod joined_stress;
 mod jointly;
 mod keyframes;
 mod ladder;
-mod limit;
 mod mechanisms;
 mod methods;
 mod nonsense;
