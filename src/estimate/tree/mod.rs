@@ -18,6 +18,7 @@ mod grow;
 pub mod law;
 mod leg;
 mod motions;
+pub mod on_nodes;
 pub mod outcome;
 pub mod point;
 pub mod problem;

@@ -1,7 +1,10 @@
 //! From a first guess to the optimum: `grow` the part of the sketch that counts; bring the goals in by a sweep; come
 //! near by steps in a trust region; finish.
 
-use super::grow::{Grown, Growth, grown};
+#[cfg(test)]
+mod tests;
+
+use super::grow::{Grown, Growth, Legs, grown};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
@@ -19,15 +22,15 @@ use crate::physics::tree::TreeState;
 const GROWTHS: [Growth; 3] = [
     Growth {
         by: 1.5,
-        has_legs: false,
+        legs: Legs::One,
     },
     Growth {
         by: 1.5,
-        has_legs: true,
+        legs: Legs::Found,
     },
     Growth {
         by: 1.25,
-        has_legs: false,
+        legs: Legs::One,
     },
 ];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
@@ -73,7 +76,10 @@ pub fn solve(
     let mut lost = None;
     // Of a tempo and of parameters, which all legs share, one leg alone is tried.
     let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
-    for growth in GROWTHS.iter().filter(|of| !(is_alone && of.has_legs)) {
+    for growth in GROWTHS
+        .iter()
+        .filter(|of| !(is_alone && of.legs == Legs::Found))
+    {
         let of = (problem, starts);
         for (problem, point) in likeliest(of, *growth, &mut lost, &mut work, observer) {
             let at_once = Schedule::default().from_the_last();
@@ -154,7 +160,7 @@ fn likeliest(
 
 /// The optimum near a point, with all the work so far. Samples that it leaves on the wrong side of an event are given
 /// to the other side, and it is found again.
-fn finished(
+pub(super) fn finished(
     problem: &TreeProblem,
     point: &TreePoint,
     schedule: &Schedule,
@@ -232,7 +238,11 @@ impl Solved {
 
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
 /// spin of a whole chain, the valley is curved. Steps are exact from there on.
-fn swept(grown: Grown, work: &mut Work, observer: &mut dyn Observer) -> (TreeProblem, TreePoint) {
+pub(super) fn swept(
+    grown: Grown,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> (TreeProblem, TreePoint) {
     let Grown {
         mut problem, point, ..
     } = grown;
