@@ -11,7 +11,7 @@ use crate::motion::{Segment, Sketch};
 
 /// Least distance of nodes except at the ends of flights \[s\]: streams of up to 200 samples a
 /// second have a node at every sample.
-const SPACING_S: f64 = 0.0045;
+pub(super) const SPACING_S: f64 = 0.0045;
 
 /// The nodes, and the number of samples per node.
 pub(super) struct Nodes {

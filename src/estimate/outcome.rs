@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::constraint::bound::at_bound;
 use super::context::SolveContext;
 use super::covariance::bins::Residuals;
 use super::held_motion;
@@ -30,7 +31,7 @@ pub const PHYSICAL: Gap = Gap {
 const APART_S: f64 = 1e-9;
 /// Greatest violation of a bound of a time \[s\].
 const PHYSICAL_TIME_S: f64 = 1e-9;
-/// A quantity is at its bound if it is nearer to it than this share of a typical change of it.
+/// A time is at its bound if it is nearer to it than this share of a typical change of it.
 const NEAR: f64 = 1e-6;
 
 /// The estimate of a scene from the solver's solution, without standard deviations; `errors` are
@@ -72,7 +73,11 @@ pub fn estimate(
                 name: free.name.clone(),
                 value: *value,
                 sd: None,
-                at_bound: parameter_bound(problem, point, index),
+                at_bound: at_bound(
+                    (&problem.parameters, &problem.cones),
+                    &point.parameters,
+                    index,
+                ),
                 lower: free.lower,
                 upper: free.upper,
             })
@@ -123,24 +128,6 @@ fn time_bound(problem: &Problem, point: &Point, event: usize) -> Option<AtBound>
         TimeSide::Latest => Some(AtBound::Upper),
         TimeSide::Only => None,
     })
-}
-
-/// The bound at which a parameter is, or that of the cone that it is in.
-fn parameter_bound(problem: &Problem, point: &Point, index: usize) -> Option<AtBound> {
-    let free = &problem.parameters[index];
-    let value = point.parameters[index];
-    let is_at = |bound: f64| (value - bound).abs() <= NEAR * free.length();
-    let mut cones = problem.cones.iter();
-    let is_at_cone = cones.any(|cone| {
-        let [a, b] = cone.parameters.map(|of| point.parameters[of]);
-        cone.parameters.contains(&index) && a.hypot(b) >= cone.limit * (1.0 - NEAR)
-    });
-    match () {
-        () if is_at_cone => Some(AtBound::Cone),
-        () if is_at(free.lower) => Some(AtBound::Lower),
-        () if is_at(free.upper) => Some(AtBound::Upper),
-        () => None,
-    }
 }
 
 /// Largest remaining gap of each kind at an event.

@@ -14,19 +14,24 @@ impl Constraint for Cone {
     }
 
     fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
-        let values = self.parameters.map(|p| at.point.parameters[p]);
-        let scale = 1.0 / (self.limit * self.limit);
-        block.reset(pattern);
-        block.values[0] = (values[0] * values[0] + values[1] * values[1]) * scale;
-        block.bounds[0] = (f64::NEG_INFINITY, 1.0);
-        for (entry, value) in block.derivatives_mut(pattern, 0).iter_mut().zip(values) {
-            *entry = 2.0 * value * scale;
-        }
-        block.curvature = 2.0 * scale;
+        fill(self, &at.point.parameters, (pattern, block));
+        block.curvature = 2.0 / (self.limit * self.limit);
     }
 
     /// The row is quadratic in the distance from the middle.
     fn half_width(&self, rows: &Block) -> Option<f64> {
         Some(2.0 * rows.bounds[0].1)
+    }
+}
+
+/// Fills the row of a cone with the values of all parameters, but for its curvature.
+pub(in crate::estimate) fn fill(cone: &Cone, parameters: &[f64], (pattern, block): Filled) {
+    let values = cone.parameters.map(|of| parameters[of]);
+    let scale = 1.0 / (cone.limit * cone.limit);
+    block.reset(pattern);
+    block.values[0] = (values[0] * values[0] + values[1] * values[1]) * scale;
+    block.bounds[0] = (f64::NEG_INFINITY, 1.0);
+    for (entry, value) in block.derivatives_mut(pattern, 0).iter_mut().zip(values) {
+        *entry = 2.0 * value * scale;
     }
 }

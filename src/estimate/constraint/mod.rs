@@ -5,10 +5,10 @@
 //!
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
-mod bound;
+pub(in crate::estimate) mod bound;
 pub mod collision;
 mod condition;
-mod cone;
+pub(in crate::estimate) mod cone;
 mod contact;
 mod continuity;
 mod general;

@@ -21,6 +21,7 @@ mod candidates;
 pub(super) mod certainty;
 mod errors;
 mod linear;
+pub(super) mod linearised;
 mod odds;
 #[cfg(test)]
 mod tests;
@@ -32,14 +33,12 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use self::candidates::{STEP, candidates, change};
 use self::errors::{Errors, Left};
 use self::linear::Linear;
+use self::linearised::Linearised;
 use self::trial::{Tried, tried};
-use super::point::TreePoint;
 use super::problem::TreeProblem;
 use crate::motion::{
     Fit, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
 };
-use crate::optimise::Solution;
-use crate::optimise::active::ActiveSet;
 
 /// Above this probability of the data under white noise they fit.
 const WELL: f64 = 1e-3;
@@ -74,33 +73,32 @@ struct Candidate {
 /// are too few to tell, and where the observer stops it.
 pub(super) fn judge(
     (scene, joined): (&Scene, &JointTree),
-    problem: &TreeProblem,
-    solution: &Solution<TreePoint>,
+    of: &Linearised,
     observer: &mut dyn Observer,
 ) -> Option<(Fit, Vec<Suspect>)> {
-    let at = (problem, &solution.point);
-    let active = ActiveSet::of(
-        &solution.system,
-        &solution.multipliers,
-        problem.information.1,
-    );
-    let linear = Linear::new(problem, &solution.point, &active)?;
-    let errors = Errors::new(&linear);
-    let held = linear.held();
+    let Linearised {
+        problem,
+        active,
+        linear,
+        errors,
+        held,
+        ..
+    } = of;
+    let at = (*problem, of.point);
     let candidates: Vec<Candidate> = candidates(scene, joined, problem)
         .into_iter()
         .filter_map(|quantity| {
             let step = STEP * quantity.typical();
             let moved = (quantity, scene.value_of(quantity), step);
-            let change = change(scene, at, &active, moved)?;
-            let total = linear.total(&held, &change);
+            let change = change(scene, at, active, moved)?;
+            let total = linear.total(held, &change);
             Some(Candidate { quantity, total })
         })
         .collect();
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
     let columns = (totals.as_slice(), &linear.residuals);
     let left = errors.left(&held.free, columns, problem.information.0);
-    let by_noise = by_noise(&linear, &errors, &left, held.free.ncols())?;
+    let by_noise = by_noise(linear, errors, &left, held.free.ncols())?;
     let is_told = |at: usize, of: &Candidate| {
         // Where not even white noise alone lets a typical change show by a standard deviation.
         left[0].products[(at, at)] * of.quantity.typical().powi(2) > 1.0
@@ -127,10 +125,10 @@ pub(super) fn judge(
         if observer.should_stop() {
             return None;
         }
-        let Some(tried) = tried(scene, at, &active, quantity) else {
+        let Some(tried) = tried(scene, at, active, quantity) else {
             continue;
         };
-        let wrong = evidence_at(scene, &errors, (quantity, &tried), problem.information.0);
+        let wrong = evidence_at(scene, errors, (quantity, &tried), problem.information.0);
         let odds = wrong - evidence - price;
         let explains = ((cost - tried.linear.merit().0) / misfit).clamp(0.0, 1.0);
         if odds > SUSPECTED && explains >= LEAST_SHARE {

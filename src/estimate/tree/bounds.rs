@@ -3,11 +3,9 @@
 use super::event::TreeEvent;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use crate::motion::{AtBound, TreeTouch};
+use crate::estimate::constraint::{bound, cone};
+use crate::motion::TreeTouch;
 use crate::optimise::block::{Block, BlockPattern};
-
-/// How near a bound a value is at it, in lengths of the parameter.
-const NEAR: f64 = 1e-6;
 
 impl TreeEvent {
     /// What touches at a point of the problem.
@@ -49,47 +47,14 @@ impl TreeProblem {
         blocks: &mut [Block],
     ) {
         let first = self.event_block(self.events.len());
-        let rooms = patterns[first..].iter().zip(&mut blocks[first..]);
-        let (of_parameters, of_cones) = (self.parameters.iter(), self.cones.iter());
-        let mut rooms = rooms.map(|(pattern, block)| {
-            block.reset(pattern);
-            (pattern, block)
-        });
-        for ((free, value), (pattern, block)) in
-            of_parameters.zip(&point.parameters).zip(&mut rooms)
-        {
-            let unit = free.length();
-            block.values[0] = value / unit;
-            block.bounds[0] = (free.lower / unit, free.upper / unit);
-            block.derivatives_mut(pattern, 0)[0] = 1.0 / unit;
+        let mut rooms = patterns[first..].iter().zip(&mut blocks[first..]);
+        let values = self.parameters.iter().zip(&point.parameters);
+        for ((free, value), room) in values.zip(&mut rooms) {
+            bound::fill(free, *value, room);
         }
-        for (cone, (pattern, block)) in of_cones.zip(rooms) {
-            let values = cone.parameters.map(|of| point.parameters[of]);
-            let scale = 1.0 / (cone.limit * cone.limit);
-            block.values[0] = values.iter().map(|value| value * value).sum::<f64>() * scale;
-            block.bounds[0] = (f64::NEG_INFINITY, 1.0);
-            // Their curvature is told with that of all else (`curvature`).
-            for (entry, value) in block.derivatives_mut(pattern, 0).iter_mut().zip(values) {
-                *entry = 2.0 * value * scale;
-            }
-        }
-    }
-
-    /// The bound at which a parameter is, or that of its cone.
-    pub(super) fn at_bound(&self, point: &TreePoint, parameter: usize) -> Option<AtBound> {
-        let free = &self.parameters[parameter];
-        let value = point.parameters[parameter];
-        let is_at = |bound: f64| (value - bound).abs() <= NEAR * free.length();
-        let mut cones = self.cones.iter();
-        let is_at_cone = cones.any(|cone| {
-            let [a, b] = cone.parameters.map(|of| point.parameters[of]);
-            cone.parameters.contains(&parameter) && a.hypot(b) >= cone.limit * (1.0 - NEAR)
-        });
-        match () {
-            () if is_at_cone => Some(AtBound::Cone),
-            () if is_at(free.lower) => Some(AtBound::Lower),
-            () if is_at(free.upper) => Some(AtBound::Upper),
-            () => None,
+        // Their curvature is told with that of all else (`curvature`).
+        for (of, room) in self.cones.iter().zip(rooms) {
+            cone::fill(of, &point.parameters, room);
         }
     }
 }

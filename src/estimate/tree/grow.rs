@@ -40,8 +40,19 @@ const LESS: (f64, usize) = (0.5, 3);
 pub(super) struct Growth {
     /// By which factor.
     pub(super) by: f64,
-    /// Whether only as far as errors let the motion be followed, and with further nodes where they grow too much.
-    pub(super) has_legs: bool,
+    /// On which legs.
+    pub(super) legs: Legs,
+}
+
+/// On which legs the motion is found that grows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Legs {
+    /// On one, by all that is added at a time.
+    One,
+    /// As far as errors let the motion be followed, and with further nodes where they grow too much.
+    Found,
+    /// As far as that, with the problem's own nodes.
+    Given,
 }
 
 /// Where growing led.
@@ -61,6 +72,8 @@ pub(super) fn grown(
     observer: &mut dyn Observer,
 ) -> Grown {
     let mut problem = problem.clone();
+    let given_s = problem.nodes_s.split_off(1);
+    let is_followed = growth.legs != Legs::One;
     let mut point = TreePoint::new(&problem, vec![start]);
     let mut random = Random::default();
     let mut parts_s = problem.parts_s(growth.by).into_iter().peekable();
@@ -68,7 +81,7 @@ pub(super) fn grown(
     let mut best_each = f64::INFINITY;
     let (mut share, mut is_lost) = (1.0, false);
     while let Some(part_s) = parts_s.peek().copied() {
-        let until_s = match growth.has_legs {
+        let until_s = match is_followed {
             true => problem.followed_s(&point, (reached_s, part_s), share),
             false => part_s,
         };
@@ -78,7 +91,7 @@ pub(super) fn grown(
         let each = cost / count as f64;
         is_lost = count >= LOST.1 && !(each <= LOST.0 * best_each.max(LOST.2));
         if is_lost {
-            if !growth.has_legs || share <= LESS.0.powi(LESS.1 as i32) {
+            if !is_followed || share <= LESS.0.powi(LESS.1 as i32) {
                 break;
             }
             share *= LESS.0;
@@ -88,9 +101,10 @@ pub(super) fn grown(
         if count >= LOST.1 {
             best_each = each.min(best_each);
         }
-        (problem, point) = match growth.has_legs {
-            true => further.cut(fitted, until_s),
-            false => (further, fitted),
+        (problem, point) = match growth.legs {
+            Legs::One => (further, fitted),
+            Legs::Found => further.cut(fitted, until_s),
+            Legs::Given => further.cut_at(&given_s, fitted, until_s),
         };
         if until_s >= part_s {
             parts_s.next();
@@ -101,7 +115,7 @@ pub(super) fn grown(
         }
     }
     problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
-    let whirls = !growth.has_legs && !(problem.errors_grown(&point) <= WHIRL);
+    let whirls = growth.legs == Legs::One && !(problem.errors_grown(&point) <= WHIRL);
     Grown {
         problem,
         point,

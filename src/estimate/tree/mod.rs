@@ -18,6 +18,7 @@ mod grow;
 pub mod law;
 mod leg;
 mod motions;
+pub mod on_nodes;
 mod optimum;
 pub mod outcome;
 pub mod point;

@@ -2,13 +2,15 @@
 
 use nalgebra::DVector;
 
-use super::adequacy::{self, certainty::Certainty};
+use super::adequacy::certainty::Certainty;
+use super::adequacy::{self, linearised::Linearised};
 use super::motions::{Motions, motions};
 use super::optimum::Solved;
 use super::problem::TreeProblem;
 use super::solve;
 use super::time_line::TimeLine;
 use super::weak;
+use crate::estimate::constraint::bound::at_bound;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
@@ -53,27 +55,23 @@ pub fn estimate(
         [Mechanism::Tree(joined)] => Some(joined),
         _ => None,
     };
-    let judged = alone
-        .filter(|_| verdict == Verdict::Physical && problem.tempo.is_none())
-        .and_then(|joined| adequacy::judge((scene, joined), problem, solution, observer));
-    let (fit, suspects) = judged.unzip();
+    let judged = alone.filter(|_| verdict == Verdict::Physical && problem.tempo.is_none());
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
-    let certainty = (finished.converged && is_asked)
-        .then(|| Certainty::new(problem, solution))
+    let is_asked = finished.converged && is_asked;
+    let linearised = (judged.is_some() || is_asked)
+        .then(|| Linearised::new(problem, solution))
         .flatten();
-    let events = (0..scene.events.len()).map(|event| of_event((&solved, line), sketch, event));
-    let mut events: Vec<EventEstimate> = events.collect();
+    let (fit, suspects) = judged
+        .zip(linearised.as_ref())
+        .and_then(|(joined, of)| adequacy::judge((scene, joined), of, observer))
+        .unzip();
+    let certainty = linearised.filter(|_| is_asked).and_then(Certainty::new);
     let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
-    for event in events.iter_mut().filter(|event| !event.is_fixed) {
-        event.sd_s = sd_of(
-            match problem.events.iter().position(|of| of.event == event.event) {
-                Some(within) => vec![(problem.unknown_of_event(within), 1.0)],
-                None => line.moment(problem, event.acted_s),
-            },
-        );
-    }
+    let events =
+        (0..scene.events.len()).map(|event| of_event((&solved, line), &sd_of, sketch, event));
+    let events: Vec<EventEstimate> = events.collect();
     let motions = match knots.is_empty() {
         true => Motions::default(),
         false => motions((problem, line), scene, &knots, &events),
@@ -107,7 +105,11 @@ pub fn estimate(
     }
     let parameters = problem.parameters.iter().zip(&solution.point.parameters);
     let parameters = parameters.enumerate().map(|(index, (free, value))| {
-        let at_bound = problem.at_bound(&solution.point, index);
+        let at_bound = at_bound(
+            (&problem.parameters, &problem.cones),
+            &solution.point.parameters,
+            index,
+        );
         let moment = vec![(problem.unknown_of_parameter(index), 1.0)];
         // A bound is a prior of half the width.
         let half_width = at_bound.map_or(0.0, |_| 0.5 * free.length());
@@ -155,9 +157,14 @@ pub fn estimate(
 }
 
 /// An event of the scene as estimated.
-fn of_event((solved, line): (&Solved, &TimeLine), sketch: &Sketch, event: usize) -> EventEstimate {
-    let mut within = solved.problem.events.iter();
-    let within = within.position(|of| of.event == event);
+fn of_event(
+    (solved, line): (&Solved, &TimeLine),
+    sd_of: &dyn Fn(Vec<(usize, f64)>) -> Option<f64>,
+    sketch: &Sketch,
+    event: usize,
+) -> EventEstimate {
+    let problem = &solved.problem;
+    let within = problem.events.iter().position(|of| of.event == event);
     let (time_s, acted_s) = match within {
         Some(within) => {
             let time_s = solved.solution.point.event_times_s[within];
@@ -168,11 +175,16 @@ fn of_event((solved, line): (&Solved, &TimeLine), sketch: &Sketch, event: usize)
             (line.time_s(acted_s), acted_s)
         }
     };
+    let is_fixed = within.is_none() && !(line.is_unknown() && acted_s > problem.span_s[0]);
+    let moment = || match within {
+        Some(within) => vec![(problem.unknown_of_event(within), 1.0)],
+        None => line.moment(problem, acted_s),
+    };
     EventEstimate {
         event,
         time_s,
-        sd_s: None,
-        is_fixed: within.is_none() && !(line.is_unknown() && acted_s > solved.problem.span_s[0]),
+        sd_s: (!is_fixed).then(|| sd_of(moment())).flatten(),
+        is_fixed,
         at_bound: None,
         acted_s,
         gap: gap(solved, event, within),

@@ -14,9 +14,9 @@ use crate::optimise::block::BlockPattern;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::optimise::{Program, Structure, System};
 
-/// Weight of a squared radian, metre or their rates that holds what nothing else does where it began, per
-/// information: next to nothing.
-const CALM: f64 = 1e-8;
+/// Weight of a squared radian, metre or their rates, or step, that holds what nothing else does, per information: next
+/// to nothing.
+pub(super) const CALM: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds,
 pub(super) const LENGTHS: [f64; 2] = [0.3, 3.0];
 /// of times \[s\],

@@ -63,6 +63,23 @@ impl TreeProblem {
         (self, point)
     }
 
+    /// The problem and its point with those of some further nodes that are not after a time \[s\].
+    pub(super) fn cut_at(
+        mut self,
+        nodes_s: &[f64],
+        mut point: TreePoint,
+        until_s: f64,
+    ) -> (Self, TreePoint) {
+        let last_s = self.nodes_s[self.nodes_s.len() - 1];
+        let is_next = |node_s: &&f64| **node_s > last_s && **node_s <= until_s;
+        for node_s in nodes_s.iter().filter(is_next) {
+            let state = self.state_at(&point, *node_s);
+            self.nodes_s.push(*node_s);
+            point.nodes.push(state);
+        }
+        (self, point)
+    }
+
     /// Where the last leg has to end, and the state there.
     fn next_node(&self, point: &TreePoint, until_s: f64) -> Option<(f64, TreeState)> {
         let (from_s, from) = (*self.nodes_s.last()?, point.nodes.last()?);

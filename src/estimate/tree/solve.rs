@@ -1,7 +1,10 @@
 //! From a first guess to the optimum: `grow` the part of the sketch that counts; bring the goals in by a sweep; come
 //! near by steps in a trust region; finish.
 
-use super::grow::{Grown, Growth, grown};
+#[cfg(test)]
+mod tests;
+
+use super::grow::{Grown, Growth, Legs, grown};
 use super::optimum::{Solved, approached, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
@@ -18,15 +21,15 @@ use crate::physics::tree::TreeState;
 const GROWTHS: [Growth; 3] = [
     Growth {
         by: 1.5,
-        has_legs: false,
+        legs: Legs::One,
     },
     Growth {
         by: 1.25,
-        has_legs: false,
+        legs: Legs::One,
     },
     Growth {
         by: 1.5,
-        has_legs: true,
+        legs: Legs::Found,
     },
 ];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
@@ -53,7 +56,10 @@ pub fn solve(
     let mut lost = None;
     // Of a tempo and of parameters, which all legs share, one leg alone is tried.
     let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
-    for growth in GROWTHS.iter().filter(|of| !(is_alone && of.has_legs)) {
+    for growth in GROWTHS
+        .iter()
+        .filter(|of| !(is_alone && of.legs == Legs::Found))
+    {
         let of = (problem, starts);
         for (problem, point) in likeliest(of, *growth, &mut lost, &mut work, observer) {
             let at_once = Schedule::default().from_the_last();
@@ -111,7 +117,7 @@ fn likeliest(
             lost.get_or_insert(led);
             continue;
         }
-        if growth.has_legs && led.problem.nodes_s.len() == 1 {
+        if growth.legs == Legs::Found && led.problem.nodes_s.len() == 1 {
             // It has grown as it did without.
             continue;
         }
@@ -163,7 +169,11 @@ fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solve
 
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
 /// spin of a whole chain, the valley is curved. Steps are exact from there on.
-fn swept(grown: Grown, work: &mut Work, observer: &mut dyn Observer) -> (TreeProblem, TreePoint) {
+pub(super) fn swept(
+    grown: Grown,
+    work: &mut Work,
+    observer: &mut dyn Observer,
+) -> (TreeProblem, TreePoint) {
     let Grown {
         mut problem, point, ..
     } = grown;

@@ -15,15 +15,13 @@
 //! ```
 
 use super::sample::TreeSample;
+use crate::estimate::nodes;
 use crate::motion::{Scene, Timing};
 
 /// Distance of knots \[s, acted\]: within it a hand's tempo hardly changes.
 const SPACING_S: f64 = 0.1;
 /// Greatest number of pieces between them: in a longer take they are farther apart.
 const PIECES_MOST: usize = 64;
-/// Distance of samples for which the scene's strength of the prior is \[s, acted\]: of a faster stream it weighs as many
-/// times as there are more of them, so that more samples do not make it say less.
-const DENSE_S: f64 = 0.0045;
 
 /// Where the pace of a motion may change, and how much it does.
 #[derive(Clone, Debug)]
@@ -54,7 +52,9 @@ impl Tempo {
         let knot_s = |knot: usize| from_s + lasts_s * knot as f64 / pieces as f64;
         let mut times_s: Vec<f64> = samples.iter().map(|sample| sample.acted_s).collect();
         times_s.dedup();
-        let crowd = times_s.len() as f64 * DENSE_S / lasts_s;
+        // In a faster stream the prior weighs as many times as there are more samples, so that these do not make it say
+        // less.
+        let crowd = times_s.len() as f64 * nodes::SPACING_S / lasts_s;
         Some(Self {
             knots_s: (0..=pieces).map(knot_s).collect(),
             sd_per_sqrt_s: tempo_sd_per_sqrt_s / crowd.max(1.0).sqrt(),

@@ -7,69 +7,51 @@
 
 use nalgebra::{Cholesky, DVector, Dyn};
 
-use super::errors::{Errors, Left};
-use super::linear::{Held, Linear};
-use crate::estimate::tree::point::TreePoint;
-use crate::estimate::tree::problem::TreeProblem;
-use crate::optimise::Solution;
-use crate::optimise::active::ActiveSet;
-
-/// Weight of a squared step that holds what nothing tells, per information: next to nothing.
-const CALM: f64 = 1e-8;
+use super::errors::{Left, calm};
+use super::linearised::Linearised;
 
 /// Greatest share of what is known of a sum of unknowns that is from it, or nothing tells that.
 const CALM_MOST: f64 = 0.1;
 
 /// Deviations at an optimum.
-pub(in crate::estimate::tree) struct Certainty {
-    errors: Errors,
+pub(in crate::estimate::tree) struct Certainty<'s> {
+    of: Linearised<'s>,
     left: Vec<Left>,
-    held: Held,
     factor: Cholesky<f64, Dyn>,
 }
 
-impl Certainty {
+impl<'s> Certainty<'s> {
     /// At a solution; `None` where something there is no number.
-    pub(in crate::estimate::tree) fn new(
-        problem: &TreeProblem,
-        solution: &Solution<TreePoint>,
-    ) -> Option<Self> {
-        let active = ActiveSet::of(
-            &solution.system,
-            &solution.multipliers,
-            problem.information.1,
-        );
-        let linear = Linear::new(problem, &solution.point, &active)?;
-        let errors = Errors::new(&linear);
-        let held = linear.held();
-        let left = errors.left(&held.free, (&[], &linear.residuals), problem.information.0);
-        let mut square = held.free.tr_mul(&held.free);
-        for at in 0..square.nrows() {
-            square[(at, at)] += CALM * problem.information.0;
-        }
+    pub(in crate::estimate::tree) fn new(of: Linearised<'s>) -> Option<Self> {
+        let information = of.problem.information.0;
+        let columns = (&[][..], &of.linear.residuals);
+        let left = of.errors.left(&of.held.free, columns, information);
+        let mut square = of.held.free.tr_mul(&of.held.free);
+        calm(&mut square, information);
         let factor = square.cholesky()?;
-        (!left.is_empty()).then_some(Self {
-            errors,
-            left,
-            held,
-            factor,
-        })
+        (!left.is_empty()).then_some(Self { of, left, factor })
     }
 
     /// Standard deviation of a sum of unknowns, each with a factor; `None` where neither samples nor priors tell it.
     pub(in crate::estimate::tree) fn sd(&self, moment: &[(usize, f64)]) -> Option<f64> {
-        let mut of = DVector::zeros(self.held.basis.nrows());
+        let mut sum = DVector::zeros(self.of.held.basis.nrows());
         for (unknown, factor) in moment {
-            of[*unknown] += factor;
+            sum[*unknown] += factor;
         }
-        let free = self.held.basis.tr_mul(&of);
+        let free = self.of.held.basis.tr_mul(&sum);
         let answer = self.factor.solve(&free);
-        let response = &self.held.free * &answer;
+        let response = &self.of.held.free * &answer;
         let (own, seen) = (free.dot(&answer), response.norm_squared());
         // Written so that what is no number is not told.
         if !(own - seen <= CALM_MOST * own) {
             return None;
         }
-        Some(self.errors.variance(&self.left, &response).max(0.0).sqrt())
+        Some(
+            self.of
+                .errors
+                .variance(&self.left, &response)
+                .max(0.0)
+                .sqrt(),
+        )
     }
 }

@@ -16,13 +16,12 @@ use super::linear::{self, Linear, Series};
 use crate::estimate::adequacy::hand::{self, EXPONENTS};
 use crate::estimate::covariance::bins::{Bin, Bins, Residuals};
 use crate::estimate::covariance::noise;
+use crate::estimate::tree::program::CALM;
 
 /// Greatest number of bins of a series, and of all.
 const BINS: [usize; 2] = [32, 64];
 /// Sizes of a wander, in weights of the samples: a hand strays by no more than ten.
 const SIZES: [f64; 7] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
-/// Weight of a squared step that holds what nothing tells, per information: next to nothing.
-const CALM: f64 = 1e-8;
 /// Least variance of white noise, in squared weights: what numbers in files are rounded to.
 const LEAST: f64 = 1e-10;
 
@@ -239,7 +238,8 @@ impl Errors {
     }
 }
 
-fn calm(matrix: &mut DMatrix<f64>, information: f64) {
+/// Holds what nothing tells.
+pub(super) fn calm(matrix: &mut DMatrix<f64>, information: f64) {
     for at in 0..matrix.nrows() {
         matrix[(at, at)] += CALM * information;
     }

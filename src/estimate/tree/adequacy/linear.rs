@@ -15,15 +15,13 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::estimate::tree::program::{CALM, Part, TreeProgram};
 use crate::estimate::tree::sample::Residual;
 use crate::math::span::Span;
 use crate::motion::{GoalUnit, TrackIndex};
 use crate::optimise::active::ActiveSet;
 use crate::optimise::{Program, System};
 
-/// Weight of a squared step that holds what nothing tells where it is, per information: next to nothing.
-const CALM: f64 = 1e-8;
 /// A pivot below which a row depends on others.
 const DEPENDENT: f64 = 1e-7;
 /// Share of the largest singular value below which a direction of the rows is none.

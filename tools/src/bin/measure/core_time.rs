@@ -5,6 +5,10 @@ use std::time::Instant;
 
 use enact::motion::Observer;
 
+/// After which an answer about joined bodies is told to stop, where its subject says nothing else \[s on a core\]; it has
+/// failed then.
+pub const ANSWER_S: f64 = 10.0;
+
 /// Time of this thread on a core since it began; where the system does not say, time by the clock.
 pub struct CoreTime {
     begin: Instant,

@@ -5,7 +5,7 @@ mod struck;
 use std::time::Instant;
 
 use anyhow::Result;
-use enact::motion::{Estimate, Scene, TakeEvent, Verdict};
+use enact::motion::{Estimate, Scene, TakeEvent, TrackResidual, Verdict};
 use enact::pipeline::Pipeline;
 use enact_tools::elbow::{self, Reading, Reads};
 use serde::Serialize;
@@ -43,6 +43,24 @@ fn finished(scene: Scene, events: &[TakeEvent]) -> Estimate {
     outcome.expect("an estimate").estimate
 }
 
+/// The greatest residual of a kind of the bodies that are seen.
+fn greatest(estimate: &Estimate, of: impl Fn(&TrackResidual) -> Option<f64>) -> Option<f64> {
+    let residuals = estimate.trees.first()?.residuals.iter();
+    residuals.filter_map(of).reduce(f64::max)
+}
+
+/// Between which values the middle half lies.
+fn middle_half(values: &[f64]) -> String {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quarter = sorted.len() / 4;
+    let ends = (sorted.iter().nth(quarter), sorted.iter().nth_back(quarter));
+    match ends {
+        (Some(low), Some(high)) => format!("{low:.2} to {high:.2}"),
+        _ => String::new(),
+    }
+}
+
 /// The gravity with the lowest objective, of the parabola through three.
 fn gravity_m_s2(scene: &Scene, events: &[TakeEvent]) -> Option<f64> {
     let [low, middle, high] = GRAVITIES_M_S2.map(|gravity_m_s2| {
@@ -63,10 +81,6 @@ impl Flown {
         let seconds = begin.elapsed().as_secs_f64();
         let motion = estimate.trees.first();
         let is_motion = estimate.verdict != Verdict::Failed;
-        let greatest = |of: &dyn Fn(&enact::motion::TrackResidual) -> Option<f64>| {
-            let residuals = motion?.residuals.iter().filter_map(of);
-            residuals.reduce(f64::max)
-        };
         let angle_off_deg = motion.filter(|_| is_motion).map(|motion| {
             let (_, joined) = scene.joint_trees().next().expect("a tree");
             let tree = scene.tree_model(joined);
@@ -95,8 +109,8 @@ impl Flown {
                 .iter()
                 .map(|of| of.about.as_str().to_owned())
                 .collect(),
-            off_mm: greatest(&|of| of.position_rms_m.map(|m| 1e3 * m)),
-            off_deg: greatest(&|of| of.orientation_rms_rad.map(f64::to_degrees)),
+            off_mm: greatest(&estimate, |of| of.position_rms_m.map(|m| 1e3 * m)),
+            off_deg: greatest(&estimate, |of| of.orientation_rms_rad.map(f64::to_degrees)),
             angle_off_deg,
             gravity_m_s2: gravity_m_s2(&scene, &events),
             seconds,
@@ -171,12 +185,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         }
         let of =
             |of: &dyn Fn(&Flown) -> Option<f64>| all.iter().filter_map(of).collect::<Vec<f64>>();
-        let mut gravities = of(&|one| one.gravity_m_s2);
-        gravities.sort_by(f64::total_cmp);
-        let quarter = gravities.len() / 4;
-        let middle = gravities
-            .get(quarter)
-            .zip(gravities.get(gravities.len() - 1 - quarter));
+        let gravities = of(&|one| one.gravity_m_s2);
         table.row([
             name.to_owned(),
             all.len().to_string(),
@@ -188,9 +197,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             number(median(&of(&|one| one.angle_off_deg))),
             number(largest(&of(&|one| one.angle_off_deg))),
             number(median(&gravities)),
-            middle.map_or(String::new(), |(low, high)| {
-                format!("{low:.2} to {high:.2}")
-            }),
+            middle_half(&gravities),
             number(1e3 * median(&of(&|one| Some(one.seconds)))),
         ]);
         eprintln!("  {name}");

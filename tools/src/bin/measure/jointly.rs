@@ -1,7 +1,5 @@
 //! Scenes of joined bodies with one thing wrong: whether that is seen, and what is blamed.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use enact::motion::{Fits, Scene, TakeEvent, Verdict};
 use enact::pipeline::Pipeline;
@@ -11,7 +9,7 @@ use enact_tools::tree_impacts::{Acted, Struck, strike};
 use enact_tools::trees::{Jointed, Kind, TreeActing, perform};
 use serde::Serialize;
 
-use crate::limit::Limit;
+use crate::core_time::{ANSWER_S, CoreLimit, CoreTime};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::median;
@@ -50,9 +48,10 @@ impl Said {
         events: &[TakeEvent],
         is_it: &dyn Fn(enact::motion::Quantity) -> bool,
     ) -> Self {
-        let begin = Instant::now();
-        let outcome = Pipeline::of(scene.clone(), events.iter().cloned()).finish(&mut Limit(begin));
-        let seconds = begin.elapsed().as_secs_f64();
+        let time = CoreTime::begin();
+        let limit = &mut CoreLimit(&time, ANSWER_S);
+        let outcome = Pipeline::of(scene.clone(), events.iter().cloned()).finish(limit);
+        let seconds = time.seconds();
         let estimate = outcome.expect("an estimate").estimate;
         let suspects = &estimate.suspects;
         let is_culprit = |suspect: &enact::motion::Suspect| {

@@ -30,11 +30,11 @@ mod held;
 mod joined;
 mod joined_cost;
 mod joined_peers;
+mod joined_shooting;
 mod joined_stress;
 mod jointly;
 mod keyframes;
 mod ladder;
-mod limit;
 mod mechanisms;
 mod methods;
 mod nonsense;
@@ -218,6 +218,11 @@ const SUBJECTS: &[Subject] = &[
         "joined_cost",
         "how cost grows with links, segments and duration of joined bodies",
         joined_cost::run
+    ),
+    subject!(
+        "joined_shooting",
+        "single beside multiple shooting of chains and pendulums: where each stops to converge",
+        joined_shooting::run
     ),
     subject!(
         "joined_stress",

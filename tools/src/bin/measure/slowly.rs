@@ -1,21 +1,22 @@
 //! Chains and pendulums acted in slow motion whose tempo is not known: how often a motion is found, and how near its times
 //! are to the true ones.
 
-use std::time::Instant;
-
 use anyhow::Result;
-use enact::motion::Verdict;
+use enact::motion::{End, Verdict};
 use enact::pipeline::Pipeline;
 use enact_tools::trees::{Jointed, Kind, TreeActing, perform};
 use serde::Serialize;
 
+use crate::core_time::{CoreLimit, CoreTime};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent, share};
 
 /// Performances of a row.
-const PERFORMANCES: u64 = 20;
+const PERFORMANCES: u64 = 10;
+/// After which an answer is told to stop \[s on a core\].
+const LIMIT_S: f64 = 20.0;
 
 /// One performance.
 #[derive(Serialize)]
@@ -23,6 +24,7 @@ struct Performed {
     seed: u64,
     verdict: String,
     is_physical: bool,
+    is_stopped: bool,
     /// Root mean square error of the samples' times \[ms\].
     off_ms: Option<f64>,
     /// Of the duration, as a share of the true one,
@@ -38,9 +40,10 @@ impl Performed {
     fn of(kind: &Kind, acting: &TreeActing, seed: u64) -> Self {
         let performance = perform(kind, acting, seed);
         let events = performance.events.iter().cloned();
-        let begin = Instant::now();
-        let outcome = Pipeline::of(performance.scene.clone(), events).finish(&mut ());
-        let seconds = begin.elapsed().as_secs_f64();
+        let time = CoreTime::begin();
+        let limit = &mut CoreLimit(&time, LIMIT_S);
+        let outcome = Pipeline::of(performance.scene.clone(), events).finish(limit);
+        let seconds = time.seconds();
         let estimate = outcome.expect("an estimate").estimate;
         let is_physical = estimate.verdict == Verdict::Physical;
         let lasting = estimate.duration;
@@ -54,6 +57,7 @@ impl Performed {
             seed,
             verdict: format!("{:?}", estimate.verdict).to_lowercase(),
             is_physical,
+            is_stopped: matches!(estimate.reason.end, End::Stopped(_)),
             off_ms: told(1e3 * (squares.sum::<f64>() / count).sqrt()),
             duration_off: told(off_s.abs() / performance.duration_s),
             duration_deviations: lasting.sd_s.and_then(|sd_s| told(off_s.abs() / sd_s)),
@@ -71,6 +75,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         "hand",
         "performances",
         "physical",
+        "stopped",
         "times off, ms",
         "most, ms",
         "duration off, %",
@@ -81,7 +86,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     ];
     let mut table = Table::new("slowly", "", &header);
     let mut numbers = Vec::new();
-    let (mut physical, mut count) = (0, 0);
+    let (mut physical, mut stopped, mut count) = (0, 0, 0);
     for (name, kind) in [
         ("the chain", Kind::CHAIN),
         ("pendulum of 2, pins", Kind::pendulum(2, Jointed::Pin)),
@@ -120,6 +125,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
                 hand.to_owned(),
                 all.len().to_string(),
                 share(&all, |one| one.is_physical),
+                share(&all, |one| one.is_stopped),
                 number(median(&of(&|one| one.off_ms))),
                 number(largest(&of(&|one| one.off_ms))),
                 number(100.0 * median(&of(&|one| one.duration_off))),
@@ -131,14 +137,16 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             eprintln!("  {name}, {hand}");
             if distortion > 0.0 {
                 physical += all.iter().filter(|one| one.is_physical).count();
+                stopped += all.iter().filter(|one| one.is_stopped).count();
                 count += all.len();
             }
             numbers.push((name, hand, all));
         }
     }
     record.say(format!(
-        "Chains and pendulums in slow motion whose tempo is not known, acted by a usual hand: {} are found.",
-        percent(physical, count)
+        "Chains and pendulums in slow motion whose tempo is not known, acted by a usual hand: {} are found, {} stopped after {LIMIT_S} s on a core.",
+        percent(physical, count),
+        percent(stopped, count)
     ));
     record.table(table);
     record.numbers("slowly", &numbers)

@@ -1,7 +1,5 @@
 //! Bodies joined in trees that hit a table, bodies by themselves and each other: how often a motion is found, and how near it is to the true one.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use enact::motion::Verdict;
 use enact::pipeline::Pipeline;
@@ -10,7 +8,7 @@ use enact_tools::tree_meetings::{Meet, Met, meet};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
 
-use crate::limit::Limit;
+use crate::core_time::{ANSWER_S, CoreLimit, CoreTime};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
@@ -58,10 +56,11 @@ struct Performed {
 impl Performed {
     fn of(kind: &Kind, acted: &Acted, seed: u64) -> Self {
         let strike = kind.perform(acted, seed);
-        let begin = Instant::now();
+        let time = CoreTime::begin();
         let events = strike.events.iter().cloned();
-        let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut Limit(begin));
-        let seconds = begin.elapsed().as_secs_f64();
+        let limit = &mut CoreLimit(&time, ANSWER_S);
+        let outcome = Pipeline::of(strike.scene.clone(), events).finish(limit);
+        let seconds = time.seconds();
         let outcome = outcome.expect("an estimate");
         let estimate = &outcome.estimate;
         let is_motion = estimate.verdict != Verdict::Failed;

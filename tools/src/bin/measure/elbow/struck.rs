@@ -1,11 +1,11 @@
 //! Real tosses of two boxes joined by a hinge through their first impact: with the law of the impact given, and free.
 
 use anyhow::Result;
-use enact::motion::{Estimate, TrackIndex, TrackResidual, Verdict};
+use enact::motion::{Estimate, TrackIndex, Verdict};
 use enact_tools::elbow::{self, FirstImpact, ReadLaw, Reads};
 use serde::Serialize;
 
-use super::finished;
+use super::{finished, greatest, middle_half};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
@@ -39,15 +39,10 @@ impl Hit {
     fn of(toss: String, of: &FirstImpact, reads: &Reads, law: &ReadLaw) -> (Self, f64) {
         let (scene, events) = elbow::take_struck(of, reads, law);
         let estimate = finished(scene.clone(), &events);
-        let motion = estimate.trees.first();
         let is_motion = estimate.verdict != Verdict::Failed;
         let free = |name: &str| {
             let mut all = estimate.parameters.iter();
             all.find(|of| of.name == name && is_motion)
-        };
-        let greatest = |of: &dyn Fn(&TrackResidual) -> Option<f64>| {
-            let residuals = motion?.residuals.iter().filter_map(of);
-            residuals.reduce(f64::max)
         };
         let hit = Self {
             toss,
@@ -62,7 +57,7 @@ impl Hit {
                 .map(|of| of.about.as_str().to_owned())
                 .collect(),
             off_mm: is_motion.then(|| off_mm(of, &scene, &estimate)).flatten(),
-            off_deg: greatest(&|of| of.orientation_rms_rad.map(f64::to_degrees))
+            off_deg: greatest(&estimate, |of| of.orientation_rms_rad.map(f64::to_degrees))
                 .filter(|_| is_motion),
             restitution: free("hit.restitution").map(|of| of.value),
             restitution_sd: free("hit.restitution").and_then(|of| of.sd),
@@ -175,12 +170,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         });
         let all: Vec<Hit> = all.collect();
         let of = |of: &dyn Fn(&Hit) -> Option<f64>| all.iter().filter_map(of).collect::<Vec<f64>>();
-        let mut restitutions = of(&|one| one.restitution);
-        restitutions.sort_by(f64::total_cmp);
-        let quarter = restitutions.len() / 4;
-        let middle = restitutions
-            .get(quarter)
-            .zip(restitutions.get((restitutions.len().max(1) - 1) - quarter));
+        let restitutions = of(&|one| one.restitution);
         table.row([
             name.to_owned(),
             all.len().to_string(),
@@ -193,9 +183,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             }))),
             number(median(&of(&|one| one.off_deg))),
             number(median(&restitutions)),
-            middle.map_or(String::new(), |(low, high)| {
-                format!("{low:.2} to {high:.2}")
-            }),
+            middle_half(&restitutions),
             number(median(&of(&|one| one.restitution_sd))),
             number(median(&of(&|one| one.friction))),
         ]);
