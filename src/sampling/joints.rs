@@ -38,7 +38,7 @@ pub(super) fn joint_frames(
     (mechanism, joined): (MechanismIndex, &JointTree),
     at: (Stamp, f64),
 ) -> Result<Vec<JointSample>, SamplingError> {
-    let tree = scene.tree_model(joined);
+    let tree = scene.tree_model_with(joined, &estimate.held);
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
     let mut before = vec![0.0; hinge_count(joined)];
     let states = tree_states((scene, &tree), estimate, mechanism, at)?;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::jets;
 use super::knot::{Driven, Knot};
+use crate::physics::tree::Carrier;
 
 /// A motion through knots: a state and its rates at every time.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +62,13 @@ impl Curve {
             speed + BULGE * change * longest_s,
             spin + BULGE * bend * longest_s,
         ]
+    }
+}
+
+/// What joined bodies may hang from.
+impl Carrier for Curve {
+    fn at(&self, time_s: f64) -> Driven {
+        Curve::at(self, time_s)
     }
 }
 

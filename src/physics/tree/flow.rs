@@ -51,6 +51,7 @@ pub struct Flow<'t> {
     /// its length \[s\], when it began, and which share of it is over.
     pub(super) step_s: f64,
     step_number: usize,
+    pub(super) begun_s: f64,
     pub(super) share: f64,
     pub(super) start: Start,
     /// Time since the start \[s\].
@@ -62,6 +63,7 @@ pub struct Flow<'t> {
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     pub state: Vec<f64>,
+    pub time_s: f64,
     pub rotation: nalgebra::Matrix3<f64>,
     pub centre: Centre,
     /// Of a free tree: centre of mass [m, world] and its velocity.
@@ -101,9 +103,11 @@ impl<'t> Flow<'t> {
             stages: 0,
             step_s: 0.0,
             step_number: 0,
+            begun_s: 0.0,
             share: 0.0,
             start: Start {
                 state: vec![0.0; size],
+                time_s: 0.0,
                 rotation: nalgebra::Matrix3::identity(),
                 centre: Centre::new(tree),
                 centre_m: Vector3::zeros(),
@@ -120,6 +124,7 @@ impl<'t> Flow<'t> {
         let (coordinates, rates) = self.start.state.split_at_mut(tree.coordinates);
         coordinates.copy_from_slice(&state.coordinates[shift..]);
         rates.copy_from_slice(&state.rates[shift..]);
+        self.start.time_s = state.time_s;
         self.has_derivatives = has_derivatives;
         self.restart();
         if tree.is_free {
@@ -141,11 +146,12 @@ impl<'t> Flow<'t> {
             self.seed();
         }
         (self.elapsed_s, self.step_s, self.step_number) = (0.0, 0.0, 0);
-        self.begin_step();
+        self.begin_step(0.0);
     }
 
-    /// A step begins now.
-    fn begin_step(&mut self) {
+    /// A step begins now, at a time since the start \[s\].
+    fn begin_step(&mut self, begun_s: f64) {
+        self.begun_s = begun_s;
         self.from.copy_from_slice(&self.state);
         if self.has_derivatives {
             self.from_changes.copy_from_slice(&self.changes);
@@ -156,12 +162,12 @@ impl<'t> Flow<'t> {
     /// Goes on for `duration_s` (negative: back) in `steps` equal steps, at least one.
     pub fn advance(&mut self, duration_s: f64, steps: usize) {
         self.step_s = duration_s / steps as f64;
-        for _ in 0..steps {
-            self.begin_step();
+        for step in 0..steps {
+            self.begin_step(self.elapsed_s + step as f64 * self.step_s);
             self.end_step();
         }
         self.elapsed_s += duration_s;
-        self.begin_step();
+        self.begin_step(self.elapsed_s);
         // No step from the start: what reaches a time begins there again.
         self.step_s = 0.0;
     }
@@ -187,11 +193,11 @@ impl<'t> Flow<'t> {
             }
             self.end_step();
             let has_end = self.stages > self.tableau.b.len();
-            self.begin_step();
+            self.step_number += 1;
+            self.begin_step(self.step_number as f64 * step_s);
             if has_end {
                 self.keep_end();
             }
-            self.step_number += 1;
         };
         self.elapsed_s = elapsed_s;
         self.tell(share);
@@ -219,7 +225,11 @@ impl<'t> Flow<'t> {
             let inverse = 1.0 / turn.iter().map(|part| part * part).sum::<f64>().sqrt();
             turn.iter_mut().for_each(|part| *part *= inverse);
         }
-        TreeState { coordinates, rates }
+        TreeState {
+            coordinates,
+            rates,
+            time_s: self.start.time_s + self.elapsed_s,
+        }
     }
 
     /// Centre of mass of a free tree now [m, world], and its velocity.

@@ -1,7 +1,7 @@
 //! Where the nodes of a tree are and how they move.
 //!
-//! All vectors are in one frame. For a clamped tree it has the world's axes and its origin where the
-//! first joint is; for a free one it is the first link's own frame, at this instant: how the links move
+//! All vectors are in one frame. For a clamped tree it has the world's axes, or those of the held body from which
+//! it hangs, at this instant, and its origin where the first joint is; for a free one it is the first link's own frame, at this instant: how the links move
 //! against each other does not depend on where the first one is, where it points and how fast its
 //! centre flies (Galilei), so that these do not even come in.
 
@@ -11,7 +11,7 @@ use super::model::{Motor, Tree};
 use super::spatial::Motion;
 use super::state::quaternion;
 
-/// How what the tree hangs from moves: the door for a tree in a hand. For a free tree it is all zero.
+/// How what the tree hangs from moves, as a [hand](super::Hand) does. For a free tree it is all zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     /// Velocity.

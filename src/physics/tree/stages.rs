@@ -79,6 +79,12 @@ impl Flow<'_> {
                 &self.slopes,
                 &mut self.stage,
             );
+            if let Some(hand) = &self.tree.hand {
+                let share: f64 = weights.iter().sum();
+                let since_s = self.begun_s + share * self.step_s;
+                let held = hand.anchor(self.tree, self.start.time_s + since_s);
+                self.root = held.root(&self.gravity_m_s2);
+            }
             self.slope(stage);
             if self.has_derivatives {
                 let (from, to) = (&self.from_changes, &mut self.stage_changes);
