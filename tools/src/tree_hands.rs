@@ -1,16 +1,20 @@
 //! Performances of pendulums that hang from a handle: a hand swings it, and a tracker sees the handle, another the tip.
 
+use std::path::Path;
+
 use enact::config::scene_from_toml;
 use enact::math::Pose;
 use enact::motion::held::Driven;
 use enact::motion::{Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use enact::physics::State;
 use enact::physics::tree::{Carrier, Flow, Hand, Snapshot, Tree, TreeState, tableau};
+use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::perform::recording;
 use crate::perform::wander::{HAND_POSITION, Wander};
 use crate::trees::{Jointed, ROD_M, joint_toml};
 
@@ -64,6 +68,13 @@ pub struct HandPerformance {
     pub tree: Tree,
     /// The true states at every sample.
     pub states: Vec<TreeState>,
+}
+
+impl HandPerformance {
+    /// Writes it with its scene.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        recording::write_events_of(&self.scene, &self.scene_toml, &self.events, path)
+    }
 }
 
 /// A hand that swings: along and about every axis, in some rhythm.

@@ -68,8 +68,8 @@ fn derivatives_are_those_of_differences() {
     }
 }
 
-/// Rods that hang from a hand, which moves by white noise, with a waypoint within a step: derivatives by its time and by the
-/// states of three nodes.
+/// Rods that hang from a hand that swings, with a waypoint within a step: derivatives by its time and by the states of
+/// three nodes.
 #[test]
 fn derivatives_in_a_hand_are_those_of_differences() {
     let text = include_str!("../../../config/chain.toml");
@@ -89,14 +89,13 @@ fn derivatives_in_a_hand_are_those_of_differences() {
         sd_s: 0.01,
         counted: 1.0,
     });
-    let mut random = Random::default();
     for (track, of) in sketch.tracks.iter_mut_enumerated() {
         if scene.sees_held(track) {
             for sample in &mut of.samples {
-                let mut vector = || Vector3::new(random.signed(), random.signed(), random.signed());
+                let (sin, cos) = (20.0 * sample.acted_s).sin_cos();
                 sample.seen = Seen::Pose {
-                    position_m: vector() * 0.01,
-                    orientation: crate::math::so3::exp(&(vector() * 0.1)),
+                    position_m: Vector3::new(0.05 * sin, 0.03 * cos, sample.acted_s),
+                    orientation: crate::math::so3::exp(&Vector3::new(0.2 * cos, 0.3 * sin, 0.1)),
                 };
             }
         }

@@ -70,6 +70,14 @@ impl Carrier for Curve {
     fn at(&self, time_s: f64) -> Driven {
         Curve::at(self, time_s)
     }
+
+    fn next_kink_s(&self, from_s: f64, is_later: bool) -> Option<f64> {
+        let at = match is_later {
+            true => Some(self.knots.partition_point(|knot| knot.time_s <= from_s)),
+            false => (self.knots.partition_point(|knot| knot.time_s < from_s)).checked_sub(1),
+        };
+        Some(self.knots.get(at?)?.time_s)
+    }
 }
 
 /// By so much an acceleration between two knots is greater than at both, in a bound.

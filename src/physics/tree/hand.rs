@@ -13,9 +13,6 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::kinematics::Root;
-use super::model::Tree;
-use super::spatial::Motion;
 use crate::math::so3;
 use crate::physics::driven::Driven;
 
@@ -23,7 +20,16 @@ use crate::physics::driven::Driven;
 pub trait Carrier: Debug + Send + Sync {
     /// Its state at a time \[s\], with accelerations.
     fn at(&self, time_s: f64) -> Driven;
+
+    /// The first time beyond one, later or earlier \[s\], at which the accelerations go on, but not smoothly: a step of an
+    /// integrator must end there. None of a motion that is smooth.
+    fn next_kink_s(&self, _from_s: f64, _is_later: bool) -> Option<f64> {
+        None
+    }
 }
+
+/// Kinks that are nearer than this are one \[s\].
+const APART_S: f64 = 1e-9;
 
 /// The held body from which a tree hangs.
 #[derive(Clone, Debug)]
@@ -35,15 +41,32 @@ impl Hand {
         Self(Arc::new(carrier))
     }
 
-    /// How it moves where a tree's first joint is.
-    pub(super) fn anchor(&self, tree: &Tree, time_s: f64) -> Anchor {
+    /// The step from a time towards an end \[s\]: one of equal ones, not longer than `most_s`, to the next kink or to the end.
+    pub(super) fn step_s(&self, from_s: f64, end_s: f64, most_s: f64) -> f64 {
+        let is_later = most_s >= 0.0;
+        let beyond_s = from_s + APART_S.copysign(most_s);
+        let kink_s = self.0.next_kink_s(beyond_s, is_later);
+        let until_s = kink_s.map_or(end_s, |kink_s| match is_later {
+            true => kink_s.min(end_s),
+            false => kink_s.max(end_s),
+        });
+        let left_s = until_s - from_s;
+        match left_s.is_finite() {
+            // What rounding adds is no further step.
+            true => left_s / (left_s / most_s - 1e-6).ceil().max(1.0),
+            false => most_s,
+        }
+    }
+
+    /// How it moves where a tree's first joint is [m, held body].
+    pub(super) fn anchor(&self, arm_m: &Vector3<f64>, time_s: f64) -> Anchor {
         let Driven {
             state,
             acceleration_m_s2,
             angular_acceleration_rad_s2: spin_rate,
         } = self.0.at(time_s);
         let turn = so3::matrix(&state.orientation);
-        let (arm_m, spin) = (&tree.anchor_m, state.angular_velocity_rad_s);
+        let spin = state.angular_velocity_rad_s;
         let swing = spin.cross(arm_m);
         let lever = spin_rate.cross(arm_m) + spin.cross(&swing);
         Anchor {
@@ -76,21 +99,4 @@ pub(super) struct Anchor {
     /// In the held body's axes.
     pub spin_rad_s: Vector3<f64>,
     pub spin_rate_rad_s2: Vector3<f64>,
-}
-
-impl Anchor {
-    /// How it moves in the tree's frame, in a field of gravity [m/s²].
-    pub(super) fn root(&self, gravity_m_s2: &Vector3<f64>) -> Root {
-        let linear = self.turn.tr_mul(&(self.acceleration_m_s2 - gravity_m_s2));
-        Root {
-            velocity: Motion {
-                angular: self.spin_rad_s,
-                linear: Vector3::zeros(),
-            },
-            acceleration: Motion {
-                angular: self.spin_rate_rad_s2,
-                linear,
-            },
-        }
-    }
 }

@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::hand::Anchor;
 use super::model::{Motor, Tree};
 use super::spatial::Motion;
 use super::state::quaternion;
@@ -28,6 +29,21 @@ impl Root {
             acceleration: Motion {
                 angular: Vector3::zeros(),
                 linear: -gravity_m_s2,
+            },
+        }
+    }
+
+    /// Of what hangs from a hand, in the held body's axes, in a field of gravity [m/s², world].
+    pub(super) fn in_hand(anchor: &Anchor, gravity_m_s2: &Vector3<f64>) -> Self {
+        let pulled_m_s2 = anchor.acceleration_m_s2 - gravity_m_s2;
+        Self {
+            velocity: Motion {
+                angular: anchor.spin_rad_s,
+                linear: Vector3::zeros(),
+            },
+            acceleration: Motion {
+                angular: anchor.spin_rate_rad_s2,
+                linear: anchor.turn.tr_mul(&pulled_m_s2),
             },
         }
     }

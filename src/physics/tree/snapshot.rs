@@ -69,8 +69,8 @@ impl<'t> Snapshot<'t> {
             self.velocity_m_s = Vector3::from_column_slice(&state.rates[..3]);
         }
         if let Some(hand) = &self.tree.hand {
-            let held = hand.anchor(self.tree, state.time_s);
-            self.root = held.root(&self.gravity_m_s2);
+            let held = hand.anchor(&self.tree.anchor_m, state.time_s);
+            self.root = Root::in_hand(&held, &self.gravity_m_s2);
             self.turn = held.turn;
             self.origin_m = held.position_m;
             self.velocity_m_s = held.velocity_m_s;
