@@ -174,7 +174,7 @@ struct TreeMotion<'a> {
 fn trees<'a>(scene: &'a Scene, estimate: &Estimate, time_s: f64) -> Vec<TreeMotion<'a>> {
     let motions = estimate.trees.iter().filter_map(|motion| {
         let joined = scene.joint_tree(motion.mechanism)?;
-        let model = scene.tree_model(joined);
+        let model = scene.tree_model_with(joined, &estimate.held);
         let state = motion.state(&model, &estimate.gravity_m_s2, time_s);
         Some(TreeMotion {
             joined,

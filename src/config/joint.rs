@@ -36,25 +36,26 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
     let Some(first) = joints.first().map(|(_, span)| span.clone()) else {
         return Ok(());
     };
-    refused::refuse(raw, scene, &first)?;
+    refused::refuse(raw, scene)?;
     let mut mechanisms: Vec<Mechanism> = Vec::new();
     let mut left = joints;
     for link in scene.links.keys() {
         let is_child = |(of, _): &(Joint, Range<usize>)| of.child == link;
-        let hangs_from_world =
-            |(of, _): &(Joint, Range<usize>)| of.child == link && of.parent.is_none();
+        let is_root =
+            |(of, _): &(Joint, Range<usize>)| of.child == link && hangs_outside(scene, of);
         let is_base = !left.iter().any(is_child);
         let is_parent = left.iter().any(|(of, _)| of.parent == Some(link));
-        if is_base && !is_parent && !mechanisms.iter().any(|of| of.links().any(|l| l == link)) {
+        let is_free = is_base && (!is_parent || scene.is_held(link));
+        if is_free && !mechanisms.iter().any(|of| of.links().any(|l| l == link)) {
             mechanisms.push(Mechanism::Free(link));
-        } else if is_base && is_parent || left.iter().any(hangs_from_world) {
+        } else if is_base && is_parent || left.iter().any(is_root) {
             let base = is_base.then_some(link);
-            mechanisms.push(Mechanism::Tree(taken(base, link, &mut left)));
+            mechanisms.push(Mechanism::Tree(taken(scene, base, link, &mut left)));
         }
     }
     if let Some((of, span)) = left.first() {
         let said = format!(
-            "{:?} ties bodies to a circle, expected a tree: each child hangs from a parent, and the first from the world or from nothing",
+            "{:?} ties bodies to a circle, expected a tree: each child hangs from a parent, and the first from the world, a held body or nothing",
             of.name
         );
         return fault(span.clone(), said);
@@ -67,6 +68,12 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
                 format!("the joints allow no motion: {error}"),
             );
         }
+    }
+    let moving = mechanisms.iter().flat_map(Mechanism::links);
+    let has_hand = moving.into_iter().any(|link| scene.is_held(link));
+    if has_hand && let Some(settle_s) = &raw.settle_s {
+        let said = "joined bodies are not continued beside a held one, expected no settle_s";
+        return fault(settle_s.span(), said);
     }
     if mechanisms.len() > 1
         && let Some(settle_s) = &raw.settle_s
@@ -86,13 +93,14 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
 
 /// The tree that begins with a link, whose joints are taken out of those left.
 fn taken(
+    scene: &Scene,
     base: Option<LinkIndex>,
     first: LinkIndex,
     left: &mut Vec<(Joint, Range<usize>)>,
 ) -> JointTree {
     let mut known = vec![first];
     let mut joints = Vec::new();
-    let is_root = |(of, _): &(Joint, Range<usize>)| of.child == first && of.parent.is_none();
+    let is_root = |(of, _): &(Joint, Range<usize>)| of.child == first && hangs_outside(scene, of);
     if let Some(at) = left.iter().position(is_root) {
         joints.push(left.remove(at).0);
     }
@@ -103,6 +111,11 @@ fn taken(
         joints.push(joint);
     }
     JointTree { base, joints }
+}
+
+/// Whether a joint begins a tree: what it hangs from is no part of that.
+fn hangs_outside(scene: &Scene, joint: &Joint) -> bool {
+    joint.parent.is_none_or(|parent| scene.is_held(parent))
 }
 
 fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
@@ -117,20 +130,12 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
             "a body hangs from itself, expected another",
         );
     }
-    for (link, text) in [
-        (Some(child), Some(&raw.child)),
-        (parent, raw.parent.as_ref()),
-    ] {
-        let (Some(link), Some(text)) = (link, text) else {
-            continue;
-        };
-        if scene.is_held(link) {
-            let said = format!(
-                "{:?} is held, expected bodies that move by themselves",
-                scene.links[link].name
-            );
-            return fault(text.span(), said);
-        }
+    if scene.is_held(child) {
+        let said = format!(
+            "{:?} is held and goes where it was tracked, expected it as the parent of what hangs from it",
+            scene.links[child].name
+        );
+        return fault(raw.child.span(), said);
     }
     let kind = kind(spanned)?;
     let place = |key: &str, triple: &Option<Triple>| match triple {

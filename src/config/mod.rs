@@ -66,7 +66,7 @@
 //!
 //! # Joints
 //!
-//! `[[joint]]` ties a body, its `child`, to a `parent` or to the world; what joints connect moves as one
+//! `[[joint]]` ties a body, its `child`, to a `parent`, which may be held, or to the world; what joints connect moves as one
 //! mechanism. `docs/joints.md` has every key.
 //!
 //! # Goals

@@ -4,6 +4,7 @@ use typed_index_collections::TiSlice;
 
 use super::point::Point;
 use super::problem::{HeldState, Problem};
+use crate::math::Pose;
 use crate::motion::held::{HeldEstimate, Knot, Mounted, Passed};
 use crate::motion::{
     HeldMotion, SampleTime, Scene, Sketch, TimeMap, Timing, TrackIndex, TrackSketch,
@@ -28,6 +29,13 @@ pub(super) enum Pace {
 }
 
 impl Pace {
+    /// Stamps are physical times.
+    pub(super) const STAMPS: Self = Self::Clock {
+        zero_s: 0.0,
+        offset_s: 0.0,
+        slow: 0.0,
+    };
+
     /// Physical time \[s\], and the acted time that passes in a second of it.
     fn at(&self, acted_s: f64) -> (f64, f64) {
         match self {
@@ -76,13 +84,7 @@ pub(super) fn estimates(
             Some((held, _)) => held.mount_at(&point.parameters),
             None => scene.tracks[track].link_from_tracker,
         };
-        let knots = motion.curve.knots().iter().map(|knot| {
-            let (time_s, rate) = pace.at(knot.time_s);
-            Knot {
-                time_s,
-                driven: Mounted::new(&knot.driven, &mount).driven.at_rate(rate),
-            }
-        });
+        let (knots, times) = in_time((track, of, motion), &mount, &pace);
         let passed = hits.iter().map(|(held, state)| Passed {
             event: held.event,
             time_s: point.event_times_s[held.event],
@@ -90,16 +92,31 @@ pub(super) fn estimates(
             fading_s: fading_s(motion, held.event) / pace.at(sketch.marks_s[held.event]).1,
             off: [0.0; 2],
         });
-        let times = of.samples.iter().map(|sample| SampleTime {
-            track,
-            stamp: sample.stamp,
-            time_s: pace.at(sample.acted_s).0,
-            is_open: false,
-        });
-        let (knots, passed) = (knots.collect(), passed.collect());
-        estimates.push(HeldEstimate::new(link, knots, passed, times.collect()));
+        estimates.push(HeldEstimate::new(link, knots, passed.collect(), times));
     }
     estimates
+}
+
+/// The smoothed motion of a body whose tracker is mounted so, and its samples, in physical time.
+pub(super) fn in_time(
+    (track, of, motion): (TrackIndex, &TrackSketch, &HeldMotion),
+    mount: &Pose,
+    pace: &Pace,
+) -> (Vec<Knot>, Vec<SampleTime>) {
+    let knots = motion.curve.knots().iter().map(|knot| {
+        let (time_s, rate) = pace.at(knot.time_s);
+        Knot {
+            time_s,
+            driven: Mounted::new(&knot.driven, mount).driven.at_rate(rate),
+        }
+    });
+    let times = of.samples.iter().map(|sample| SampleTime {
+        track,
+        stamp: sample.stamp,
+        time_s: pace.at(sample.acted_s).0,
+        is_open: false,
+    });
+    (knots.collect(), times.collect())
 }
 
 /// `None` where an unknown tempo has no map.

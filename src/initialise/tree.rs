@@ -29,15 +29,19 @@ pub fn starts(scene: &Scene, sketch: &Sketch, forest: &Forest) -> Vec<(f64, Tree
         Timing::Unknown { .. } => paces(scene, sketch),
     };
     let at = |pace: f64| {
-        let all = scene.mechanisms.iter().zip(forest.trees());
-        forest.whole(all.map(|(of, model)| tree((scene, sketch, pace), &of.as_tree(), model)))
+        let all = scene.moving().zip(forest.trees());
+        let all = all.map(|((_, of), model)| tree((scene, sketch, pace), &of.as_tree(), model));
+        TreeState {
+            time_s: sketch.whole_span_s(scene)[0],
+            ..forest.whole(all)
+        }
     };
     paces.into_iter().map(|pace| (pace, at(pace))).collect()
 }
 
 /// Paces to try: about that in which what flies falls, where one does.
 fn paces(scene: &Scene, sketch: &Sketch) -> Vec<f64> {
-    let fallen = scene.mechanisms.iter().find_map(|of| {
+    let fallen = scene.moving().find_map(|(_, of)| {
         let joined = of.as_tree();
         joined.base?;
         let of_links = joined.links().map(|link| places_of(scene, sketch, link));

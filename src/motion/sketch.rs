@@ -8,7 +8,7 @@ use typed_index_collections::TiVec;
 
 use super::held::HeldMotion;
 use super::index::{MechanismIndex, TrackIndex};
-use super::scene::Scene;
+use super::scene::{EventKind, Scene};
 use super::take::Stamp;
 
 /// One acted sample of a link.
@@ -122,6 +122,26 @@ impl TrackSketch {
 }
 
 impl Sketch {
+    /// Stamps at which the motion of a scene with joined bodies begins and ends \[s\]: the events, or the first and the
+    /// last sample.
+    pub fn whole_span_s(&self, scene: &Scene) -> [f64; 2] {
+        let samples = || self.tracks.iter().flat_map(|track| &track.samples);
+        let first_s = samples()
+            .map(|sample| sample.acted_s)
+            .fold(f64::INFINITY, f64::min);
+        let last_s = samples()
+            .map(|sample| sample.acted_s)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let mark_s = |kind: EventKind| {
+            let event = scene.events.iter().position(|event| event.kind == kind)?;
+            Some(self.marks_s[event])
+        };
+        [
+            mark_s(EventKind::Start).unwrap_or(first_s),
+            mark_s(EventKind::End).unwrap_or(last_s),
+        ]
+    }
+
     /// The performance as another scene sees it, in which trackers are mounted otherwise than in
     /// the one of which this is the sketch.
     pub fn seen_in(mut self, of: &Scene, other: &Scene) -> Self {

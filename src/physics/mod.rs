@@ -5,6 +5,7 @@
 pub mod body;
 pub mod contact;
 pub mod drag;
+pub mod driven;
 pub mod dynamics;
 pub mod features;
 pub mod flow;

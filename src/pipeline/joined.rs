@@ -15,19 +15,24 @@ pub(super) fn outcome(
         return Ok(None);
     }
     observer.phase(Phase::Clean);
-    let (sketch, mut counts) = segment::clean::clean(scene, events)?;
+    let (mut sketch, mut counts) = segment::clean::clean(scene, events)?;
+    segment::hold(scene, &mut sketch)?;
     let problem = TreeProblem::new(scene, &sketch);
     let span_s = problem.span_s;
     let starts = initialise::tree::starts(scene, &sketch, &problem.forest);
     let mut estimate = estimate(scene, &sketch, &problem, &starts, observer);
-    let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
+    // Of what is held all samples tell its motion.
+    let flying = || sketch.tracks.iter().filter(|track| track.held.is_none());
+    let samples = || flying().flat_map(|track| &track.samples);
+    let held = sketch.tracks.iter().filter(|track| track.held.is_some());
+    let held: usize = held.map(|track| track.samples.len()).sum();
     let before = samples()
         .filter(|sample| sample.acted_s < span_s[0])
         .count();
     let after = samples()
         .filter(|sample| sample.acted_s > span_s[1])
         .count();
-    counts.used = samples().count() - before - after;
+    counts.used = held + samples().count() - before - after;
     counts.drop(DropReason::BeforeStart, before);
     counts.drop(DropReason::AfterEnd, after);
     let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();

@@ -163,7 +163,7 @@ fn tree_frames(
     link: LinkIndex,
     at: (Stamp, f64),
 ) -> Result<Vec<PoseSample>, SamplingError> {
-    let tree = scene.tree_model(joined);
+    let tree = scene.tree_model_with(joined, &estimate.held);
     let place = joined.place_of(link).expect("a link of the tree");
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
     let states = tree_states((scene, &tree), estimate, scene.mechanism_of(link), at)?;

@@ -38,15 +38,19 @@ pub(super) fn joint_frames(
     (mechanism, joined): (MechanismIndex, &JointTree),
     at: (Stamp, f64),
 ) -> Result<Vec<JointSample>, SamplingError> {
-    let tree = scene.tree_model(joined);
+    let tree = scene.tree_model_with(joined, &estimate.held);
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
     let mut before = vec![0.0; hinge_count(joined)];
     let states = tree_states((scene, &tree), estimate, mechanism, at)?;
     let samples = states.into_iter().map(|(stamp, state)| {
         snapshot.set(&state);
-        let pose = |link: LinkIndex| {
-            let place = joined.place_of(link).expect("a link of the tree");
-            snapshot.world_from_link(place)
+        let pose = |link: LinkIndex| match joined.place_of(link) {
+            Some(place) => snapshot.world_from_link(place),
+            None => {
+                let held = estimate.held_motion(link);
+                let held = held.expect("of the tree, or what it hangs from");
+                held.state(state.time_s).world_from_body()
+            }
         };
         let (mut angles_rad, mut rates_rad_s) = (Vec::new(), Vec::new());
         for joint in &joined.joints {

@@ -36,6 +36,21 @@ pub enum SegmentError {
         /// At least.
         expected: usize,
     },
+    /// Joined bodies hang from a hand that is not seen for a while.
+    #[error(
+        "body {body:?} is held, bodies hang from it, and it is not seen between {from_s:.3} s and {to_s:.3} s, expected \
+         a sample at least every {within_s} s from the start to the end"
+    )]
+    HeldGap {
+        /// Name of the body.
+        body: String,
+        /// When the gap begins [s since the sketch's origin],
+        from_s: f64,
+        /// and ends.
+        to_s: f64,
+        /// Longest gap \[s\].
+        within_s: f64,
+    },
     /// The samples of a body in the hand are so far apart that their motion cannot be computed.
     #[error(
         "body {body:?} is held and its samples are too far apart to be smoothed: are the positions in \

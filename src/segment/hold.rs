@@ -7,9 +7,12 @@ use crate::motion::{Held, HeldMotion, Scene, Sketch, TrackIndex};
 /// A collision is seen if samples before and after it are nearer than this \[s\].
 const SEEN_S: f64 = 0.1;
 
+/// Joined bodies hang from a hand that is seen at least so often \[s\].
+const GAP_S: f64 = 0.1;
+
 /// Sets the motions of the bodies in the hand from their samples.
 ///
-/// Fails where a body has too few samples, none near one of its collisions, or such that no number is
+/// Fails where a body has too few samples, none near one of its collisions, a gap where joined bodies hang from it, or such that no number is
 /// large enough for their motion.
 pub fn hold(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
     for track in scene.tracks.keys() {
@@ -42,6 +45,9 @@ fn motion(
         });
     }
     let link = scene.tracks[track].link;
+    if scene.carries(link) {
+        check_gaps(scene, sketch, track)?;
+    }
     let hits = (0..scene.events.len()).filter(|event| {
         let collision = scene.events[*event].kind.collision();
         collision.is_some_and(|collision| collision.links().any(|other| other == link))
@@ -72,4 +78,24 @@ fn motion(
         &scene.tracks[track].link_from_tracker,
         (held, &hits),
     ))
+}
+
+/// Fails where the samples of a track do not cover the motion of a scene with joined bodies.
+fn check_gaps(scene: &Scene, sketch: &Sketch, track: TrackIndex) -> Result<(), SegmentError> {
+    let [begin_s, end_s] = sketch.whole_span_s(scene);
+    let seen_s = sketch.tracks[track].samples.iter().map(|of| of.acted_s);
+    let seen_s = seen_s.filter(|time_s| (begin_s..=end_s).contains(time_s));
+    let mut before_s = begin_s;
+    for time_s in seen_s.chain([end_s]) {
+        if time_s - before_s > GAP_S {
+            return Err(SegmentError::HeldGap {
+                body: scene.link_seen_by(track).name.clone(),
+                from_s: before_s,
+                to_s: time_s,
+                within_s: GAP_S,
+            });
+        }
+        before_s = time_s;
+    }
+    Ok(())
 }

@@ -50,7 +50,7 @@ pub fn doubts(
             let off = in_weights(scene, (residual.track, rms));
             doubts.extend(Doubt::beyond(About::Residual, Place::Motion, off, RESIDUAL));
         }
-        let tree = scene.tree_model(joined);
+        let tree = scene.tree_model_with(joined, &estimate.held);
         let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
         let (mut fastest_m_s, mut fastest_rad_s): (f64, f64) = (0.0, 0.0);
         for knot in &motion.knots {

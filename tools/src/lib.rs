@@ -37,6 +37,7 @@ pub mod starts;
 pub mod stress;
 pub mod tosses;
 pub mod tracker;
+pub mod tree_hands;
 pub mod tree_impacts;
 pub mod tree_meetings;
 pub mod tree_stress;

@@ -7,10 +7,10 @@ use toml::Spanned;
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
 use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{Quantity, Scene, Timing};
+use crate::motion::{LinkIndex, Quantity, Scene, Timing};
 
 /// Refuses a scene with joints that asks for what is not done there.
-pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Result<(), Fault> {
+pub(super) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
     if scene.timing == Timing::Edited {
         return fault(
             raw.timing.stamps.span(),
@@ -25,12 +25,38 @@ pub(super) fn refuse(raw: &RawScene, scene: &Scene, joint: &Range<usize>) -> Res
             return fault(span, said);
         }
     }
-    if let Some(link) = scene.links.keys().find(|link| scene.is_held(*link)) {
+    match scene.links.keys().find(|link| scene.is_held(*link)) {
+        Some(hand) => refuse_beside(raw, scene, hand),
+        None => Ok(()),
+    }
+}
+
+/// Refuses what is not done of joined bodies beside a held one: its motion, and theirs with it, is told by stamps.
+fn refuse_beside(raw: &RawScene, scene: &Scene, hand: LinkIndex) -> Result<(), Fault> {
+    let name = &scene.links[hand].name;
+    if matches!(scene.timing, Timing::Unknown { .. }) {
         let said = format!(
-            "{:?} is held, expected no body in the hand in a scene with joints",
-            scene.links[link].name
+            "{name:?} is held in a scene with joints, where the tempo must be known: expected stamps = \"physical\""
         );
-        return fault(joint.clone(), said);
+        return fault(raw.timing.stamps.span(), said);
+    }
+    for event in &raw.event {
+        let kind = &event.get_ref().kind;
+        if kind.get_ref() == "collision" {
+            let said = format!(
+                "{name:?} is held in a scene with joints, where nothing is hit: expected no collision"
+            );
+            return fault(kind.span(), said);
+        }
+    }
+    for goal in &raw.goal {
+        let Some(other) = &goal.get_ref().relative_to else {
+            continue;
+        };
+        if scene.is_held(link_of(other, scene)?) {
+            let said = "goals of joined bodies are not relative to a held one, expected another body or angles_deg";
+            return fault(other.span(), said);
+        }
     }
     Ok(())
 }

@@ -130,3 +130,91 @@ fn only_its_tracker_may_be_free() {
     assert!(scene_from_toml(&free("racket.tracker.z")).is_ok());
     assert!(scene_from_toml(&free("racket.clock.offset")).is_ok());
 }
+
+/// A pendulum that hangs from a handle.
+const IN_HAND: &str = r#"
+name = "hand"
+
+[timing]
+stamps = "physical"
+
+[[body]]
+name = "handle"
+held = true
+shape = { kind = "sphere", radius_mm = 20 }
+tracker = {}
+
+[[body]]
+name = "rod"
+shape = { kind = "cylinder", length_mm = 200, radius_mm = 5 }
+mass_g = 100
+tracker = {}
+
+[[joint]]
+name = "wrist"
+kind = "ball"
+parent = "handle"
+parent_at_mm = [0, 0, -30]
+child = "rod"
+child_at_mm = [0, 0, 100]
+
+[[event]]
+name = "start"
+kind = "start"
+
+[[event]]
+name = "end"
+kind = "end"
+"#;
+
+#[test]
+fn bodies_hang_from_a_held_one() {
+    let scene = scene_from_toml(IN_HAND).unwrap();
+    let (mechanism, joined) = scene.joint_trees().next().expect("a tree");
+    assert_eq!(joined.base, None);
+    assert_eq!(scene.hand_of(joined), Some(LinkIndex(0)));
+    assert!(scene.carries(LinkIndex(0)) && !scene.carries(LinkIndex(1)));
+    assert!(scene.are_joined(LinkIndex(0), LinkIndex(1)));
+    let moving: Vec<_> = scene.moving().map(|(index, _)| index).collect();
+    assert_eq!(moving, [mechanism], "the handle is not unknown");
+    // A second rod may hang from the same hand.
+    let other = IN_HAND.split("[[body]]\nname = \"rod\"").nth(1).unwrap();
+    let other = other.split("[[event]]").next().unwrap();
+    let other = format!("[[body]]\nname = \"rod\"{other}");
+    let other = other
+        .replace("\"rod\"", "\"other\"")
+        .replace("wrist", "thumb");
+    let scene = scene_from_toml(&format!("{IN_HAND}{other}")).unwrap();
+    assert_eq!(scene.joint_trees().count(), 2);
+}
+
+#[test]
+fn what_is_not_done_of_joined_bodies_beside_a_held_one_is_refused() {
+    let said = |text: &str| scene_from_toml(text).unwrap_err().to_string();
+    let with = |from: &str, to: &str| IN_HAND.replacen(from, to, 1);
+    let swapped = with("parent = \"handle\"", "parent = \"rod\"");
+    let swapped = swapped.replacen("child = \"rod\"", "child = \"handle\"", 1);
+    let added = |more: &str| format!("{IN_HAND}{more}");
+    let hit = "[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod\"\nfeature = \"end -z\"\nsurface = \"table\"\n";
+    for (text, expected) in [
+        (swapped, "expected it as the parent of what hangs from it"),
+        (
+            with("stamps = \"physical\"", "stamps = \"tempo\""),
+            "where the tempo must be known: expected stamps = \"physical\"",
+        ),
+        (added(hit), "expected no collision"),
+        (
+            added(
+                "[[goal]]\nevent = \"end\"\nbody = \"rod\"\nposition_mm = [0, 0, 0]\nrelative_to = \"handle\"\n",
+            ),
+            "not relative to a held one, expected another body or angles_deg",
+        ),
+        (
+            with("[timing]", "settle_s = 2\n\n[timing]"),
+            "not continued beside a held one, expected no settle_s",
+        ),
+    ] {
+        let error = said(&text);
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}

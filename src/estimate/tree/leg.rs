@@ -91,7 +91,8 @@ impl TreeProgram<'_> {
                 }
                 Kind::Goal(index, goal) => {
                     let state = course.state();
-                    let (value, by) = self.asked(goal, &state, (&snapshot, &mut links), &jacobian);
+                    let at = (&state, item.event);
+                    let (value, by) = self.asked(goal, at, (&snapshot, &mut links), &jacobian);
                     let (pattern, block) = self.room(index, blocks);
                     for (row, of) in goal.rows(&value).iter().enumerate() {
                         match goal.condition.sd {
@@ -194,11 +195,12 @@ impl TreeProgram<'_> {
         items
     }
 
-    /// A goal's quantity with its derivative by the leg's unknowns.
+    /// A goal's quantity with its derivative by the leg's unknowns, at a state, at the time of an event of the leg if that
+    /// is unknown.
     fn asked(
         &self,
         goal: &TreeGoal,
-        state: &TreeState,
+        (state, event): (&TreeState, Option<usize>),
         (snapshot, links): (&ForestSnapshot, &mut [Option<LinkState>]),
         jacobian: &DMatrix<f64>,
     ) -> (Vector3<f64>, Matrix3xX<f64>) {
@@ -219,7 +221,13 @@ impl TreeProgram<'_> {
         let [own, other] = states(goal.places, (snapshot, links), width);
         let other_state = quantity.seen_from().map(|_| &other.0);
         let valued = quantity::valued(quantity, &own.0, other_state, &goal.point_m);
-        let by = chained(&valued, &[own, other], jacobian);
+        let mut by = chained(&valued, &[own, other], jacobian);
+        if let Some(event) = event {
+            let mut by_time = by.column_mut(width + event);
+            for (by_link, place) in valued.by.iter().zip(goal.places) {
+                by_time += by_link * snapshot.link_carried(place);
+            }
+        }
         (valued.value, by)
     }
 }

@@ -15,6 +15,7 @@ mod curvature;
 pub mod event;
 pub mod goal;
 mod grow;
+mod hands;
 pub mod law;
 mod leg;
 mod motions;

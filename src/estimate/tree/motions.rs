@@ -26,7 +26,7 @@ pub(super) fn motions(
     events: &[EventEstimate],
 ) -> Motions {
     let mut motions = Motions::default();
-    for (mechanism, of) in scene.mechanisms.iter_enumerated() {
+    for (index, (mechanism, of)) in scene.moving().enumerate() {
         match of {
             Mechanism::Free(_) => {
                 let arcs = arcs((problem, line), (scene, mechanism), knots, events);
@@ -34,7 +34,7 @@ pub(super) fn motions(
             }
             Mechanism::Tree(_) => motions.trees.push(TreeEstimate {
                 mechanism,
-                knots: own_knots(problem, mechanism, knots),
+                knots: own_knots(problem, index, knots),
                 step_s: problem.step_s,
                 residuals: Vec::new(),
                 rate_sd_rad_s: RATE_SD_RAD_S,
@@ -75,17 +75,10 @@ pub(super) fn motions(
 }
 
 /// A tree's own part of states of all.
-fn own_knots(
-    problem: &TreeProblem,
-    mechanism: MechanismIndex,
-    knots: &[TreeKnot],
-) -> Vec<TreeKnot> {
+fn own_knots(problem: &TreeProblem, index: usize, knots: &[TreeKnot]) -> Vec<TreeKnot> {
     let own = knots.iter().map(|knot| TreeKnot {
         time_s: knot.time_s,
-        state: problem
-            .forest
-            .part(&knot.state, usize::from(mechanism))
-            .into_owned(),
+        state: problem.forest.part(&knot.state, index).into_owned(),
     });
     own.collect()
 }

@@ -51,8 +51,9 @@ pub fn estimate(
         Vec::new()
     };
     // Of several that move, and where the tempo is unknown, nobody knows how often it is right.
-    let alone = match scene.mechanisms.raw.as_slice() {
-        [Mechanism::Tree(joined)] => Some(joined),
+    let mut moving = scene.moving();
+    let alone = match (moving.next(), moving.next()) {
+        (Some((_, Mechanism::Tree(joined))), None) => Some(joined),
         _ => None,
     };
     let judged = alone.filter(|_| verdict == Verdict::Physical && problem.tempo.is_none());
@@ -135,7 +136,7 @@ pub fn estimate(
         objective: 2.0 * solution.system.cost,
         gravity_m_s2: problem.gravity_m_s2,
         arcs: motions.arcs,
-        held: Vec::new(),
+        held: problem.hands.clone(),
         events,
         duration,
         parameters,

@@ -6,10 +6,12 @@ use nalgebra::Vector3;
 
 use super::event::{self, TreeEvent};
 use super::goal::{self, TreeGoal};
+use super::hands;
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
 use crate::estimate::problem::unit;
-use crate::motion::{Cone, EventKind, FreeParameter, GoalUnit, Scene, Sketch};
+use crate::motion::held::HeldEstimate;
+use crate::motion::{Cone, FreeParameter, GoalUnit, Scene, Sketch};
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -22,8 +24,10 @@ const COARSER: f64 = 1.5;
 /// The motion of all that moves of a scene, to be estimated.
 #[derive(Clone, Debug)]
 pub struct TreeProblem {
-    /// The equations of motion: a tree for each mechanism.
+    /// The equations of motion: a tree for each mechanism that is not held.
     pub forest: Forest,
+    /// Motions of bodies in the hand: given, not unknown.
+    pub hands: Vec<HeldEstimate>,
     /// Gravity [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// Beginning and end of the motion \[s, acted\]: all times here are stamps, which are physical times but where the
@@ -53,7 +57,8 @@ pub struct TreeProblem {
 impl TreeProblem {
     /// The problem of a scene, with one node.
     pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
-        let span_s = span_s(scene, sketch);
+        let span_s = sketch.whole_span_s(scene);
+        let hands = hands::hands(scene, sketch, span_s);
         let samples = sample::samples(scene, sketch, span_s);
         let goals = goal::goals(scene, sketch, span_s);
         let events = event::events(scene, sketch);
@@ -64,7 +69,8 @@ impl TreeProblem {
         let least = weighs.clone().fold(f64::INFINITY, f64::min);
         let most = weighs.fold(0.0, f64::max);
         Self {
-            forest: scene.forest(),
+            forest: scene.forest_with(&hands),
+            hands,
             gravity_m_s2: scene.gravity_m_s2,
             span_s,
             tempo: Tempo::of_scene(scene, span_s, &samples),
@@ -213,23 +219,4 @@ impl TreeProblem {
     pub fn width(&self) -> usize {
         2 * self.forest.freedoms()
     }
-}
-
-/// Stamps at which the motion begins and ends: the events, or the first and the last sample.
-fn span_s(scene: &Scene, sketch: &Sketch) -> [f64; 2] {
-    let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
-    let first_s = samples()
-        .map(|sample| sample.acted_s)
-        .fold(f64::INFINITY, f64::min);
-    let last_s = samples()
-        .map(|sample| sample.acted_s)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let mark_s = |kind: EventKind| {
-        let event = scene.events.iter().position(|event| event.kind == kind)?;
-        Some(sketch.marks_s[event])
-    };
-    [
-        mark_s(EventKind::Start).unwrap_or(first_s),
-        mark_s(EventKind::End).unwrap_or(last_s),
-    ]
 }

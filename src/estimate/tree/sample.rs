@@ -46,10 +46,13 @@ impl<'s> Residual<'s> {
     }
 }
 
-/// The samples of all links within a span \[s\], in order of time.
+/// The samples of all links that are not held within a span \[s\], in order of time.
 pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<TreeSample> {
     let mut samples = Vec::new();
     for (index, track) in scene.tracks.iter_enumerated() {
+        if scene.is_held(track.link) {
+            continue;
+        }
         let place = scene.place_of(track.link);
         let weights = track.weights(&scene.weights);
         let within = |sample: &&Sample| (span_s[0]..=span_s[1]).contains(&sample.acted_s);

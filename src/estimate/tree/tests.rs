@@ -68,6 +68,52 @@ fn derivatives_are_those_of_differences() {
     }
 }
 
+/// Rods that hang from a hand that swings, with a waypoint within a step: derivatives by its time and by the states of
+/// three nodes.
+#[test]
+fn derivatives_in_a_hand_are_those_of_differences() {
+    let text = include_str!("../../../config/chain.toml");
+    let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
+    let way = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 2\"\n\n";
+    let asked = "\n[[goal]]\nevent = \"by\"\nbody = \"rod 2\"\nposition_mm = [100, 200, 300]\nvelocity_m_s = [1, 2, 3]\n\n\
+        [[goal]]\nevent = \"by\"\nbody = \"rod 3\"\norientation_wxyz = [1, 0, 0, 0]\nspin_rad_s = [1, 2, 3]\n";
+    let hand = "\n[[body]]\nname = \"hand\"\nheld = true\nshape = { kind = \"sphere\", radius_mm = 20 }\ntracker = {}\n\n\
+        [[joint]]\nname = \"held\"\nkind = \"ball\"\nparent = \"hand\"\nparent_at_mm = [10, 20, -30]\nchild = \"rod 1\"\n";
+    let text = before.to_owned() + way + after + asked + hand;
+    let scene = scene_from_toml(&text).expect("a valid scene");
+    let mut sketch = sketch(&scene);
+    sketch.marks_s = vec![0.0, 0.044, 0.1];
+    sketch.marks = vec![None; 3];
+    sketch.marks[1] = Some(MarkTime {
+        acted_s: 0.044,
+        sd_s: 0.01,
+        counted: 1.0,
+    });
+    for (track, of) in sketch.tracks.iter_mut_enumerated() {
+        if scene.sees_held(track) {
+            for sample in &mut of.samples {
+                let (sin, cos) = (20.0 * sample.acted_s).sin_cos();
+                sample.seen = Seen::Pose {
+                    position_m: Vector3::new(0.05 * sin, 0.03 * cos, sample.acted_s),
+                    orientation: crate::math::so3::exp(&Vector3::new(0.2 * cos, 0.3 * sin, 0.1)),
+                };
+            }
+        }
+    }
+    crate::segment::hold(&scene, &mut sketch).expect("a hand");
+    let mut problem = TreeProblem::new(&scene, &sketch);
+    assert!(problem.forest.trees()[0].is_in_hand());
+    problem.step_s = 0.01;
+    for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
+        problem.nodes_s = nodes_s;
+        let nodes = problem.nodes_s.iter().map(|time_s| TreeState {
+            time_s: *time_s,
+            ..some_state(&problem)
+        });
+        check(&problem, &TreePoint::new(&problem, nodes.collect()));
+    }
+}
+
 /// The last rod's end hits a table, the first rod's does without friction and with a tilt, and two waypoints
 /// lie between and after: times that are before and after those of samples on either side.
 const STRUCK: &str = r#"

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::jets;
 use super::knot::{Driven, Knot};
+use crate::physics::tree::Carrier;
 
 /// A motion through knots: a state and its rates at every time.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +62,21 @@ impl Curve {
             speed + BULGE * change * longest_s,
             spin + BULGE * bend * longest_s,
         ]
+    }
+}
+
+/// What joined bodies may hang from.
+impl Carrier for Curve {
+    fn at(&self, time_s: f64) -> Driven {
+        Curve::at(self, time_s)
+    }
+
+    fn next_kink_s(&self, from_s: f64, is_later: bool) -> Option<f64> {
+        let at = match is_later {
+            true => Some(self.knots.partition_point(|knot| knot.time_s <= from_s)),
+            false => (self.knots.partition_point(|knot| knot.time_s < from_s)).checked_sub(1),
+        };
+        Some(self.knots.get(at?)?.time_s)
     }
 }
 

@@ -199,7 +199,7 @@ impl Scene {
         if matches!(condition.quantity, GoalQuantity::Angles { .. }) {
             let mechanism = self.mechanism_of(goal.link);
             let joined = self.joint_tree(mechanism)?;
-            let tree = self.tree_model(joined);
+            let tree = self.tree_model_with(joined, &estimate.held);
             let motion = estimate.tree_motion(mechanism)?;
             let state = motion.state(&tree, &estimate.gravity_m_s2, time_s);
             let [_, angles] = tree.angles_of(joined.place_of(goal.link)?)?;
@@ -210,7 +210,7 @@ impl Scene {
         let state_of = |link: LinkIndex| {
             let mechanism = self.mechanism_of(link);
             if let Some(joined) = self.joint_tree(mechanism) {
-                let tree = self.tree_model(joined);
+                let tree = self.tree_model_with(joined, &estimate.held);
                 let state =
                     estimate
                         .tree_motion(mechanism)?

@@ -13,7 +13,7 @@ use crate::physics::tree::{self, JointKind, Tree, TreeError};
 pub struct Joint {
     /// Unique name.
     pub name: String,
-    /// What it hangs from; `None`: the world.
+    /// What it hangs from, of the first joint of a tree perhaps a held link; `None`: the world.
     pub parent: Option<LinkIndex>,
     /// What hangs on it.
     pub child: LinkIndex,
@@ -69,7 +69,7 @@ impl Joint {
 /// Links that joints tie to each other, without circles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTree {
-    /// The link that flies and hangs from nothing; `None`: the first joint hangs from the world.
+    /// The link that flies and hangs from nothing; `None`: the first joint hangs from the world or from a held body.
     pub base: Option<LinkIndex>,
     /// The joints, each after that of its parent.
     pub joints: Vec<Joint>,

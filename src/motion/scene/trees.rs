@@ -4,8 +4,9 @@ use super::joint::{Joint, JointTree};
 use super::link::Mechanism;
 use super::whole::Scene;
 use crate::motion::estimate::Estimate;
+use crate::motion::held::HeldEstimate;
 use crate::motion::index::{LinkIndex, MechanismIndex};
-use crate::physics::tree::{Forest, Tree, TreeState};
+use crate::physics::tree::{Forest, Hand, Tree, TreeState};
 
 impl Scene {
     /// The tree that a mechanism is; `None` of a body by itself.
@@ -27,30 +28,73 @@ impl Scene {
 
     /// Whether a joint ties one link to the other.
     pub fn are_joined(&self, one: LinkIndex, other: LinkIndex) -> bool {
-        let tree = self.joint_tree(self.mechanism_of(one));
-        let mut joints = tree.into_iter().flat_map(|tree| &tree.joints);
-        joints.any(|joint| {
-            let ends = (joint.parent, joint.child);
-            ends == (Some(one), other) || ends == (Some(other), one)
-        })
+        let hangs = |child: LinkIndex, parent: LinkIndex| {
+            let joint = self.joint_of(child);
+            joint.is_some_and(|joint| joint.parent == Some(parent))
+        };
+        hangs(one, other) || hangs(other, one)
     }
 
-    /// The equations of motion of a tree.
+    /// The held body from which a tree hangs, if it does.
+    pub fn hand_of(&self, tree: &JointTree) -> Option<LinkIndex> {
+        let first = tree.joints.first()?;
+        first.parent.filter(|parent| self.is_held(*parent))
+    }
+
+    /// Whether joined bodies hang from a link that is held.
+    pub fn carries(&self, link: LinkIndex) -> bool {
+        let mut trees = self.joint_trees();
+        trees.any(|(_, tree)| self.hand_of(tree) == Some(link))
+    }
+
+    /// The mechanisms whose motion is unknown: all but what is held. In this order they are the trees of the
+    /// [forest](Scene::forest).
+    pub fn moving(&self) -> impl Iterator<Item = (MechanismIndex, &Mechanism)> {
+        let all = self.mechanisms.iter_enumerated();
+        all.filter(|(index, _)| !self.is_held_mechanism(*index))
+    }
+
+    /// The equations of motion of a tree that hangs from no hand.
     ///
     /// # Panics
-    /// Where its joints or masses allow none, which the makers of scenes exclude.
+    /// As [`Scene::tree_model_with`] does.
     pub fn tree_model(&self, tree: &JointTree) -> Tree {
-        let model = tree.model(|link| self.links[link].body);
-        model.expect("scenes have valid trees")
+        self.tree_model_with(tree, &[])
     }
 
-    /// The equations of motion of all that moves: a tree for each mechanism, in their order.
+    /// The equations of motion of a tree, where bodies in the hand move so.
     ///
     /// # Panics
-    /// As [`Scene::tree_model`] does.
+    /// Where its joints or masses allow none, which the makers of scenes exclude, and where nothing is said of the hand
+    /// from which it hangs.
+    pub fn tree_model_with(&self, tree: &JointTree, hands: &[HeldEstimate]) -> Tree {
+        let model = tree.model(|link| self.links[link].body);
+        let model = model.expect("scenes have valid trees");
+        let Some(hand) = self.hand_of(tree) else {
+            return model;
+        };
+        let held = hands.iter().find(|held| held.link == hand);
+        let held = held.expect("every hand has a motion");
+        model.in_hand(Hand::new(held.curve.clone()))
+    }
+
+    /// The equations of motion of all that moves where nothing hangs from a hand.
+    ///
+    /// # Panics
+    /// As [`Scene::tree_model_with`] does.
     pub fn forest(&self) -> Forest {
-        let trees = self.mechanisms.iter();
-        Forest::new(trees.map(|of| self.tree_model(&of.as_tree())).collect())
+        self.forest_with(&[])
+    }
+
+    /// The equations of motion of all that [moves](Scene::moving), where bodies in the hand move so: a tree for each
+    /// mechanism, in their order.
+    ///
+    /// # Panics
+    /// As [`Scene::tree_model_with`] does.
+    pub fn forest_with(&self, hands: &[HeldEstimate]) -> Forest {
+        let trees = self.moving();
+        let trees = trees.map(|(_, of)| self.tree_model_with(&of.as_tree(), hands));
+        Forest::new(trees.collect())
     }
 
     /// The state of all that moves at a time of an estimate with joined bodies, after what happens then; `None` where
@@ -62,7 +106,7 @@ impl Scene {
         time_s: f64,
     ) -> Option<TreeState> {
         let gravity_m_s2 = &estimate.gravity_m_s2;
-        let all = self.mechanisms.iter_enumerated().zip(forest.trees());
+        let all = self.moving().zip(forest.trees());
         let parts = all.map(|((mechanism, of), tree)| match of {
             Mechanism::Free(_) => {
                 let arcs = estimate.arcs.iter();
@@ -79,17 +123,20 @@ impl Scene {
             }
         });
         let parts: Option<Vec<TreeState>> = parts.collect();
-        Some(forest.whole(parts?))
+        Some(TreeState {
+            time_s,
+            ..forest.whole(parts?)
+        })
     }
 
     /// The links in the order of the forest's places.
     pub fn forest_links(&self) -> impl Iterator<Item = LinkIndex> {
-        self.mechanisms.iter().flat_map(|of| of.links())
+        self.moving().flat_map(|(_, of)| of.links())
     }
 
     /// The place of a link in the forest.
     pub fn place_of(&self, link: LinkIndex) -> usize {
         let place = self.forest_links().position(|of| of == link);
-        place.expect("every link moves with a mechanism")
+        place.expect("every link that is not held moves with a mechanism")
     }
 }

@@ -48,9 +48,12 @@ pub struct Flow<'t> {
     pub(super) change_slopes: Vec<f64>,
     /// How many of the step's stages are computed,
     pub(super) stages: usize,
-    /// its length \[s\], when it began, and which share of it is over.
+    /// its length \[s\], which is asked for, and how many went before from the start; when it began \[s, since the start\], and
+    /// which share of it is over.
     pub(super) step_s: f64,
+    asked_s: f64,
     step_number: usize,
+    pub(super) begun_s: f64,
     pub(super) share: f64,
     pub(super) start: Start,
     /// Time since the start \[s\].
@@ -62,6 +65,7 @@ pub struct Flow<'t> {
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     pub state: Vec<f64>,
+    pub time_s: f64,
     pub rotation: nalgebra::Matrix3<f64>,
     pub centre: Centre,
     /// Of a free tree: centre of mass [m, world] and its velocity.
@@ -100,10 +104,13 @@ impl<'t> Flow<'t> {
             change_slopes: vec![0.0; stages * size * stride],
             stages: 0,
             step_s: 0.0,
+            asked_s: 0.0,
             step_number: 0,
+            begun_s: 0.0,
             share: 0.0,
             start: Start {
                 state: vec![0.0; size],
+                time_s: 0.0,
                 rotation: nalgebra::Matrix3::identity(),
                 centre: Centre::new(tree),
                 centre_m: Vector3::zeros(),
@@ -120,6 +127,7 @@ impl<'t> Flow<'t> {
         let (coordinates, rates) = self.start.state.split_at_mut(tree.coordinates);
         coordinates.copy_from_slice(&state.coordinates[shift..]);
         rates.copy_from_slice(&state.rates[shift..]);
+        self.start.time_s = state.time_s;
         self.has_derivatives = has_derivatives;
         self.restart();
         if tree.is_free {
@@ -140,12 +148,13 @@ impl<'t> Flow<'t> {
         if self.has_derivatives {
             self.seed();
         }
-        (self.elapsed_s, self.step_s, self.step_number) = (0.0, 0.0, 0);
-        self.begin_step();
+        (self.elapsed_s, self.asked_s, self.step_number) = (0.0, 0.0, 0);
+        self.begin_step(0.0);
     }
 
-    /// A step begins now.
-    fn begin_step(&mut self) {
+    /// A step begins now, at a time since the start \[s\].
+    fn begin_step(&mut self, begun_s: f64) {
+        self.begun_s = begun_s;
         self.from.copy_from_slice(&self.state);
         if self.has_derivatives {
             self.from_changes.copy_from_slice(&self.changes);
@@ -155,15 +164,46 @@ impl<'t> Flow<'t> {
 
     /// Goes on for `duration_s` (negative: back) in `steps` equal steps, at least one.
     pub fn advance(&mut self, duration_s: f64, steps: usize) {
-        self.step_s = duration_s / steps as f64;
-        for _ in 0..steps {
-            self.begin_step();
-            self.end_step();
+        let step_s = duration_s / steps as f64;
+        match &self.tree.hand {
+            Some(_) => self.advance_in_hand(duration_s, step_s),
+            None => {
+                self.step_s = step_s;
+                for step in 0..steps {
+                    self.begin_step(self.elapsed_s + step as f64 * step_s);
+                    self.end_step();
+                }
+            }
         }
         self.elapsed_s += duration_s;
-        self.begin_step();
+        self.begin_step(self.elapsed_s);
         // No step from the start: what reaches a time begins there again.
-        self.step_s = 0.0;
+        self.asked_s = 0.0;
+    }
+
+    /// Goes on in steps that are not longer, and end where the hand's motion is not smooth.
+    fn advance_in_hand(&mut self, duration_s: f64, most_s: f64) {
+        let end_s = self.elapsed_s + duration_s;
+        let mut now_s = self.elapsed_s;
+        while (end_s - now_s) * most_s > 0.0 {
+            self.begin_step(now_s);
+            self.step_s = self.next_step_s(now_s, end_s, most_s);
+            self.end_step();
+            now_s = match now_s + self.step_s {
+                // Rounding: no step of next to nothing.
+                next_s if (end_s - next_s).abs() < 1e-6 * most_s.abs() => end_s,
+                next_s => next_s,
+            };
+        }
+    }
+
+    /// The step in a hand from a time towards an end, since the start \[s\].
+    fn next_step_s(&self, from_s: f64, end_s: f64, most_s: f64) -> f64 {
+        let start_s = self.start.time_s;
+        let hand = self.tree.hand.as_ref();
+        hand.map_or(most_s, |hand| {
+            hand.step_s(start_s + from_s, start_s + end_s, most_s)
+        })
     }
 
     /// Goes to a time since the start (negative: before it), on or back, in steps of a length, the last one as far as
@@ -175,23 +215,36 @@ impl<'t> Flow<'t> {
             true => elapsed_s,
             false => f64::NAN,
         };
-        let is_passed = |begun_s: f64| (elapsed_s - begun_s) * step_s < 0.0;
-        if step_s != self.step_s || is_passed(self.step_number as f64 * step_s) {
+        let far_s = f64::INFINITY.copysign(step_s);
+        let is_passed = (elapsed_s - self.begun_s) * step_s < 0.0;
+        if step_s != self.asked_s || is_passed {
             self.restart();
-            self.step_s = step_s;
+            self.asked_s = step_s;
+            self.step_s = self.next_step_s(0.0, far_s, step_s);
         }
+        let is_in_hand = self.tree.is_in_hand();
         let share = loop {
-            let share = elapsed_s / step_s - self.step_number as f64;
+            let share = match is_in_hand {
+                true => (elapsed_s - self.begun_s) / self.step_s,
+                false => elapsed_s / step_s - self.step_number as f64,
+            };
             if !(share > 1.0) {
                 break share;
             }
             self.end_step();
             let has_end = self.stages > self.tableau.b.len();
-            self.begin_step();
-            if has_end {
+            self.step_number += 1;
+            let begins_s = match is_in_hand {
+                true => self.begun_s + self.step_s,
+                false => self.step_number as f64 * step_s,
+            };
+            self.begin_step(begins_s);
+            if is_in_hand {
+                // Of another length: slopes of changes are times the step.
+                self.step_s = self.next_step_s(begins_s, far_s, step_s);
+            } else if has_end {
                 self.keep_end();
             }
-            self.step_number += 1;
         };
         self.elapsed_s = elapsed_s;
         self.tell(share);
@@ -219,7 +272,11 @@ impl<'t> Flow<'t> {
             let inverse = 1.0 / turn.iter().map(|part| part * part).sum::<f64>().sqrt();
             turn.iter_mut().for_each(|part| *part *= inverse);
         }
-        TreeState { coordinates, rates }
+        TreeState {
+            coordinates,
+            rates,
+            time_s: self.start.time_s + self.elapsed_s,
+        }
     }
 
     /// Centre of mass of a free tree now [m, world], and its velocity.

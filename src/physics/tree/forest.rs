@@ -133,10 +133,11 @@ impl Forest {
         Cow::Owned(TreeState {
             coordinates: state.coordinates[from.coordinate..to.coordinate].to_vec(),
             rates: state.rates[from.rate..to.rate].to_vec(),
+            time_s: state.time_s,
         })
     }
 
-    /// The state of all, of those of the trees.
+    /// The state of all, of those of the trees at the time of the first.
     pub fn whole(&self, parts: impl IntoIterator<Item = TreeState>) -> TreeState {
         let mut parts = parts.into_iter();
         let mut whole = parts.next().expect("a forest has trees");
@@ -149,7 +150,12 @@ impl Forest {
 
     /// At rest with all coordinates zero and all quaternions one.
     pub fn at_rest(&self) -> TreeState {
-        self.whole(self.trees.iter().map(Tree::at_rest))
+        let at_rest = self.whole(self.trees.iter().map(Tree::at_rest));
+        let times_s = self.trees.iter().map(|tree| tree.at_rest().time_s);
+        TreeState {
+            time_s: times_s.sum(),
+            ..at_rest
+        }
     }
 
     /// `q ⊞ δ`, as of a [tree](Tree::retract).

@@ -1,17 +1,18 @@
 //! Where the nodes of a tree are and how they move.
 //!
-//! All vectors are in one frame. For a clamped tree it has the world's axes and its origin where the
-//! first joint is; for a free one it is the first link's own frame, at this instant: how the links move
+//! All vectors are in one frame. For a clamped tree it has the world's axes, or those of the held body from which
+//! it hangs, at this instant, and its origin where the first joint is; for a free one it is the first link's own frame, at this instant: how the links move
 //! against each other does not depend on where the first one is, where it points and how fast its
 //! centre flies (Galilei), so that these do not even come in.
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::hand::Anchor;
 use super::model::{Motor, Tree};
 use super::spatial::Motion;
 use super::state::quaternion;
 
-/// How what the tree hangs from moves: the door for a tree in a hand. For a free tree it is all zero.
+/// How what the tree hangs from moves, as a [hand](super::Hand) does. For a free tree it is all zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     /// Velocity.
@@ -28,6 +29,21 @@ impl Root {
             acceleration: Motion {
                 angular: Vector3::zeros(),
                 linear: -gravity_m_s2,
+            },
+        }
+    }
+
+    /// Of what hangs from a hand, in the held body's axes, in a field of gravity [m/s², world].
+    pub(super) fn in_hand(anchor: &Anchor, gravity_m_s2: &Vector3<f64>) -> Self {
+        let pulled_m_s2 = anchor.acceleration_m_s2 - gravity_m_s2;
+        Self {
+            velocity: Motion {
+                angular: anchor.spin_rad_s,
+                linear: Vector3::zeros(),
+            },
+            acceleration: Motion {
+                angular: anchor.spin_rate_rad_s2,
+                linear: anchor.turn.tr_mul(&pulled_m_s2),
             },
         }
     }

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::snapshot::Snapshot;
 use super::spatial::Motion;
-use crate::physics::state::{self, State, part};
+use crate::physics::state::{self, State, StateTangent, part};
 
 impl Snapshot<'_> {
     /// State of a link: centre of mass and its velocity in world axes, orientation, angular velocity
@@ -25,6 +25,40 @@ impl Snapshot<'_> {
             velocity_m_s,
             angular_velocity_rad_s,
         }
+    }
+
+    /// How a link's state changes with time where coordinates and rates of the tree stay: a hand carries it. Of what
+    /// hangs from the world, or flies, it does not change.
+    ///
+    /// With `r` from the first joint's anchor, `v = v_A + ω × r + w`, and `w` turns with the hand.
+    pub fn link_carried(&self, link: usize) -> StateTangent {
+        let mut carried = StateTangent::zeros();
+        let Some(held) = &self.held else {
+            return carried;
+        };
+        let state = self.link_state(link);
+        let spin = held.turn * held.spin_rad_s;
+        let spin_rate = held.turn * held.spin_rate_rad_s2;
+        let arm = state.position_m - held.position_m;
+        let swung = held.velocity_m_s + spin.cross(&arm);
+        let faster = held.acceleration_m_s2
+            + spin_rate.cross(&arm)
+            + spin.cross(&(spin.cross(&arm) + state.velocity_m_s - swung));
+        for (row, part) in [
+            (part::POSITION, swung),
+            (
+                part::ORIENTATION,
+                state.orientation.inverse_transform_vector(&spin),
+            ),
+            (part::VELOCITY, faster),
+            (
+                part::ANGULAR_VELOCITY,
+                state.orientation.inverse_transform_vector(&spin_rate),
+            ),
+        ] {
+            carried.fixed_rows_mut::<3>(row).copy_from(&part);
+        }
+        carried
     }
 
     /// Derivative of that state's tangent by the tangent of the tree's: twelve rows, of

@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::error::TreeError;
+use super::hand::Hand;
 use super::joint::{Joint, JointKind};
 use super::spatial::Inertia;
 use crate::math::{Pose, so3};
@@ -17,7 +18,7 @@ const LEAST_SINE: f64 = 1e-3;
 /// A body of a tree and the joint that holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// The link that it hangs from, an earlier one; none: the world.
+    /// The link that it hangs from, an earlier one; none: the world, or a [hand](Tree::in_hand).
     pub parent: Option<usize>,
     /// How it hangs.
     pub joint: Joint,
@@ -77,13 +78,16 @@ impl Node {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     pub(super) nodes: Vec<Node>,
-    /// Each link's node (none: it is fixed to the world) and its pose in the node's frame.
+    /// Each link's node (none: it is fixed to the world or to the hand) and its pose in the node's frame.
     pub(super) links: Vec<(Option<usize>, Pose)>,
     /// Each link's own nodes: those of the joint from which it hangs.
     joints: Vec<std::ops::Range<usize>>,
     pub(super) is_free: bool,
     /// Where the first joint is: the origin of all that is computed, near the bodies.
+    /// Of what hangs from a hand it is in the axes of the held body.
     pub(super) anchor_m: Vector3<f64>,
+    /// What it hangs from, where that is no part of the world.
+    pub(super) hand: Option<Hand>,
     pub(super) mass_kg: f64,
     /// Number of angular coordinates and rates: of all but a free base's translation.
     pub(super) coordinates: usize,
@@ -104,6 +108,7 @@ impl Tree {
                 true => Vector3::zeros(),
                 false => first.joint.parent_from_joint.translation.vector,
             },
+            hand: None,
             mass_kg: 0.0,
             coordinates: 0,
             columns: 0,
@@ -115,6 +120,23 @@ impl Tree {
             tree.joints.push(first..tree.nodes.len());
         }
         Ok(tree)
+    }
+
+    /// The same tree, hanging from a hand in place of the world: its first joint is in the axes of the held body.
+    ///
+    /// # Panics
+    /// Of a tree that flies.
+    pub fn in_hand(self, hand: Hand) -> Self {
+        assert!(!self.is_free, "what flies hangs from nothing");
+        Self {
+            hand: Some(hand),
+            ..self
+        }
+    }
+
+    /// Whether it hangs from a hand.
+    pub fn is_in_hand(&self) -> bool {
+        self.hand.is_some()
     }
 
     fn add(&mut self, link: &Link) {

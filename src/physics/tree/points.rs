@@ -24,13 +24,11 @@ impl Snapshot<'_> {
 
     /// Velocity of a link's centre of mass [m/s, world] and its angular velocity [rad/s, link].
     pub fn velocity(&self, link: usize) -> (Vector3<f64>, Vector3<f64>) {
-        let (Some(node), node_from_link) = &self.tree.links[link] else {
-            return (Vector3::zeros(), Vector3::zeros());
-        };
-        let motion = &self.field.kinematics.velocities[*node];
+        let (node, node_from_link) = &self.tree.links[link];
+        let motion = self.motion_of(*node);
         let centre = self.in_frame(link, &Vector3::zeros());
-        let rotation =
-            self.field.kinematics.rotations[*node] * so3::matrix(&node_from_link.rotation);
+        let turn = so3::matrix(&node_from_link.rotation);
+        let rotation = node.map_or(turn, |node| self.field.kinematics.rotations[node] * turn);
         (
             self.velocity_m_s + self.turn * motion.at(&centre),
             rotation.tr_mul(&motion.angular),
@@ -44,10 +42,7 @@ impl Snapshot<'_> {
 
     /// Velocity [m/s, world] of a point of a link.
     pub fn point_velocity(&self, link: usize, point: &Vector3<f64>) -> Vector3<f64> {
-        let Some(node) = self.tree.links[link].0 else {
-            return Vector3::zeros();
-        };
-        let motion = &self.field.kinematics.velocities[node];
+        let motion = self.motion_of(self.tree.links[link].0);
         self.velocity_m_s + self.turn * motion.at(&self.in_frame(link, point))
     }
 
@@ -139,6 +134,13 @@ impl Snapshot<'_> {
             self.velocity_m_s * self.tree.mass_kg + self.turn * total.force,
             self.turn * spin,
         )
+    }
+
+    /// Velocity of a node; of none that of what the tree hangs from.
+    fn motion_of(&self, node: Option<usize>) -> Motion {
+        node.map_or(self.root_velocity(), |node| {
+            self.field.kinematics.velocities[node]
+        })
     }
 
     fn in_frame(&self, link: usize, point: &Vector3<f64>) -> Vector3<f64> {

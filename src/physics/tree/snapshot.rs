@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::change::Change;
 use super::field::Field;
+use super::hand::Anchor;
 use super::kinematics::Root;
 use super::model::Tree;
 use super::spatial::{Force, Inertia, Motion};
@@ -18,10 +19,12 @@ pub struct Snapshot<'t> {
     change: Change,
     root: Root,
     gravity_m_s2: Vector3<f64>,
-    /// Pose of the frame in which the field is: of a free base, or of the first joint's anchor.
+    /// Pose of the frame in which the field is: of a free base, or of what the tree hangs from, at the first joint's anchor.
     pub(super) turn: Matrix3<f64>,
     pub(super) origin_m: Vector3<f64>,
     pub(super) velocity_m_s: Vector3<f64>,
+    /// How a hand moves from which the tree hangs.
+    pub(super) held: Option<Anchor>,
     coordinates: Vec<f64>,
 }
 
@@ -41,11 +44,12 @@ impl<'t> Snapshot<'t> {
             turn: Matrix3::identity(),
             origin_m: tree.anchor_m,
             velocity_m_s: Vector3::zeros(),
+            held: None,
             coordinates: vec![0.0; tree.coordinates],
         }
     }
 
-    /// What a clamped tree hangs from moves: its velocity and acceleration in world axes, about the
+    /// What a clamped tree hangs from moves at this instant: its velocity and acceleration in world axes, about the
     /// first joint's anchor, the acceleration less gravity.
     pub fn with_root(self, root: Root) -> Self {
         Self { root, ..self }
@@ -63,6 +67,14 @@ impl<'t> Snapshot<'t> {
                 .into_inner();
             self.origin_m = Vector3::from_column_slice(&state.coordinates[..3]);
             self.velocity_m_s = Vector3::from_column_slice(&state.rates[..3]);
+        }
+        if let Some(hand) = &self.tree.hand {
+            let held = hand.anchor(&self.tree.anchor_m, state.time_s);
+            self.root = Root::in_hand(&held, &self.gravity_m_s2);
+            self.turn = held.turn;
+            self.origin_m = held.position_m;
+            self.velocity_m_s = held.velocity_m_s;
+            self.held = Some(held);
         }
         self.field.evaluate(
             self.tree,

@@ -1,6 +1,7 @@
 //! The stages of one step of a tree's flow, its end, and the states within it.
 
 use super::flow::Flow;
+use super::kinematics::Root;
 use super::tangent::coordinates_by_time;
 
 impl Flow<'_> {
@@ -79,6 +80,12 @@ impl Flow<'_> {
                 &self.slopes,
                 &mut self.stage,
             );
+            if let Some(hand) = &self.tree.hand {
+                let share: f64 = weights.iter().sum();
+                let since_s = self.begun_s + share * self.step_s;
+                let held = hand.anchor(&self.tree.anchor_m, self.start.time_s + since_s);
+                self.root = Root::in_hand(&held, &self.gravity_m_s2);
+            }
             self.slope(stage);
             if self.has_derivatives {
                 let (from, to) = (&self.from_changes, &mut self.stage_changes);

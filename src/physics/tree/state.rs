@@ -13,6 +13,9 @@ pub struct TreeState {
     pub coordinates: Vec<f64>,
     /// Rates `u`.
     pub rates: Vec<f64>,
+    /// When it is so \[s\]. What hangs from the world or flies does not heed it, what hangs from a [hand](super::Hand)
+    /// does.
+    pub time_s: f64,
 }
 
 impl TreeState {
@@ -27,6 +30,7 @@ impl TreeState {
                 .chain(&state.angular_velocity_rad_s)
                 .copied()
                 .collect(),
+            time_s: 0.0,
         }
     }
 }
@@ -46,7 +50,8 @@ fn vector(numbers: &[f64]) -> Vector3<f64> {
 }
 
 impl Tree {
-    /// At rest with all coordinates zero and all quaternions one.
+    /// At rest with all coordinates zero and all quaternions one; in a hand at a time that is still to be given,
+    /// no number.
     pub fn at_rest(&self) -> TreeState {
         let mut coordinates = vec![0.0; self.coordinate_count()];
         for node in self.nodes.iter().filter(|node| node.motor == Motor::Ball) {
@@ -55,6 +60,10 @@ impl Tree {
         TreeState {
             coordinates,
             rates: vec![0.0; self.freedoms()],
+            time_s: match self.hand {
+                Some(_) => f64::NAN,
+                None => 0.0,
+            },
         }
     }
 

@@ -30,7 +30,7 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     let Some((motion, [first, rest @ ..])) = motion.map(|of| (of, of.knots.as_slice())) else {
         return off;
     };
-    let (forest, gravity_m_s2) = (scene.forest(), &estimate.gravity_m_s2);
+    let (forest, gravity_m_s2) = (scene.forest_with(&estimate.held), &estimate.gravity_m_s2);
     let told = |time_s: f64| scene.forest_state(estimate, &forest, time_s);
     let Some(start) = told(first.time_s) else {
         off.position_m = f64::INFINITY;

@@ -30,7 +30,7 @@ impl<'a> JoinedLink<'a> {
             scene,
             estimate,
             motion: motions.find(|of| of.mechanism == mechanism)?,
-            tree: scene.tree_model(joined),
+            tree: scene.tree_model_with(joined, &estimate.held),
             place: joined.place_of(link)?,
         })
     }

@@ -79,7 +79,7 @@ impl TreeProblem {
     pub(super) fn with(&self, scene: &Scene, value: (Quantity, f64)) -> Option<Self> {
         let other = scene.with_values(&[value]).ok()?;
         let mut with = self.clone();
-        with.forest = other.forest();
+        with.forest = other.forest_with(&self.hands);
         with.gravity_m_s2 = other.gravity_m_s2;
         for event in &mut with.events {
             if event.touch.is_some() {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::Forest;
-use crate::physics::state::State;
+use crate::physics::state::{State, StateTangent};
 use crate::physics::tree::snapshot::Snapshot;
 use crate::physics::tree::state::TreeState;
 
@@ -37,6 +37,12 @@ impl<'t> ForestSnapshot<'t> {
     pub fn link_state(&self, place: usize) -> State {
         let (tree, link) = self.forest.tree_of(place);
         self.trees[tree].link_state(link)
+    }
+
+    /// How it changes with time where all coordinates and rates stay, as [`Snapshot::link_carried`] says.
+    pub fn link_carried(&self, place: usize) -> StateTangent {
+        let (tree, link) = self.forest.tree_of(place);
+        self.trees[tree].link_carried(link)
     }
 
     /// Derivative of that state's tangent by the tangent of all, as [`Snapshot::link_jacobian`] says.

@@ -117,8 +117,8 @@ fn derivative(
 
 fn after(state: &TreeState, impact: &TreeImpact) -> TreeState {
     TreeState {
-        coordinates: state.coordinates.clone(),
         rates: impact.rates.clone(),
+        ..state.clone()
     }
 }
 
@@ -230,8 +230,8 @@ fn the_response_of_a_contact_is_that_of_the_energys_mass_matrix() {
         let freedoms = tree.freedoms();
         let energy = |rates: DVector<f64>| {
             let moving = TreeState {
-                coordinates: state.coordinates.clone(),
                 rates: rates.as_slice().to_vec(),
+                ..state.clone()
             };
             snapshot(&tree, &moving).energy(0.0)
         };

@@ -110,8 +110,8 @@ fn some_state(forest: &Forest, random: &mut Random) -> TreeState {
 
 fn after(state: &TreeState, impact: &TreeImpact) -> TreeState {
     TreeState {
-        coordinates: state.coordinates.clone(),
         rates: impact.rates.clone(),
+        ..state.clone()
     }
 }
 

@@ -4,6 +4,7 @@ mod accelerations;
 mod examples;
 mod flow;
 mod forms;
+mod hand;
 mod impacts;
 mod links;
 mod meetings;

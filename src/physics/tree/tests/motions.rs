@@ -262,6 +262,7 @@ fn a_universal_joint_passes_ninety_degrees() {
         let start = TreeState {
             coordinates: vec![0.2, 0.5 * PI - 0.6],
             rates: vec![miss, 14.0],
+            time_s: 0.0,
         };
         let end = advance(&tree, &gravity, &start, 0.15, 400);
         assert!(

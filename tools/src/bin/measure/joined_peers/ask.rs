@@ -114,6 +114,7 @@ impl From<State> for TreeState {
         Self {
             coordinates: state.coordinates,
             rates: state.rates,
+            time_s: 0.0,
         }
     }
 }

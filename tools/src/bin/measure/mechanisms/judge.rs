@@ -33,6 +33,7 @@ impl End {
         TreeState {
             coordinates: self.coordinates.clone(),
             rates: self.rates.clone(),
+            time_s: 0.0,
         }
     }
 }
