@@ -13,6 +13,7 @@ mod free;
 mod goals;
 mod held;
 mod laws;
+mod reach;
 mod refusals;
 mod waypoints;
 

@@ -161,6 +161,7 @@ impl<P: Program> Finish<'_, P> {
             // Where a damped step promises nothing, the undamped one tells whether there is nothing left.
             let is_asked = is_met && self.damping > 0.0 && promised < tolerances.decrease;
             let undamped = is_asked.then(|| self.undamped_promise()).flatten();
+            let undamped = undamped.filter(|promise| *promise < tolerances.decrease);
             finished.decrease = undamped.unwrap_or(finished.decrease);
             finished.converged = is_met
                 && finished.decrease < tolerances.decrease

@@ -9,7 +9,7 @@ mod motion;
 mod scene;
 
 use enact::config::scene_from_toml;
-use enact::motion::Scene;
+use enact::motion::{GoalSet, GoalTarget, Scene};
 use enact::physics::tree::{Snapshot, Tree, TreeState};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -124,13 +124,20 @@ impl Hard {
             last_m: self.rods[self.rods.len() - 1].length_m,
             asks_start: self.asks_start,
         };
-        let end_m = self.asked_end_m(&bare, &tree, &states[states.len() - 1]);
+        let end_m = self.end_m(&bare, &tree, &states[states.len() - 1]);
         let goals = goals(&asked, (&bare, joined, &tree), &states[0], &end_m);
         let toml = scene::toml(self, &goals);
         let acted = Acted::of(self.distortion);
-        let strike = acted_out(toml.clone(), (Vec::new(), states), &acted, &mut random);
+        let mut strike = acted_out(toml.clone(), (Vec::new(), states), &acted, &mut random);
         let said_toml = self.wrong.said(&toml, self.rods.len());
-        let said = scene_from_toml(&said_toml).expect("a valid scene");
+        let mut said = scene_from_toml(&said_toml).expect("a valid scene");
+        if let Wish::Beyond(by_m) = self.wish {
+            let hangs_m = Vector3::new(0.0, 0.0, scene::HANGS_M);
+            let reach_m: f64 = self.rods.iter().map(|rod| rod.length_m).sum();
+            let beyond_m = hangs_m + (end_m - hangs_m).normalize() * (reach_m + by_m);
+            ask_elsewhere(&mut strike.scene, beyond_m);
+            ask_elsewhere(&mut said, beyond_m);
+        }
         Performance {
             strike,
             said,
@@ -138,19 +145,21 @@ impl Hard {
         }
     }
 
-    fn asked_end_m(&self, scene: &Scene, tree: &Tree, last: &TreeState) -> Vector3<f64> {
+    /// Where the lower end of the last rod is \[m\].
+    fn end_m(&self, scene: &Scene, tree: &Tree, last: &TreeState) -> Vector3<f64> {
         let mut snapshot = Snapshot::new(tree, &scene.gravity_m_s2);
         snapshot.set(last);
         let rod = self.rods.len() - 1;
-        let end_m = snapshot.point(rod, &self.rods[rod].end_m());
-        match self.wish {
-            Wish::Reached => end_m,
-            Wish::Beyond(by_m) => {
-                let hangs_m = Vector3::new(0.0, 0.0, scene::HANGS_M);
-                let reach_m: f64 = self.rods.iter().map(|rod| rod.length_m).sum();
-                hangs_m + (end_m - hangs_m).normalize() * (reach_m + by_m)
-            }
-        }
+        snapshot.point(rod, &self.rods[rod].end_m())
+    }
+}
+
+/// Asks the last rod's end to be elsewhere in the end: a file that asks for what is out of reach is refused.
+fn ask_elsewhere(scene: &mut Scene, end_m: Vector3<f64>) {
+    if let Some(goal) = scene.goals.last_mut()
+        && let GoalTarget::Condition(condition) = &mut goal.target
+    {
+        condition.set = GoalSet::point(end_m);
     }
 }
 

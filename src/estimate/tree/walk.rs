@@ -128,8 +128,8 @@ impl TreeProblem {
         })
     }
 
-    /// Step of the integrator for the motion from its first node to a stamp \[s\]: not longer than `most_s` \[s\], and
-    /// no joint turns by more than `turn_rad` \[rad\] in it.
+    /// Step of the integrator for the motion from its first node to a stamp \[s\]: not longer than `most_s` \[s\] nor than a hand
+    /// moves smoothly, and no joint turns by more than `turn_rad` \[rad\] in it.
     pub(super) fn step_for(
         &self,
         point: &TreePoint,
@@ -138,6 +138,7 @@ impl TreeProblem {
     ) -> f64 {
         let line = &point.time_line(self);
         let [begin_s, last_s] = line.physical_span_s();
+        let most_s = most_s.min(self.forest.smooth_s(begin_s));
         let mut course = Course::plain((self, line), (&point.nodes[0], begin_s));
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;

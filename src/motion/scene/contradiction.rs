@@ -1,5 +1,5 @@
-//! Goals that cannot hold, as far as a scene tells it: those that contradict others, and times that are
-//! given.
+//! Goals that cannot hold, as far as a scene tells it: those that contradict others, times that are given, and places
+//! off a contact's face or out of reach.
 
 use nalgebra::Vector3;
 
@@ -33,7 +33,8 @@ impl Scene {
                 );
                 return Some((index, message));
             }
-            if let Some(message) = self.off_its_face(goal) {
+            let misplaced = self.off_its_face(goal).or_else(|| self.out_of_reach(goal));
+            if let Some(message) = misplaced {
                 return Some((index, message));
             }
             let mut before = goals.clone().take(index);

@@ -17,6 +17,7 @@ mod joint;
 mod link;
 mod parameter;
 mod quantity;
+mod reach;
 mod rest;
 mod tree_touch;
 mod trees;

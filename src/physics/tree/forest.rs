@@ -62,6 +62,14 @@ impl Forest {
         self.begins[self.trees.len()].link
     }
 
+    /// How long all hands that trees hang from move smoothly about a time \[s\]: no step of an integrator is longer.
+    pub fn smooth_s(&self, time_s: f64) -> f64 {
+        let hands = self.trees.iter().filter_map(|tree| tree.hand.as_ref());
+        hands.fold(f64::INFINITY, |least, hand| {
+            least.min(hand.smooth_s(time_s))
+        })
+    }
+
     /// Number of rates: degrees of freedom. Tangents are twice as long.
     pub fn freedoms(&self) -> usize {
         self.begins[self.trees.len()].rate

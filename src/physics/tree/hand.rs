@@ -58,6 +58,14 @@ impl Hand {
         }
     }
 
+    /// How long it moves smoothly about a time \[s\].
+    pub(super) fn smooth_s(&self, time_s: f64) -> f64 {
+        let next_s = |from_s: f64| self.0.next_kink_s(from_s + APART_S, true);
+        let first_s = next_s(time_s);
+        let second_s = first_s.and_then(next_s);
+        first_s.zip(second_s).map_or(f64::INFINITY, |(a, b)| b - a)
+    }
+
     /// How it moves where a tree's first joint is [m, held body].
     pub(super) fn anchor(&self, arm_m: &Vector3<f64>, time_s: f64) -> Anchor {
         let Driven {

@@ -11,10 +11,14 @@ use crate::estimate::tree::sample::Residual;
 use crate::motion::{Sample, Seen, Sketch, Stamp, TrackSketch};
 use crate::optimise::{Program, Work};
 
-/// A motion of which errors grow by more than a leg may have, with exact samples; without goals.
+/// A motion of which errors grow by more than a leg may have, with exact samples of a point of each rod; without goals.
 fn long() -> (TreeProblem, TreePoint) {
     const COUNT: usize = 121;
-    let scene = scene_from_toml(include_str!("../../../../config/chain.toml")).expect("a scene");
+    let text = include_str!("../../../../config/chain.toml").replace(
+        "tracked = false",
+        "[[body.track]]\nsees = \"point\"\ntracker = { position_mm = [0, 0, -100] }",
+    );
+    let scene = scene_from_toml(&text).expect("a scene");
     let samples = (0..COUNT).map(|index| Sample {
         stamp: Stamp(index as i64 * 10_000_000),
         acted_s: 0.01 * index as f64,
@@ -34,7 +38,7 @@ fn long() -> (TreeProblem, TreePoint) {
         .map(|at| 2.0 * (at as f64).sin())
         .collect();
     let mut state = problem.forest.retract(&problem.forest.at_rest(), &delta);
-    state.rates.iter_mut().for_each(|rate| *rate *= 5.0);
+    state.rates.iter_mut().for_each(|rate| *rate *= 2.0);
     let point = TreePoint::new(&problem, vec![state]);
     let mut seen = Vec::new();
     let program = TreeProgram::new(&problem, point.clone());

@@ -54,8 +54,8 @@ fn middle_half(values: &[f64]) -> String {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let quarter = sorted.len() / 4;
-    let ends = (sorted.iter().nth(quarter), sorted.iter().nth_back(quarter));
-    match ends {
+    let last = sorted.len().checked_sub(1 + quarter);
+    match (sorted.get(quarter), last.and_then(|at| sorted.get(at))) {
         (Some(low), Some(high)) => format!("{low:.2} to {high:.2}"),
         _ => String::new(),
     }
