@@ -273,10 +273,22 @@ fn the_document_shows_a_scene_that_is_one() {
     let text = include_str!("../docs/joints.md");
     let tables = text.split("```toml\n").skip(1);
     let tables = tables.map(|rest| rest.split("```").next().expect("an end"));
+    let (in_hand, hanging): (Vec<&str>, Vec<&str>) =
+        tables.partition(|of| of.contains("held = true"));
     let head = "name = \"pendulum\"\n[timing]\nstamps = \"physical\"\n\
                 [[event]]\nname = \"start\"\nkind = \"start\"\n";
-    let whole = tables.fold(head.to_owned(), |whole, table| whole + "\n" + table);
-    let whole = whole + "\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
+    let whole = |tables: &[&str]| {
+        head.to_owned() + &tables.join("\n") + "\n[[event]]\nname = \"end\"\nkind = \"end\"\n"
+    };
+    // The handle takes the nail's place.
+    let (before, nail) = hanging[0].split_once("[[joint]]").expect("the nail");
+    let (_, elbow) = nail.split_once("[[joint]]").expect("the elbow");
+    let held = whole(&[before, "[[joint]]", elbow, in_hand[0]]);
+    let held = scene_from_toml(&held).expect("a valid scene");
+    let (_, joined) = held.joint_trees().next().expect("a tree");
+    assert_eq!(held.hand_of(joined), Some(LinkIndex(2)));
+    assert_eq!(in_hand.len(), 1);
+    let whole = whole(&hanging);
     let scene = scene_from_toml(&whole).expect("a valid scene");
     let (_, joined) = scene.joint_trees().next().expect("a tree");
     assert_eq!((joined.joints.len(), joined.base), (2, None));
