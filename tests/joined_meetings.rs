@@ -243,7 +243,7 @@ fn meetings_that_are_not_done_are_refused() {
             "other = \"rod 1\"\nother_feature = \"end -z\"",
             "no joint ties",
         ),
-        ("mass_g = 150\n", "held = true\n", "in the hand"),
+        ("mass_g = 150\n", "held = true\n", "expected no collision"),
         (
             "name = \"box\"\n",
             "name = \"box\"\ndrag_linear_per_s = 0.1\n",
