@@ -368,6 +368,15 @@ fn a_long_motion_is_found() {
     assert!(off.is_some_and(|off_m| off_m < 0.025), "{off:?}");
 }
 
+/// How fast a chain spins is told weakly: along that there is a lower optimum than the one of 195.04 that growing leads to.
+#[test]
+fn a_lower_optimum_is_found_along_what_is_told_weakly() {
+    let performance = trees::perform(&Kind::CHAIN, &TreeActing::of(1.0), 7005);
+    let estimate = finished(&performance).estimate;
+    assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.doubts);
+    assert!(estimate.objective < 194.5, "{}", estimate.objective);
+}
+
 /// What the equations of motion do not lead to, and what no hand makes, is doubted.
 #[test]
 fn knots_that_do_not_follow_from_the_first_are_doubted() {

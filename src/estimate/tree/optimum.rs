@@ -4,6 +4,7 @@ use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::time_line::TimeLine;
+use super::walk::EXACTLY;
 use crate::estimate::recipe::Watched;
 use crate::motion::Observer;
 use crate::optimise::trust::{self, Nearness};
@@ -97,6 +98,12 @@ impl Solved {
 }
 
 impl TreeProblem {
+    /// Makes steps as short as the motion of a point needs, and parts samples where it has the events.
+    pub(super) fn fit_to(&mut self, point: &TreePoint) {
+        self.step_s = self.exact_step_s(point, EXACTLY);
+        self.part_at(point);
+    }
+
     /// Parts samples where a point has the events; whether one then is on another side than before.
     pub(super) fn part_at(&mut self, point: &TreePoint) -> bool {
         let [mut least_s, most_s] = self.span_s;

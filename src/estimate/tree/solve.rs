@@ -10,7 +10,6 @@ use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::valley::walked;
-use super::walk::EXACTLY;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
@@ -145,7 +144,7 @@ fn likeliest(
 
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
 /// for that, as it was on several legs.
-fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
+fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
     let (problem, solution) = (&solved.problem, &solved.solution);
     if problem.nodes_s.len() == 1 || solution.stopped {
         return solved;
@@ -157,14 +156,13 @@ fn in_one(solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solve
     let mut point = solution.point.clone();
     point.nodes.truncate(1);
     let at_once = Schedule::default().from_the_last();
-    let mut one = finished(&alone, &point, &at_once, work, observer);
+    let one = finished(&alone, &point, &at_once, work, observer);
     let is_same = one.solution.system.cost <= solution.system.cost * (1.0 + IN_ONE);
     if one.solution.finished.converged && is_same {
         return one;
     }
-    one = solved;
-    one.solution.work = *work;
-    one
+    solved.solution.work = *work;
+    solved
 }
 
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
@@ -196,7 +194,6 @@ pub(super) fn swept(
     }
     work.add(&descent.work);
     let point = approached(program, descent.point, work, observer);
-    problem.step_s = problem.exact_step_s(&point, EXACTLY);
-    problem.part_at(&point);
+    problem.fit_to(&point);
     (problem, point)
 }

@@ -12,9 +12,9 @@
 
 use nalgebra::DVector;
 
+use super::curvature::dense;
 use super::optimum::{Solved, approached, finished};
 use super::program::{Part, TreeProgram};
-use super::walk::EXACTLY;
 use crate::motion::Observer;
 use crate::optimise::{Program, Schedule, Work};
 
@@ -55,7 +55,7 @@ fn weak(solved: &Solved) -> Vec<DVector<f64>> {
     let (problem, point) = (&solved.problem, &solved.solution.point);
     let program = TreeProgram::new(problem, point.clone());
     let free = program.free_directions(&solved.solution.system);
-    let information = program.information_at(&Part::whole(), point);
+    let information = dense(&program.structure.pattern, &solved.solution.system.hessian);
     let Some(inverse) = free.tr_mul(&(information * &free)).cholesky() else {
         return Vec::new();
     };
@@ -99,8 +99,7 @@ fn beyond(
     if !(program.evaluated(&Part::whole(), &point).cost < enough) {
         return None;
     }
-    problem.step_s = problem.exact_step_s(&point, EXACTLY);
-    problem.part_at(&point);
+    problem.fit_to(&point);
     let at_once = Schedule::default().from_the_last();
     let solved = finished(&problem, &point, &at_once, work, observer);
     (solved.solution.finished.converged && solved.cost() < enough).then_some(solved)

@@ -10,7 +10,7 @@ use super::whole::Scene;
 use crate::physics::State;
 
 /// Greatest distance between goals that agree: what typed digits leave, in SI units.
-const DIGITS: f64 = 1e-5;
+pub(super) const DIGITS: f64 = 1e-5;
 /// The same of sets of one quantity, which need not be rounded.
 const ROUNDING: f64 = 1e-9;
 /// Greatest distance of a contact's place from the face that it is on \[m\].

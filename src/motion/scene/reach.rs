@@ -2,13 +2,11 @@
 //! joint are long together, and no nearer than the longest of them is longer than all others.
 
 use super::condition::{BodyPoint, Condition, GoalQuantity};
+use super::contradiction::DIGITS;
 use super::goal::Goal;
 use super::whole::Scene;
 use crate::motion::index::LinkIndex;
 use crate::motion::scene::joint::JointEnd;
-
-/// By how much places may be out of reach: what typed digits leave \[m\].
-const DIGITS_M: f64 = 1e-5;
 
 impl Scene {
     /// What is wrong with a hard goal for a place to which its body cannot come.
@@ -50,7 +48,7 @@ impl Scene {
             true => 2.0 * longest_m - all_m,
             false => f64::NEG_INFINITY,
         };
-        if condition.sd.is_some() || away_m <= all_m + DIGITS_M && away_m >= least_m - DIGITS_M {
+        if condition.sd.is_some() || away_m <= all_m + DIGITS && away_m >= least_m - DIGITS {
             return None;
         }
         let (name, most_mm) = (&first.name, 1e3 * all_m);
