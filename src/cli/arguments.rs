@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
+use crate::service::DEFAULT_EXPORT_RATE_HZ;
+
 /// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
 /// fits it best comes out.
 #[derive(Debug, Parser)]
@@ -40,6 +42,8 @@ pub(super) enum Command {
     Mark(MarkArguments),
     /// Make a recording of keyframes in a file, or a file of keyframes of a recording
     Sketch(SketchArguments),
+    /// Make files for other programs of the motion that `replay` found
+    Export(ExportArguments),
     /// Make scenes
     Scene {
         /// Of what
@@ -245,6 +249,45 @@ pub(super) struct SketchArguments {
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example, for Blender at 30 frames a second with the performance beside the motion:\n  \
+                  enact export tip.estimate.mcap --to glb --fps 30 --ghost -o tip.glb\n\
+                  Exit code 3: done, but the motion is not physical or data were lost."
+)]
+pub(super) struct ExportArguments {
+    /// A recording with an estimate, as `replay` writes it
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// What is made of it
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) to: Target,
+    /// The file; - for stdout [default: IN with .glb, .csv or .tum]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Frames a second; events, beginnings and ends have keys beside them
+    #[arg(long, value_name = "RATE", value_parser = rate, default_value_t = DEFAULT_EXPORT_RATE_HZ)]
+    pub(super) fps: f64,
+    /// With the performance as it was acted, at its physical times
+    #[arg(long)]
+    pub(super) ghost: bool,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// What `export` makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Target {
+    /// Binary glTF 2.0: bodies with keys, and what stands still
+    Glb,
+    /// A row per frame and body
+    Csv,
+    /// Trajectories `t x y z qx qy qz qw`, a file per body
+    Tum,
 }
 
 /// The commands of `scene`.

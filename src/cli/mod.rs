@@ -18,6 +18,7 @@ mod completion;
 #[cfg(feature = "live")]
 mod doctor;
 mod exit;
+mod export;
 mod inspect;
 mod mark;
 mod output;

@@ -6,10 +6,13 @@ use serde::Serialize;
 
 /// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
+    print_bytes(text.as_bytes())
+}
+
+/// [`print`] of what is not text.
+pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
-    let written = stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush());
+    let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
@@ -26,6 +29,11 @@ pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
 /// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+/// Prints a note on stderr, where stdout has another use.
+pub(super) fn print_note(note: &str) {
+    let _ = writeln!(io::stderr(), "note: {note}");
 }
 
 /// Whether colours are wanted on stdout.

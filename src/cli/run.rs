@@ -9,7 +9,7 @@ use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, inspect, mark, output, process, recover, replay, scene, sketch};
+use super::{completion, export, inspect, mark, output, process, recover, replay, scene, sketch};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -32,6 +32,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
     };

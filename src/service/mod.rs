@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -13,6 +13,7 @@ pub mod capture;
 mod direct;
 #[cfg(feature = "live")]
 mod doctor;
+mod export;
 mod finish;
 mod from_urdf;
 mod inspect;
@@ -34,6 +35,7 @@ mod words;
 pub use direct::{Answer, DirectJob, Direction, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
+pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};

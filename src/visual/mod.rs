@@ -10,4 +10,4 @@ pub mod visuals;
 
 pub use mesh::{Triangle, mesh};
 pub use primitive::{Form, Primitive, bounding_box, cone_slices, primitives};
-pub use visuals::{Subject, Visual, surface_side_m, visuals};
+pub use visuals::{GHOST_RGBA, Subject, Visual, surface_side_m, visuals};

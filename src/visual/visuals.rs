@@ -13,6 +13,9 @@ const SURFACE_THICKNESS_M: f64 = 1e-3;
 /// Surfaces are drawn at least this wide \[m\].
 const SURFACE_SIDE_M: f64 = 0.5;
 
+/// Red, green, blue and opacity of a body as it was acted, beside its estimate.
+pub const GHOST_RGBA: [f64; 4] = [0.95, 0.65, 0.20, 0.35];
+
 /// Something to draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visual {

@@ -14,6 +14,6 @@ pub mod live;
 pub mod ros2;
 
 pub use container::{Container, ContainerError};
-pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat};
+pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat, decode_text};
 pub use encode::{EncodeError, Encoded, JointState, Transform};
 pub use keyframe::{KEYFRAME_SCHEMA, decode_keyframe, encode_keyframe};

@@ -14,12 +14,14 @@ use super::topics;
 use crate::math::Pose;
 use crate::motion::{Scene, Stamp};
 use crate::physics::Shape;
+#[cfg(any(test, feature = "live"))]
+use crate::visual::GHOST_RGBA;
 use crate::visual::{Form, Subject, primitives, visuals};
 use crate::wire::encode;
 
 /// A body in the frame of its performance, beside its estimate.
-#[cfg(feature = "live")]
-const GHOST: Color = color([0.95, 0.65, 0.20, 0.35]);
+#[cfg(any(test, feature = "live"))]
+const GHOST: Color = color(GHOST_RGBA);
 /// A body in the frame of its tracker.
 #[cfg(feature = "live")]
 const LIVE: Color = color([0.30, 0.60, 0.95, 0.35]);
@@ -92,7 +94,7 @@ fn entities(
 }
 
 /// The frame in which something is drawn, and its entity's id.
-fn names(scene: &Scene, world_frame: &str, subject: Subject) -> (String, String) {
+pub(super) fn names(scene: &Scene, world_frame: &str, subject: Subject) -> (String, String) {
     let world = world_frame.to_owned();
     match subject {
         Subject::Link(index) => {

@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::sampling::SamplingError;
 #[cfg(feature = "live")]
 use crate::wire::live::LiveError;
-use crate::wire::{ContainerError, EncodeError};
+use crate::wire::{ContainerError, DecodeError, EncodeError};
 
 /// Why a file was not written. Nothing is left under its final name.
 #[derive(Debug, Error)]
@@ -40,6 +40,22 @@ pub enum WriteError {
         topic: String,
         /// The cause.
         source: EncodeError,
+    },
+    /// A message of an estimate cannot be read back.
+    #[error("{}: topic {topic}: {source}; make the estimate again with `enact replay`", path.display())]
+    Decode {
+        /// The recording.
+        path: PathBuf,
+        /// Topic of the message.
+        topic: String,
+        /// The cause.
+        source: DecodeError,
+    },
+    /// There is no estimate in a recording.
+    #[error("{}: has no estimate, expected what `enact replay` writes of it", path.display())]
+    NoEstimate {
+        /// The recording.
+        path: PathBuf,
     },
     /// The log time of a message is before 1970.
     #[error("{}: topic {topic}: log time {log_time} ns is negative", path.display())]
@@ -126,6 +142,16 @@ impl WriteError {
     pub(super) fn encode(path: &Path, topic: &str) -> impl FnOnce(EncodeError) -> Self {
         let (path, topic) = (path.to_owned(), topic.to_owned());
         move |source| WriteError::Encode {
+            path,
+            topic,
+            source,
+        }
+    }
+
+    /// For `map_err`: a message on `topic` cannot be read back.
+    pub(super) fn decode(path: &Path, topic: &str) -> impl FnOnce(DecodeError) -> Self {
+        let (path, topic) = (path.to_owned(), topic.to_owned());
+        move |source| WriteError::Decode {
             path,
             topic,
             source,

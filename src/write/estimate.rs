@@ -25,10 +25,10 @@ pub const DEFAULT_FRAME_RATE_HZ: f64 = 240.0;
 pub const DEFAULT_WORLD_FRAME: &str = "world";
 
 /// Attachment that holds the scene.
-const SCENE_NAME: &str = "scene.toml";
+pub(super) const SCENE_NAME: &str = "scene.toml";
 
 /// Attachment that holds the scene of the estimate where the recording has another one.
-const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
+pub(super) const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
 
 /// Everything an output file is made of.
 #[derive(Clone, Copy)]

@@ -189,7 +189,7 @@ fn keyframe_table(
 }
 
 /// A name as a field: in quotes where it has a comma, a quote, or a blank at an end.
-fn quoted(name: &str) -> String {
+pub(super) fn quoted(name: &str) -> String {
     let is_plain = !name.contains([',', '"', '\n', '#']) && name.trim() == name;
     if is_plain {
         name.to_owned()
@@ -199,7 +199,7 @@ fn quoted(name: &str) -> String {
 }
 
 /// Seconds with as many digits as the nanoseconds need, at least one after the point.
-fn seconds(stamp: Stamp) -> String {
+pub(super) fn seconds(stamp: Stamp) -> String {
     let sign = if stamp.0 < 0 { "-" } else { "" };
     let ns = stamp.0.unsigned_abs();
     let fraction = format!("{:09}", ns % 1_000_000_000);

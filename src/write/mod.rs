@@ -4,7 +4,7 @@
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
 //! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording, [`keyframes`]
-//! writes sketches as text that people edit.
+//! writes sketches as text that people edit, [`export`] the motion for programs that do not read recordings.
 //! `journal` keeps a live take as it comes, and [`mod@recover`] makes a recording of what a crash
 //! left of it; `live` publishes on iceoryx2, and `show` has the messages for viewers. Poses are those of
 //! [`sampling`](crate::sampling), drawings those of [`visual`](crate::visual), words and numbers those of
@@ -16,6 +16,7 @@ mod dialect;
 mod drawing;
 pub mod error;
 pub mod estimate;
+pub mod export;
 #[cfg(feature = "live")]
 pub mod journal;
 pub mod keyframes;

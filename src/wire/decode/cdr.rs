@@ -78,6 +78,11 @@ pub(super) fn mark(data: &[u8]) -> Result<StampedMark, DecodeError> {
     })
 }
 
+/// The text of a `std_msgs/msg/String`.
+pub fn text(data: &[u8]) -> Result<String, DecodeError> {
+    CdrReader::new(data)?.text("data")
+}
+
 struct CdrReader<'a> {
     /// The message after its encapsulation header; alignment counts from its first byte.
     data: &'a [u8],
@@ -257,6 +262,23 @@ mod tests {
     fn expected(parent: &str, child: &str, stamp: Option<Stamp>) -> FramedPose {
         let frames = (parent.to_owned(), child.to_owned());
         FramedPose::new(frames, stamp, SEVEN.0.into(), SEVEN.1)
+    }
+
+    #[test]
+    fn texts_are_read_in_either_byte_order() {
+        let said = "{\"verdict\":\"physical\"}";
+        for bytes in [
+            ::cdr::serialize::<_, _, CdrLe>(&said, Infinite).unwrap(),
+            ::cdr::serialize::<_, _, CdrBe>(&said, Infinite).unwrap(),
+        ] {
+            assert_eq!(text(&bytes), Ok(said.to_owned()));
+            let length = bytes.len() - 2;
+            let short = DecodeError::CdrShort {
+                length,
+                field: "data",
+            };
+            assert_eq!(text(&bytes[..length]), Err(short));
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod json;
 mod message;
 mod protobuf;
 
+pub use cdr::text as decode_text;
 pub use error::DecodeError;
 pub use format::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 pub use message::{FramedPose, StampedMark};

@@ -1,0 +1,147 @@
+//! Makes files for other programs of the motion that a recording has.
+
+mod files;
+mod job;
+
+use anyhow::{Context, bail};
+use sha2::{Digest, Sha256};
+
+use self::files::{files, write};
+pub use self::job::{ExportFormat, ExportJob, ExportTo, Exported};
+use crate::config::scene_from_toml;
+use crate::ingest::Recording;
+use crate::motion::Scene;
+use crate::write::export::{
+    ExportedBody, Provenance, WrittenMotion, exported_bodies, fastest_turn_rad_s, scene_of_estimate,
+};
+
+/// Frames a second at which a motion is exported, unless others are asked for: those of films.
+pub const DEFAULT_EXPORT_RATE_HZ: f64 = 24.0;
+
+/// Frames a second that can be asked for; beyond them nothing is between the poses of a file.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
+
+/// Most frames that are made.
+const FRAME_LIMIT: f64 = 1e7;
+
+/// Exports the motion of a recording. All of it is made before anything is written.
+pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
+    let path = job.input.display();
+    if !RATES_HZ.contains(&job.frame_rate_hz) {
+        bail!(
+            "frame rate {} Hz, expected {} to {}",
+            job.frame_rate_hz,
+            RATES_HZ.start(),
+            RATES_HZ.end()
+        );
+    }
+    let recording = Recording::open(&job.input)?;
+    let container = recording.container();
+    let Some(scene_toml) = scene_of_estimate(container) else {
+        bail!("{path}: has no scene and no estimate, expected what `enact replay` writes of it");
+    };
+    let text = std::str::from_utf8(scene_toml)
+        .with_context(|| format!("{path}: the attached scene is not UTF-8"))?;
+    let scene = scene_from_toml(text).map_err(|error| error.in_file(format!("{path}#scene")))?;
+    let motion = WrittenMotion::read(&job.input, container, &scene)?;
+    check_span(job, &motion)?;
+    let bodies = exported_bodies(&scene, &motion, job.frame_rate_hz, job.with_acted);
+    if bodies.is_empty() {
+        bail!(
+            "{path}: the estimate has no motion; its verdict is {}",
+            motion.verdict
+        );
+    }
+    let provenance = Provenance {
+        program: concat!("enact ", env!("CARGO_PKG_VERSION")).to_owned(),
+        command: job.command.clone(),
+        recording: path.to_string(),
+        scene: scene.name.clone(),
+        scene_sha256: hexadecimal(&Sha256::digest(scene_toml)),
+        verdict: motion.verdict.clone(),
+    };
+    let damages = container.damages();
+    let lost = damages.first().iter().filter(|_| damages.is_loss());
+    let mut exported = Exported {
+        input: path.to_string(),
+        outputs: Vec::new(),
+        scene: scene.name.clone(),
+        verdict: motion.verdict.clone(),
+        bodies: bodies.len(),
+        keys: bodies.iter().map(|body| body.keys.len()).sum(),
+        lost: lost.map(ToString::to_string).collect(),
+        warnings: warnings(job, &scene, &motion, &bodies),
+        bytes: Vec::new(),
+    };
+    let files = files(job, &scene, &motion, &bodies, &provenance);
+    write(job, files, &mut exported)?;
+    Ok(exported)
+}
+
+/// Refuses motions whose frames would fill memory and disk.
+fn check_span(job: &ExportJob, motion: &WrittenMotion) -> anyhow::Result<()> {
+    for samples in &motion.estimates {
+        let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
+            continue;
+        };
+        let span_s = last.stamp.seconds_since(first.stamp);
+        if span_s * job.frame_rate_hz > FRAME_LIMIT {
+            bail!(
+                "{}: {span_s} s at {} Hz are more than {FRAME_LIMIT} frames, expected a lower rate",
+                job.input.display(),
+                job.frame_rate_hz
+            );
+        }
+    }
+    Ok(())
+}
+
+fn warnings(
+    job: &ExportJob,
+    scene: &Scene,
+    motion: &WrittenMotion,
+    bodies: &[ExportedBody],
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let still = scene.links.iter_enumerated();
+    let still = still.filter(|(link, _)| bodies.iter().all(|body| body.link != *link));
+    for (_, link) in still {
+        warnings.push(format!(
+            "body {:?} has no motion and is left out",
+            link.name
+        ));
+    }
+    for body in bodies
+        .iter()
+        .filter(|of| job.with_acted && of.acted.is_empty())
+    {
+        let name = &scene.links[body.link].name;
+        warnings.push(format!(
+            "body {name:?} has no acted poses: no tracker sees its pose"
+        ));
+    }
+    // Between two keys every reader takes the shorter way.
+    let fastest = motion
+        .estimates
+        .iter()
+        .map(|samples| fastest_turn_rad_s(samples));
+    let between_rad = fastest.fold(0.0, f64::max) / job.frame_rate_hz;
+    if between_rad > std::f64::consts::PI {
+        let needed_hz = (job.frame_rate_hz * between_rad / std::f64::consts::PI).ceil();
+        warnings.push(format!(
+            "a body turns by more than half a turn between frames, and would seem to turn the other way: \
+             expected --fps {needed_hz} or more"
+        ));
+    }
+    if job.format == ExportFormat::Glb && !motion.parameters.is_empty() {
+        warnings.push(format!(
+            "surfaces and obstacles are where the scene has them, whatever is estimated: {}",
+            motion.parameters.join(", ")
+        ));
+    }
+    warnings
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

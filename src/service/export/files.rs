@@ -1,0 +1,122 @@
+//! The files of an export and their names.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow, bail};
+
+use super::super::finish::check_distinct;
+use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
+use crate::motion::Scene;
+use crate::write::atomic::AtomicFile;
+use crate::write::export::{ExportedBody, Provenance, WrittenMotion, csv, glb, tum};
+
+/// Files by what is added to the name; one without an addition keeps it.
+pub(super) fn files(
+    job: &ExportJob,
+    scene: &Scene,
+    motion: &WrittenMotion,
+    bodies: &[ExportedBody],
+    provenance: &Provenance,
+) -> Vec<(String, Vec<u8>)> {
+    match job.format {
+        ExportFormat::Glb => {
+            let at = (motion.zero, job.frame_rate_hz);
+            vec![(String::new(), glb(scene, bodies, at, provenance))]
+        }
+        ExportFormat::Csv => {
+            let at = (motion.zero, motion.simulated_from);
+            let text = csv(scene, bodies, at, provenance);
+            vec![(String::new(), text.into_bytes())]
+        }
+        ExportFormat::Tum => {
+            let mut files = Vec::new();
+            for body in bodies {
+                let name = &scene.links[body.link].name;
+                files.push((name.clone(), tum(&body.keys, provenance).into_bytes()));
+                if !body.acted.is_empty() {
+                    let name = format!("{name}.acted");
+                    files.push((name, tum(&body.acted, provenance).into_bytes()));
+                }
+            }
+            if let [(addition, _)] = &mut files[..] {
+                addition.clear();
+            }
+            files
+        }
+    }
+}
+
+/// Writes them, or gives the bytes of one to the caller.
+pub(super) fn write(
+    job: &ExportJob,
+    files: Vec<(String, Vec<u8>)>,
+    exported: &mut Exported,
+) -> anyhow::Result<()> {
+    let output = match &job.to {
+        ExportTo::Beside => job.input.with_extension(job.format.ending()),
+        ExportTo::File(output) => output.clone(),
+        ExportTo::Caller => {
+            let count = files.len();
+            let [(_, bytes)] = <[_; 1]>::try_from(files).map_err(|_| {
+                anyhow!("{count} trajectories, expected -o FILE: one stream holds one")
+            })?;
+            exported.bytes = bytes;
+            return Ok(());
+        }
+    };
+    let named: Vec<(PathBuf, Vec<u8>)> = files
+        .into_iter()
+        .map(|(addition, bytes)| (with_addition(&output, &addition), bytes))
+        .collect();
+    for (index, (path, _)) in named.iter().enumerate() {
+        check_distinct(&job.input, path)?;
+        if named[..index].iter().any(|(other, _)| other == path) {
+            bail!(
+                "{}: is the file of two bodies, expected other names",
+                path.display()
+            );
+        }
+    }
+    for (path, bytes) in named {
+        let mut file = AtomicFile::create(&path)?;
+        file.write_all(&bytes)
+            .with_context(|| format!("{}: cannot write", path.display()))?;
+        file.commit()?;
+        exported.outputs.push(path.display().to_string());
+    }
+    Ok(())
+}
+
+/// `out.tum` → `out.pencil.tum`; what is no part of a name of a file is replaced by `_`.
+fn with_addition(output: &Path, addition: &str) -> PathBuf {
+    if addition.is_empty() {
+        return output.to_owned();
+    }
+    let plain = |c: char| match c {
+        '/' | '\\' | ':' | '\0' => '_',
+        c => c,
+    };
+    let addition: String = addition.chars().map(plain).collect();
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = output.extension().map(|ending| ending.to_string_lossy());
+    let ending = ending.map_or(String::new(), |ending| format!(".{ending}"));
+    output.with_file_name(format!("{stem}.{addition}{ending}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_bodies_are_named_after_the_output() {
+        for (output, addition, path) in [
+            ("a/x.tum", "", "a/x.tum"),
+            ("a/x.tum", "pencil", "a/x.pencil.tum"),
+            ("x.y.tum", "link 1/2", "x.y.link 1_2.tum"),
+            ("x", "die.acted", "x.die.acted"),
+        ] {
+            assert_eq!(with_addition(Path::new(output), addition), Path::new(path));
+        }
+    }
+}

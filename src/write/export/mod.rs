@@ -1,0 +1,18 @@
+//! The motion of an estimate's file, for programs that do not read MCAP.
+//!
+//! [`motion`] reads back what an estimate added to a recording, [`frames`] puts it on a grid of frames with keys
+//! where the motion has kinks, [`gltf`] makes a binary glTF of that and of what there is to draw, [`tables`] CSV
+//! and TUM trajectories. All are functions of the file and of the wishes alone. `docs/export.md` says what is in
+//! each.
+
+mod buffer;
+mod document;
+pub mod frames;
+pub mod gltf;
+pub mod motion;
+pub mod tables;
+
+pub use frames::{ExportedBody, Key, exported_bodies, fastest_turn_rad_s};
+pub use gltf::{Provenance, glb};
+pub use motion::{WrittenMotion, scene_of_estimate};
+pub use tables::{csv, tum};

@@ -1,0 +1,191 @@
+//! What an estimate added to a recording, read back.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use typed_index_collections::TiVec;
+
+use super::super::error::WriteError;
+use super::super::estimate::{ESTIMATE_SCENE_NAME, SCENE_NAME};
+use super::super::topics;
+use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
+use crate::sampling::{make_signs_continuous, stamp};
+use crate::wire::{Container, DecodeError, PoseFormat, decode_text};
+
+/// The motion as it was written: stamped poses, link by link, with increasing stamps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenMotion {
+    /// `physical`, `plausible` or `failed`.
+    pub verdict: String,
+    /// The stamp of physical time zero.
+    pub zero: Stamp,
+    /// When events happen, with their names, in order of time.
+    pub events: Vec<(Stamp, String)>,
+    /// From when on the motion is simulated, if it is.
+    pub simulated_from: Option<Stamp>,
+    /// Names of what was free and is estimated.
+    pub parameters: Vec<String>,
+    /// The estimated motion; empty of a link without one.
+    pub estimates: TiVec<LinkIndex, Vec<PoseSample>>,
+    /// The performance, at its physical times; empty of a link whose poses no tracker sees.
+    pub sketches: TiVec<LinkIndex, Vec<PoseSample>>,
+}
+
+/// The scene of the estimate in a file, as text.
+pub fn scene_of_estimate(container: &Container) -> Option<&[u8]> {
+    let named = |name: &str| {
+        let mut attachments = container.attachments().iter();
+        attachments.rfind(|attachment| attachment.name == name)
+    };
+    let scene = named(ESTIMATE_SCENE_NAME).or_else(|| named(SCENE_NAME));
+    scene.map(|attachment| container.attachment_data(attachment))
+}
+
+/// What of the report says when the motion is.
+#[derive(Deserialize)]
+struct Report {
+    verdict: String,
+    events: Vec<EventTime>,
+    #[serde(default)]
+    parameters: BTreeMap<String, IgnoredAny>,
+    settled: Option<Simulated>,
+    time_map: TimeMap,
+}
+
+#[derive(Deserialize)]
+struct EventTime {
+    name: String,
+    time_s: f64,
+}
+
+#[derive(Deserialize)]
+struct Simulated {
+    from_s: f64,
+}
+
+#[derive(Deserialize)]
+struct TimeMap {
+    physical_zero: Time,
+}
+
+#[derive(Deserialize)]
+struct Time {
+    sec: i64,
+    nsec: i64,
+}
+
+/// What a channel of ours has.
+#[derive(Clone, Copy)]
+enum Has {
+    Estimate(LinkIndex, PoseFormat),
+    Sketch(LinkIndex, PoseFormat),
+    Report,
+}
+
+impl WrittenMotion {
+    /// Reads the motion of the scene's links. Fails where the file has no estimate, or where a message of it
+    /// cannot be read: half a motion would look like a whole one.
+    pub fn read(path: &Path, container: &Container, scene: &Scene) -> Result<Self, WriteError> {
+        let channels = channels(container, scene);
+        let mut estimates: TiVec<LinkIndex, Vec<PoseSample>> =
+            scene.links.iter().map(|_| Vec::new()).collect();
+        let mut sketches = estimates.clone();
+        let mut report: Option<Report> = None;
+        let mut walk = container.walk();
+        while let Some(message) = walk.next_message() {
+            let Some((topic, has)) = channels.get(&message.channel_id) else {
+                continue;
+            };
+            let failed = WriteError::decode(path, topic);
+            match *has {
+                Has::Report => report = Some(report_of(message.data).map_err(failed)?),
+                Has::Estimate(link, format) => {
+                    estimates[link].push(sample(format, message.data).map_err(failed)?);
+                }
+                Has::Sketch(link, format) => {
+                    sketches[link].push(sample(format, message.data).map_err(failed)?);
+                }
+            }
+        }
+        let report = report.ok_or_else(|| WriteError::NoEstimate {
+            path: path.to_owned(),
+        })?;
+        for samples in estimates.iter_mut().chain(&mut sketches) {
+            samples.sort_by_key(|sample| sample.stamp);
+            samples.dedup_by_key(|sample| sample.stamp);
+            make_signs_continuous(samples);
+        }
+        let Time { sec, nsec } = report.time_map.physical_zero;
+        let zero = Stamp(sec.saturating_mul(1_000_000_000).saturating_add(nsec));
+        let events = report.events.into_iter();
+        let events = events.map(|event| (stamp(zero, event.time_s), event.name));
+        let mut events: Vec<(Stamp, String)> = events.collect();
+        events.sort_by_key(|(at, _)| *at);
+        Ok(Self {
+            verdict: report.verdict,
+            zero,
+            events,
+            simulated_from: report.settled.map(|settled| stamp(zero, settled.from_s)),
+            parameters: report.parameters.into_keys().collect(),
+            estimates,
+            sketches,
+        })
+    }
+}
+
+/// Our channels by what they have, with their topics.
+fn channels<'a>(container: &'a Container, scene: &Scene) -> BTreeMap<u16, (&'a str, Has)> {
+    let ours = container.channels().iter();
+    let ours = ours.filter(|(_, channel)| topics::is_ours(&channel.metadata));
+    let of = ours.filter_map(|(id, channel)| {
+        let topic = channel.topic.as_str();
+        let format = || {
+            let schema = container.schema_of(channel)?;
+            PoseFormat::of(&schema.name, &channel.message_encoding)
+        };
+        // The topic as we name it, before the same where the recording had one there.
+        let has = [Some(topic), topic.strip_prefix("/estimate")]
+            .into_iter()
+            .flatten()
+            .find_map(|topic| {
+                if topic == topics::REPORT {
+                    return Some(Has::Report);
+                }
+                let mut links = scene.links.iter_enumerated();
+                links.find_map(|(link, of)| {
+                    if topic == topics::estimate_pose(&of.name) {
+                        Some(Has::Estimate(link, format()?))
+                    } else if topic == topics::sketch_pose(&of.name) {
+                        Some(Has::Sketch(link, format()?))
+                    } else {
+                        None
+                    }
+                })
+            });
+        Some((*id, (topic, has?)))
+    });
+    of.collect()
+}
+
+fn report_of(data: &[u8]) -> Result<Report, DecodeError> {
+    // JSON as it is, or in a ROS 2 string.
+    let report = match data.first() {
+        Some(b'{') => serde_json::from_slice(data),
+        _ => serde_json::from_str(&decode_text(data)?),
+    };
+    report.map_err(|error| DecodeError::Json(error.to_string()))
+}
+
+fn sample(format: PoseFormat, data: &[u8]) -> Result<PoseSample, DecodeError> {
+    let mut poses = Vec::new();
+    format.decode(data, &mut poses)?;
+    let pose = poses.pop().ok_or(DecodeError::Missing("pose"))?;
+    let mut numbers = pose.position_m.iter().chain(&pose.quaternion_xyzw);
+    if !numbers.all(|number| number.is_finite()) {
+        return Err(DecodeError::Missing("finite pose"));
+    }
+    // Where a message has no stamp its time is zero: that is how zero is encoded.
+    Ok(pose.sample(Stamp(0)))
+}
