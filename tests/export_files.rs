@@ -47,7 +47,7 @@ impl Made {
         let output = self.folder.path().join(name);
         let estimate = self.estimate.to_str().expect("UTF-8");
         let to = output.to_str().expect("UTF-8");
-        let ran = enact(&[&["export", estimate, "-o", to], options].concat());
+        let ran = enact(&[&["export", estimate, "-o", to][..], options].concat());
         assert!(ran.status.success(), "{ran:?}");
         fs::read(output).expect("the export")
     }
@@ -268,7 +268,7 @@ impl Made {
             for line in text.lines().filter(|line| !line.starts_with('#')) {
                 let cells: Vec<&str> = line.split(' ').collect();
                 let (seconds, nanoseconds) = cells[0].split_once('.').expect("a time");
-                let stamp = format!("{seconds}{nanoseconds:0<9}")
+                let stamp: i64 = format!("{seconds}{nanoseconds:0<9}")
                     .parse()
                     .expect("a stamp");
                 let (place, [x, y, z, w]) = &poses[&stamp];
@@ -388,7 +388,7 @@ fn what_cannot_be_exported_is_said_and_leaves_no_file() {
         (&[estimate, "-o", output], 2, "--to"),
     ];
     for (arguments, code, words) in cases {
-        let ran = enact(&[&["export"], arguments].concat());
+        let ran = enact(&[&["export"][..], arguments].concat());
         let said = String::from_utf8_lossy(&ran.stderr);
         assert_eq!(ran.status.code(), Some(code), "{arguments:?}: {said}");
         assert!(said.contains(words), "{arguments:?}: {said}");
