@@ -22,9 +22,9 @@ use crate::optimise::{Program, System};
 /// Step of the differences.
 const STEP: f64 = 1e-6;
 /// How near a point is where what was told at another serves, in typical changes,
-const NEAR: f64 = 0.03;
+const NEAR: f64 = 0.1;
 /// and by which share of them multipliers may differ.
-const NEAR_MULTIPLIERS: f64 = 0.1;
+const NEAR_MULTIPLIERS: f64 = 0.2;
 
 /// What is lacking at a point with its multipliers.
 pub(super) struct Lacking {

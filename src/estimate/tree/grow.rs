@@ -24,9 +24,9 @@ const PATIENCE: Patience = Patience {
     steps: 12,
     gain: 0.1,
 };
-/// How much faster each rate is made at random before a part is fitted that ends before any event [rad/s]: a chain that
-/// flies without turning moves alike whichever way it is about to turn, and would stay at rest.
-const KICK_RAD_S: f64 = 0.1;
+/// How much faster each rate is made at random, as a rule [rad/s]: a chain that flies without turning moves alike whichever
+/// way it is about to turn, and would stay at rest.
+pub(super) const KICK_RAD_S: f64 = 0.1;
 /// A motion is lost where each of its samples costs so many times what one did of the best part with so many samples,
 /// but at least so much.
 const LOST: (f64, usize, f64) = (30.0, 24, 0.1);
@@ -42,6 +42,8 @@ pub(super) struct Growth {
     pub(super) by: f64,
     /// On which legs.
     pub(super) legs: Legs,
+    /// How much faster each rate is made at random before a part is fitted that ends before any event [rad/s].
+    pub(super) kick_rad_s: f64,
 }
 
 /// On which legs the motion is found that grows.
@@ -53,6 +55,15 @@ pub(super) enum Legs {
     Found,
     /// As far as that, with the problem's own nodes.
     Given,
+}
+
+/// How the part that counts grows: by which factor, on which legs, with which kicks \[rad/s\].
+pub(super) const fn growth(by: f64, legs: Legs, kick_rad_s: f64) -> Growth {
+    Growth {
+        by,
+        legs,
+        kick_rad_s,
+    }
 }
 
 /// Where growing led.
@@ -67,7 +78,7 @@ pub(super) struct Grown {
 /// Lets the part that counts grow from a state at the start to the whole.
 pub(super) fn grown(
     (problem, start): (&TreeProblem, TreeState),
-    growth: Growth,
+    (growth, random): (Growth, &mut Random),
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> Grown {
@@ -75,7 +86,6 @@ pub(super) fn grown(
     let given_s = problem.nodes_s.split_off(1);
     let is_followed = growth.legs != Legs::One;
     let mut point = TreePoint::new(&problem, vec![start]);
-    let mut random = Random::default();
     let mut parts_s = problem.parts_s(growth.by).into_iter().peekable();
     let mut reached_s = problem.span_s[0];
     let mut best_each = f64::INFINITY;
@@ -86,7 +96,12 @@ pub(super) fn grown(
             false => part_s,
         };
         let (mut further, fitted) = (problem.clone(), point.clone());
-        let (fitted, cost) = fit((&mut further, fitted), until_s, &mut random, work);
+        let (fitted, cost) = fit(
+            (&mut further, fitted),
+            until_s,
+            (growth.kick_rad_s, &mut *random),
+            work,
+        );
         let count = problem.count_until(until_s);
         let each = cost / count as f64;
         is_lost = count >= LOST.1 && !(each <= LOST.0 * best_each.max(LOST.2));
@@ -127,7 +142,7 @@ pub(super) fn grown(
 fn fit(
     (problem, mut point): (&mut TreeProblem, TreePoint),
     until_s: f64,
-    random: &mut Random,
+    (kick_rad_s, random): (f64, &mut Random),
     work: &mut Work,
 ) -> (TreePoint, f64) {
     problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
@@ -135,7 +150,7 @@ fn fit(
     if first.is_none_or(|event| event.about_s > until_s) {
         let rates = point.nodes[0].rates.iter_mut().enumerate();
         for (_, rate) in rates.filter(|(at, _)| !problem.forest.is_translation(*at)) {
-            *rate += KICK_RAD_S * random.normal();
+            *rate += kick_rad_s * random.normal();
         }
     }
     let program = TreeProgram::new(problem, point.clone());

@@ -1,20 +1,18 @@
 //! A problem on nodes that are given, to compare numbers of them.
 
-use super::grow::{Grown, Growth, Legs, grown};
+use super::grow::{Grown, Growth, KICK_RAD_S, Legs, grown, growth};
 use super::optimum::{Solved, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::solve::swept;
 use super::walk::ROUGHLY;
+use crate::math::random::Random;
 use crate::motion::Observer;
 use crate::optimise::{Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part of the sketch that counts grows.
-const GROWTH: Growth = Growth {
-    by: 1.5,
-    legs: Legs::Given,
-};
+const GROWTH: Growth = growth(1.5, Legs::Given, KICK_RAD_S);
 
 /// From where a problem is solved on its own nodes.
 pub enum Start {
@@ -28,7 +26,12 @@ pub enum Start {
 pub fn solve_on_nodes(problem: &TreeProblem, start: Start, observer: &mut dyn Observer) -> Solved {
     let mut work = Work::default();
     let led = match start {
-        Start::Grown(state) => grown((problem, state), GROWTH, &mut work, observer),
+        Start::Grown(state) => grown(
+            (problem, state),
+            (GROWTH, &mut Random::default()),
+            &mut work,
+            observer,
+        ),
         Start::Nodes(states) => {
             let mut problem = problem.clone();
             let point = TreePoint::new(&problem, states);

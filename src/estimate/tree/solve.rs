@@ -4,12 +4,13 @@
 #[cfg(test)]
 mod tests;
 
-use super::grow::{Grown, Growth, Legs, grown};
+use super::grow::{Grown, Growth, KICK_RAD_S, Legs, grown, growth};
 use super::optimum::{Solved, approached, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::valley::walked;
+use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
@@ -17,19 +18,14 @@ use crate::optimise::{Program, Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
-const GROWTHS: [Growth; 3] = [
-    Growth {
-        by: 1.5,
-        legs: Legs::One,
-    },
-    Growth {
-        by: 1.25,
-        legs: Legs::One,
-    },
-    Growth {
-        by: 1.5,
-        legs: Legs::Found,
-    },
+const GROWTHS: [Growth; 7] = [
+    growth(1.5, Legs::One, KICK_RAD_S),
+    growth(1.25, Legs::One, KICK_RAD_S),
+    growth(1.5, Legs::One, 2.0),
+    growth(1.5, Legs::One, 2.0),
+    growth(1.5, Legs::One, 3.0),
+    growth(1.5, Legs::One, 3.0),
+    growth(1.5, Legs::Found, KICK_RAD_S),
 ];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
 const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
@@ -37,13 +33,15 @@ const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
 const IN_ONE: f64 = 1e-6;
 /// Costs of two paces are the same that differ by no larger share.
 const SAME: f64 = 0.01;
+/// How many are gone on with in multiplier rounds of those from which no optimum was found.
+const IN_ROUNDS: usize = 2;
 /// How many paces are gone on with.
 const LIKELIEST: usize = 2;
 
 /// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
 /// stamps are physical times. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
-/// tempo to one that is far from the samples, slower growth is tried, then growing with further nodes, and then multiplier
-/// rounds from where each led.
+/// tempo to one that is far from the samples, slower growth is tried, then growing from other rates at random, then with further
+/// nodes, and at last multiplier rounds from where the first ones led.
 pub fn solve(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
@@ -53,14 +51,17 @@ pub fn solve(
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
     let mut far: Option<Solved> = None;
     let mut lost = None;
-    // Of a tempo and of parameters, which all legs share, one leg alone is tried.
+    // Of a tempo and of parameters, which all legs share, one leg alone is tried; of a tempo, there are several starts without
+    // chance.
     let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
-    for growth in GROWTHS
-        .iter()
-        .filter(|of| !(is_alone && of.legs == Legs::Found))
-    {
-        let of = (problem, starts);
-        for (problem, point) in likeliest(of, *growth, &mut lost, &mut work, observer) {
+    let is_kicked = |of: &Growth| of.kick_rad_s > KICK_RAD_S;
+    let is_tried = |of: &&Growth| {
+        !(is_alone && of.legs == Legs::Found || problem.tempo.is_some() && is_kicked(of))
+    };
+    let mut random = Random::default();
+    for growth in GROWTHS.iter().filter(is_tried) {
+        let (of, growth) = ((problem, starts), (*growth, &mut random));
+        for (problem, point) in likeliest(of, growth, &mut lost, &mut work, observer) {
             let at_once = Schedule::default().from_the_last();
             let solved = finished(&problem, &point, &at_once, &mut work, observer);
             if !solved.has_ended() {
@@ -85,7 +86,7 @@ pub fn solve(
         ..Schedule::default()
     };
     let mut last = None;
-    for (problem, point) in &tried {
+    for (problem, point) in tried.iter().take(IN_ROUNDS) {
         let solved = finished(problem, point, &rounds, &mut work, observer);
         if solved.has_ended() {
             return in_one(solved, &mut work, observer);
@@ -99,7 +100,7 @@ pub fn solve(
 /// and the motion is lost.
 fn likeliest(
     (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
-    growth: Growth,
+    (growth, random): (Growth, &mut Random),
     lost: &mut Option<Grown>,
     work: &mut Work,
     observer: &mut dyn Observer,
@@ -111,7 +112,12 @@ fn likeliest(
             tempo.guess = *pace;
         }
         observer.phase(Phase::ArcFits);
-        let led = grown((&paced, start.clone()), growth, work, observer);
+        let led = grown(
+            (&paced, start.clone()),
+            (growth, &mut *random),
+            work,
+            observer,
+        );
         if led.is_lost && problem.tempo.is_none() {
             lost.get_or_insert(led);
             continue;

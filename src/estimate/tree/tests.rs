@@ -78,7 +78,7 @@ fn derivatives_in_a_hand_are_those_of_differences() {
     let asked = "\n[[goal]]\nevent = \"by\"\nbody = \"rod 2\"\nposition_mm = [100, 200, 300]\nvelocity_m_s = [1, 2, 3]\n\n\
         [[goal]]\nevent = \"by\"\nbody = \"rod 3\"\norientation_wxyz = [1, 0, 0, 0]\nspin_rad_s = [1, 2, 3]\n";
     let hand = "\n[[body]]\nname = \"hand\"\nheld = true\nshape = { kind = \"sphere\", radius_mm = 20 }\ntracker = {}\n\n\
-        [[joint]]\nname = \"held\"\nkind = \"ball\"\nparent = \"hand\"\nparent_at_mm = [10, 20, -30]\nchild = \"rod 1\"\n";
+        [[joint]]\nname = \"held\"\nkind = \"ball\"\nparent = \"hand\"\nparent_at_mm = [10, 20, -30]\nchild = \"rod 1\"\nchild_at_mm = [0, 0, 80]\n";
     let text = before.to_owned() + way + after + asked + hand;
     let scene = scene_from_toml(&text).expect("a valid scene");
     let mut sketch = sketch(&scene);
@@ -489,6 +489,14 @@ fn check(problem: &TreeProblem, point: &TreePoint) {
     let here = of.evaluated(&part, point);
     let size = of.structure().size();
     assert!(here.cost.is_finite());
+    // A trial tells the same values, to the bit.
+    let mut trial = here.clone();
+    of.try_out(&part, point, &mut trial);
+    assert_eq!(trial.cost, here.cost);
+    assert!(trial.values().eq(here.values()));
+    assert_ne!(trial.gradient, here.gradient);
+    of.differentiate(&part, point, &mut trial);
+    assert_eq!(trial.gradient, here.gradient);
     // Times move within what is smooth about them.
     let times = problem.unknown_of_event(0)..problem.unknown_of_event(problem.events.len());
     let length = |column: usize| if times.contains(&column) { 0.05 } else { 1.0 };
