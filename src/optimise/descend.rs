@@ -129,6 +129,8 @@ impl<'a, P: Program> Descent<'a, P> {
             let gained = before - after;
             let ratio = gained / predicted.max(f64::MIN_POSITIVE);
             if gained.is_finite() && ratio > 1e-4 {
+                let (point, system) = &mut self.trial;
+                self.program.differentiate(guidance, point, system);
                 std::mem::swap(&mut self.point, &mut self.trial.0);
                 std::mem::swap(&mut self.system, &mut self.trial.1);
                 self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
@@ -230,7 +232,7 @@ impl<'a, P: Program> Descent<'a, P> {
     ) -> f64 {
         let (point, system) = &mut self.trial;
         self.program.retract(&self.point, delta, point);
-        self.program.evaluate(guidance, point, system);
+        self.program.try_out(guidance, point, system);
         self.work.evaluations += 1;
         let merit = lagrangian.merit(system);
         if merit.is_finite() {

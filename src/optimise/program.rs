@@ -22,6 +22,21 @@ pub trait Program {
     /// are undefined the cost is not finite.
     fn evaluate(&self, guidance: &Self::Guidance, point: &Self::Point, system: &mut System);
 
+    /// [`Program::evaluate`] of a trial that may be refused: without derivatives where they cost much more than values.
+    /// What it leaves out [`Program::differentiate`] completes.
+    fn try_out(&self, guidance: &Self::Guidance, point: &Self::Point, system: &mut System) {
+        self.evaluate(guidance, point, system);
+    }
+
+    /// The derivatives at a point that [`Program::try_out`] left out; nothing where it leaves nothing out.
+    fn differentiate(
+        &self,
+        _guidance: &Self::Guidance,
+        _point: &Self::Point,
+        _system: &mut System,
+    ) {
+    }
+
     /// [`Program::evaluate`] into a new system.
     fn evaluated(&self, guidance: &Self::Guidance, point: &Self::Point) -> System {
         let mut system = System::new(self.structure());

@@ -121,7 +121,7 @@ pub fn approach<P: Program>(
         let mut delta = step.delta.clone();
         for is_led_back in [false, true] {
             program.retract(&point, &delta.component_mul(&scale), &mut trial);
-            program.evaluate(guidance, &trial, &mut there);
+            program.try_out(guidance, &trial, &mut there);
             work.evaluations += 1;
             share = (before - merit(&there)) / step.predicted;
             if is_led_back || !(share < LED_BACK) {
@@ -135,6 +135,7 @@ pub fn approach<P: Program>(
             held[row.number] = row.side * multiplier > 0.0;
         }
         if share > LEAST {
+            program.differentiate(guidance, &trial, &mut there);
             std::mem::swap(&mut point, &mut trial);
             std::mem::swap(&mut system, &mut there);
         }

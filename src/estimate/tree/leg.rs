@@ -38,7 +38,7 @@ impl TreeProgram<'_> {
     /// after it are not told.
     pub(super) fn leg(
         &self,
-        node: usize,
+        (node, has_derivatives): (usize, bool),
         part: &Part,
         point: &TreePoint,
         blocks: &mut [Block],
@@ -49,7 +49,7 @@ impl TreeProgram<'_> {
         let (width, size) = (problem.width(), problem.leg_size(node));
         let line = &point.time_line(problem);
         let from = (node, &point.nodes[node]);
-        let mut course = Course::new((problem, line), from, self.has_derivatives);
+        let mut course = Course::new((problem, line), from, has_derivatives);
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, size);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];
@@ -77,15 +77,25 @@ impl TreeProgram<'_> {
                 course.advance(to);
                 reached = Some(to);
                 snapshot.set(&course.state());
-                jacobian = course.jacobian();
+                if has_derivatives {
+                    jacobian = course.jacobian();
+                }
                 links.fill(None);
             }
             match item.kind {
                 Kind::Sample(sample) => {
-                    let [link] = states([sample.place], (&snapshot, &mut links), width);
-                    let valued = quantity::valued(&sample.quantity, &link.0, None, &sample.point_m);
-                    let by = chained(&valued, &[link], &jacobian);
-                    let residual = Residual::new(sample, &valued, &by);
+                    let valued = |state: &State| {
+                        quantity::valued(&sample.quantity, state, None, &sample.point_m)
+                    };
+                    let residual = if has_derivatives {
+                        let [link] = states([sample.place], (&snapshot, &mut links), width);
+                        let valued = valued(&link.0);
+                        let by = chained(&valued, &[link], &jacobian);
+                        Residual::new(sample, &valued, &by)
+                    } else {
+                        let valued = valued(&snapshot.link_state(sample.place));
+                        Residual::new(sample, &valued, &Matrix3xX::zeros(0))
+                    };
                     sums.add(&residual);
                     each(&residual);
                 }
@@ -291,6 +301,9 @@ fn chained(valued: &Valued, links: &[&LinkState], jacobian: &DMatrix<f64>) -> Ma
 impl Sums {
     fn add(&mut self, residual: &Residual) {
         self.cost += 0.5 * residual.value.norm_squared();
+        if residual.by.is_empty() {
+            return;
+        }
         self.gradient
             .gemv_tr(1.0, &residual.by, &residual.value, 1.0);
         self.hessian.gemm_tr(1.0, &residual.by, &residual.by, 1.0);

@@ -54,8 +54,6 @@ pub struct TreeProgram<'a> {
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
     calm: TreePoint,
-    /// Whether it is evaluated with derivatives.
-    pub(super) has_derivatives: bool,
     /// What was told last of the curvature.
     told: RefCell<Option<Lacking>>,
 }
@@ -102,23 +100,16 @@ impl<'a> TreeProgram<'a> {
             },
             problem,
             calm,
-            has_derivatives: true,
             told: RefCell::new(None),
         }
     }
 
-    /// The same program where values alone are evaluated: all derivatives are zero.
-    pub(super) fn without_derivatives(self) -> Self {
-        Self {
-            has_derivatives: false,
-            ..self
-        }
-    }
-
-    /// [`Program::evaluate`], and every sample of which `each` is told with the node of its leg.
+    /// [`Program::evaluate`], and every sample of which `each` is told with the node of its leg. Where derivatives are
+    /// not asked for, those of samples have no columns, and those of rows are zero.
     pub(super) fn evaluate_each(
         &self,
         (part, point): (&Part, &TreePoint),
+        has_derivatives: bool,
         system: &mut System,
         each: &mut dyn FnMut(usize, &Residual),
     ) {
@@ -128,10 +119,11 @@ impl<'a> TreeProgram<'a> {
         system.hessian.clear();
         for node in 0..problem.nodes_s.len() {
             let each = &mut |residual: &Residual| each(node, residual);
-            let sums = self.leg(node, part, point, &mut system.blocks, each);
+            let of = (node, has_derivatives);
+            let sums = self.leg(of, part, point, &mut system.blocks, each);
             system.cost += sums.cost;
             let place = |at: usize| problem.unknown_of(node, at);
-            for row in 0..sums.gradient.len() {
+            for row in (0..sums.gradient.len()).take_while(|_| has_derivatives) {
                 system.gradient[place(row)] += sums.gradient[row];
                 for column in 0..=row {
                     let entry = sums.hessian[(row, column)];
@@ -280,7 +272,15 @@ impl Program for TreeProgram<'_> {
     }
 
     fn evaluate(&self, part: &Part, point: &TreePoint, system: &mut System) {
-        self.evaluate_each((part, point), system, &mut |_, _| {});
+        self.evaluate_each((part, point), true, system, &mut |_, _| {});
+    }
+
+    fn try_out(&self, part: &Part, point: &TreePoint, system: &mut System) {
+        self.evaluate_each((part, point), false, system, &mut |_, _| {});
+    }
+
+    fn differentiate(&self, part: &Part, point: &TreePoint, system: &mut System) {
+        self.evaluate(part, point, system);
     }
 
     fn retract(&self, from: &TreePoint, step: &DVector<f64>, to: &mut TreePoint) {

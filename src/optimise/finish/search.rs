@@ -129,6 +129,7 @@ impl<P: Program> Finish<'_, P> {
     ) -> bool {
         self.evaluate(guidance, delta, trial);
         if merit.is_reached(&trial.system) {
+            self.complete(guidance, trial);
             return true;
         }
         let mut corrected = delta.clone();
@@ -139,6 +140,7 @@ impl<P: Program> Finish<'_, P> {
             corrected += kkt.correction(structure, at, delta);
             self.evaluate(guidance, &corrected, trial);
             if merit.is_reached(&trial.system) {
+                self.complete(guidance, trial);
                 return true;
             }
             // Written so that NaN ends it too.
@@ -162,6 +164,7 @@ impl<P: Program> Finish<'_, P> {
             if !trial.system.cost.is_finite() {
                 break;
             }
+            self.complete(guidance, trial);
             self.go(trial);
             let Some((kkt, step)) = self.curved_step() else {
                 break;
@@ -201,10 +204,17 @@ impl<P: Program> Finish<'_, P> {
             if !(trial.system.violation() < violation) {
                 break;
             }
+            self.complete(guidance, trial);
             self.go(trial);
         }
         self.damping = damping;
         self.system.violation() < tolerances.violation
+    }
+
+    /// Derivatives where a trial led that is gone on from.
+    fn complete(&self, guidance: &P::Guidance, trial: &mut Place<P::Point>) {
+        self.program
+            .differentiate(guidance, &trial.point, &mut trial.system);
     }
 
     fn evaluate(
@@ -215,7 +225,7 @@ impl<P: Program> Finish<'_, P> {
     ) {
         self.program.retract(&self.point, delta, &mut trial.point);
         self.program
-            .evaluate(guidance, &trial.point, &mut trial.system);
+            .try_out(guidance, &trial.point, &mut trial.system);
         self.work.evaluations += 1;
     }
 }

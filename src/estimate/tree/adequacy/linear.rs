@@ -82,7 +82,7 @@ impl Linear {
         point: &TreePoint,
         active: &ActiveSet,
     ) -> Option<Self> {
-        Self::of(&TreeProgram::new(problem, point.clone()), point, active)
+        Self::of((problem, point), active, true)
     }
 
     /// The same where `J` and `C` are not asked for: they are zero.
@@ -91,12 +91,15 @@ impl Linear {
         point: &TreePoint,
         active: &ActiveSet,
     ) -> Option<Self> {
-        let program = TreeProgram::new(problem, point.clone());
-        Self::of(&program.without_derivatives(), point, active)
+        Self::of((problem, point), active, false)
     }
 
-    fn of(program: &TreeProgram, point: &TreePoint, active: &ActiveSet) -> Option<Self> {
-        let problem = program.problem;
+    fn of(
+        (problem, point): (&TreeProblem, &TreePoint),
+        active: &ActiveSet,
+        has_derivatives: bool,
+    ) -> Option<Self> {
+        let program = TreeProgram::new(problem, point.clone());
         let size = problem.unknown_count();
         let mut system = System::new(program.structure());
         let mut series: Vec<Series> = Vec::new();
@@ -126,7 +129,8 @@ impl Linear {
                 derivatives.push(row);
             }
         };
-        program.evaluate_each((&Part::whole(), point), &mut system, &mut each);
+        let whole = Part::whole();
+        program.evaluate_each((&whole, point), has_derivatives, &mut system, &mut each);
         for (value, by) in priors(problem, point) {
             let mut row = DVector::zeros(size);
             for (unknown, by) in by {

@@ -45,6 +45,7 @@ fn long() -> (TreeProblem, TreePoint) {
     let mut system = program.evaluated(&Part::whole(), &point);
     program.evaluate_each(
         (&Part::whole(), &point),
+        false,
         &mut system,
         &mut |_, of: &Residual| {
             seen.push(of.sample.seen + of.value * of.sample.unit);
