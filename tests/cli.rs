@@ -363,6 +363,55 @@ fn outputs_that_cannot_be_written_are_refused() {
     assert_eq!(fs::read_dir(bench.folder.path()).unwrap().count(), 3);
 }
 
+/// A rename over a device replaces it, where the right is there.
+#[cfg(unix)]
+#[test]
+fn outputs_of_all_commands_that_are_no_files_are_refused() {
+    use std::os::unix::{fs::symlink, net::UnixListener};
+    let bench = Bench::new(&Plan::default());
+    let _socket = UnixListener::bind(bench.path("socket.csv")).unwrap();
+    for name in [
+        "device.mcap",
+        "device.csv",
+        "device.toml",
+        "out/take.estimate.mcap",
+    ] {
+        symlink("/dev/null", bench.path(name)).unwrap();
+    }
+    let inertia = r#"<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>"#;
+    let link = format!(r#"<link name="a"><inertial><mass value="1"/>{inertia}</inertial></link>"#);
+    let robot = format!(r#"<robot name="arm">{link}</robot>"#);
+    fs::write(bench.path("arm.urdf"), robot).unwrap();
+    let before = fs::read_dir(bench.folder.path()).unwrap().count();
+    for arguments in [
+        &["replay", "take.mcap", "-o", "device.mcap"][..],
+        &["process", "take.mcap", "-o", "out"],
+        &["mark", "take.mcap", "--propose", "-o", "device.mcap"],
+        &["sketch", "take.mcap", "-o", "device.csv"],
+        &["sketch", "take.mcap", "-o", "socket.csv"],
+    ] {
+        let ran = bench.enact(arguments);
+        ran.failed_with("is a device, a pipe or a socket");
+    }
+    bench
+        .enact(&["scene", "from-urdf", "arm.urdf", "-o", "device.toml"])
+        .failed_with("is there already");
+    for name in [
+        "device.mcap",
+        "device.csv",
+        "device.toml",
+        "out/take.estimate.mcap",
+    ] {
+        let leads = fs::read_link(bench.path(name)).unwrap();
+        assert_eq!(leads, Path::new("/dev/null"), "{name}");
+    }
+    use std::os::unix::fs::FileTypeExt;
+    let kind = |path: &Path| fs::metadata(path).unwrap().file_type();
+    assert!(kind(Path::new("/dev/null")).is_char_device());
+    assert!(kind(&bench.path("socket.csv")).is_socket());
+    assert_eq!(fs::read_dir(bench.folder.path()).unwrap().count(), before);
+}
+
 #[test]
 fn a_full_disk_is_said_and_leaves_nothing() {
     let name = "a_full_disk_is_said_and_leaves_nothing";

@@ -10,10 +10,14 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde_json::Value;
 
+#[path = "recover/every.rs"]
+mod every;
 #[path = "recover/journals.rs"]
 mod journals;
+#[path = "recover/killed.rs"]
+mod killed;
 
-use journals::{Blow, Hit, Message, PAGE, Written, journal, messages_of};
+use journals::{Blow, Hit, Message, PAGE, Written, journal, messages_of, open_journal};
 
 /// A folder with one journal in it.
 struct Desk {
@@ -41,6 +45,15 @@ impl Desk {
 
     fn recording(&self) -> PathBuf {
         self.folder.path().join("take.mcap")
+    }
+
+    /// The files in it.
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).expect("list");
+        let name = |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+        let mut names: Vec<String> = entries.map(|entry| name(entry.expect("entry"))).collect();
+        names.sort();
+        names
     }
 
     /// Runs the program on it: exit code and account.
@@ -315,7 +328,7 @@ fn no_file_is_ever_replaced() {
         b"earlier"
     );
     // The recording's name is taken now, and another journal waits for it.
-    std::fs::write(desk.part(), &written.bytes).expect("write");
+    std::fs::write(desk.part(), &journal(3, 10).bytes).expect("write");
     let before = std::fs::read(desk.recording()).expect("read");
     assert!(matches!(
         recover(&desk.part()),
@@ -323,6 +336,33 @@ fn no_file_is_ever_replaced() {
     ));
     assert_eq!(desk.recover().0, 1);
     assert!(std::fs::read(desk.recording()).expect("read") == before && desk.part().exists());
+}
+
+/// A file that comes by a take's name while it is recorded is left alone, and the take is whole
+/// under its own.
+#[test]
+fn closing_a_take_replaces_nothing() {
+    let written = journal(3, 20);
+    for is_salvaged in [false, true] {
+        let desk = Desk::with(b"");
+        std::fs::remove_file(desk.part()).expect("remove");
+        let journal = open_journal(&desk.recording(), 3, 20);
+        std::fs::write(desk.recording(), b"came meanwhile").expect("write");
+        let ended = if is_salvaged {
+            journal.salvage()
+        } else {
+            journal.finish()
+        };
+        let error = ended.expect_err("the name is taken");
+        assert!(matches!(error, WriteError::Exists { .. }), "{error}");
+        let theirs = std::fs::read(desk.recording()).expect("read");
+        assert_eq!(theirs, b"came meanwhile");
+        assert_eq!(desk.recover().0, 1);
+        assert_eq!(desk.names(), ["take.mcap", "take.mcap.part"]);
+        std::fs::remove_file(desk.recording()).expect("remove");
+        assert_eq!(desk.recover().0, 0);
+        assert_eq!(messages_of(&desk.recording()), written.messages);
+    }
 }
 
 /// One kind of damage, many times: share of messages kept, journals gone, exit codes.

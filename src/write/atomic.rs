@@ -1,10 +1,11 @@
 //! Files that are whole or not there.
 
+use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use super::error::WriteError;
 
@@ -12,24 +13,57 @@ use super::error::WriteError;
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// A file under a temporary name in the directory of its final one. [`AtomicFile::commit`]
-/// makes it durable and gives it its name, replacing the file that had it; dropping it removes it.
+/// makes it durable and gives it its name; dropping it removes it.
 #[derive(Debug)]
 pub struct AtomicFile {
     /// As it was given.
     path: PathBuf,
     /// Where that leads: another path if it is a link.
     target: PathBuf,
+    /// Whether it takes the place of a file that has its name.
+    replaces: bool,
     writer: BufWriter<NamedTempFile>,
 }
 
 impl AtomicFile {
-    /// Opens a temporary beside `path`, or beside the file that it links to. Fails where the
-    /// directory does not exist or may not be written, and where [`target_of`] does.
+    /// Opens a temporary beside `path`, or beside the file that it links to; it will replace the
+    /// file that has that name. Fails where the directory does not exist or may not be written,
+    /// and where [`target_of`] does.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let target = target_of(path)?;
-        let directory = directory_of(&target);
         let mut builder = tempfile::Builder::new();
         builder.prefix(".enact-").suffix(".part");
+        Self::open(path, target_of(path)?, builder, true)
+    }
+
+    /// Opens a temporary for a file that will replace none: [`AtomicFile::commit`] fails where
+    /// the name is taken by anything but a file of the same bytes. The temporary has the same name
+    /// each time, so that one that a killed process left is removed; the caller makes sure that no
+    /// other process writes it.
+    pub(super) fn create_new(path: &Path) -> Result<Self, WriteError> {
+        let mut name = OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(".writing");
+        match std::fs::remove_file(path.with_file_name(&name)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(WriteError::io(
+                    path,
+                    "remove an old temporary file beside it",
+                )(error));
+            }
+            _ => {}
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&name).rand_bytes(0);
+        Self::open(path, path.to_owned(), builder, false)
+    }
+
+    fn open(
+        path: &Path,
+        target: PathBuf,
+        mut builder: tempfile::Builder,
+        replaces: bool,
+    ) -> Result<Self, WriteError> {
+        let directory = directory_of(&target);
         // Temporaries are private by default; this one becomes an ordinary file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -39,6 +73,7 @@ impl AtomicFile {
         Ok(Self {
             path: path.to_owned(),
             target,
+            replaces,
             writer: BufWriter::with_capacity(BUFFER_BYTES, temporary),
         })
     }
@@ -62,14 +97,30 @@ impl AtomicFile {
         let Self {
             path,
             target,
+            replaces,
             writer,
         } = self;
         let temporary = writer
             .into_inner()
             .map_err(|error| WriteError::io(&path, "write")(error.into_error()))?;
-        temporary.persist(&target).map_err(|error| {
-            WriteError::io(&path, "rename the temporary file to it")(error.error)
-        })?;
+        let renamed = if replaces {
+            temporary.persist(&target)
+        } else {
+            temporary.persist_noclobber(&target)
+        };
+        match renamed {
+            Err(error) if !replaces && error.error.kind() == io::ErrorKind::AlreadyExists => {
+                if !are_same(error.file.path(), &target) {
+                    return Err(WriteError::Exists { path });
+                }
+            }
+            Err(error) => {
+                return Err(WriteError::io(&path, "rename the temporary file to it")(
+                    error.error,
+                ));
+            }
+            Ok(_) => {}
+        }
         sync_directory_of(&target);
         Ok(())
     }
@@ -127,6 +178,57 @@ pub(super) fn sync_directory_of(path: &Path) {
     if let Ok(directory) = File::open(directory_of(path)) {
         let _ = directory.sync_all();
     }
+}
+
+/// Gives a file another name that nothing else has; fails where one has it. File systems without
+/// such a call give it both names for a moment; where a killed process left both, the first goes.
+pub(super) fn rename_to_new(from: &Path, to: &Path) -> Result<(), WriteError> {
+    let mut file = TempPath::try_from_path(from).map_err(WriteError::io(from, "find"))?;
+    // Whatever happens, it is not removed.
+    file.disable_cleanup(true);
+    if let Err(error) = file.persist_noclobber(to) {
+        if error.error.kind() != io::ErrorKind::AlreadyExists {
+            return Err(WriteError::io(from, "rename")(error.error));
+        }
+        if !is_one_file(from, to) {
+            let path = to.to_owned();
+            return Err(WriteError::Exists { path });
+        }
+        std::fs::remove_file(from).map_err(WriteError::io(from, "remove the other name of it"))?;
+    }
+    sync_directory_of(to);
+    Ok(())
+}
+
+/// Whether both names are those of one file: what one of them is removed from stays.
+#[cfg(unix)]
+pub(super) fn is_one_file(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let file = |path: &Path| {
+        let found = std::fs::symlink_metadata(path).ok()?;
+        found.is_file().then(|| (found.dev(), found.ino()))
+    };
+    file(a).is_some_and(|a| Some(a) == file(b))
+}
+
+/// Whether both names are those of one file: not known here.
+#[cfg(not(unix))]
+pub(super) fn is_one_file(_: &Path, _: &Path) -> bool {
+    false
+}
+
+/// Whether both are files of the same bytes.
+fn are_same(a: &Path, b: &Path) -> bool {
+    let file = |path: &Path| {
+        let found = std::fs::symlink_metadata(path).ok()?;
+        found.is_file().then(|| found.len())
+    };
+    let have_one_length = file(a).is_some() && file(a) == file(b);
+    have_one_length
+        && match (std::fs::read(a), std::fs::read(b)) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => false,
+        }
 }
 
 fn directory_of(path: &Path) -> &Path {

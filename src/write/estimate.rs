@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use super::atomic::AtomicFile;
 use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
@@ -80,7 +81,12 @@ pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, Write
         .map_err(WriteError::sampling(path))?;
     let additions = Composer::new(path, file, &motion).compose()?;
     let added = additions.messages.len() as u64;
-    let copied = merge::write(path, file.input, Some(ESTIMATE_SCENE_NAME), additions)?;
+    let copied = merge::write(
+        AtomicFile::create(path)?,
+        file.input,
+        Some(ESTIMATE_SCENE_NAME),
+        additions,
+    )?;
     Ok(Written { copied, added })
 }
 

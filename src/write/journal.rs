@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
-use super::atomic::sync_directory_of;
+use super::atomic::rename_to_new;
 use super::error::WriteError;
 use super::estimate::DEFAULT_WORLD_FRAME;
 use super::options::LIBRARY;
@@ -218,7 +218,8 @@ impl Journal {
             .map_err(WriteError::io(&self.part, "open again"))
     }
 
-    /// Writes the end, makes the file durable and gives it its name.
+    /// Writes the end, makes the file durable and gives it its name. Where something else has come
+    /// by that name it is left alone, and the journal keeps its own.
     pub fn finish(mut self) -> Result<(), WriteError> {
         if let Err(error) = self.writer.finish() {
             let error = WriteError::mcap(&self.part)(error);
@@ -235,11 +236,11 @@ impl Journal {
         if let Err(error) = ended {
             let error = WriteError::io(&self.part, "write")(error);
             return Err(match cut(&self.file, &self.whole) {
-                Ok(()) => rename(&self.part, &self.path).err().unwrap_or(error),
+                Ok(()) => rename_to_new(&self.part, &self.path).err().unwrap_or(error),
                 Err(_) => error,
             });
         }
-        rename(&self.part, &self.path)
+        rename_to_new(&self.part, &self.path)
     }
 
     /// After an error: goes back to where the file was last whole, ends it there, without an
@@ -249,7 +250,7 @@ impl Journal {
         let (sink, _) = self.writer.into_inner().into_parts();
         drop(sink);
         cut(&self.file, &self.whole).map_err(WriteError::io(&self.part, "end"))?;
-        rename(&self.part, &self.path)
+        rename_to_new(&self.part, &self.path)
     }
 
     /// Removes it.
@@ -431,17 +432,6 @@ fn end() -> Vec<u8> {
     end.extend([0; 20]);
     end.extend(mcap::MAGIC);
     end
-}
-
-fn rename(part: &Path, path: &Path) -> Result<(), WriteError> {
-    if std::fs::symlink_metadata(path).is_ok() {
-        return Err(WriteError::Exists {
-            path: path.to_owned(),
-        });
-    }
-    std::fs::rename(part, path).map_err(WriteError::io(path, "rename the journal to it"))?;
-    sync_directory_of(path);
-    Ok(())
 }
 
 mod repeats;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::atomic::AtomicFile;
 use super::dialect::Dialect;
 use super::error::WriteError;
 use super::estimate::is_same;
@@ -49,6 +50,6 @@ pub fn write_marks(
             data,
         });
     }
-    merge::write(path, input, None, additions)?;
+    merge::write(AtomicFile::create(path)?, input, None, additions)?;
     Ok(())
 }

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapResult, Writer};
@@ -49,17 +48,17 @@ pub(super) fn replaced(input: &Container) -> BTreeSet<u16> {
         .collect()
 }
 
-/// Writes the merge of both, what is added in the input's [`Dialect`], under its final name. Returns how many of the input's messages
-/// are in it.
+/// Writes the merge of both, what is added in the input's [`Dialect`], and gives the file its final
+/// name. Returns how many of the input's messages are in it.
 pub(super) fn write(
-    path: &Path,
+    file: AtomicFile,
     input: &Container,
     dropped_attachment: Option<&str>,
     mut additions: Additions,
 ) -> Result<u64, WriteError> {
     additions.messages.sort_by_key(|message| message.log_time);
     let replaced = replaced(input);
-    let file = AtomicFile::create(path)?;
+    let path = file.path().to_owned();
     let copied = options::writer(file, Dialect::of(input).profile())
         .and_then(|mut writer| {
             copy_attachments(&mut writer, input, dropped_attachment)?;
@@ -84,7 +83,7 @@ pub(super) fn write(
             merge.writer.finish()?;
             Ok((copied, merge.writer))
         })
-        .map_err(WriteError::mcap(path))?;
+        .map_err(WriteError::mcap(&path))?;
     let (copied, writer) = copied;
     writer.into_inner().commit()?;
     Ok(copied)

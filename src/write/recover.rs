@@ -1,10 +1,11 @@
 //! Journals that a crash left → recordings.
 
-use std::fs::File;
+use std::fs::{File, OpenOptions};
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::atomic::sync_directory_of;
+use super::atomic::{AtomicFile, is_one_file, rename_to_new};
 use super::error::WriteError;
 use super::merge::{self, Additions};
 use crate::wire::Container;
@@ -42,29 +43,35 @@ pub struct Recovered {
 /// When that is durable the journal is renamed to `….mcap.part.recovered`: it is never removed,
 /// and not found by [`abandoned`] again.
 ///
-/// Fails, leaving everything as it is, where the journal is still being written, where there is
-/// nothing in it, and where its final name is taken.
+/// A process may be killed at any point of this: the next run ends as one that is not killed.
+///
+/// Fails, leaving everything as it is, where the journal is still being written or recovered, where
+/// there is nothing in it, and where its final name is taken by another file.
 pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
     let path = final_of(part).ok_or_else(|| WriteError::NoJournal {
         path: part.to_owned(),
     })?;
-    let file = File::open(part).map_err(WriteError::io(part, "open"))?;
-    if file.try_lock_shared().is_err() {
+    let file = open(part).map_err(WriteError::io(part, "open"))?;
+    if file.try_lock().is_err() {
         return Err(WriteError::Busy {
             path: part.to_owned(),
         });
     }
-    if is_taken(&path) {
-        return Err(WriteError::Exists { path });
-    }
     let bytes = std::fs::read(part).map_err(WriteError::io(part, "read"))?;
     let length = bytes.len() as u64;
-    let container = Container::new(bytes).map_err(|source| WriteError::Container {
+    let container = Container::of_journal(bytes).map_err(|source| WriteError::Container {
         path: part.to_owned(),
         source,
     })?;
-    merge::write(&path, &container, None, Additions::default())?;
-    let journal = put_aside(part)?;
+    let journal = if is_one_file(part, &path) {
+        // Its recorder was killed as it renamed it: the recording is the journal, whole.
+        rename_to_new(part, &path)?;
+        path.clone()
+    } else {
+        let recording = AtomicFile::create_new(&path)?;
+        merge::write(recording, &container, None, Additions::default())?;
+        put_aside(part)?
+    };
     let damages = container.damages();
     let channels = container.channels().values();
     Ok(Recovered {
@@ -79,25 +86,29 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
     })
 }
 
-/// Gives a journal whose recording is there the name of one that was recovered.
-fn put_aside(part: &Path) -> Result<PathBuf, WriteError> {
-    let named = |end: &str| {
-        let mut name = part.as_os_str().to_owned();
-        name.push(RECOVERED_SUFFIX);
-        name.push(end);
-        PathBuf::from(name)
-    };
-    let names = std::iter::once(named("")).chain((2..).map(|n: u64| named(&format!(".{n}"))));
-    let free = names.into_iter().find(|name| !is_taken(name));
-    let journal = free.expect("there are names without end");
-    std::fs::rename(part, &journal).map_err(WriteError::io(part, "rename"))?;
-    sync_directory_of(&journal);
-    Ok(journal)
+/// Opens a journal so that it can be locked: over a network that takes the right to write.
+fn open(part: &Path) -> io::Result<File> {
+    match OpenOptions::new().read(true).write(true).open(part) {
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => File::open(part),
+        opened => opened,
+    }
 }
 
-/// Whether anything has that name, a link that leads nowhere too.
-fn is_taken(path: &Path) -> bool {
-    std::fs::symlink_metadata(path).is_ok()
+/// Gives a journal whose recording is there the name of one that was recovered.
+fn put_aside(part: &Path) -> Result<PathBuf, WriteError> {
+    let mut count = 1_u64;
+    loop {
+        let mut name = part.as_os_str().to_owned();
+        name.push(RECOVERED_SUFFIX);
+        if count > 1 {
+            name.push(format!(".{count}"));
+        }
+        let journal = PathBuf::from(name);
+        match rename_to_new(part, &journal) {
+            Err(WriteError::Exists { .. }) => count += 1,
+            renamed => return renamed.map(|()| journal),
+        }
+    }
 }
 
 /// The journals in a folder that nobody is writing, by name.

@@ -22,17 +22,16 @@ pub type Message = (String, u32, u64, u64, Vec<u8>);
 pub struct Written {
     pub bytes: Vec<u8>,
     pub messages: Vec<Message>,
+    pub scene: Vec<u8>,
     /// Where chunks lie, and which messages are in each.
     pub chunks: Vec<(Range<usize>, Range<usize>)>,
 }
 
-/// A journal of that many chunks of that many samples, never closed. No two samples are alike.
-pub fn journal(chunks: usize, samples: usize) -> Written {
-    let folder = tempfile::tempdir().expect("folder");
+/// The journal that will be `path`, of that many chunks of that many samples, still open. No two
+/// samples are alike.
+pub fn open_journal(path: &Path, chunks: usize, samples: usize) -> Journal {
     let topics = ["/tracker/a/pose".to_owned(), "/tracker/b/pose".to_owned()];
-    let scene = b"name = \"journal\"\n".repeat(20);
-    let path = folder.path().join("take.mcap");
-    let mut journal = Journal::create(&path, &topics, "/marks", &scene).expect("create");
+    let mut journal = Journal::create(path, &topics, "/marks", &scene()).expect("create");
     for k in 0..(chunks * samples) as i64 {
         let receipt = Stamp(START + k * MS);
         let record = pose(k);
@@ -55,12 +54,24 @@ pub fn journal(chunks: usize, samples: usize) -> Written {
             journal.close_chunk().expect("a chunk");
         }
     }
+    journal
+}
+
+fn scene() -> Vec<u8> {
+    b"name = \"journal\"\n".repeat(20)
+}
+
+/// The same as a killed recorder leaves it: never closed.
+pub fn journal(chunks: usize, samples: usize) -> Written {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("take.mcap");
+    let journal = open_journal(&path, chunks, samples);
     let bytes = std::fs::read(journal.part()).expect("read");
     drop(journal);
     let messages = messages(&Container::new(bytes.clone()).expect("MCAP"));
     let mut at = 0;
     let mut found = Vec::new();
-    for chunk in records(&bytes, 0x06) {
+    for chunk in records(&bytes, Some(0x06)) {
         // With the definitions in its head a chunk is read alone.
         let alone = [&bytes[..8], &bytes[chunk.clone()]].concat();
         let count = Container::new(alone).expect("MCAP").message_count() as usize;
@@ -72,6 +83,7 @@ pub fn journal(chunks: usize, samples: usize) -> Written {
     Written {
         bytes,
         messages,
+        scene: scene(),
         chunks: found,
     }
 }
@@ -127,13 +139,13 @@ pub fn messages_of(path: &Path) -> Vec<Message> {
     messages(&container)
 }
 
-/// Where records of a type lie in an undamaged file.
-pub fn records(bytes: &[u8], wanted: u8) -> Vec<Range<usize>> {
+/// Where records of a type, or all, lie in an undamaged file.
+pub fn records(bytes: &[u8], wanted: Option<u8>) -> Vec<Range<usize>> {
     let (mut found, mut at) = (Vec::new(), 8);
     while at + 9 <= bytes.len() {
         let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("eight"));
         let end = at + 9 + length as usize;
-        if bytes[at] == wanted {
+        if wanted.is_none_or(|wanted| bytes[at] == wanted) {
             found.push(at..end);
         }
         at = end;

@@ -33,7 +33,10 @@
 //! A process that is killed loses at most what came in the last `chunk_ms`, a machine that fails what
 //! came in the last `chunk_ms + sync_ms`. The journal being written is left as `….mcap.part`;
 //! `enact recover` makes a recording of everything readable in it, even if it is damaged, and keeps
-//! the journal as `….mcap.part.recovered`: journals are removed by hand only.
+//! the journal as `….mcap.part.recovered`: journals are removed by hand only. It says which bytes were
+//! not read, and its exit code is 3 if there are any. A recovery that is killed is run again, and
+//! ends as if it had not been. A take that is closed, or recovered, never replaces a file: where one
+//! has come by its name, the journal stays as it is.
 //!
 //! Take after take can be recorded while earlier ones are estimated. A journal of more than two
 //! million messages is left to `enact process`.

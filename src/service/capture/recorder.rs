@@ -225,12 +225,15 @@ impl Recorder {
         state.end_of(&take);
         let (number, messages, counts) = (take.number, take.journal.messages(), take.counts());
         let path = take.journal.path().to_owned();
+        let part = take.journal.part().to_owned();
         let recording = path.display().to_string();
         if let Err(error) = take.journal.finish() {
             let error = error.to_string();
+            // Its own name may be that of another file, which came meanwhile.
+            let left = if part.exists() { &part } else { &path };
             let said = CaptureEvent::Broken {
                 take: number,
-                recording,
+                recording: left.display().to_string(),
                 messages,
                 error,
             };

@@ -34,9 +34,10 @@ pub enum Damage {
         /// What the MCAP reader says.
         reason: String,
     },
-    /// A chunk that passes its checksum although its opcode or length is wrong. No data are lost.
+    /// A chunk or attachment that passes its checksum although its opcode or length is wrong. No
+    /// data are lost.
     #[error(
-        "type or length of the chunk at byte {at} is damaged: it is read as its own header says"
+        "type or length of the record at byte {at} is damaged: it is read as its own header says"
     )]
     Frame {
         /// Offset in the file.

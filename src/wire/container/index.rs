@@ -22,6 +22,9 @@ pub enum ContainerError {
     /// They begin with something else, and nothing in them is a record that can be verified.
     #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
     NotMcap,
+    /// After the magic bytes there is no record.
+    #[error("there is nothing in it: no record follows the MCAP magic bytes")]
+    NoRecord,
 }
 
 /// A schema of the file.
@@ -86,6 +89,8 @@ pub struct Container {
     log_times: Option<(u64, u64)>,
     is_sorted: bool,
     damages: Damages,
+    /// Whether it is read as a journal.
+    is_journal: bool,
 }
 
 /// What is known of the messages of a channel, defined or not.
@@ -112,6 +117,16 @@ impl Container {
     /// Walks through the bytes of a file. Damage is no error: what can be read is there, and
     /// [`Container::damages`] says what cannot.
     pub fn new(bytes: Vec<u8>) -> Result<Self, ContainerError> {
+        Self::read(bytes, false)
+    }
+
+    /// The same of a journal of a live take, all of whose data are in records with checksums: no
+    /// other record is believed, and its bytes are said not to have been read.
+    pub fn of_journal(bytes: Vec<u8>) -> Result<Self, ContainerError> {
+        Self::read(bytes, true)
+    }
+
+    fn read(bytes: Vec<u8>, is_journal: bool) -> Result<Self, ContainerError> {
         if bytes.is_empty() {
             return Err(ContainerError::Empty);
         }
@@ -128,16 +143,20 @@ impl Container {
             log_times: None,
             is_sorted: true,
             damages: Damages::default(),
+            is_journal,
         };
-        let mut walk = Walk::verifying(bytes);
+        let mut walk = Walk::verifying(bytes, is_journal);
         let mut gathered = Gathered::default();
-        let mut is_anything = has_magic;
+        let mut is_anything = false;
         while let Some((_, content)) = walk.next_content() {
             is_anything = true;
             container.note(content, walk.offset(), &mut gathered);
         }
-        if !is_anything {
+        if !is_anything && !has_magic {
             return Err(ContainerError::NotMcap);
+        }
+        if !is_anything && !walk.is_ended_whole() {
+            return Err(ContainerError::NoRecord);
         }
         container.damages = walk.into_damages();
         container.conclude(gathered);
@@ -146,7 +165,7 @@ impl Container {
 
     /// The messages, from the first on.
     pub fn walk(&self) -> Walk {
-        Walk::new(Arc::clone(&self.bytes))
+        Walk::new(Arc::clone(&self.bytes), self.is_journal)
     }
 
     /// The profile in the header.

@@ -214,6 +214,42 @@ fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapEr
     Ok(pairs)
 }
 
+/// Whether a record outside of chunks, other than a verified chunk or attachment, may be one that
+/// the writer of journals makes: nothing in it is used. Its length is told twice in the header and
+/// in indexes, so that one that is damaged does not lead past other records.
+pub(super) fn is_of_journal(bytes: &[u8], opcode: u8, range: &Range<usize>) -> bool {
+    let (body, at) = (&bytes[range.clone()], &mut 0);
+    match opcode {
+        // What is no valid one is reported as such; and the end of a file is recognised by length.
+        op::CHUNK => chunk_header(bytes, range.start - FRAME_BYTES).is_none(),
+        op::DATA_END | op::FOOTER => true,
+        op::HEADER => {
+            let is_first = range.start == mcap::MAGIC.len() + FRAME_BYTES;
+            is_first && text(body, at).and_then(|_| text(body, at)).is_ok() && *at == body.len()
+        }
+        op::MESSAGE_INDEX => {
+            let id = take::<2>(body, at);
+            id.and_then(|_| prefixed(body, at)).is_ok() && *at == body.len()
+        }
+        _ => false,
+    }
+}
+
+/// The attachment of a record at `at`, by its own lengths: where it ends, and the bytes that its
+/// checksum is for. `None` where it has no checksum or does not end in the file.
+pub(super) fn attachment_of(bytes: &[u8], at: usize) -> Option<(usize, Range<usize>)> {
+    let start = at.checked_add(FRAME_BYTES)?;
+    let body = bytes.get(start..)?;
+    let mut from = 8 + 8;
+    prefixed(body, &mut from).ok()?;
+    prefixed(body, &mut from).ok()?;
+    let length = usize::try_from(u64::from_le_bytes(take(body, &mut from).ok()?)).ok()?;
+    let mut end = from.checked_add(length)?;
+    let checked = start..start + end;
+    let saved: [u8; 4] = take(body, &mut end).ok()?;
+    (saved != [0; 4]).then_some((start + end, checked))
+}
+
 /// A chunk's own header, which identifies it without its record's opcode and length.
 #[derive(Clone, Copy)]
 pub(super) struct ChunkHeader {

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use mcap::records::op;
 
-use super::record::{self, Content, FRAME_BYTES, PRIVATE};
+use super::record::{self, FRAME_BYTES, PRIVATE};
 
 /// Limit of the bytes that are unpacked without success: this multiple of the file's size plus
 /// [`VAIN_BYTES`]. A file can be made to hold a plausible beginning of a chunk at every fifty
@@ -41,35 +41,28 @@ impl Scan {
                     return Some(at);
                 }
                 chunk.packed
-            } else if let Some(length) = attachment(bytes, at) {
-                match length {
-                    Ok(()) => return Some(at),
-                    Err(length) => length,
-                }
             } else {
+                if self.attachment_end(bytes, at).is_some() {
+                    return Some(at);
+                }
                 0
             };
             self.left = self.left.checked_sub(wasted)?;
         }
         None
     }
-}
 
-/// Whether an attachment at `at` passes its checksum; its length where it fails, `None` where there
-/// is no attachment.
-fn attachment(bytes: &[u8], at: usize) -> Option<Result<(), usize>> {
-    if bytes[at] != op::ATTACHMENT {
-        return None;
-    }
-    let (_, range) = record::frame(bytes, at)?;
-    let length = range.len();
-    let is_checked = bytes[..range.end].last_chunk() != Some(&[0; 4]);
-    match record::parse(op::ATTACHMENT, bytes, range.clone()) {
-        // Its checksum is its last field.
-        Ok(Content::Attachment { data, .. }) if is_checked && data.end + 4 == range.end => {
-            Some(Ok(()))
+    /// Where an attachment at `at` ends that passes its checksum, whatever its record's type and
+    /// length are. `None` too after too much work without success.
+    pub(super) fn attachment_end(&mut self, bytes: &[u8], at: usize) -> Option<usize> {
+        let (end, checked) = record::attachment_of(bytes, at)?;
+        self.left = self.left.checked_sub(checked.len())?;
+        let saved = bytes[checked.end..end].try_into().ok()?;
+        if crc32fast::hash(&bytes[checked.clone()]) != u32::from_le_bytes(saved) {
+            return None;
         }
-        _ => Some(Err(length)),
+        self.left += checked.len();
+        Some(end)
     }
 }
 

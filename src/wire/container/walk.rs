@@ -11,6 +11,9 @@ use super::damage::{Damage, Damages};
 use super::record::{self, ChunkHeader, Content, FRAME_BYTES};
 use super::scan::{self, Scan};
 
+/// Length of the record that ends the data section: its checksum.
+const DATA_END_BYTES: usize = 4;
+
 /// A message of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<'a> {
@@ -48,13 +51,16 @@ pub struct Walk {
     chunks: BTreeMap<(usize, u32), Vec<usize>>,
     scan: Scan,
     verifies_data_section: bool,
+    /// Whether records without a checksum are not believed: see [`record::is_of_journal`].
+    is_journal: bool,
     ended: bool,
+    ended_whole: bool,
     damages: Damages,
 }
 
 impl Walk {
     /// A walk that does not verify the data section's checksum: an earlier walk did.
-    pub(super) fn new(bytes: Arc<Vec<u8>>) -> Self {
+    pub(super) fn new(bytes: Arc<Vec<u8>>, is_journal: bool) -> Self {
         Self {
             // A file without the magic bytes is damaged from its first byte on.
             at: if bytes.starts_with(MAGIC) {
@@ -69,16 +75,18 @@ impl Walk {
             chunk: Vec::new(),
             chunk_at: 0,
             verifies_data_section: false,
+            is_journal,
             ended: false,
+            ended_whole: false,
             damages: Damages::default(),
         }
     }
 
     /// A walk that also checks the data section as a whole.
-    pub(super) fn verifying(bytes: Arc<Vec<u8>>) -> Self {
+    pub(super) fn verifying(bytes: Arc<Vec<u8>>, is_journal: bool) -> Self {
         Self {
             verifies_data_section: true,
-            ..Self::new(bytes)
+            ..Self::new(bytes, is_journal)
         }
     }
 
@@ -123,6 +131,11 @@ impl Walk {
     /// Offset in the file of the last record returned, or of its chunk.
     pub(super) fn offset(&self) -> usize {
         self.offset
+    }
+
+    /// Whether the record that ends the data section was reached.
+    pub(super) fn is_ended_whole(&self) -> bool {
+        self.ended_whole
     }
 
     pub(super) fn into_damages(self) -> Damages {
@@ -173,25 +186,45 @@ impl Walk {
         // Bytes with a chunk's header are a chunk even where opcode or length differ.
         if let Some(chunk) = record::chunk_header(&self.bytes, self.at) {
             let is_framed = frame == Some((op::CHUNK, self.at + FRAME_BYTES..chunk.end));
-            if is_framed || self.is_chunk(chunk) {
+            let is_believed = is_framed && (chunk.is_checked || !self.is_journal);
+            if is_believed || self.is_chunk(chunk) {
                 return self.open_chunk(chunk.end, is_framed);
             }
         }
-        let frame = frame
-            .filter(|(opcode, range)| *opcode != 0 && scan::is_plausible(&self.bytes, range.end));
+        if let Some(end) = self.scan.attachment_end(&self.bytes, self.at) {
+            let (at, range) = (self.at, self.at + FRAME_BYTES..end);
+            if frame != Some((op::ATTACHMENT, range.clone())) {
+                self.damages.push(Damage::Frame { at });
+            }
+            self.at = end;
+            return Some((op::ATTACHMENT, range));
+        }
+        let is_believed = |opcode, range: &Range<usize>| {
+            !self.is_journal || record::is_of_journal(&self.bytes, opcode, range)
+        };
+        let frame = frame.filter(|(opcode, range)| {
+            *opcode != 0
+                && scan::is_plausible(&self.bytes, range.end)
+                && is_believed(*opcode, range)
+        });
         let Some((opcode, range)) = frame else {
             self.go_on();
             return None;
         };
         match opcode {
             op::CHUNK => return self.open_chunk(range.end, true),
-            op::DATA_END => {
+            // Another record whose type was damaged has another length.
+            op::DATA_END if range.len() == DATA_END_BYTES => {
                 self.end_whole(range);
                 return None;
             }
             // The record that ends the data section is missing.
-            op::FOOTER => {
+            op::FOOTER if self.bytes.len() <= range.end + MAGIC.len() => {
                 self.end(Damage::NoEnd);
+                return None;
+            }
+            op::DATA_END | op::FOOTER => {
+                self.go_on();
                 return None;
             }
             _ => {}
@@ -293,6 +326,7 @@ impl Walk {
     /// Ends the walk at the record that ends the data section, and compares its checksum.
     fn end_whole(&mut self, body: Range<usize>) {
         self.ended = true;
+        self.ended_whole = true;
         let saved = self.bytes.get(body).and_then(|body| body.try_into().ok());
         let Some(saved) = saved.map(u32::from_le_bytes) else {
             return self.damages.push(Damage::NoEnd);
