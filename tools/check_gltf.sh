@@ -24,7 +24,8 @@ made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 if [ $# -eq 0 ]; then
     for name in pencil_tip die hat_box chain; do
-        $enact replay "recordings/$name.mcap" -o "$made/$name.estimate.mcap" >/dev/null
+        # 3: a doubt is no obstacle.
+        $enact replay "recordings/$name.mcap" -o "$made/$name.estimate.mcap" >/dev/null || [ $? -eq 3 ]
         set -- "$@" "$made/$name.estimate.mcap"
     done
 fi
@@ -32,8 +33,8 @@ fi
 for file in "$@"; do
     echo "== $file"
     for fps in 24 60; do
-        $enact export "$file" --to glb --fps $fps --ghost -o "$made/x.glb" >/dev/null
-        $enact export "$file" --to csv --fps $fps --ghost -o "$made/x.csv" >/dev/null
+        $enact export "$file" --to glb --fps $fps --ghost -o "$made/x.glb" >/dev/null || [ $? -eq 3 ]
+        $enact export "$file" --to csv --fps $fps --ghost -o "$made/x.csv" >/dev/null || [ $? -eq 3 ]
         NODE_PATH=$home/node_modules node "$tools/check_gltf.js" "$made/x.glb"
         "$home/bin/python" "$tools/check_gltf.py" "$made/x.glb" "$made/x.csv" $fps
     done
