@@ -22,7 +22,7 @@ pub enum ContainerError {
     /// They begin with something else, and nothing in them is a record that can be verified.
     #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
     NotMcap,
-    /// After the magic bytes there is no record.
+    /// Nothing follows the magic bytes, or in a journal no record that can be read.
     #[error("there is nothing in it: no record follows the MCAP magic bytes")]
     NoRecord,
 }
@@ -145,7 +145,7 @@ impl Container {
             damages: Damages::default(),
             is_journal,
         };
-        let mut walk = Walk::verifying(bytes, is_journal);
+        let mut walk = Walk::verifying(Arc::clone(&bytes), is_journal);
         let mut gathered = Gathered::default();
         let mut is_anything = false;
         while let Some((_, content)) = walk.next_content() {
@@ -155,7 +155,9 @@ impl Container {
         if !is_anything && !has_magic {
             return Err(ContainerError::NotMcap);
         }
-        if !is_anything && !walk.is_ended_whole() {
+        // Of other files than journals, what is there and cannot be read is damage.
+        let has_nothing = is_journal || bytes.len() == MAGIC.len();
+        if !is_anything && !walk.is_ended_whole() && has_nothing {
             return Err(ContainerError::NoRecord);
         }
         container.damages = walk.into_damages();
