@@ -221,7 +221,7 @@ pub(super) fn is_one_file(_: &Path, _: &Path) -> bool {
 fn are_same(a: &Path, b: &Path) -> bool {
     let file = |path: &Path| {
         let found = std::fs::symlink_metadata(path).ok()?;
-        found.is_file().then(|| found.len())
+        found.is_file().then_some(found.len())
     };
     let have_one_length = file(a).is_some() && file(a) == file(b);
     have_one_length

@@ -113,7 +113,7 @@ pub fn assert_well_made(glb: &Glb) {
         let of: Vec<u32> = of
             .map(|b| u32::from_le_bytes(b.try_into().expect("four")))
             .collect();
-        assert!(of.len() % 3 == 0 && of.len() == at(&indices["count"]));
+        assert!(of.len().is_multiple_of(3) && of.len() == at(&indices["count"]));
         assert_eq!(
             of.iter().max().map(|last| *last as usize + 1),
             Some(corners)

@@ -37,7 +37,7 @@ pub enum ExportTo {
     Caller,
 }
 
-/// The input of [`export`].
+/// The input of [`export`](super::export).
 #[derive(Clone, Debug)]
 pub struct ExportJob {
     /// A recording with an estimate.
@@ -54,7 +54,7 @@ pub struct ExportJob {
     pub command: String,
 }
 
-/// The result of [`export`].
+/// The result of [`export`](super::export).
 #[derive(Clone, Debug, Serialize)]
 pub struct Exported {
     /// The file that was read.
