@@ -52,7 +52,7 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
         path: part.to_owned(),
     })?;
     let file = open(part).map_err(WriteError::io(part, "open"))?;
-    if file.try_lock().is_err() {
+    if !locks(&file) {
         return Err(WriteError::Busy {
             path: part.to_owned(),
         });
@@ -83,6 +83,17 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
         unread: damages.unread().to_vec(),
         damages: damages.first().to_vec(),
         is_whole: !damages.is_loss(),
+    })
+}
+
+/// Locks a journal. Who only looks whether it is being written, and a process that is just being started from
+/// one that does, hold it for a moment: it is tried for half a second.
+fn locks(file: &File) -> bool {
+    (0..50).any(|attempt| {
+        if attempt > 0 {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        file.try_lock().is_ok()
     })
 }
 
