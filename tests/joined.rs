@@ -368,6 +368,16 @@ fn a_long_motion_is_found() {
     assert!(off.is_some_and(|off_m| off_m < 0.025), "{off:?}");
 }
 
+/// Of this chain growing as a rule leads to no optimum, and growing on legs to a doubted motion at 45.13: other rates at the
+/// start lead to a nearer one.
+#[test]
+fn other_rates_lead_to_a_motion_where_the_rule_does_not() {
+    let performance = trees::perform(&Kind::CHAIN, &TreeActing::of(1.0), 8046);
+    let estimate = finished(&performance).estimate;
+    assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.doubts);
+    assert!(estimate.objective < 38.0, "{}", estimate.objective);
+}
+
 /// How fast a chain spins is told weakly: along that there is a lower optimum than the one of 195.04 that growing leads to.
 #[test]
 fn a_lower_optimum_is_found_along_what_is_told_weakly() {

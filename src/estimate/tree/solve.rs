@@ -51,8 +51,7 @@ pub fn solve(
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
     let mut far: Option<Solved> = None;
     let mut lost = None;
-    // Of a tempo and of parameters, which all legs share, one leg alone is tried; of a tempo, there are several starts without
-    // chance.
+    // Of a tempo and of parameters, which all legs share, one leg alone is tried. An unknown tempo has several starts as it is.
     let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
     let is_kicked = |of: &Growth| of.kick_rad_s > KICK_RAD_S;
     let is_tried = |of: &&Growth| {
