@@ -92,6 +92,9 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         );
         line(format!("duration not determined: {how}"));
     }
+    if report.ended_early {
+        line("note: ended at its deadline with the best so far, not all was tried".to_owned());
+    }
     for loss in &report.lost {
         line(format!("lost: {loss}"));
     }

@@ -1,6 +1,7 @@
 //! The arguments of the command line. Doc comments of the fields are the text of `--help`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
@@ -55,10 +56,22 @@ pub(super) enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
+    /// Write man pages into a folder
+    #[command(
+        after_help = "Example:\n  enact manual -o ~/.local/share/man/man1 && man enact-replay"
+    )]
+    Manual {
+        /// The folder, made if it is not there
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
 }
 
 /// Arguments of `capture`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact capture config/pencil_tip.toml -o takes\n\
+             \x20 enact capture config/pencil_tip.toml --start --viewer-port 8765 --metrics-port 9464")]
 pub(super) struct CaptureArguments {
     /// The scene, with its `[capture]`
     #[arg(value_name = "SCENE")]
@@ -87,6 +100,10 @@ pub(super) struct CaptureArguments {
 
 /// Arguments of `take`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact take start\n\
+             \x20 enact take mark --event bounce\n\
+             \x20 enact take stop")]
 pub(super) struct TakeArguments {
     /// What is wanted
     #[arg(value_enum)]
@@ -119,6 +136,9 @@ pub(super) enum Wanted {
 
 /// Arguments of `recover`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example, of all that a crash left in a folder:\n\
+             \x20 enact recover takes\n\
+             Exit code 3: recovered, but some of it could not be read. Journals are kept.")]
 pub(super) struct RecoverArguments {
     /// Journals (`….mcap.part`), or folders with such
     #[arg(value_name = "PATH", required = true)]
@@ -130,6 +150,8 @@ pub(super) struct RecoverArguments {
 
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n\
+             \x20 enact doctor config/pencil_tip.toml")]
 pub(super) struct DoctorArguments {
     /// A scene whose services and folder are looked at too
     #[arg(value_name = "SCENE")]
@@ -144,11 +166,16 @@ pub(super) struct DoctorArguments {
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact replay tip.mcap\n\
+             \x20 enact replay tip.mcap --scene other.toml -o other.mcap\n\
+             \x20 enact replay tip.mcap --deadline 50ms --format ndjson\n\
+             \x20 cat tip.mcap | enact replay - -o - | enact export - --to csv -o -")]
 pub(super) struct ReplayArguments {
-    /// The recording, an MCAP file
+    /// The recording, an MCAP file; - for stdin
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
-    /// Where the estimate goes [default: IN with .estimate.mcap in place of .mcap]
+    /// Where the estimate goes, - for stdout [default: IN with .estimate.mcap in place of .mcap]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Scene file [default: scene.toml attached to the recording]
@@ -166,6 +193,9 @@ pub(super) struct ReplayArguments {
     /// Set free what explains a misfit: the fewest of what the scene keeps fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
+    /// End the estimation after so long, as `50ms` or `2s`, with the best so far
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    pub(super) deadline: Option<Duration>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -173,6 +203,10 @@ pub(super) struct ReplayArguments {
 
 /// Arguments of `process`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Example, of a folder whose estimates of before are left as they are:\n\
+             \x20 enact process takes/*.mcap -o estimates"
+)]
 pub(super) struct ProcessArguments {
     /// The recordings, MCAP files
     #[arg(value_name = "IN", required = true)]
@@ -186,6 +220,9 @@ pub(super) struct ProcessArguments {
     /// Set free what explains a misfit: the fewest of what the scenes keep fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
+    /// End each estimation after so long, as `50ms` or `2s`, with the best so far
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    pub(super) deadline: Option<Duration>,
     /// How the accounts on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -193,6 +230,9 @@ pub(super) struct ProcessArguments {
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact inspect tip.mcap\n\
+             \x20 enact inspect tip.mcap --format ndjson | jq .topics")]
 pub(super) struct InspectArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
@@ -204,6 +244,8 @@ pub(super) struct InspectArguments {
 
 /// Arguments of `mark`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n\
+             \x20 enact mark --propose take.mcap -o marked.mcap")]
 pub(super) struct MarkArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
@@ -227,6 +269,9 @@ pub(super) struct MarkArguments {
 
 /// Arguments of `sketch`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact sketch keys.csv --scene config/pencil_tip.toml -o keys.mcap\n\
+             \x20 enact sketch tip.mcap --per-flight 5 -o keys.csv")]
 pub(super) struct SketchArguments {
     /// Keyframes (.csv, .toml) or a recording (.mcap)
     #[arg(value_name = "IN")]
@@ -265,7 +310,7 @@ pub(super) struct ExportArguments {
     /// What is made of it
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) to: Target,
-    /// The file; - for stdout [default: IN with .glb, .csv or .tum]
+    /// The file; - for stdout [default: IN with .glb, .csv, .tum, .bvh or .ros2.mcap]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Frames a second; events, beginnings and ends have keys beside them
@@ -288,6 +333,10 @@ pub(super) enum Target {
     Csv,
     /// Trajectories `t x y z qx qy qz qw`, a file per body
     Tum,
+    /// A skeleton with a joint per body and rotations in degrees, on frames alone
+    Bvh,
+    /// A recording of ROS 2's profile with the estimate alone: PoseStamped, TFMessage, URDF
+    Ros2,
 }
 
 /// The commands of `scene`.
@@ -299,6 +348,8 @@ pub(super) enum SceneCommand {
 
 /// Arguments of `scene from-urdf`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n\
+             \x20 enact scene from-urdf arm.urdf -o arm.toml")]
 pub(super) struct FromUrdfArguments {
     /// The robot description, a URDF file
     #[arg(value_name = "IN")]

@@ -35,7 +35,7 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
                 let _ = write!(std::io::stderr(), "\r\x1b[K");
             }
             match format {
-                Format::Ndjson => output::print_json(said),
+                Format::Ndjson => output::print_json("enact.capture/1", said),
                 Format::Text => Ok(output::print(&text(said, style))?),
             }
         },

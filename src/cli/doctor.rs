@@ -14,7 +14,7 @@ pub(super) fn run(arguments: DoctorArguments) -> anyhow::Result<Exit> {
     for finding in &findings {
         worst = worst.max(finding.health);
         match arguments.format {
-            Format::Ndjson => output::print_json(finding)?,
+            Format::Ndjson => output::print_json("enact.finding/1", finding)?,
             Format::Text => {
                 let mark = match finding.health {
                     Health::Well => "ok  ",

@@ -23,6 +23,8 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
             Target::Glb => ExportFormat::Glb,
             Target::Csv => ExportFormat::Csv,
             Target::Tum => ExportFormat::Tum,
+            Target::Bvh => ExportFormat::Bvh,
+            Target::Ros2 => ExportFormat::Ros2,
         },
         frame_rate_hz: arguments.fps,
         with_acted: arguments.ghost,
@@ -48,7 +50,7 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
         }
     } else {
         match arguments.format {
-            Format::Ndjson => output::print_json(&exported)?,
+            Format::Ndjson => output::print_json("enact.export/1", &exported)?,
             Format::Text => output::print(&text(&exported))?,
         }
     }

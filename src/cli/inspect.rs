@@ -19,7 +19,7 @@ pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
         }
     };
     match arguments.format {
-        Format::Ndjson => output::print_json(&inspection)?,
+        Format::Ndjson => output::print_json("enact.inspection/1", &inspection)?,
         Format::Text => output::print(&text(&inspection))?,
     }
     Ok(if inspection.lost.is_empty() {

@@ -23,7 +23,7 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
         }
     };
     match arguments.format {
-        Format::Ndjson => output::print_json(&marked)?,
+        Format::Ndjson => output::print_json("enact.marks/1", &marked)?,
         Format::Text => output::print(&text(&marked))?,
     }
     Ok(if marked.lost.is_empty() {

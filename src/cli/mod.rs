@@ -20,6 +20,8 @@ mod doctor;
 mod exit;
 mod export;
 mod inspect;
+mod interrupt;
+mod manual;
 mod mark;
 mod output;
 mod process;
@@ -28,6 +30,7 @@ mod replay;
 mod run;
 mod scene;
 mod sketch;
+mod summary;
 mod table;
 #[cfg(feature = "live")]
 mod take;

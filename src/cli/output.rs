@@ -19,11 +19,32 @@ pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Writes one JSON object on a line of its own.
-pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
-    let mut line = serde_json::to_string(value)?;
+/// Writes one JSON object on a line of its own, the name and version of its schema first: `docs/ndjson.md` has them.
+pub(super) fn print_json(schema: &str, value: &impl Serialize) -> anyhow::Result<()> {
+    Ok(print(&json_line(schema, value)?)?)
+}
+
+/// [`print_json`] where stdout has another use.
+pub(super) fn print_json_on_stderr(schema: &str, value: &impl Serialize) -> anyhow::Result<()> {
+    let line = json_line(schema, value)?;
+    Ok(io::stderr().write_all(line.as_bytes())?)
+}
+
+fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String> {
+    #[derive(Serialize)]
+    struct Line<'a, T> {
+        schema: &'a str,
+        #[serde(flatten)]
+        value: &'a T,
+    }
+    let mut line = serde_json::to_string(&Line { schema, value })?;
     line.push('\n');
-    Ok(print(&line)?)
+    Ok(line)
+}
+
+/// Writes a text on stderr, where stdout has another use.
+pub(super) fn print_on_stderr(text: &str) -> io::Result<()> {
+    io::stderr().write_all(text.as_bytes())
 }
 
 /// Prints an error on stderr; a closed stderr is ignored.

@@ -1,4 +1,4 @@
-//! `process`: estimates many recordings and prints one account each.
+//! `process`: estimates many recordings, prints one account each and a summary.
 
 use serde::Serialize;
 
@@ -6,8 +6,12 @@ use super::account::{Style, account};
 use super::arguments::{Format, Free, ProcessArguments};
 use super::exit::Exit;
 use super::output;
+use super::summary::Summary;
 use crate::report::DiagnosisLine;
-use crate::service::{self, ProcessJob, Refusal};
+use crate::service::{self, ProcessJob, Processed, Refusal};
+
+/// Schema of the line of a recording: what became of its estimation.
+pub(super) const RECORDING_SCHEMA: &str = "enact.recording/1";
 
 pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = ProcessJob {
@@ -15,6 +19,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         output: arguments.output,
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
+        deadline: arguments.deadline,
     };
     let style = Style {
         colours: output::colours_on_stdout(),
@@ -22,31 +27,57 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
     };
     let format = arguments.format;
     let mut exit = Exit::Done;
-    let mut first = true;
+    let mut summary = Summary::default();
     service::process(&job, |result| {
         let of_one = match result {
-            Ok(report) => {
+            Ok(Processed::Estimated(report)) => {
                 match format {
-                    Format::Ndjson => output::print_json(&report)?,
-                    Format::Text if first => output::print(&account(&report, style))?,
-                    Format::Text => output::print(&format!("\n{}", account(&report, style)))?,
+                    Format::Ndjson => output::print_json(RECORDING_SCHEMA, &report)?,
+                    Format::Text => output::print(&format!("{}\n", account(&report, style)))?,
                 }
-                first = false;
+                summary.estimated(&report);
                 if report.is_whole() {
                     Exit::Done
                 } else {
                     Exit::NotWhole
                 }
             }
+            Ok(Processed::Skipped { recording }) => {
+                if format == Format::Ndjson {
+                    print_skipped(&recording)?;
+                }
+                summary.skipped(&recording);
+                Exit::Done
+            }
             Err(failure) => {
                 print_failure(&failure.recording, &failure.error, format)?;
+                summary.failed(&failure.recording);
                 Exit::Error
             }
         };
         exit = exit.max(of_one);
         Ok(())
     })?;
+    if format == Format::Text {
+        output::print(&summary.text())?;
+    }
     Ok(exit)
+}
+
+/// A recording that has an estimate: a line for machines.
+fn print_skipped(recording: &str) -> anyhow::Result<()> {
+    #[derive(Serialize)]
+    struct SkippedLine<'a> {
+        recording: &'a str,
+        skipped: &'a str,
+    }
+    output::print_json(
+        "enact.skipped/1",
+        &SkippedLine {
+            recording,
+            skipped: "has an estimate already",
+        },
+    )
 }
 
 /// A recording without an estimate: a line on stdout for machines, on stderr for people.
@@ -66,11 +97,14 @@ pub(super) fn print_failure(
     let error = service::words(error);
     output::print_error(&error);
     if format == Format::Ndjson {
-        output::print_json(&FailureLine {
-            recording,
-            error,
-            diagnoses,
-        })?;
+        output::print_json(
+            "enact.failure/1",
+            &FailureLine {
+                recording,
+                error,
+                diagnoses,
+            },
+        )?;
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
         match result {
             Ok(line) => {
                 match arguments.format {
-                    Format::Ndjson => output::print_json(&line)?,
+                    Format::Ndjson => output::print_json("enact.recovery/1", &line)?,
                     Format::Text => output::print(&text(&line))?,
                 }
                 if !line.whole {

@@ -9,7 +9,10 @@ use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, export, inspect, mark, output, process, recover, replay, scene, sketch};
+use super::{
+    completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, scene,
+    sketch,
+};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -17,6 +20,11 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     log_to_stderr(arguments.verbose);
     let verbose = arguments.verbose > 0;
+    if !matches!(arguments.command, Command::Capture(_))
+        && let Err(error) = interrupt::clean_up_on_signals()
+    {
+        tracing::warn!(%error, "signals cannot be caught: one may leave a temporary file");
+    }
     let result = match arguments.command {
         #[cfg(feature = "live")]
         Command::Capture(arguments) => capture::run(arguments, verbose),
@@ -35,6 +43,7 @@ pub fn run() -> ExitCode {
         Command::Export(arguments) => export::run(arguments),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
+        Command::Manual { output } => manual::run(&output),
     };
     match result {
         Ok(exit) => exit.into(),

@@ -26,7 +26,7 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
         }
     };
     match arguments.format {
-        Format::Ndjson => output::print_json(&imported)?,
+        Format::Ndjson => output::print_json("enact.scene/1", &imported)?,
         Format::Text => output::print(&text(&imported))?,
     }
     Ok(if imported.lost.is_empty() {

@@ -28,7 +28,7 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
         }
     };
     match arguments.format {
-        Format::Ndjson => output::print_json(&sketched)?,
+        Format::Ndjson => output::print_json("enact.sketch/1", &sketched)?,
         Format::Text => output::print(&text(&sketched))?,
     }
     Ok(if sketched.lost.is_empty() {

@@ -1,5 +1,6 @@
 //! Recordings: MCAP files that hold a take.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::error::IngestError;
@@ -7,7 +8,7 @@ use super::report::TakeReport;
 use super::route::{self, Format};
 use super::source::{RecordingSource, Source};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
-use crate::wire::{Container, DecodeError, decode_keyframe};
+use crate::wire::{Container, DecodeError, decode_keyframe, is_pipe};
 
 /// Name of the attachment that holds the scene.
 pub const SCENE_NAME: &str = "scene.toml";
@@ -30,10 +31,18 @@ pub struct Take {
 }
 
 impl Recording {
-    /// Reads a file and walks through it once. A damaged or cut-off file is no error as long
+    /// Reads a file, or [stdin](is_pipe), and walks through it once. A damaged or cut-off file is no error as long
     /// as it begins as MCAP: see [`Container::damages`].
     pub fn open(path: &Path) -> Result<Self, IngestError> {
-        let bytes = std::fs::read(path).map_err(|source| IngestError::Read {
+        let bytes = match is_pipe(path) {
+            true => {
+                let mut bytes = Vec::new();
+                let read = std::io::stdin().lock().read_to_end(&mut bytes);
+                read.map(|_| bytes)
+            }
+            false => std::fs::read(path),
+        };
+        let bytes = bytes.map_err(|source| IngestError::Read {
             path: path.to_owned(),
             source,
         })?;

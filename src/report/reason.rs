@@ -97,7 +97,9 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
             "simulated from a first state near the best: largest violation {:.1e} units",
             progress.violation.value
         ),
-        End::Stopped(progress) => format!("stopped by the caller: {}", progress_text(progress)),
+        End::Stopped(progress) => {
+            format!("stopped before it converged: {}", progress_text(progress))
+        }
         End::NoProgress(progress) => format!("no further progress: {}", progress_text(progress)),
         End::VelocityJumps { events, progress } => {
             let events: Vec<&str> = events.iter().map(event).collect();

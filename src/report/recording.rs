@@ -19,6 +19,8 @@ pub struct RecordingReport {
     pub solve_seconds: f64,
     /// Wall time of the pipeline by phase, in order.
     pub phase_seconds: Ordered<f64>,
+    /// Whether it was ended before all was tried, by its deadline.
+    pub ended_early: bool,
     /// What of the recording could not be read.
     pub lost: Vec<String>,
     /// What in it was read with reservations.
@@ -38,6 +40,8 @@ pub struct Circumstances {
     pub solve_seconds: f64,
     /// Wall time of the pipeline by phase, in order.
     pub phase_seconds: Vec<(Phase, f64)>,
+    /// Whether it was ended before all was tried, by its deadline.
+    pub ended_early: bool,
     /// What of the recording could not be read.
     pub lost: Vec<String>,
     /// What in it was read with reservations.
@@ -54,14 +58,18 @@ impl RecordingReport {
             estimate: EstimateReport::new(of),
             solve_seconds: circumstances.solve_seconds,
             phase_seconds: Ordered(phases.collect()),
+            ended_early: circumstances.ended_early,
             lost: circumstances.lost,
             warnings: circumstances.warnings,
             output: circumstances.output,
         }
     }
 
-    /// Whether nothing was lost, the motion is physical and not known not to fit, and no mistake is likely.
+    /// Whether nothing was lost or left untried, the motion is physical and not known not to fit, and no mistake is likely.
     pub fn is_whole(&self) -> bool {
-        self.lost.is_empty() && self.estimate.is_good() && self.estimate.diagnoses.is_empty()
+        self.lost.is_empty()
+            && !self.ended_early
+            && self.estimate.is_good()
+            && self.estimate.diagnoses.is_empty()
     }
 }

@@ -67,7 +67,7 @@ fn reasons_have_words_and_numbers() {
         (End::Converged(progress), "converged: ", json!([]), &solved),
         (
             End::Stopped(progress),
-            "stopped by the caller: ",
+            "stopped before it converged: ",
             json!([]),
             &solved,
         ),

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use self::files::{files, write};
 pub use self::job::{ExportFormat, ExportJob, ExportTo, Exported};
+use super::finish::with_recording;
 use crate::config::scene_from_toml;
 use crate::ingest::Recording;
 use crate::motion::Scene;
@@ -26,7 +27,6 @@ const FRAME_LIMIT: f64 = 1e7;
 
 /// Exports the motion of a recording. All of it is made before anything is written.
 pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
-    let path = job.input.display();
     if !RATES_HZ.contains(&job.frame_rate_hz) {
         bail!(
             "frame rate {} Hz, expected {} to {}",
@@ -35,7 +35,11 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
             RATES_HZ.end()
         );
     }
-    let recording = Recording::open(&job.input)?;
+    with_recording(&job.input, |recording| exported(job, &recording))
+}
+
+fn exported(job: &ExportJob, recording: &Recording) -> anyhow::Result<Exported> {
+    let path = job.input.display();
     let container = recording.container();
     let Some(scene_toml) = scene_of_estimate(container) else {
         bail!("{path}: has no scene and no estimate, expected what `enact replay` writes of it");
@@ -43,6 +47,11 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
     let text = std::str::from_utf8(scene_toml)
         .with_context(|| format!("{path}: the attached scene is not UTF-8"))?;
     let scene = scene_from_toml(text).map_err(|error| error.in_file(format!("{path}#scene")))?;
+    if job.with_acted && job.format == ExportFormat::Bvh {
+        bail!(
+            "--ghost: a BVH has keys at frames alone, expected glb, csv or tum for the performance"
+        );
+    }
     let motion = WrittenMotion::read(&job.input, container, &scene)?;
     check_span(job, &motion)?;
     let bodies = exported_bodies(&scene, &motion, job.frame_rate_hz, job.with_acted);
@@ -73,7 +82,8 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
         warnings: warnings(job, &scene, &motion, &bodies),
         bytes: Vec::new(),
     };
-    let files = files(job, &scene, &motion, &bodies, &provenance);
+    let of = (container, scene_toml, &scene, &motion);
+    let files = files(job, of, &bodies, &provenance)?;
     write(job, files, &mut exported)?;
     Ok(exported)
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::refusal::Refusal;
-use super::stopwatch::Stopwatch;
+use super::stopwatch::{Stopwatch, Watching};
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
+use crate::wire::is_pipe;
 use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
@@ -22,9 +23,33 @@ pub(super) struct Opened {
     pub(super) scene_toml: Vec<u8>,
 }
 
+/// Reads a recording and does something with it. Where that fails of a recording that is damaged, the damage is named
+/// first: what is missing may be in what could not be read.
+pub(super) fn with_recording<T>(
+    input: &Path,
+    act: impl FnOnce(Recording) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let recording = Recording::open(input)?;
+    let damages = recording.container().damages();
+    let first = damages.first().iter().find(|_| damages.is_loss());
+    let damaged = first.map(|damage| {
+        let path = input.display();
+        format!("{path}: the file is damaged, {damage}; `enact inspect` lists what could be read")
+    });
+    let result = act(recording);
+    match damaged {
+        Some(damaged) => result.context(damaged),
+        None => result,
+    }
+}
+
 /// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
 pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
-    let recording = Recording::open(input)?;
+    opened(Recording::open(input)?, scene_file)
+}
+
+/// [`open`] of what is read.
+pub(super) fn opened(recording: Recording, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
     let (scene, scene_toml) = match scene_file {
         Some(file) => {
             let text = std::fs::read_to_string(file)
@@ -60,6 +85,9 @@ pub(super) fn attached_scene(recording: &Recording) -> anyhow::Result<Scene> {
 
 /// `tip.mcap` → `tip.estimate.mcap`, beside it or in another folder.
 pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result<PathBuf> {
+    if is_pipe(input) {
+        bail!("-: stdin has no name, expected one for the estimate: -o FILE, or -o - for stdout");
+    }
     let Some(stem) = input.file_stem() else {
         bail!("{}: expected the name of a file", input.display());
     };
@@ -72,7 +100,7 @@ pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result
 /// Refuses an output that is the input or is no regular file, before the work is done.
 pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> {
     target_of(output)?;
-    let same = input == output
+    let same = input == output && !is_pipe(input)
         || matches!(
             (input.canonicalize(), output.canonicalize()),
             (Ok(a), Ok(b)) if a == b
@@ -92,8 +120,9 @@ pub(super) fn finish(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
+    watching: Watching,
 ) -> anyhow::Result<RecordingReport> {
-    finished(opened, pipeline, take, output).map(|(report, _)| report)
+    finished(opened, pipeline, take, output, watching).map(|(report, _)| report)
 }
 
 /// [`finish`], which returns the estimate too.
@@ -102,13 +131,15 @@ pub(super) fn finished(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
+    watching: Watching,
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
-    let mut stopwatch = Stopwatch::start();
+    let mut stopwatch = Stopwatch::start(watching);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
+    let ended_early = stopwatch.has_ended_it();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
     let is_after = |phase: &Phase| {
         use Phase::{Adequacy, Diagnose, Rest, Settle, Verify};
@@ -145,6 +176,7 @@ pub(super) fn finished(
         output: output.display().to_string(),
         solve_seconds,
         phase_seconds,
+        ended_early,
         lost: lost(take),
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };

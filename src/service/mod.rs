@@ -39,14 +39,17 @@ pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Expo
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
-pub use process::{Failure, ProcessJob, process};
+pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;
 pub use recover::{RecoveredLine, recover_all};
 pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
+pub use stopwatch::Watching;
 pub use words::words;
 
 #[cfg(feature = "live")]
 pub use crate::ingest::live::TakeState;
+pub use crate::wire::is_pipe;
+pub use crate::write::remove_unfinished;

@@ -4,14 +4,18 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread;
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use super::finish::{check_distinct, finish, open, output_path};
+use super::finish::{check_distinct, finish, opened, output_path, with_recording};
+use super::stopwatch::Watching;
+use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
+use crate::write::has_estimate;
 
 /// The input of [`process`].
 #[derive(Clone, Debug)]
@@ -24,6 +28,20 @@ pub struct ProcessJob {
     pub scene: Option<PathBuf>,
     /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
     pub is_free_auto: bool,
+    /// Each estimation ends after so long, from when its recording is read, with the best that it has by then.
+    pub deadline: Option<Duration>,
+}
+
+/// What became of a recording.
+#[derive(Debug)]
+pub enum Processed {
+    /// It was estimated.
+    Estimated(Box<RecordingReport>),
+    /// It holds an estimate already: an output among the inputs.
+    Skipped {
+        /// The file.
+        recording: String,
+    },
 }
 
 /// A recording that gave no estimate.
@@ -35,14 +53,14 @@ pub struct Failure {
     pub error: anyhow::Error,
 }
 
-/// Estimates every recording and passes each result to `each`, in the order of the inputs, as
-/// soon as it and those before it are done. One that fails does not stop the others.
+/// Estimates every recording but those that hold an estimate, and passes each result to `each`, in the order of the
+/// inputs, as soon as it and those before it are done. One that fails does not stop the others.
 ///
 /// Progress goes to stderr, if that is a terminal. Fails as a whole only where the outputs
 /// cannot be placed, or where `each` does.
 pub fn process(
     job: &ProcessJob,
-    mut each: impl FnMut(Result<RecordingReport, Failure>) -> anyhow::Result<()>,
+    mut each: impl FnMut(Result<Processed, Failure>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let outputs = outputs(job)?;
     std::fs::create_dir_all(&job.output)
@@ -105,16 +123,25 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     Ok(outputs)
 }
 
-fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<RecordingReport, Failure> {
-    let estimate = || {
-        let opened = open(input, job.scene.as_deref())?;
+fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failure> {
+    let name = || input.display().to_string();
+    let watching = Watching {
+        deadline: job.deadline,
+        shows_progress: false,
+    };
+    let estimate = |recording: Recording| {
+        if has_estimate(recording.container()) {
+            return Ok(Processed::Skipped { recording: name() });
+        }
+        let opened = opened(recording, job.scene.as_deref())?;
         let take = opened.recording.take(&opened.scene)?;
         let pipeline = Pipeline::of(opened.scene.clone(), take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
-        finish(&opened, &pipeline, &take.report, output)
+        let report = finish(&opened, &pipeline, &take.report, output, watching)?;
+        Ok(Processed::Estimated(Box::new(report)))
     };
-    estimate().map_err(|error| Failure {
-        recording: input.display().to_string(),
+    with_recording(input, estimate).map_err(|error| Failure {
+        recording: name(),
         error,
     })
 }

@@ -1,11 +1,12 @@
 //! Plays one recording through the pipeline, event by event.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::finish::{check_distinct, finished, open, output_path};
+use super::finish::{Opened, check_distinct, finished, opened, output_path, with_recording};
 use super::publish::Publication;
+use super::stopwatch::Watching;
 use crate::ingest::Source;
 use crate::motion::Stamp;
 use crate::pipeline::Pipeline;
@@ -27,6 +28,8 @@ pub struct ReplayJob {
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
     /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
+    /// How the estimation is watched, from when the recording is read.
+    pub watching: Watching,
 }
 
 /// Settings for publishing a recording.
@@ -43,7 +46,12 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         None => output_path(&job.input, None)?,
     };
     check_distinct(&job.input, &output)?;
-    let opened = open(&job.input, job.scene.as_deref())?;
+    with_recording(&job.input, |recording| {
+        replayed(job, opened(recording, job.scene.as_deref())?, &output)
+    })
+}
+
+fn replayed(job: &ReplayJob, opened: Opened, output: &Path) -> anyhow::Result<RecordingReport> {
     let mut source = opened.recording.source(&opened.scene)?;
     let mut pipeline = Pipeline::new(opened.scene.clone());
     let publish = job.publish.as_ref();
@@ -61,7 +69,7 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         pipeline.push(event);
     }
     let pipeline = pipeline.with_free_auto(job.is_free_auto);
-    let (report, outcome) = finished(&opened, &pipeline, source.report(), &output)?;
+    let (report, outcome) = finished(&opened, &pipeline, source.report(), output, job.watching)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;
     }

@@ -63,6 +63,21 @@ pub enum RosMessage {
 }
 
 impl RosMessage {
+    const ALL: [Self; 5] = [
+        Self::PoseStamped,
+        Self::TfMessage,
+        Self::JointState,
+        Self::Header,
+        Self::String,
+    ];
+
+    /// The kind whose schema has that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.schema().name == name)
+    }
+
     /// Name and definition.
     pub fn schema(self) -> SchemaRecord {
         let (name, parts) = match self {

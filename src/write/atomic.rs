@@ -8,12 +8,15 @@ use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
 use super::error::WriteError;
+use super::unfinished::Unfinished;
+use crate::wire::is_pipe;
 
 /// A mebibyte: the MCAP writer makes many small writes.
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// A file under a temporary name in the directory of its final one. [`AtomicFile::commit`]
-/// makes it durable and gives it its name; dropping it removes it.
+/// makes it durable and gives it its name; dropping it removes it. What goes to
+/// [stdout](is_pipe) goes there whole, at the end.
 #[derive(Debug)]
 pub struct AtomicFile {
     /// As it was given.
@@ -23,6 +26,7 @@ pub struct AtomicFile {
     /// Whether it takes the place of a file that has its name.
     replaces: bool,
     writer: BufWriter<NamedTempFile>,
+    unfinished: Unfinished,
 }
 
 impl AtomicFile {
@@ -63,18 +67,22 @@ impl AtomicFile {
         mut builder: tempfile::Builder,
         replaces: bool,
     ) -> Result<Self, WriteError> {
-        let directory = directory_of(&target);
+        let elsewhere = std::env::temp_dir();
+        let directory = match is_pipe(path) {
+            true => &elsewhere,
+            false => directory_of(&target),
+        };
         // Temporaries are private by default; this one becomes an ordinary file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder
-            .tempfile_in(directory)
+        let (temporary, unfinished) = Unfinished::create(&builder, directory)
             .map_err(WriteError::io(path, "create a temporary file beside it"))?;
         Ok(Self {
             path: path.to_owned(),
             target,
             replaces,
             writer: BufWriter::with_capacity(BUFFER_BYTES, temporary),
+            unfinished,
         })
     }
 
@@ -99,10 +107,14 @@ impl AtomicFile {
             target,
             replaces,
             writer,
+            unfinished,
         } = self;
-        let temporary = writer
+        let mut temporary = writer
             .into_inner()
             .map_err(|error| WriteError::io(&path, "write")(error.into_error()))?;
+        if is_pipe(&path) {
+            return pass_on(&mut temporary).map_err(WriteError::io(&path, "write to stdout"));
+        }
         let renamed = if replaces {
             temporary.persist(&target)
         } else {
@@ -121,8 +133,20 @@ impl AtomicFile {
             }
             Ok(_) => {}
         }
+        drop(unfinished);
         sync_directory_of(&target);
         Ok(())
+    }
+}
+
+/// Copies a file to stdout. A reader that has closed the pipe wants no more.
+fn pass_on(file: &mut NamedTempFile) -> io::Result<()> {
+    file.rewind()?;
+    let mut stdout = io::stdout().lock();
+    let copied = io::copy(file, &mut stdout).and_then(|_| stdout.flush());
+    match copied {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
     }
 }
 
@@ -152,6 +176,9 @@ impl Seek for AtomicFile {
 /// Fails where something has the name that is no file: a rename would put a file in the place of
 /// a device, a pipe or a folder. A link that leads nowhere is refused too, for nobody can mean it.
 pub fn target_of(path: &Path) -> Result<PathBuf, WriteError> {
+    if is_pipe(path) {
+        return Ok(path.to_owned());
+    }
     let Ok(found) = std::fs::symlink_metadata(path) else {
         return Ok(path.to_owned());
     };

@@ -12,7 +12,7 @@ use crate::wire::{Container, EncodeError, Encoded, JointState, Transform};
 use super::topics;
 
 /// What ROS 2 recordings name as their profile.
-const ROS2: &str = "ros2";
+pub(super) const ROS2: &str = "ros2";
 
 /// Whose messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

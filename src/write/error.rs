@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::sampling::SamplingError;
 #[cfg(feature = "live")]
 use crate::wire::live::LiveError;
+use crate::wire::translate::TranslateError;
 use crate::wire::{ContainerError, DecodeError, EncodeError};
 
 /// Why a file was not written. Nothing is left under its final name.
@@ -50,6 +51,16 @@ pub enum WriteError {
         topic: String,
         /// The cause.
         source: DecodeError,
+    },
+    /// A message of an estimate cannot be said in ROS 2's terms.
+    #[error("{}: topic {topic}: {source}; make the estimate again with `enact replay`", path.display())]
+    Translate {
+        /// The recording.
+        path: PathBuf,
+        /// Topic of the message.
+        topic: String,
+        /// The cause.
+        source: TranslateError,
     },
     /// There is no estimate in a recording.
     #[error("{}: has no estimate, expected what `enact replay` writes of it", path.display())]
@@ -152,6 +163,16 @@ impl WriteError {
     pub(super) fn decode(path: &Path, topic: &str) -> impl FnOnce(DecodeError) -> Self {
         let (path, topic) = (path.to_owned(), topic.to_owned());
         move |source| WriteError::Decode {
+            path,
+            topic,
+            source,
+        }
+    }
+
+    /// For `map_err`.
+    pub(super) fn translate(path: &Path, topic: &str) -> impl FnOnce(TranslateError) -> Self {
+        let (path, topic) = (path.to_owned(), topic.to_owned());
+        move |source| WriteError::Translate {
             path,
             topic,
             source,

@@ -48,6 +48,11 @@ pub(super) fn replaced(input: &Container) -> BTreeSet<u16> {
         .collect()
 }
 
+/// Whether an earlier run has put its estimate in.
+pub fn has_estimate(input: &Container) -> bool {
+    !replaced(input).is_empty()
+}
+
 /// Writes the merge of both, what is added in the input's [`Dialect`], and gives the file its final
 /// name. Returns how many of the input's messages are in it.
 pub(super) fn write(

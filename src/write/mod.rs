@@ -31,6 +31,7 @@ pub mod recover;
 pub mod show;
 mod skeleton;
 pub mod topics;
+mod unfinished;
 mod urdf;
 
 pub use error::WriteError;
@@ -43,5 +44,7 @@ pub use keyframes::{csv_of_sketch, toml_of_sketch};
 #[cfg(feature = "live")]
 pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
+pub use merge::has_estimate;
 pub use recording::RecordingWriter;
 pub use recover::{Recovered, abandoned, recover};
+pub use unfinished::remove_unfinished;

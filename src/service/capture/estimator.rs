@@ -16,7 +16,7 @@ use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::RecordingReport;
 use crate::service::finish::{finished, open, output_path};
-use crate::service::words;
+use crate::service::{Watching, words};
 use crate::write::live::EstimateOccasion;
 
 /// A take whose file is complete.
@@ -67,7 +67,13 @@ fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Out
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;
-    let (report, outcome) = finished(&opened, &pipeline, &take.report, &output)?;
+    let (report, outcome) = finished(
+        &opened,
+        &pipeline,
+        &take.report,
+        &output,
+        Watching::default(),
+    )?;
     Ok((report, outcome, pipeline.marks() as u64))
 }
 

@@ -8,18 +8,18 @@ use anyhow::{Context, anyhow, bail};
 use super::super::finish::check_distinct;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use crate::motion::Scene;
+use crate::wire::Container;
 use crate::write::atomic::AtomicFile;
-use crate::write::export::{ExportedBody, Provenance, WrittenMotion, csv, glb, tum};
+use crate::write::export::{ExportedBody, Provenance, WrittenMotion, bvh, csv, glb, ros2, tum};
 
 /// Files by what is added to the name; one without an addition keeps it.
 pub(super) fn files(
     job: &ExportJob,
-    scene: &Scene,
-    motion: &WrittenMotion,
+    (container, scene_toml, scene, motion): (&Container, &[u8], &Scene, &WrittenMotion),
     bodies: &[ExportedBody],
     provenance: &Provenance,
-) -> Vec<(String, Vec<u8>)> {
-    match job.format {
+) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let files = match job.format {
         ExportFormat::Glb => {
             let at = (motion.zero, job.frame_rate_hz);
             vec![(String::new(), glb(scene, bodies, at, provenance))]
@@ -44,7 +44,16 @@ pub(super) fn files(
             }
             files
         }
-    }
+        ExportFormat::Bvh => {
+            let text = bvh(scene, bodies, (motion.zero, job.frame_rate_hz));
+            vec![(String::new(), text.into_bytes())]
+        }
+        ExportFormat::Ros2 => {
+            let bytes = ros2(&job.input, container, scene_toml, provenance)?;
+            vec![(String::new(), bytes)]
+        }
+    };
+    Ok(files)
 }
 
 /// Writes them, or gives the bytes of one to the caller.

@@ -13,6 +13,10 @@ pub enum ExportFormat {
     Csv,
     /// Trajectories, a file per body.
     Tum,
+    /// A skeleton with frames.
+    Bvh,
+    /// A recording of ROS 2's profile.
+    Ros2,
 }
 
 impl ExportFormat {
@@ -22,6 +26,8 @@ impl ExportFormat {
             Self::Glb => "glb",
             Self::Csv => "csv",
             Self::Tum => "tum",
+            Self::Bvh => "bvh",
+            Self::Ros2 => "ros2.mcap",
         }
     }
 }

@@ -12,3 +12,4 @@ pub use cdr::text as decode_text;
 pub use error::DecodeError;
 pub use format::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
 pub use message::{FramedPose, StampedMark};
+pub use protobuf::joint_states;

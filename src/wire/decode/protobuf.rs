@@ -2,14 +2,17 @@
 
 use foxglove::Decode;
 use foxglove::messages::{
-    Event, FrameTransform, FrameTransforms, Odometry, Point3InFrame, Pose, PoseInFrame,
-    PosesInFrame, Quaternion, Timestamp, Vector3,
+    Event, FrameTransform, FrameTransforms, JointStates, Odometry, Point3InFrame, Pose,
+    PoseInFrame, PosesInFrame, Quaternion, Timestamp, Vector3,
 };
 
 use super::error::DecodeError;
 use super::message::{FoxglovePose, FramedPose, StampedMark, stamp};
 use crate::motion::{Holds, Stamp};
 use crate::wire::encode::MARK_EVENT_KEY;
+
+/// A joint's name, angle \[rad\] and rate [rad/s].
+type JointReading = (String, f64, Option<f64>);
 
 pub(super) fn poses(
     message: FoxglovePose,
@@ -71,6 +74,17 @@ pub(super) fn mark(data: &[u8]) -> Result<StampedMark, DecodeError> {
             .find(|pair| pair.key == MARK_EVENT_KEY && !pair.value.is_empty())
             .map(|pair| pair.value),
     })
+}
+
+/// Instant, and names, angles \[rad\] and rates [rad/s] of joints, of a `foxglove.JointStates`.
+pub fn joint_states(data: &[u8]) -> Result<(Stamp, Vec<JointReading>), DecodeError> {
+    let message: JointStates = decoded(data)?;
+    let at = time(message.timestamp)?.unwrap_or(Stamp(0));
+    let joints = message.joints.into_iter().map(|joint| {
+        let angle_rad = joint.position.ok_or(DecodeError::Missing("position"))?;
+        Ok((joint.name, angle_rad, joint.velocity))
+    });
+    Ok((at, joints.collect::<Result<_, DecodeError>>()?))
 }
 
 fn decoded<M: Decode>(data: &[u8]) -> Result<M, DecodeError> {

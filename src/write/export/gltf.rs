@@ -3,6 +3,8 @@
 //! The file is y-up, as glTF wants it, by one node over all others; below it everything is as it is in the
 //! scene, z-up and in metres. A body's node is its frame, at the centre of mass along its principal axes.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use serde_json::json;
 use typed_index_collections::TiVec;
@@ -28,6 +30,31 @@ pub struct Provenance {
     pub scene_sha256: String,
     /// `physical`, `plausible` or `failed`.
     pub verdict: String,
+}
+
+impl Provenance {
+    /// As names and values.
+    pub(super) fn pairs(&self) -> BTreeMap<String, String> {
+        let Self {
+            program,
+            command,
+            recording,
+            scene,
+            scene_sha256,
+            verdict,
+        } = self;
+        let pairs = [
+            ("program", program),
+            ("command", command),
+            ("recording", recording),
+            ("scene", scene),
+            ("scene_sha256", scene_sha256),
+            ("verdict", verdict),
+        ];
+        pairs
+            .map(|(name, value)| (name.to_owned(), value.clone()))
+            .into()
+    }
 }
 
 /// The file. Its times begin at a frame: zero is physical time zero, or the last frame before the first

@@ -2,17 +2,21 @@
 //!
 //! [`motion`] reads back what an estimate added to a recording, [`frames`] puts it on a grid of frames with keys
 //! where the motion has kinks, [`gltf`] makes a binary glTF of that and of what there is to draw, [`tables`] CSV
-//! and TUM trajectories. All are functions of the file and of the wishes alone. `docs/export.md` says what is in
+//! and TUM trajectories, [`bvh`] a skeleton with frames, [`ros2`] a recording of ROS 2's profile. All are functions of the file and of the wishes alone. `docs/export.md` says what is in
 //! each.
 
 mod buffer;
+pub mod bvh;
 mod document;
 pub mod frames;
 pub mod gltf;
 pub mod motion;
+pub mod ros2;
 pub mod tables;
 
+pub use bvh::bvh;
 pub use frames::{ExportedBody, Key, exported_bodies, fastest_turn_rad_s};
 pub use gltf::{Provenance, glb};
 pub use motion::{WrittenMotion, scene_of_estimate};
+pub use ros2::ros2;
 pub use tables::{csv, tum};

@@ -1,0 +1,103 @@
+//! A recording of ROS 2's profile, of which every message is one of ROS 2: what an estimate added, without what came in.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+use mcap::Attachment;
+use mcap::records::{MessageHeader, Metadata};
+
+use super::super::dialect::ROS2;
+use super::super::error::WriteError;
+use super::super::{options, topics};
+use super::gltf::Provenance;
+use crate::wire::Container;
+use crate::wire::ros2::RosMessage;
+use crate::wire::translate::{ros_message, translated};
+
+/// A channel of an estimate and what becomes of it.
+struct Channel<'a> {
+    topic: &'a str,
+    schema: &'a str,
+    encoding: &'a str,
+    to: RosMessage,
+    id: u16,
+}
+
+/// The file, on the topics of the estimate, joints on that on which ROS 2 has them. Stamps and log times are those of
+/// the estimate. Drawings have no message in ROS 2: the URDF says the same.
+///
+/// Fails where a message of the estimate cannot be read.
+pub fn ros2(
+    path: &Path,
+    container: &Container,
+    scene_toml: &[u8],
+    provenance: &Provenance,
+) -> Result<Vec<u8>, WriteError> {
+    let failed = |source| WriteError::mcap(path)(source);
+    let mut writer = options::writer(Cursor::new(Vec::new()), ROS2).map_err(failed)?;
+    let attachment = Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: super::super::estimate::SCENE_NAME.to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: Cow::Borrowed(scene_toml),
+    };
+    writer.attach(&attachment).map_err(failed)?;
+    let metadata = Metadata {
+        name: "enact.provenance".to_owned(),
+        metadata: provenance.pairs(),
+    };
+    writer.write_metadata(&metadata).map_err(failed)?;
+    let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
+    let ours = container.channels().iter();
+    for (id, channel) in ours.filter(|(_, of)| topics::is_ours(&of.metadata)) {
+        let Some(schema) = container.schema_of(channel) else {
+            continue;
+        };
+        let (schema, encoding) = (schema.name.as_str(), channel.message_encoding.as_str());
+        let Some(to) = ros_message(schema, encoding) else {
+            continue;
+        };
+        let topic = match to {
+            RosMessage::JointState => topics::ROS_JOINTS,
+            _ => channel.topic.as_str(),
+        };
+        let record = to.schema();
+        let added = writer
+            .add_schema(&record.name, &record.encoding, &record.data)
+            .and_then(|schema| writer.add_channel(schema, topic, "cdr", &topics::metadata()));
+        let channel = Channel {
+            topic,
+            schema,
+            encoding,
+            to,
+            id: added.map_err(failed)?,
+        };
+        channels.insert(*id, channel);
+    }
+    let mut sequences: BTreeMap<u16, u32> = BTreeMap::new();
+    let mut walk = container.walk();
+    while let Some(message) = walk.next_message() {
+        let Some(channel) = channels.get(&message.channel_id) else {
+            continue;
+        };
+        let from = (channel.schema, channel.encoding);
+        let data = translated(from, channel.to, message.data)
+            .map_err(WriteError::translate(path, channel.topic))?;
+        let sequence = sequences.entry(channel.id).or_default();
+        let header = MessageHeader {
+            channel_id: channel.id,
+            sequence: *sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        *sequence += 1;
+        writer
+            .write_to_known_channel(&header, &data)
+            .map_err(failed)?;
+    }
+    writer.finish().map_err(failed)?;
+    Ok(writer.into_inner().into_inner())
+}
