@@ -11,6 +11,9 @@ use enact_tools::replay::Program;
 use serde_json::Value;
 use tempfile::TempDir;
 
+#[path = "export_files/others.rs"]
+mod others;
+
 #[path = "export_files/glb.rs"]
 mod glb;
 

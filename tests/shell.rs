@@ -37,7 +37,9 @@ fn ran(arguments: &[&str]) -> (i32, String, String) {
 fn folder() -> (TempDir, impl Fn(&str) -> String) {
     let folder = tempfile::tempdir().expect("folder");
     let path = folder.path().to_owned();
-    (folder, move |name: &str| path.join(name).display().to_string())
+    (folder, move |name: &str| {
+        path.join(name).display().to_string()
+    })
 }
 
 /// Rows of a CSV without the comment, which names the file.
@@ -56,17 +58,29 @@ fn recordings_go_through_pipes() {
     assert_eq!(code, 0, "{said}");
 
     let estimate = piped(&["replay", "-", "-o", "-"], input.clone());
-    assert_eq!(estimate.status.code(), Some(0), "{}", text(&estimate.stderr));
+    assert_eq!(
+        estimate.status.code(),
+        Some(0),
+        "{}",
+        text(&estimate.stderr)
+    );
     // The account is where the recording is not.
     assert!(text(&estimate.stderr).contains("-: physical, fits well"));
-    let export = piped(&["export", "-", "--to", "csv", "-o", "-"], estimate.stdout.clone());
+    let export = piped(
+        &["export", "-", "--to", "csv", "-o", "-"],
+        estimate.stdout.clone(),
+    );
     assert_eq!(rows(&text(&export.stdout)), rows(&expected));
     let inspect = piped(&["inspect", "-"], estimate.stdout);
     assert!(text(&inspect.stdout).contains("/estimate/pencil/pose"));
 
     let nameless = piped(&["replay", "-"], input);
     assert_eq!(nameless.status.code(), Some(1));
-    assert!(text(&nameless.stderr).contains("-o FILE"), "{}", text(&nameless.stderr));
+    assert!(
+        text(&nameless.stderr).contains("-o FILE"),
+        "{}",
+        text(&nameless.stderr)
+    );
     assert_eq!(std::fs::read_dir(_folder.path()).expect("list").count(), 1);
 }
 
@@ -82,7 +96,11 @@ fn a_deadline_ends_the_search_and_is_said() {
         assert!(said.contains("ended at its deadline"), "{name}: {said}");
         let (code, said, _) = ran(&[&arguments[..], &["1h", "--format", "ndjson"]].concat());
         let line: Value = serde_json::from_str(&said).expect("JSON");
-        assert_eq!((code, &line["ended_early"]), (0, &Value::Bool(false)), "{name}");
+        assert_eq!(
+            (code, &line["ended_early"]),
+            (0, &Value::Bool(false)),
+            "{name}"
+        );
     }
     let (code, _, said) = ran(&["replay", &recording("chain.mcap"), "--deadline", "soon"]);
     assert_eq!(code, 2, "{said}");
@@ -115,7 +133,10 @@ fn estimates_among_recordings_are_skipped_and_a_summary_ends_the_account() {
     ]) {
         assert!(line.starts_with(name) && line.contains(verdict), "{said}");
     }
-    assert_eq!(end[4], "4 recordings: 2 physical, 1 without an estimate, 1 skipped");
+    assert_eq!(
+        end[4],
+        "4 recordings: 2 physical, 1 without an estimate, 1 skipped"
+    );
     let mut written: Vec<_> = std::fs::read_dir(&out).expect("list").collect();
     written.retain(|entry| entry.as_ref().is_ok_and(|entry| entry.path().exists()));
     assert_eq!(written.len(), 2);
@@ -127,7 +148,10 @@ fn estimates_among_recordings_are_skipped_and_a_summary_ends_the_account() {
         line["schema"].as_str().expect("a schema").to_owned()
     });
     let expected = ["recording", "failure", "recording", "skipped"];
-    assert_eq!(schemas.collect::<Vec<_>>(), expected.map(|name| format!("enact.{name}/1")));
+    assert_eq!(
+        schemas.collect::<Vec<_>>(),
+        expected.map(|name| format!("enact.{name}/1"))
+    );
 }
 
 #[test]
@@ -150,7 +174,10 @@ fn of_a_damaged_file_the_damage_is_named_first() {
                     errors.starts_with(&format!("error: {input}: the file is damaged")),
                     "{share}: {errors}"
                 ),
-                _ => assert!(code == 3 && said.contains("lost: "), "{share}: {said}{errors}"),
+                _ => assert!(
+                    code == 3 && said.contains("lost: "),
+                    "{share}: {said}{errors}"
+                ),
             }
             seen.insert(code);
         }
@@ -194,7 +221,9 @@ fn documented() -> Vec<(String, BTreeSet<String>)> {
     for line in text.lines() {
         if let Some(name) = line.strip_prefix("## `") {
             schemas.push((name.trim_end_matches('`').to_owned(), BTreeSet::new()));
-        } else if let (Some(field), Some((_, fields))) = (line.strip_prefix("| `"), schemas.last_mut()) {
+        } else if let (Some(field), Some((_, fields))) =
+            (line.strip_prefix("| `"), schemas.last_mut())
+        {
             let field = field.split('`').next().expect("a field");
             fields.insert(field.to_owned());
         }
@@ -227,11 +256,22 @@ fn lines_for_machines_are_as_documented() {
             let schema = line["schema"].as_str().expect("a schema").to_owned();
             let fields: BTreeSet<String> = line.keys().cloned().collect();
             let expected = documented.iter().find(|(name, _)| *name == schema);
-            assert_eq!(expected.map(|(_, fields)| fields), Some(&fields), "{schema}");
+            assert_eq!(
+                expected.map(|(_, fields)| fields),
+                Some(&fields),
+                "{schema}"
+            );
             found.insert(schema);
         }
     }
-    let expected = ["recording", "failure", "skipped", "inspection", "export", "sketch"];
+    let expected = [
+        "recording",
+        "failure",
+        "skipped",
+        "inspection",
+        "export",
+        "sketch",
+    ];
     let expected: BTreeSet<String> = expected.map(|name| format!("enact.{name}/1")).into();
     assert_eq!(found, expected);
 }
@@ -275,16 +315,29 @@ fn a_signal_leaves_no_file_that_is_not_whole() {
         .expect("run");
     let names = || -> Vec<String> {
         let entries = std::fs::read_dir(folder.path()).expect("list");
-        entries.map(|entry| entry.expect("entry").file_name().to_string_lossy().into_owned()).collect()
+        entries
+            .map(|entry| {
+                entry
+                    .expect("entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .collect()
     };
     let patience = Instant::now() + Duration::from_secs(60);
     while !names().iter().any(|name| name.ends_with(".part")) {
-        assert!(child.try_wait().expect("wait").is_none(), "it ended before it wrote");
+        assert!(
+            child.try_wait().expect("wait").is_none(),
+            "it ended before it wrote"
+        );
         assert!(Instant::now() < patience, "it writes nothing");
         std::thread::sleep(Duration::from_millis(1));
     }
     let pid = child.id().to_string();
-    let killed = std::process::Command::new("kill").args(["-INT", &pid]).status();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &pid])
+        .status();
     assert!(killed.expect("kill").success());
     let status = child.wait().expect("wait");
     assert_eq!(status.signal(), Some(2), "{status:?}");
@@ -305,7 +358,9 @@ fn enlarged(recording: &[u8], bytes: usize) -> Vec<u8> {
         message_encoding: "raw".to_owned(),
         metadata: BTreeMap::new(),
     });
-    let summary = mcap::Summary::read(recording).expect("read").expect("a summary");
+    let summary = mcap::Summary::read(recording)
+        .expect("read")
+        .expect("a summary");
     for index in &summary.attachment_indexes {
         let attachment = mcap::read::attachment(recording, index).expect("an attachment");
         writer.attach(&attachment).expect("attach");
@@ -320,7 +375,9 @@ fn enlarged(recording: &[u8], bytes: usize) -> Vec<u8> {
     let mut state: u64 = 1;
     let noise: Vec<u8> = (0..1 << 20)
         .map(|_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 56) as u8
         })
         .collect();

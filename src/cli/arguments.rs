@@ -52,7 +52,9 @@ pub(super) enum Command {
         command: SceneCommand,
     },
     /// Write completions for a shell to stdout
-    #[command(after_help = "Example:\n  enact completion bash > ~/.local/share/bash-completion/completions/enact")]
+    #[command(
+        after_help = "Example:\n  enact completion bash > ~/.local/share/bash-completion/completions/enact"
+    )]
     Completion {
         /// Which shell
         shell: clap_complete::Shell,

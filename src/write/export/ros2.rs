@@ -1,7 +1,7 @@
 //! A recording of ROS 2's profile, of which every message is one of ROS 2: what an estimate added, without what came in.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -15,6 +15,26 @@ use super::gltf::Provenance;
 use crate::wire::Container;
 use crate::wire::ros2::RosMessage;
 use crate::wire::translate::{ros_message, translated};
+
+/// A topic as ROS 2 allows it, that none has had: letters, digits and underscores between slashes, no digit first.
+fn ros_name(topic: &str, taken: &mut BTreeSet<String>) -> String {
+    let tokens = topic.split('/').map(|token| {
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+        let plain: String = token.chars().map(plain).collect();
+        match plain.chars().next() {
+            Some(first) if first.is_ascii_digit() => format!("_{plain}"),
+            _ => plain,
+        }
+    });
+    let base = tokens.collect::<Vec<_>>().join("/");
+    let mut name = base.clone();
+    let mut number = 2;
+    while !taken.insert(name.clone()) {
+        name = format!("{base}_{number}");
+        number += 1;
+    }
+    name
+}
 
 /// A channel of an estimate and what becomes of it.
 struct Channel<'a> {
@@ -51,6 +71,7 @@ pub fn ros2(
     };
     writer.write_metadata(&metadata).map_err(failed)?;
     let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
+    let mut taken = BTreeSet::new();
     let ours = container.channels().iter();
     for (id, channel) in ours.filter(|(_, of)| topics::is_ours(&of.metadata)) {
         let Some(schema) = container.schema_of(channel) else {
@@ -61,15 +82,15 @@ pub fn ros2(
             continue;
         };
         let topic = match to {
-            RosMessage::JointState => topics::ROS_JOINTS,
-            _ => channel.topic.as_str(),
+            RosMessage::JointState => topics::ROS_JOINTS.to_owned(),
+            _ => ros_name(&channel.topic, &mut taken),
         };
         let record = to.schema();
         let added = writer
             .add_schema(&record.name, &record.encoding, &record.data)
-            .and_then(|schema| writer.add_channel(schema, topic, "cdr", &topics::metadata()));
+            .and_then(|schema| writer.add_channel(schema, &topic, "cdr", &topics::metadata()));
         let channel = Channel {
-            topic,
+            topic: &channel.topic,
             schema,
             encoding,
             to,
