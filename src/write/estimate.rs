@@ -15,7 +15,7 @@ use crate::report::{
     EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
-use crate::visual::surface_side_m;
+use crate::visual::patches;
 use crate::wire::ros2;
 use crate::wire::{Container, JointState, Transform};
 
@@ -218,15 +218,16 @@ impl<'a> Composer<'a> {
 
     fn add_drawings(&mut self) -> Result<(), WriteError> {
         let (scene, world_frame) = (self.file.of.scene, self.file.world_frame);
-        let side_m = surface_side_m(scene, &self.motion.estimates);
+        let patches = patches(scene, &self.motion.estimates);
         if let Some(format) = self.dialect.drawings() {
             let channel = self.channel(topics::SCENE, format);
-            let data =
-                drawing::scene_update(self.path, scene, world_frame, self.motion.zero, side_m)?;
+            let estimate = self.file.of.estimate;
+            let of = (scene, estimate, self.motion);
+            let data = drawing::scene_update(self.path, of, world_frame, &patches)?;
             self.push(channel, self.motion.zero, data);
         }
         let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
-        let data = ros2::string(&urdf::robot(scene, world_frame, side_m));
+        let data = ros2::string(&urdf::robot(scene, world_frame, &patches));
         self.push(channel, self.motion.zero, data);
         Ok(())
     }

@@ -19,7 +19,7 @@ use super::skeleton::{Hanging, Hinge, Skeleton};
 use crate::math::{Pose, euler};
 use crate::motion::{Link, Scene};
 use crate::physics::Shape;
-use crate::visual::{Form, Primitive, Subject, Visual, bounding_box, cone_slices};
+use crate::visual::{Form, Patch, Primitive, Subject, Visual, bounding_box, cone_slices};
 use crate::visual::{primitives, visuals};
 
 /// How many cylinders make a cone.
@@ -28,8 +28,8 @@ const CONE_SLICES: usize = 12;
 /// URDF demands a greatest rate where there are limits \[rad/s\]: one that says nothing.
 const GREATEST_RATE_RAD_S: f64 = 1e6;
 
-/// The description; surfaces are `surface_side_m` wide.
-pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> String {
+/// The description; surfaces are drawn as far as their patches.
+pub(super) fn robot(scene: &Scene, world_frame: &str, patches: &[Option<Patch>]) -> String {
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     let world = escaped(world_frame);
     // Viewers make paths of this name: words only.
@@ -41,7 +41,7 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         .join("_");
     let _ = writeln!(text, "<robot name=\"{name}\">");
     let _ = writeln!(text, "  <link name=\"{world}\">");
-    let visuals = visuals(scene, surface_side_m);
+    let visuals = visuals(scene, patches);
     let is_fixed = |of: &&Visual| matches!(of.subject, Subject::Obstacle(_) | Subject::Surface(_));
     for visual in visuals.iter().filter(is_fixed) {
         add_visual(&mut text, visual);
@@ -236,7 +236,7 @@ mod tests {
     fn links_are_the_frames_of_the_estimate() {
         let mut scene = scene();
         scene.name = "a <\"b\"> & c".to_owned();
-        let text = robot(&scene, "map <\"1\"> &", 2.0);
+        let text = robot(&scene, "map <\"1\"> &", &[]);
         for line in [
             "<robot name=\"a_b_c\">",
             "<link name=\"map &lt;&quot;1&quot;&gt; &amp;\">",

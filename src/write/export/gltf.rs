@@ -11,7 +11,7 @@ use super::super::drawing;
 use super::document::Document;
 use super::frames::ExportedBody;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
-use crate::visual::{GHOST_RGBA, Subject, surface_side_m, visuals};
+use crate::visual::{GHOST_RGBA, Subject, patches, visuals};
 
 /// Of what, with what and how a file was made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -51,7 +51,7 @@ pub fn glb(
     for body in bodies {
         estimates[body.link] = body.keys.iter().map(|key| key.sample).collect();
     }
-    for visual in visuals(scene, surface_side_m(scene, &estimates)) {
+    for visual in visuals(scene, &patches(scene, &estimates)) {
         let Some(shape) = &visual.shape else {
             continue;
         };
