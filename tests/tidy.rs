@@ -135,7 +135,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),
-    ("sha2", &["src/service/export.rs"]),
+    ("sha2", &["src/service/provenance.rs"]),
     ("indicatif", &["src/service/", "src/cli/"]),
     ("anyhow", &["src/service/", "src/cli/", "src/main.rs"]),
 ];

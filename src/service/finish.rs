@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::provenance::provenance;
 use super::refusal::Refusal;
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
@@ -20,6 +21,8 @@ pub(super) struct Opened {
     pub(super) scene: Scene,
     /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
+    /// The file of the scene; none: it is attached to the recording.
+    pub(super) scene_file: Option<PathBuf>,
 }
 
 /// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
@@ -43,6 +46,7 @@ pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Op
         recording,
         scene,
         scene_toml,
+        scene_file: scene_file.map(Path::to_owned),
     })
 }
 
@@ -129,6 +133,7 @@ pub(super) fn finished(
             input_path: Some(recording.path()),
             of: reported(&outcome),
             scene_toml: &opened.scene_toml,
+            provenance: Some(&provenance(opened, pipeline)),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -19,11 +19,13 @@ mod from_urdf;
 mod inspect;
 mod mark;
 mod process;
+mod provenance;
 #[cfg(feature = "live")]
 mod publish;
 #[cfg(not(feature = "live"))]
 #[path = "not_live.rs"]
 mod publish;
+mod read_back;
 mod recover;
 mod refusal;
 mod replay;

@@ -1,5 +1,5 @@
 //! The scene as viewers draw it: bodies in the frames of their estimates and, as ghosts, in those of their
-//! performances, the static world and the [`trails`](super::trails) in the world frame.
+//! performances, the static world in the world frame. [`trails`](super::trails) adds a motion.
 
 use std::path::Path;
 
@@ -11,11 +11,9 @@ use nalgebra::Vector3;
 
 use super::error::WriteError;
 use super::topics;
-use super::trails::trails;
 use crate::math::Pose;
-use crate::motion::{Estimate, LinkIndex, Scene, Stamp};
+use crate::motion::{LinkIndex, Scene, Stamp};
 use crate::physics::Shape;
-use crate::sampling::SampledMotion;
 use crate::visual::{Form, GHOST_RGBA, Patch, Subject, primitives, visuals};
 use crate::wire::encode;
 
@@ -29,25 +27,8 @@ pub(super) const fn color([r, g, b, a]: [f64; 4]) -> Color {
     Color { r, g, b, a }
 }
 
-/// The `foxglove.SceneUpdate` of a motion, from its physical time zero on; surfaces are drawn as far as their
-/// patches.
-pub(super) fn scene_update(
-    path: &Path,
-    (scene, estimate, motion): (&Scene, &Estimate, &SampledMotion),
-    world_frame: &str,
-    patches: &[Option<Patch>],
-) -> Result<Vec<u8>, WriteError> {
-    let at = timestamp(path, motion.zero)?;
-    let mut entities = entities(scene, (world_frame, at), patches);
-    let seen = motion.sketches.iter_enumerated();
-    let seen = seen.filter(|(_, samples)| !samples.is_empty());
-    entities.extend(seen.map(|(link, _)| ghost(scene, link, at)));
-    entities.extend(trails((scene, estimate), motion, (world_frame, at)));
-    Ok(bytes_of(entities))
-}
-
 /// A body as it was acted, in the frame of its performance.
-fn ghost(scene: &Scene, link: LinkIndex, at: Timestamp) -> SceneEntity {
+pub(super) fn ghost(scene: &Scene, link: LinkIndex, at: Timestamp) -> SceneEntity {
     let body = &scene.links[link];
     let frame = topics::sketch_frame(&body.name);
     let mut entity = entity(at, &frame, format!("sketch/{}", body.name));
@@ -55,7 +36,7 @@ fn ghost(scene: &Scene, link: LinkIndex, at: Timestamp) -> SceneEntity {
     entity
 }
 
-fn timestamp(path: &Path, at: Stamp) -> Result<Timestamp, WriteError> {
+pub(super) fn timestamp(path: &Path, at: Stamp) -> Result<Timestamp, WriteError> {
     encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))
 }
 
@@ -83,14 +64,14 @@ pub(super) fn live_scene_update(
     Ok(bytes_of(entities))
 }
 
-fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
+pub(super) fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
     encode::bytes_of(&SceneUpdate {
         deletions: Vec::new(),
         entities,
     })
 }
 
-fn entities(
+pub(super) fn entities(
     scene: &Scene,
     (world_frame, at): (&str, Timestamp),
     patches: &[Option<Patch>],
@@ -227,62 +208,7 @@ pub(super) fn pose_message(pose: &Pose) -> PoseMessage {
 
 #[cfg(test)]
 mod tests {
-    use foxglove::Decode;
-
     use super::*;
-    use crate::motion::fixture::{estimate, scene, sketch};
-    use crate::visual::patches;
-
-    #[test]
-    fn bodies_move_with_their_frames_and_the_world_stands_still() {
-        let (scene, sketch, estimate) = (scene(), sketch(), estimate());
-        let motion = SampledMotion::new((&scene, &sketch), &estimate, None, 240.0).expect("frames");
-        let patches = patches(&scene, &motion.estimates);
-        let of = (&scene, &estimate, &motion);
-        let bytes = scene_update(Path::new("x"), of, "map", &patches).expect("encode");
-        let update = SceneUpdate::decode(&bytes[..]).expect("decode");
-        let found: Vec<_> = update
-            .entities
-            .iter()
-            .map(|entity| (entity.id.as_str(), entity.frame_id.as_str()))
-            .collect();
-        assert_eq!(
-            found,
-            [
-                ("body/pencil", "pencil_estimate"),
-                ("obstacle/mug floor", "map"),
-                ("surface/table", "map"),
-                ("goal/0/landing/pencil", "map"),
-                ("sketch/pencil", "pencil_sketch"),
-                ("way/pencil", "map"),
-                ("acted way/pencil", "map"),
-                ("event/0/bounce", "map"),
-                ("event/1/landing", "map"),
-            ]
-        );
-        let pencil = update.entities[0].cylinders[0];
-        assert_eq!(pencil.size.map(|size| size.z), Some(0.19));
-        // The slab's upper side is the table.
-        let table = update.entities[2].cubes[0];
-        let z = table.pose.and_then(|pose| pose.position).map(|p| p.z);
-        assert!(z.is_some_and(|z| (z + 0.5e-3).abs() < 1e-12), "{z:?}");
-        // The ghost is the body, seen through.
-        let ghost = update.entities[4].cylinders[0];
-        assert_eq!(ghost.size, pencil.size);
-        assert!(ghost.color.is_some_and(|color| color.a < 0.5));
-        // Ways pass through every pose, and events are on them.
-        for (entity, samples) in [(5, &motion.estimates), (6, &motion.sketches)] {
-            let line = &update.entities[entity].lines[0];
-            let samples = samples.iter().flatten();
-            let points = samples.map(|sample| point(&sample.position_m));
-            assert_eq!(line.points, points.collect::<Vec<_>>());
-        }
-        let bounce = &update.entities[7];
-        let at = bounce.spheres[0].pose.and_then(|pose| pose.position);
-        let at = at.map(|at| Point3 { x: at.x, y: at.y, z: at.z });
-        assert!(update.entities[5].lines[0].points.iter().any(|on| Some(*on) == at));
-        assert_eq!(bounce.texts[0].text, "bounce");
-    }
 
     #[test]
     fn every_shape_is_drawn_where_it_is() {

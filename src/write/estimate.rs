@@ -9,10 +9,10 @@ use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::skeleton::Skeleton;
-use super::{drawing, topics, urdf};
+use super::{topics, trails, urdf};
 use crate::motion::{PoseSample, Stamp};
 use crate::report::{
-    EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+    EstimateMessage, Provenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
 use crate::visual::patches;
@@ -42,6 +42,8 @@ pub struct EstimateFile<'a> {
     pub of: Reported<'a>,
     /// Its scene as text.
     pub scene_toml: &'a [u8],
+    /// From what it is made, to be noted in the file.
+    pub provenance: Option<&'a Provenance>,
     /// The frame in which the recording gives its poses.
     pub world_frame: &'a str,
     /// Log time less stamp \[ns\]: messages are logged so much later than they are stamped.
@@ -223,7 +225,7 @@ impl<'a> Composer<'a> {
             let channel = self.channel(topics::SCENE, format);
             let estimate = self.file.of.estimate;
             let of = (scene, estimate, self.motion);
-            let data = drawing::scene_update(self.path, of, world_frame, &patches)?;
+            let data = trails::scene_update(self.path, of, world_frame, &patches)?;
             self.push(channel, self.motion.zero, data);
         }
         let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
@@ -262,7 +264,7 @@ impl<'a> Composer<'a> {
             ..
         } = self.file.of;
         let time_map = TimeMapMessage::new(scene, sketch, estimate, self.motion.zero);
-        let report = EstimateMessage::new(&self.file.of, self.motion.zero);
+        let report = EstimateMessage::new(&self.file.of, self.motion.zero, self.file.provenance);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,

@@ -114,7 +114,7 @@ impl Showing {
         Ok(Self {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
-            report: json(&EstimateMessage::new(of, zero)),
+            report: json(&EstimateMessage::new(of, zero, None)),
             time_map: json(&TimeMapMessage::new(scene, sketch, estimate, zero)),
             motion,
         })

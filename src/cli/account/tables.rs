@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
+use crate::report::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 use crate::cli::table::table;
 use crate::report::{EstimateReport, EventLine};
 

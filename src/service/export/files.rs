@@ -9,7 +9,8 @@ use super::super::finish::check_distinct;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use crate::motion::Scene;
 use crate::write::atomic::AtomicFile;
-use crate::write::export::{ExportedBody, Provenance, WrittenMotion, csv, glb, tum};
+use crate::report::ExportProvenance;
+use crate::write::export::{ExportedBody, WrittenMotion, csv, glb, tum};
 
 /// Files by what is added to the name; one without an addition keeps it.
 pub(super) fn files(
@@ -17,7 +18,7 @@ pub(super) fn files(
     scene: &Scene,
     motion: &WrittenMotion,
     bodies: &[ExportedBody],
-    provenance: &Provenance,
+    provenance: &ExportProvenance,
 ) -> Vec<(String, Vec<u8>)> {
     match job.format {
         ExportFormat::Glb => {

@@ -12,7 +12,7 @@ pub mod gltf;
 pub mod motion;
 pub mod tables;
 
-pub use frames::{ExportedBody, Key, exported_bodies, fastest_turn_rad_s};
-pub use gltf::{Provenance, glb};
+pub use frames::{ExportedBody, Key, acted_at, exported_bodies, fastest_turn_rad_s, motion_at};
+pub use gltf::glb;
 pub use motion::{WrittenMotion, scene_of_estimate};
 pub use tables::{csv, tum};
