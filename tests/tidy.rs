@@ -58,10 +58,18 @@ const IMPORTS: &[(&str, &[&str])] = &[
             "report", "sampling", "visual", "wire", "motion", "physics", "math",
         ],
     ),
+    (
+        "page",
+        &[
+            "write", "report", "sampling", "visual", "motion", "physics", "math",
+        ],
+    ),
     ("config", &["motion", "physics", "math"]),
     (
         "service",
-        &["pipeline", "ingest", "write", "report", "config", "motion"],
+        &[
+            "pipeline", "ingest", "write", "page", "report", "config", "motion",
+        ],
     ),
     ("cli", &["config", "report", "service"]),
     ("main", &["cli", "service"]),

@@ -5,9 +5,9 @@ mod tables;
 
 use std::fmt::Write;
 
+use crate::report::units::{deviation_ms, duration, for_people, seconds};
 use checks::checks;
 use tables::{events, held, parameters, segments};
-use crate::report::units::{deviation_ms, duration, for_people, seconds};
 
 use crate::report::{EstimateReport, RecordingReport, SuspectLine};
 

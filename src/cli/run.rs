@@ -9,7 +9,9 @@ use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, export, inspect, mark, output, process, recover, replay, scene, sketch};
+use super::{
+    completion, export, inspect, mark, output, process, recover, replay, report, scene, sketch,
+};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -33,6 +35,7 @@ pub fn run() -> ExitCode {
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Report(arguments) => report::run(arguments),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
     };

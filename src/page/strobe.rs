@@ -49,18 +49,13 @@ impl<'a> Strobe<'a> {
     /// has a motion.
     pub fn new(scene: &'a Scene, motion: &'a WrittenMotion, notes: Vec<String>) -> Option<Self> {
         let step_s = step_s(scene, motion)?;
-        let mut free = 0..;
-        let colours = scene.links.keys().map(|link| match scene.is_held(link) {
-            true => theme::IN_HAND,
-            false => free.next().unwrap_or(0) % (theme::COLOURS - 1),
-        });
         let all = motion.estimates.iter().chain(&motion.sketches).flatten();
         Some(Self {
             scene,
             motion,
             step_s,
             surfaces: scene.links.iter().map(|of| mesh(&of.shape)).collect(),
-            colours: colours.collect(),
+            colours: colours(scene),
             flashes: flashes(scene, motion, step_s),
             ghosts: ghosts(scene, motion, step_s),
             patches: patches(scene, &motion.estimates),
@@ -197,6 +192,19 @@ impl<'a> Strobe<'a> {
             false => &[],
         }
     }
+}
+
+/// Colours of bodies, in turn; what is in the hand has its own.
+pub(super) fn colours(scene: &Scene) -> TiVec<LinkIndex, usize> {
+    let mut flying = 0;
+    let colours = scene.links.keys().map(|link| {
+        if scene.is_held(link) {
+            return theme::IN_HAND;
+        }
+        flying += 1;
+        (flying - 1) % theme::IN_HAND
+    });
+    colours.collect()
 }
 
 /// A step of time in the unit that suits it.

@@ -111,7 +111,10 @@ mod tests {
             assert_eq!(px(value), text);
         }
         assert_eq!(line(&[[0.0, 1.0], [2.5, -3.0]]), "M0 1L2.5 -3");
-        assert_eq!(loops(&[vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]), "M0 0L1 0L0 1Z");
+        assert_eq!(
+            loops(&[vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]),
+            "M0 0L1 0L0 1Z"
+        );
     }
 
     #[test]

@@ -24,10 +24,7 @@ const HELD: [f64; 3] = [150.0, 156.0, 166.0];
 /// nothing inside, `bNsM` body N in shade M, `bN` its lines.
 const STYLE: &str = include_str!("picture.css");
 
-/// How many colours there are for bodies.
-pub(super) const COLOURS: usize = BODIES.len() + 1;
-
-/// The colour of what is in the hand.
+/// The colour of what is in the hand, after those of all others.
 pub(super) const IN_HAND: usize = BODIES.len();
 
 /// The style, with the colours that are used.

@@ -69,10 +69,12 @@ pub fn outline(surface: &[Triangle], world_from_shape: &Pose, camera: &Camera) -
             sides.entry(edge).or_default().push(normal);
         }
     }
-    let creases = sides.iter().filter_map(|([from, to], sides)| match sides[..] {
-        [a, b] if a.dot(&b) < CREASE => Some([places[from], places[to]]),
-        _ => None,
-    });
+    let creases = sides
+        .iter()
+        .filter_map(|([from, to], sides)| match sides[..] {
+            [a, b] if a.dot(&b) < CREASE => Some([places[from], places[to]]),
+            _ => None,
+        });
     Outline {
         creases: creases.collect(),
         silhouette: all.loops(&places),
@@ -195,7 +197,10 @@ mod tests {
     fn area_m2(loops: &[Loop]) -> f64 {
         let of = |line: &Loop| {
             let next = line.iter().cycle().skip(1);
-            let sum = line.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
+            let sum = line
+                .iter()
+                .zip(next)
+                .map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
             0.5 * sum.sum::<f64>()
         };
         loops.iter().map(of).sum()
@@ -223,7 +228,10 @@ mod tests {
         assert!(front.creases.is_empty() && front.parts.len() == 1);
         // From above brightest.
         let shades: Vec<usize> = seen.parts.iter().map(|(shade, _)| *shade).collect();
-        assert!(shades.last().is_some_and(|shade| *shade >= SHADES - 2), "{shades:?}");
+        assert!(
+            shades.last().is_some_and(|shade| *shade >= SHADES - 2),
+            "{shades:?}"
+        );
     }
 
     #[test]

@@ -93,7 +93,11 @@ mod tests {
 
     fn poses(at_m: &[[f64; 3]]) -> TiVec<LinkIndex, Vec<PoseSample>> {
         let samples = at_m.iter().enumerate().map(|(step, at_m)| {
-            PoseSample::new(Stamp(step as i64), Vector3::from(*at_m), [0.0, 0.0, 0.0, 1.0])
+            PoseSample::new(
+                Stamp(step as i64),
+                Vector3::from(*at_m),
+                [0.0, 0.0, 0.0, 1.0],
+            )
         });
         [samples.collect()].into_iter().collect()
     }
@@ -132,7 +136,12 @@ mod tests {
         let radius_m = scene.links[LinkIndex(0)].shape.radius_m();
         let near_m = [2.0 + 0.5 * radius_m, 0.3, 1.0];
         let patch = patches(&scene, &poses(&[[-3.0, 4.0, 5.0], near_m]))[0].expect("a plane");
-        assert!(patch.sides_m.iter().all(|side_m| (side_m - 2.0 * NEAR * radius_m).abs() < 1e-9));
+        assert!(
+            patch
+                .sides_m
+                .iter()
+                .all(|side_m| (side_m - 2.0 * NEAR * radius_m).abs() < 1e-9)
+        );
         let centre_m = patch.world_from_patch.translation.vector;
         assert!((centre_m - Vector3::from(near_m)).norm() < radius_m);
         let normal = Vector3::new(1.0, 0.0, 0.2).normalize();

@@ -4,14 +4,12 @@
 use std::path::Path;
 
 use foxglove::messages::{
-    LinePrimitive, SceneEntity, SpherePrimitive, TextPrimitive, Timestamp, Vector3 as VectorMessage,
-    line_primitive,
+    LinePrimitive, SceneEntity, SpherePrimitive, TextPrimitive, Timestamp,
+    Vector3 as VectorMessage, line_primitive,
 };
 use nalgebra::Vector3;
 
-use super::drawing::{
-    bytes_of, color, entities, entity, ghost, point, pose_message, timestamp,
-};
+use super::drawing::{bytes_of, color, entities, entity, ghost, point, pose_message, timestamp};
 use super::error::WriteError;
 use crate::math::Pose;
 use crate::motion::{Estimate, LinkIndex, PoseSample, Scene};
@@ -192,8 +190,17 @@ mod tests {
         }
         let bounce = &update.entities[7];
         let at = bounce.spheres[0].pose.and_then(|pose| pose.position);
-        let at = at.map(|at| Point3 { x: at.x, y: at.y, z: at.z });
-        assert!(update.entities[5].lines[0].points.iter().any(|on| Some(*on) == at));
+        let at = at.map(|at| Point3 {
+            x: at.x,
+            y: at.y,
+            z: at.z,
+        });
+        assert!(
+            update.entities[5].lines[0]
+                .points
+                .iter()
+                .any(|on| Some(*on) == at)
+        );
         assert_eq!(bounce.texts[0].text, "bounce");
     }
 }

@@ -87,7 +87,9 @@ impl Scale {
 
     fn closed(&self, lines_m: &[Vec<[f64; 2]>]) -> String {
         let tolerance_m = TOLERANCE_PX / self.px_per_m;
-        let lines = lines_m.iter().map(|of| self.all(&simplified(of, tolerance_m)));
+        let lines = lines_m
+            .iter()
+            .map(|of| self.all(&simplified(of, tolerance_m)));
         let lines: Vec<Vec<[f64; 2]>> = lines.collect();
         loops(&lines)
     }
@@ -170,7 +172,10 @@ impl Picture {
         for (other, part) in &item.outline.parts {
             let data = scale.closed(part);
             if other != shade && !data.is_empty() {
-                let _ = write!(self.text, "<path class=\"b{colour}s{other}\" d=\"{data}\"/>");
+                let _ = write!(
+                    self.text,
+                    "<path class=\"b{colour}s{other}\" d=\"{data}\"/>"
+                );
             }
         }
         let creases = item.outline.creases.iter();
@@ -205,7 +210,7 @@ impl Picture {
                 continue;
             }
             let mut ends = corners;
-            ends.sort_by(|a, b| (a[0], a[1]).partial_cmp(&(b[0], b[1])).expect("finite"));
+            ends.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
             let [from, to] = [ends[0], ends[3]];
             let below = [-normal.dot(&camera.right), normal.dot(&camera.up)];
             let _ = write!(
@@ -295,7 +300,10 @@ impl Picture {
         let [width, height] = self.size_px;
         let bottom = height - 16.0 - if frame.is_alone { 22.0 } else { 0.0 };
         let origin = [30.0, bottom - 8.0];
-        for (axis, name) in [Vector3::x(), Vector3::y(), Vector3::z()].iter().zip(["x", "y", "z"]) {
+        for (axis, name) in [Vector3::x(), Vector3::y(), Vector3::z()]
+            .iter()
+            .zip(["x", "y", "z"])
+        {
             let [x, y] = camera.project(axis);
             if x.hypot(y) < 0.2 {
                 continue;
@@ -319,7 +327,10 @@ impl Picture {
             line(&[[left, bottom], [right, bottom]]),
             line(&[[right, bottom - 4.0], [right, bottom + 4.0]])
         );
-        let _ = write!(self.text, "<path class=\"ax\" stroke-width=\"1.5\" d=\"{data}\"/>");
+        let _ = write!(
+            self.text,
+            "<path class=\"ax\" stroke-width=\"1.5\" d=\"{data}\"/>"
+        );
         let words = match length_m < 1.0 {
             true => format!("{} mm", px(length_m * 1e3)),
             false => format!("{} m", px(length_m)),
@@ -333,7 +344,11 @@ impl Picture {
 
     /// What filled, dashed and pale means.
     fn explain(&mut self, strobe: &Strobe, bottom: f64) {
-        let mut signs = vec![("b0s3 cr", 1.0, format!("every {}", step_words(strobe.step_s)))];
+        let mut signs = vec![(
+            "b0s3 cr",
+            1.0,
+            format!("every {}", step_words(strobe.step_s)),
+        )];
         if strobe.has_ghosts() {
             signs.push(("gh", 1.0, "as acted".to_owned()));
         }
@@ -429,7 +444,10 @@ fn is_near(a: &Pose, b: &Pose) -> bool {
 
 /// Least and greatest of both coordinates of what bodies cover \[m\].
 fn reach(items: [&[Item]; 3]) -> [[f64; 2]; 2] {
-    let silhouettes = items.into_iter().flatten().flat_map(|of| &of.outline.silhouette);
+    let silhouettes = items
+        .into_iter()
+        .flatten()
+        .flat_map(|of| &of.outline.silhouette);
     let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for point in silhouettes.flatten() {
         for axis in 0..2 {
@@ -549,5 +567,7 @@ fn spot(place: [f64; 2], words: &str, [width, height]: [f64; 2], taken: &[[f64; 
 fn scale_length_m(most_m: f64) -> f64 {
     let power = 10f64.powf(most_m.log10().floor());
     let nice = [5.0, 2.0, 1.0].map(|of| of * power);
-    nice.into_iter().find(|length_m| *length_m <= most_m).unwrap_or(power)
+    nice.into_iter()
+        .find(|length_m| *length_m <= most_m)
+        .unwrap_or(power)
 }

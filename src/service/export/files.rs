@@ -1,14 +1,13 @@
 //! The files of an export and their names.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{anyhow, bail};
 
 use super::super::finish::check_distinct;
+use super::super::output::write_file;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use crate::motion::Scene;
-use crate::write::atomic::AtomicFile;
 use crate::report::ExportProvenance;
 use crate::write::export::{ExportedBody, WrittenMotion, csv, glb, tum};
 
@@ -80,10 +79,7 @@ pub(super) fn write(
         }
     }
     for (path, bytes) in named {
-        let mut file = AtomicFile::create(&path)?;
-        file.write_all(&bytes)
-            .with_context(|| format!("{}: cannot write", path.display()))?;
-        file.commit()?;
+        write_file(&path, &bytes)?;
         exported.outputs.push(path.display().to_string());
     }
     Ok(())
