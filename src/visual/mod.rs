@@ -16,5 +16,5 @@ pub use camera::{Camera, View};
 pub use mesh::{Triangle, mesh};
 pub use outline::{Loop, Outline, SHADES, chain, outline, simplified};
 pub use patch::{Patch, patches};
-pub use primitive::{Form, Primitive, bounding_box, cone_slices, primitives};
+pub use primitive::{Form, Primitive, cone_slices, hull_slices, primitives};
 pub use visuals::{GHOST_RGBA, Subject, Visual, visuals};

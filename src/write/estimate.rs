@@ -10,7 +10,7 @@ use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::skeleton::Skeleton;
 use super::{topics, trails, urdf};
-use crate::motion::{PoseSample, Stamp};
+use crate::motion::{LinkIndex, PoseSample, Stamp};
 use crate::report::{
     EstimateMessage, Provenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
@@ -228,8 +228,11 @@ impl<'a> Composer<'a> {
             let data = trails::scene_update(self.path, of, world_frame, &patches)?;
             self.push(channel, self.motion.zero, data);
         }
+        let acted = self.motion.sketches.iter_enumerated();
+        let acted = acted.filter(|(_, samples)| !samples.is_empty());
+        let acted: Vec<LinkIndex> = acted.map(|(link, _)| link).collect();
         let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
-        let data = ros2::string(&urdf::robot(scene, world_frame, &patches));
+        let data = ros2::string(&urdf::robot(scene, world_frame, &patches, &acted));
         self.push(channel, self.motion.zero, data);
         Ok(())
     }
