@@ -92,13 +92,20 @@ fn drawing(text: &str) -> Drawing {
     let document = roxmltree::Document::parse(text).unwrap_or_else(|error| panic!("{error}"));
     let named = |name: &'static str| {
         let all = document.descendants();
-        all.filter(move |node| node.has_tag_name(("http://www.w3.org/2000/svg", name)) || node.has_tag_name(name))
+        all.filter(move |node| {
+            node.has_tag_name(("http://www.w3.org/2000/svg", name)) || node.has_tag_name(name)
+        })
     };
-    let of = |node: roxmltree::Node, name: &str| node.attribute(name).unwrap_or_default().to_owned();
+    let of =
+        |node: roxmltree::Node, name: &str| node.attribute(name).unwrap_or_default().to_owned();
     Drawing {
         label: of(document.root_element(), "aria-label"),
-        paths: named("path").map(|node| (of(node, "class"), of(node, "d"))).collect(),
-        texts: named("text").filter_map(|node| node.text().map(str::to_owned)).collect(),
+        paths: named("path")
+            .map(|node| (of(node, "class"), of(node, "d")))
+            .collect(),
+        texts: named("text")
+            .filter_map(|node| node.text().map(str::to_owned))
+            .collect(),
     }
 }
 
@@ -118,7 +125,9 @@ fn drawings(page: &str) -> Vec<Drawing> {
 fn corners(data: &str) -> Vec<[f64; 2]> {
     let commands = data.split(['M', 'L', 'Z']).filter(|part| !part.is_empty());
     let points = commands.map(|part| {
-        let mut numbers = part.split(' ').map(|of| of.parse::<f64>().expect("a number"));
+        let mut numbers = part
+            .split(' ')
+            .map(|of| of.parse::<f64>().expect("a number"));
         [(); 2].map(|()| numbers.next().expect("two numbers"))
     });
     points.collect()
@@ -128,12 +137,15 @@ fn corners(data: &str) -> Vec<[f64; 2]> {
 fn assert_complete(page: &str) {
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
     let lower = page.to_lowercase();
-    for needed in ["<script", "<img", "<link", "<iframe", "@import", "url(", "src=", " onload="] {
+    for needed in [
+        "<script", "<img", "<link", "<iframe", "@import", "url(", "src=", " onload=",
+    ] {
         assert!(!lower.contains(needed), "{needed}");
     }
     let elsewhere = lower.match_indices("http").map(|(at, _)| &lower[at..]);
     for place in elsewhere {
-        let is_name = place.starts_with("http://www.w3.org/2000/svg") || place.starts_with("http-equiv");
+        let is_name =
+            place.starts_with("http://www.w3.org/2000/svg") || place.starts_with("http-equiv");
         assert!(is_name, "{:?}", &place[..place.len().min(60)]);
     }
     let ids = lower.matches(" id=").count();
@@ -153,9 +165,13 @@ fn a_page_is_complete_and_says_what_the_estimate_says() {
     // Verdict, durations, events, flights, as the program says them.
     assert!(page.contains("physical") && page.contains("fits well") && page.contains("determined"));
     let report = &made.report;
-    let number = |value: &Value, decimals: usize| format!("{:.decimals$}", value.as_f64().expect("it"));
+    let number =
+        |value: &Value, decimals: usize| format!("{:.decimals$}", value.as_f64().expect("it"));
     for seconds in [&report["physical_s"], &report["acted_s"]] {
-        assert!(page.contains(&format!("{} s", number(seconds, 3))), "{seconds}");
+        assert!(
+            page.contains(&format!("{} s", number(seconds, 3))),
+            "{seconds}"
+        );
     }
     for event in report["events"].as_array().expect("events") {
         let name = event["name"].as_str().expect("a name");
@@ -167,7 +183,7 @@ fn a_page_is_complete_and_says_what_the_estimate_says() {
     }
     for segment in report["segments"].as_array().expect("flights") {
         let residual = format!(
-            "{} samples, root mean square {} mm, {} °",
+            "{} samples, root mean square {} mm, {}°",
             segment["samples"],
             number(&segment["residual_mm"], 2),
             number(&segment["residual_deg"], 2)
@@ -175,7 +191,12 @@ fn a_page_is_complete_and_says_what_the_estimate_says() {
         assert!(page.contains(&residual), "{residual}");
     }
     // Two charts for each flight, and the time map.
-    let charts = |begin: &str| views.iter().filter(|label| label.starts_with(begin)).count();
+    let charts = |begin: &str| {
+        views
+            .iter()
+            .filter(|label| label.starts_with(begin))
+            .count()
+    };
     assert_eq!(charts("Distance of the motion of pencil"), 4);
     assert_eq!(charts("Acted time against physical time"), 1);
     // The same again, byte for byte.
@@ -187,26 +208,56 @@ fn a_page_is_complete_and_says_what_the_estimate_says() {
 fn charts_show_the_residuals_that_the_estimate_has() {
     let made = Made::of("pencil_tip.mcap");
     let (_, drawings) = made.page(0);
-    let charts = drawings.iter().filter(|of| of.label.starts_with("Distance"));
+    let charts = drawings
+        .iter()
+        .filter(|of| of.label.starts_with("Distance"));
     let flights = made.report["segments"].as_array().expect("flights");
     for (index, chart) in charts.enumerate() {
         let key = ["residual_mm", "residual_deg"][index % 2];
         let expected = flights[index / 2][key].as_f64().expect("a residual");
         // A dot per sample; its height is in the scale of the ticks, by two levels that have numbers.
-        let (_, dots) = chart.paths.iter().rfind(|(class, _)| class.starts_with('b')).expect("dots");
+        let (_, dots) = chart
+            .paths
+            .iter()
+            .rfind(|(class, _)| class.starts_with('b'))
+            .expect("dots");
         let heights: Vec<f64> = dots
             .split('M')
             .filter(|part| !part.is_empty())
-            .map(|part| part.trim_end_matches("h0").split(' ').nth(1).expect("y").parse().expect("y"))
+            .map(|part| {
+                part.trim_end_matches("h0")
+                    .split(' ')
+                    .nth(1)
+                    .expect("y")
+                    .parse()
+                    .expect("y")
+            })
             .collect();
-        assert_eq!(heights.len() as u64, flights[index / 2]["samples"].as_u64().expect("samples"));
-        let (_, grid) = chart.paths.iter().find(|(class, _)| class == "gr").expect("a grid");
+        assert_eq!(
+            heights.len() as u64,
+            flights[index / 2]["samples"].as_u64().expect("samples")
+        );
+        let (_, grid) = chart
+            .paths
+            .iter()
+            .find(|(class, _)| class == "gr")
+            .expect("a grid");
         let lines: Vec<f64> = corners(grid).iter().step_by(2).map(|[_, y]| *y).collect();
-        let ticks: Vec<f64> = chart.texts.iter().take(lines.len()).map(|of| of.parse().expect("a tick")).collect();
+        let ticks: Vec<f64> = chart
+            .texts
+            .iter()
+            .take(lines.len())
+            .map(|of| of.parse().expect("a tick"))
+            .collect();
         let per_px = (ticks[1] - ticks[0]) / (lines[0] - lines[1]);
-        let squares = heights.iter().map(|y| ((lines[0] - y) * per_px + ticks[0]).powi(2));
+        let squares = heights
+            .iter()
+            .map(|y| ((lines[0] - y) * per_px + ticks[0]).powi(2));
         let rms = (squares.sum::<f64>() / heights.len() as f64).sqrt();
-        assert!((rms / expected - 1.0).abs() < 0.02, "{key}: {rms}, {expected}");
+        assert!(
+            (rms / expected - 1.0).abs() < 0.02,
+            "{key}: {rms}, {expected}"
+        );
     }
 }
 
@@ -234,18 +285,39 @@ fn a_picture_shows_where_the_motion_is_to_scale() {
     let made = Made::of("pencil_tip.mcap");
     let ran = made.run(&["--svg", "x.svg", "--view", "front"]);
     assert!(ran.status.success(), "{ran:?}");
-    assert!(!made.estimate.with_extension("html").exists(), "no page was asked for");
+    assert!(
+        !made.estimate.with_extension("html").exists(),
+        "no page was asked for"
+    );
     let text = fs::read_to_string(made.folder.path().join("x.svg")).expect("a picture");
     let picture = drawing(&text);
     // The scale: its name and how long it is drawn.
-    let name = picture.texts.iter().find(|text| text.ends_with(" mm")).expect("a scale");
-    let length_m: f64 = name.trim_end_matches(" mm").parse::<f64>().expect("a length") * 1e-3;
+    let name = picture
+        .texts
+        .iter()
+        .find(|text| text.ends_with(" mm"))
+        .expect("a scale");
+    let length_m: f64 = name
+        .trim_end_matches(" mm")
+        .parse::<f64>()
+        .expect("a length")
+        * 1e-3;
     let bars = picture.paths.iter().filter(|(class, _)| class == "ax");
-    let bar = bars.map(|(_, data)| corners(data)).find(|points| points.len() == 6).expect("a scale");
+    let bar = bars
+        .map(|(_, data)| corners(data))
+        .find(|points| points.len() == 6)
+        .expect("a scale");
     let px_per_m = (bar[3][0] - bar[2][0]) / length_m;
     // The front is looked at along y: x to the right, z up.
-    for (class, topic) in [("b0 no", "/estimate/pencil/pose"), ("gl no", "/sketch/pencil/pose")] {
-        let (_, data) = picture.paths.iter().find(|(of, _)| of == class).expect("a way");
+    for (class, topic) in [
+        ("b0 no", "/estimate/pencil/pose"),
+        ("gl no", "/sketch/pencil/pose"),
+    ] {
+        let (_, data) = picture
+            .paths
+            .iter()
+            .find(|(of, _)| of == class)
+            .expect("a way");
         let drawn = corners(data);
         let places = places(&made.estimate, topic);
         let on_picture = |place: &[f64; 3]| [place[0] * px_per_m, -place[2] * px_per_m];
@@ -257,7 +329,10 @@ fn a_picture_shows_where_the_motion_is_to_scale() {
                 (x + shift[0] - corner[0]).hypot(y + shift[1] - corner[1])
             });
             let near_px = near.fold(f64::INFINITY, f64::min);
-            assert!(near_px < 0.5, "{topic}: {corner:?} is {near_px} px from every pose");
+            assert!(
+                near_px < 0.5,
+                "{topic}: {corner:?} is {near_px} px from every pose"
+            );
         }
         let last = on_picture(places.last().expect("a pose"));
         let end = drawn.last().expect("an end");
@@ -266,10 +341,19 @@ fn a_picture_shows_where_the_motion_is_to_scale() {
     }
     // Bodies, ghosts and events are drawn, and events have their names.
     let count = |class: &str| picture.paths.iter().filter(|(of, _)| of == class).count();
-    assert!(count("gh") > 8 && count("cr") > 8, "{} {}", count("gh"), count("cr"));
+    assert!(
+        count("gh") > 8 && count("cr") > 8,
+        "{} {}",
+        count("gh"),
+        count("cr")
+    );
     assert_eq!(count("ev no"), 2);
     for name in ["bounce 0.347 s", "landing 0.798 s"] {
-        assert!(picture.texts.iter().any(|text| text == name), "{:?}", picture.texts);
+        assert!(
+            picture.texts.iter().any(|text| text == name),
+            "{:?}",
+            picture.texts
+        );
     }
     // Another view is another picture.
     let side = made.run(&["--svg", "-", "--view", "side"]);
@@ -281,22 +365,57 @@ fn a_picture_shows_where_the_motion_is_to_scale() {
 fn every_kind_of_recording_has_its_page() {
     // The file, the exit code, the number of flights with charts in mm and of those in °, and words.
     let kinds: [(&str, i32, [usize; 2], &[&str]); 5] = [
-        ("chain.mcap", 0, [1, 0], &["rod 3", "spin of <bdi>rod 1</bdi>|spin of rod 1", "not all of it"]),
-        ("die.mcap", 3, [7, 7], &["plausible", "Physics had to be bent at"]),
-        ("hat_box.mcap", 0, [5, 5], &["meeting.restitution", "95 % interval"]),
-        ("hat_box_bent.mcap", 3, [5, 5], &["suspect", "bounce.friction", "enact replay --free auto"]),
-        ("pencil_eraser.mcap", 0, [2, 2], &["At rest", "tempo of its own"]),
+        (
+            "chain.mcap",
+            0,
+            [1, 0],
+            &[
+                "rod 3",
+                "spin of <bdi>rod 1</bdi>|spin of rod 1",
+                "not all of it",
+            ],
+        ),
+        (
+            "die.mcap",
+            3,
+            [7, 7],
+            &["plausible", "Physics had to be bent at"],
+        ),
+        (
+            "hat_box.mcap",
+            0,
+            [5, 5],
+            &["meeting.restitution", "95 % interval"],
+        ),
+        (
+            "hat_box_bent.mcap",
+            3,
+            [5, 5],
+            &["suspect", "bounce.friction", "enact replay --free auto"],
+        ),
+        (
+            "pencil_eraser.mcap",
+            0,
+            [2, 2],
+            &["At rest", "tempo of its own"],
+        ),
     ];
     for (recording, code, charts, words) in kinds {
         let made = Made::of(recording);
         let (page, drawings) = made.page(code);
         assert_complete(&page);
         for alternatives in words {
-            assert!(alternatives.split('|').any(|word| page.contains(word)), "{recording}: {alternatives}");
+            assert!(
+                alternatives.split('|').any(|word| page.contains(word)),
+                "{recording}: {alternatives}"
+            );
         }
         for (unit, count) in ["mm", "°"].into_iter().zip(charts) {
             let label = format!("from its samples in {unit},");
-            let found = drawings.iter().filter(|of| of.label.contains(&label)).count();
+            let found = drawings
+                .iter()
+                .filter(|of| of.label.contains(&label))
+                .count();
             assert_eq!(found, count, "{recording}: charts in {unit}");
         }
         let bodies = drawings[drawings.len().min(12) - 1..].len();
@@ -311,7 +430,10 @@ fn names_of_a_file_end_no_element() {
     let quotes = "\\\" onload=\\\"alert(2)\\\" x='";
     let direction = "\\u202egnitset & <b>&amp;";
     let toml = toml
-        .replace("name = \"pencil, tip first\"", &format!("name = \"{hostile}\""))
+        .replace(
+            "name = \"pencil, tip first\"",
+            &format!("name = \"{hostile}\""),
+        )
         .replace("name = \"bounce\"", &format!("name = \"{quotes}\""))
         .replace("name = \"landing\"", &format!("name = \"{direction}\""))
         .replace("event = \"landing\"", &format!("event = \"{direction}\""))
@@ -324,7 +446,11 @@ fn names_of_a_file_end_no_element() {
     assert!(!page.contains('\u{202e}'), "text is turned round");
     // Four views, four charts, the time map, signs of the legend.
     assert!(drawings.len() > 10, "{}", drawings.len());
-    assert!(drawings.iter().any(|of| of.label.starts_with("</title></svg><script>")));
+    assert!(
+        drawings
+            .iter()
+            .any(|of| of.label.starts_with("</title></svg><script>"))
+    );
     let ran = made.run(&["--svg", "x.svg"]);
     assert!(ran.status.success(), "{ran:?}");
     let text = fs::read_to_string(made.folder.path().join("x.svg")).expect("a picture");
@@ -343,7 +469,11 @@ fn what_is_made_says_from_what() {
         ("csv", vec!["export", "--to", "csv", "-o"]),
         ("tum", vec!["export", "--to", "tum", "-o"]),
     ];
-    let name = made.estimate.file_name().and_then(|name| name.to_str()).expect("a name");
+    let name = made
+        .estimate
+        .file_name()
+        .and_then(|name| name.to_str())
+        .expect("a name");
     let mut files = vec![("html", page.into_bytes())];
     for (ending, words) in outputs {
         let output = format!("x.{ending}");
@@ -361,13 +491,21 @@ fn what_is_made_says_from_what() {
     let folder = made.folder.path().display().to_string();
     for (ending, bytes) in &files {
         let text = String::from_utf8_lossy(bytes);
-        for said in [program, &estimate, &recording, "enact replay pencil_tip.mcap"] {
+        for said in [
+            program,
+            &estimate,
+            &recording,
+            "enact replay pencil_tip.mcap",
+        ] {
             assert!(text.contains(said), "{ending}: {said}");
         }
         assert!(!text.contains(&folder), "{ending}: where it was made");
     }
     // And so does the estimate, which is the same by `process`.
-    let ran = enact(made.folder.path(), &["process", "pencil_tip.mcap", "-o", "all"]);
+    let ran = enact(
+        made.folder.path(),
+        &["process", "pencil_tip.mcap", "-o", "all"],
+    );
     assert!(ran.status.success(), "{ran:?}");
     let processed = made.folder.path().join("all/pencil_tip.estimate.mcap");
     assert_eq!(sha256(&processed), estimate);
@@ -377,14 +515,26 @@ fn what_is_made_says_from_what() {
 fn what_cannot_be_reported_is_said_and_leaves_no_file() {
     let made = Made::of("pencil_tip.mcap");
     let before = sha256(&made.estimate);
-    let name = made.estimate.file_name().and_then(|name| name.to_str()).expect("a name");
+    let name = made
+        .estimate
+        .file_name()
+        .and_then(|name| name.to_str())
+        .expect("a name");
     fs::write(made.folder.path().join("none.mcap"), b"no recording").expect("write");
     let cases: [(&[&str], i32, &str); 6] = [
-        (&["pencil_tip.mcap"], 1, "has no estimate, expected what `enact replay`"),
+        (
+            &["pencil_tip.mcap"],
+            1,
+            "has no estimate, expected what `enact replay`",
+        ),
         (&["none.mcap", "-o", "x.html"], 1, "not an MCAP file"),
         (&["missing.mcap", "-o", "x.html"], 1, "cannot read"),
         (&[name, "-o", name], 1, "expected another name"),
-        (&[name, "-o", "x", "--svg", "x"], 1, "expected another name for one of them"),
+        (
+            &[name, "-o", "x", "--svg", "x"],
+            1,
+            "expected another name for one of them",
+        ),
         (&[name, "--view", "front"], 2, "--svg"),
     ];
     let list = || fs::read_dir(made.folder.path()).expect("a folder").count();
@@ -406,11 +556,17 @@ fn a_page_goes_beside_its_estimate_and_into_a_pipe() {
     assert!(ran.status.success(), "{ran:?}");
     let said: Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     let output = made.estimate.with_extension("html");
-    let name = output.file_name().and_then(|name| name.to_str()).expect("a name");
+    let name = output
+        .file_name()
+        .and_then(|name| name.to_str())
+        .expect("a name");
     assert_eq!(said["outputs"], serde_json::json!([name]));
     assert_eq!(said["verdict"], "physical");
     let piped = made.run(&["-o", "-"]);
-    assert!(piped.status.success() && piped.stderr.is_empty(), "{piped:?}");
+    assert!(
+        piped.status.success() && piped.stderr.is_empty(),
+        "{piped:?}"
+    );
     // All but the command.
     let without = |bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes).into_owned();
@@ -431,7 +587,10 @@ fn the_picture_of_the_documents_is_what_its_command_makes() {
     let recording = "recordings/pencil_tip.mcap";
     fs::copy(root().join(recording), folder.path().join(recording)).expect("copy");
     let document = fs::read_to_string(root().join("docs/report.md")).expect("the document");
-    let mut commands = document.lines().map(str::trim).filter(|line| line.contains("pencil_tip"));
+    let mut commands = document
+        .lines()
+        .map(str::trim)
+        .filter(|line| line.contains("pencil_tip"));
     for wanted in ["replay", "report"] {
         let line = commands.next().expect("a command");
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -440,12 +599,19 @@ fn the_picture_of_the_documents_is_what_its_command_makes() {
         assert!(ran.status.success(), "{ran:?}");
     }
     let path = "docs/strobe_pencil_tip.svg";
-    let [made, kept] = [folder.path(), root()].map(|root| fs::read_to_string(root.join(path)).expect(path));
+    let [made, kept] =
+        [folder.path(), root()].map(|root| fs::read_to_string(root.join(path)).expect(path));
     let drawn = |text: &str| {
         let (before, rest) = text.split_once("<metadata>").expect("notes");
         let (notes, after) = rest.split_once("</metadata>").expect("notes");
-        assert!(notes.contains("SHA-256") && notes.contains("--svg docs/strobe_pencil_tip.svg"), "{notes}");
+        assert!(
+            notes.contains("SHA-256") && notes.contains("--svg docs/strobe_pencil_tip.svg"),
+            "{notes}"
+        );
         format!("{before}{after}")
     };
-    assert!(drawn(&made) == drawn(&kept), "{path} is another; see docs/report.md");
+    assert!(
+        drawn(&made) == drawn(&kept),
+        "{path} is another; see docs/report.md"
+    );
 }

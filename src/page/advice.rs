@@ -1,13 +1,16 @@
 //! What to try next, by what an estimate says of itself.
 
+use super::input::Page;
 use super::said::{Said, Suspect};
-use super::svg::escaped;
-use super::{Page, for_people_words};
+use super::svg::{escaped, worded};
 
 /// The most that is advised at once.
 const MOST: usize = 7;
 
-/// A share of samples that are left out, beyond which it is said.
+/// Why samples are left out of any performance.
+const EXPECTED: [&str; 3] = ["before_start", "after_end", "near_collision"];
+
+/// A share of samples that are left out otherwise, beyond which it is said.
 const LEFT_OUT: f64 = 0.1;
 
 /// Advice as HTML, the most urgent first.
@@ -23,9 +26,9 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
     all.extend(likely.map(|of| {
         let set = format!("{} = {}", of.key, of.value);
         format!(
-            "Change what is likely mistaken: {} (<code>{}</code>).",
-            escaped(&of.sentence),
-            escaped(&set)
+            "Change what is likely mistaken: {} ({}).",
+            worded(&of.sentence),
+            code(&set)
         )
     }));
     if said.verdict == "failed" {
@@ -71,7 +74,7 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
     let at_bounds: Vec<String> = at_bounds.map(|(name, _)| name.clone()).collect();
     if !at_bounds.is_empty() {
         all.push(format!(
-            "{} went to the end of its range. Widen that if it was a guess; if it was measured, something else is off.",
+            "{} went to the end of what is allowed. Widen that if it was a guess; if it was measured, something else is off.",
             names(&at_bounds)
         ));
     }
@@ -93,12 +96,15 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
             code(&lie.asked)
         )
     }));
-    let left_out = said.samples.read.saturating_sub(said.samples.used) as f64;
-    if said.samples.read > 0 && left_out > LEFT_OUT * said.samples.read as f64 {
+    let left_out = said.samples.dropped.iter();
+    let left_out = left_out.filter(|(reason, _)| !EXPECTED.contains(&reason.as_str()));
+    let left_out: u64 = left_out.map(|(_, count)| count).sum();
+    if left_out as f64 > LEFT_OUT * said.samples.read as f64 {
         all.push(format!(
-            "{left_out} of {} samples are not in the estimate (see below why): marks at start and end, and a \
-             steady tracker, keep more of them.",
-            said.samples.read
+            "{left_out} of {} samples could not be used; at the end of this page it says why. {} shows where the \
+             stream is at fault.",
+            said.samples.read,
+            code("enact inspect")
         ));
     }
     all.truncate(MOST);
@@ -125,7 +131,7 @@ fn suspicion(suspects: &[Suspect]) -> Option<String> {
         .filter(|of| of.rivals_first)
         .map(|of| of.quantity.clone())
         .collect();
-    let values = for_people_words(first);
+    let values = first.words();
     let free = format!("or let {} decide", code("enact replay --free auto"));
     Some(match rivals.is_empty() {
         true => format!(

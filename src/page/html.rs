@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use super::input::Page;
 use super::said::Said;
-use super::strobe::Strobe;
+use super::strobe::{Size, Strobe};
 use super::svg::escaped;
-use super::{Page, advice, residuals, sections, time_map};
+use super::{advice, residuals, sections, time_map};
 use crate::motion::Timing;
 use crate::report::ExportProvenance;
 use crate::visual::View;
@@ -13,8 +14,11 @@ use crate::visual::View;
 /// The style of everything but pictures and charts.
 const STYLE: &str = include_str!("style.css");
 
-/// Widths of pictures on the page, in their own pixels.
-const WIDTHS_PX: [f64; 2] = [860.0, 440.0];
+/// Width of the large picture, in its own pixels.
+const LARGE_PX: f64 = 760.0;
+
+/// Width and height of the others: side by side they are of one size.
+const SMALL_PX: [f64; 2] = [400.0, 330.0];
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
@@ -27,8 +31,7 @@ pub enum PageError {
 /// The page, complete in itself. Fails where the report of the estimate is not one.
 pub fn html(page: &Page) -> Result<String, PageError> {
     let said = Said::read(&page.motion.report)?;
-    let notes = page.provenance.lines();
-    let strobe = Strobe::new(page.scene, page.motion, notes);
+    let strobe = Strobe::new(page, &said);
     let title = escaped(&page.scene.name);
     let drawn = strobe.as_ref().map_or_else(
         || super::theme::style(0..=super::theme::IN_HAND),
@@ -50,13 +53,6 @@ pub fn html(page: &Page) -> Result<String, PageError> {
             escaped(loss)
         );
     }
-    let next = advice::advice(page, &said);
-    let next = next.iter().map(|line| format!("<li>{line}</li>"));
-    section(
-        &mut text,
-        "What to try next",
-        &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
-    );
     section(
         &mut text,
         "The motion",
@@ -66,6 +62,13 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         &mut text,
         "Does it fit, and what is to blame",
         &sections::blame(&said),
+    );
+    let next = advice::advice(page, &said);
+    let next = next.iter().map(|line| format!("<li>{line}</li>"));
+    section(
+        &mut text,
+        "What to try next",
+        &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
     );
     section(&mut text, "Events", &sections::events(&said));
     section(
@@ -83,6 +86,12 @@ pub fn html(page: &Page) -> Result<String, PageError> {
     text += &provenance(page.provenance);
     text += "</main>\n</body>\n</html>\n";
     Ok(text)
+}
+
+/// The motion of a page, to be looked at; `None` where no body has one. Fails as [`html`].
+pub fn strobe_of<'a>(page: &Page<'a>) -> Result<Option<Strobe<'a>>, PageError> {
+    let said = Said::read(&page.motion.report)?;
+    Ok(Strobe::new(page, &said))
 }
 
 fn section(text: &mut String, title: &str, content: &str) {
@@ -107,7 +116,7 @@ fn pictures(page: &Page, strobe: Option<&Strobe>, said: &Said) -> String {
         let held = if is_held { ", in the hand" } else { "" };
         text += &sign(&class, &format!("<bdi>{}</bdi>{held}", escaped(name)));
     }
-    if strobe.has_ghosts() {
+    if strobe.has_ghosts() || strobe.has_seen_points() {
         text += &sign("gh", "as it was acted");
     }
     if !said.events.is_empty() {
@@ -118,14 +127,14 @@ fn pictures(page: &Page, strobe: Option<&Strobe>, said: &Said) -> String {
     }
     text += "</ul><div class=\"views\">";
     for view in View::ALL {
-        let (class, width_px) = match view {
-            View::ThreeQuarter => ("view main", WIDTHS_PX[0]),
-            _ => ("view", WIDTHS_PX[1]),
+        let (class, size) = match view {
+            View::ThreeQuarter => ("view main", Size::Fitted { width_px: LARGE_PX }),
+            _ => ("view", Size::Fixed { size_px: SMALL_PX }),
         };
         let _ = write!(
             text,
             "<figure class=\"{class}\">{}<figcaption>{}</figcaption></figure>",
-            strobe.element(view, width_px),
+            strobe.element(view, size),
             match view {
                 View::ThreeQuarter => escaped(&strobe.caption()),
                 View::Front => "From the front".to_owned(),

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::chart::{Chart, Mark, from_zero};
+use super::input::Page;
 use super::said::{Said, Segment};
+use super::seen::seen_points;
 use super::svg::escaped;
-use super::{Page, body_class};
+use super::theme::class_of_track;
 use crate::motion::{LinkIndex, PoseSample, Sees, Stamp};
 use crate::report::units::seconds;
-use crate::sampling::stamp;
 use crate::write::export::motion_at;
 
 /// More flights than these are not drawn one by one.
@@ -18,9 +19,6 @@ const DRAWN: usize = 24;
 
 /// A sample near an event is of either flight \[s\].
 const EDGE_S: f64 = 1e-6;
-
-/// How far apart a stamp and what is said of it may be \[ns\].
-const SAME_NS: i64 = 1000;
 
 /// How far the motion is from one sample.
 #[derive(Clone, Copy)]
@@ -59,7 +57,12 @@ pub(super) fn cards(page: &Page, said: &Said) -> String {
         let within = within.filter(|off| {
             (segment.start_s - EDGE_S..=segment.end_s + EDGE_S).contains(&off.time_s)
         });
-        text += &card((page, said), segment, &within.copied().collect::<Vec<_>>(), ranges);
+        text += &card(
+            (page, said),
+            segment,
+            &within.copied().collect::<Vec<_>>(),
+            ranges,
+        );
     }
     text + "</div>"
 }
@@ -70,11 +73,14 @@ fn card(
     offs: &[Off],
     ranges: [[f64; 2]; 2],
 ) -> String {
-    let [mm, deg] = [(segment.residual_mm, "mm"), (segment.residual_deg, "°")]
-        .map(|(rms, unit)| rms.map(|rms| format!("{rms:.2} {unit}")));
+    let [mm, deg] = [(segment.residual_mm, " mm"), (segment.residual_deg, "°")]
+        .map(|(rms, unit)| rms.map(|rms| format!("{rms:.2}{unit}")));
     let margin_s = 0.02 * (segment.end_s - segment.start_s);
+    let track = page.scene.tracks.iter().find(|of| of.name == segment.body);
+    let body = track.map(|of| &page.scene.links[of.link].name);
     let inner = said.events.iter().filter(|event| {
-        (segment.start_s + margin_s..=segment.end_s - margin_s).contains(&event.time_s)
+        body.is_some_and(|body| event.bodies.contains(body))
+            && (segment.start_s + margin_s..=segment.end_s - margin_s).contains(&event.time_s)
     });
     let inner: Vec<(f64, &str)> = inner.map(|of| (of.time_s, of.name.as_str())).collect();
     let mut text = format!(
@@ -110,10 +116,10 @@ fn card(
         if points.len() < 2 {
             continue;
         }
-        let class = body_class(page, &segment.body);
+        let class = class_of_track(page.scene, &segment.body);
         let level = rms.map(|at| Mark::Level {
             at,
-            name: format!("{at:.2} {unit}"),
+            name: format!("{at:.2}{}{unit}", if unit == "°" { "" } else { " " }),
         });
         let series = Mark::Series {
             points,
@@ -156,14 +162,11 @@ fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<Off>> {
                     .collect()
             }
             Sees::Point => {
-                let readings = page.readings.iter().filter(|(of, _)| *of == index);
-                let readings = readings.map(|(_, reading)| reading);
-                points(page, said, &track.name, readings)
-                    .into_iter()
-                    .filter_map(|(at, seen_m)| {
-                        off_point(page, track.link, at, [seen_m, track.point_m()])
-                    })
-                    .collect()
+                let seen = seen_points(page, said, index).into_iter();
+                seen.filter_map(|(at, seen_m)| {
+                    off_point(page, track.link, at, [seen_m, track.point_m()])
+                })
+                .collect()
             }
             Sees::Orientation | Sees::Direction(_) => Vec::new(),
         };
@@ -200,36 +203,4 @@ fn off_point(
 fn turn(sample: &PoseSample) -> UnitQuaternion<f64> {
     let [x, y, z, w] = sample.quaternion_xyzw;
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
-}
-
-/// What a tracker read of a point, at physical times: the time map says which readings were used.
-fn points<'r>(
-    page: &Page,
-    said: &Said,
-    track: &str,
-    readings: impl Iterator<Item = &'r PoseSample>,
-) -> Vec<(Stamp, Vector3<f64>)> {
-    let map = said.time_map.bodies.iter().find(|of| of.body == track);
-    let Some(map) = map else {
-        return Vec::new();
-    };
-    let origin = &said.time_map.origin;
-    let origin = Stamp(
-        origin
-            .sec
-            .saturating_mul(1_000_000_000)
-            .saturating_add(origin.nsec),
-    );
-    let times = map.acted_s.iter().zip(&map.physical_s);
-    let mut times: Vec<(Stamp, f64)> = times
-        .map(|(acted_s, physical_s)| (stamp(origin, *acted_s), *physical_s))
-        .collect();
-    times.sort_by_key(|(at, _)| *at);
-    let all = readings.filter_map(|reading| {
-        let after = times.partition_point(|(at, _)| at.0 < reading.stamp.0 - SAME_NS);
-        let (at, physical_s) = times.get(after)?;
-        let is_it = (at.0 - reading.stamp.0).abs() <= SAME_NS;
-        is_it.then(|| (stamp(page.motion.zero, *physical_s), reading.position_m))
-    });
-    all.collect()
 }

@@ -5,13 +5,16 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
+use super::svg::escaped;
+use crate::report::units::for_people;
+
 /// What an estimate says of itself; see [`EstimateMessage`](crate::report::EstimateMessage) for what is what.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Said {
     pub verdict: String,
     pub fits: String,
-    pub fit_tested: bool,
+    pub fit_tested: Option<bool>,
     pub fit_note: Option<String>,
     pub not_told: Vec<String>,
     pub determined: bool,
@@ -90,6 +93,7 @@ pub(super) struct Event {
     pub time_is: String,
     pub time_at_bound: Option<String>,
     pub acted_s: f64,
+    pub bodies: Vec<String>,
     pub contact: Option<String>,
     pub contact_inferred: bool,
     pub gap_m: Option<f64>,
@@ -241,6 +245,19 @@ pub(super) struct BodyTimes {
     pub physical_s: Vec<f64>,
 }
 
+impl Suspect {
+    /// Names and likely values, as HTML.
+    pub(super) fn words(&self) -> String {
+        let (factor, unit) = for_people(&self.unit);
+        let values = self.quantities.iter().map(|(name, value)| {
+            let value = value.map_or("?".to_owned(), |value| format!("{:.3}", value * factor));
+            let words = format!("{} {value} {unit}", escaped(name));
+            words.trim_end().to_owned()
+        });
+        values.collect::<Vec<_>>().join(", ")
+    }
+}
+
 impl Said {
     /// Reads the message of `/estimate/report`.
     pub(super) fn read(json: &[u8]) -> Result<Self, serde_json::Error> {
@@ -304,7 +321,7 @@ mod tests {
             (said.verdict.as_str(), said.fits.as_str()),
             (report.verdict, report.fits)
         );
-        assert_eq!(said.fit_tested, report.is_fit_tested);
+        assert_eq!(said.fit_tested, Some(report.is_fit_tested));
         assert_eq!(said.events.len(), report.events.len());
         assert_eq!(said.events[0].contact, report.events[0].contact);
         let names: Vec<&str> = said

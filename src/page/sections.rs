@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use super::for_people_words;
 use super::said::{Event, Parameter, Said};
-use super::svg::{escaped, px};
+use super::svg::{escaped, px, worded};
 use crate::report::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 
 /// A standard normal deviate is within so many deviations with a probability of 95 %.
@@ -21,8 +20,11 @@ pub(super) fn facts(said: &Said) -> String {
     let fit = match said.fits.as_str() {
         "yes" => ("good", "✓", "fits well"),
         "no" => ("bad", "✗", "does not fit"),
-        _ if said.fit_tested => ("fair", "≈", "off beyond the noise"),
-        _ => ("fair", "?", "fit not told"),
+        _ => match said.fit_tested {
+            Some(true) => ("fair", "≈", "off beyond the noise"),
+            Some(false) => ("fair", "?", "fit not told"),
+            None => ("fair", "?", "fit not known"),
+        },
     };
     let determined = match said.determined {
         true => ("good", "✓", "determined"),
@@ -66,14 +68,14 @@ pub(super) fn blame(said: &Said) -> String {
         lines.push(format!("<li><span class=\"tag\">{tag}</span> {words}</li>"));
     };
     for doubt in said.doubts.iter().filter(|of| of.best != "physical") {
-        say("speaks against it", &escaped(&doubt.text));
+        say("speaks against it", &worded(&doubt.text));
     }
     for diagnosis in &said.diagnoses {
-        say("likely mistake", &escaped(&diagnosis.sentence));
+        say("likely mistake", &worded(&diagnosis.sentence));
     }
     for freed in &said.freed {
         let percent = 100.0 * freed.explains.unwrap_or(0.0);
-        let words = for_people_words(freed);
+        let words = freed.words();
         say(
             "freed",
             &format!("{words}: explains {percent:.0} % of the misfit"),
@@ -81,7 +83,7 @@ pub(super) fn blame(said: &Said) -> String {
     }
     for suspect in &said.suspects {
         let percent = 100.0 * suspect.explains.unwrap_or(0.0);
-        let words = for_people_words(suspect);
+        let words = suspect.words();
         let tag = if suspect.rivals_first {
             "or"
         } else {
@@ -93,10 +95,10 @@ pub(super) fn blame(said: &Said) -> String {
         );
     }
     for doubt in said.doubts.iter().filter(|of| of.best == "physical") {
-        say("to know", &escaped(&doubt.text));
+        say("to know", &worded(&doubt.text));
     }
     if let Some(note) = &said.fit_note {
-        say("fit", &escaped(note));
+        say("fit", &worded(note));
     }
     if !said.not_told.is_empty() {
         say(
@@ -231,7 +233,7 @@ fn goals(said: &Said) -> String {
         true => String::new(),
         false => format!(
             "<h3>Goals</h3>{}",
-            table(&["at", "body", "what", "", ""], &rows)
+            table(&["at", "body", "what", "how", "is it met"], &rows)
         ),
     }
 }
@@ -267,7 +269,7 @@ pub(super) fn parameters(said: &Said) -> String {
         let _ = write!(
             rows,
             "<tr><th scope=\"row\"><bdi>{}</bdi></th><td class=\"n\">{value} {unit}</td><td>{interval} {unit}</td>\
-             <td class=\"bar\">{}</td><td>{} to {}{at_bound}</td></tr>",
+             <td class=\"bar\">{}</td><td>{} to {} {unit}{at_bound}</td></tr>",
             escaped(name),
             bar(name, of),
             ends[0],

@@ -28,6 +28,22 @@ pub(super) fn escaped(text: &str) -> String {
     escaped
 }
 
+/// A sentence with names between grave accents, which become code.
+pub(super) fn worded(sentence: &str) -> String {
+    let parts: Vec<&str> = sentence.split('`').collect();
+    let mut text = String::new();
+    for (index, part) in parts.iter().enumerate() {
+        // What is begun and not ended is no name.
+        let is_name = index % 2 == 1 && index + 1 < parts.len();
+        text += &match (is_name, index % 2) {
+            (true, _) => format!("<code>{}</code>", escaped(part)),
+            (false, 1) => format!("`{}", escaped(part)),
+            (false, _) => escaped(part),
+        };
+    }
+    text
+}
+
 /// A number of pixels to a tenth, the shortest way; zero of what is not finite.
 pub(super) fn px(value: f64) -> String {
     if !value.is_finite() {
@@ -72,7 +88,7 @@ pub(super) fn width_em(words: &str) -> f64 {
     let of = |c: char| match c {
         'i' | 'l' | 'j' | 'I' | '.' | ',' | ':' | ' ' | '|' | '\'' => 0.3,
         'm' | 'w' | 'M' | 'W' => 0.85,
-        c if c.is_ascii() => 0.56,
+        c if c.is_ascii() => 0.6,
         _ => 1.0,
     };
     words.chars().map(of).sum()
@@ -115,6 +131,16 @@ mod tests {
             loops(&[vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]),
             "M0 0L1 0L0 1Z"
         );
+    }
+
+    #[test]
+    fn names_in_sentences_become_code() {
+        assert_eq!(worded("at `a<b` it"), "at <code>a&lt;b</code> it");
+        assert_eq!(
+            worded("one ` alone & `x`"),
+            "one <code> alone &amp; </code>x`"
+        );
+        assert_eq!(worded("none"), "none");
     }
 
     #[test]

@@ -5,6 +5,9 @@
 
 use std::fmt::Write;
 
+use typed_index_collections::TiVec;
+
+use crate::motion::{LinkIndex, Scene};
 use crate::visual::SHADES;
 
 /// Red, green and blue of bodies, from 0 to 255; those after begin again.
@@ -26,6 +29,28 @@ const STYLE: &str = include_str!("picture.css");
 
 /// The colour of what is in the hand, after those of all others.
 pub(super) const IN_HAND: usize = BODIES.len();
+
+/// Colours of bodies, in turn; what is in the hand has its own.
+pub(super) fn colours(scene: &Scene) -> TiVec<LinkIndex, usize> {
+    let mut flying = 0;
+    let colours = scene.links.keys().map(|link| {
+        if scene.is_held(link) {
+            return IN_HAND;
+        }
+        flying += 1;
+        (flying - 1) % IN_HAND
+    });
+    colours.collect()
+}
+
+/// Class of the lines of the body that a track of that name is on.
+pub(super) fn class_of_track(scene: &Scene, track: &str) -> String {
+    let of = scene.tracks.iter().find(|of| of.name == track);
+    of.map_or_else(
+        || "ax".to_owned(),
+        |of| format!("b{}", colours(scene)[of.link]),
+    )
+}
 
 /// The style, with the colours that are used.
 pub(super) fn style(colours: impl Iterator<Item = usize>) -> String {

@@ -1,9 +1,9 @@
 //! Acted time against physical time.
 
-use super::Page;
-use super::body_class;
 use super::chart::{Chart, Mark};
+use super::input::Page;
 use super::said::{BodyTimes, Said};
+use super::theme::class_of_track;
 
 /// Bodies and events as a chart; `None` where no sample has a time.
 pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
@@ -26,7 +26,7 @@ pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
         to: first.map(|at| at + run_s),
     }];
     marks.extend(bodies.iter().map(|of| {
-        let class = body_class(page, &of.body);
+        let class = class_of_track(page.scene, &of.body);
         let points = of.acted_s.iter().zip(&of.physical_s);
         Mark::Series {
             points: points

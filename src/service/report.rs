@@ -9,7 +9,7 @@ use super::finish::check_distinct;
 use super::output::{Destination, write_file};
 use super::read_back::ReadBack;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
-use crate::page::{Page, Strobe, View, html};
+use crate::page::{Page, View, html, strobe_of};
 
 /// The input of [`report`].
 #[derive(Clone, Debug)]
@@ -59,20 +59,19 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         warnings: unread.into_iter().collect(),
         bytes: Vec::new(),
     };
+    let page = Page {
+        scene: &read.scene,
+        motion: &read.motion,
+        readings: &readings,
+        provenance: &provenance,
+        lost: &read.lost(),
+    };
     let mut files: Vec<(&Destination, String)> = Vec::new();
     if let Some(to) = &job.page {
-        let page = Page {
-            scene: &read.scene,
-            motion: &read.motion,
-            readings: &readings,
-            provenance: &provenance,
-            lost: &made.lost,
-        };
         files.push((to, html(&page).with_context(|| path.to_string())?));
     }
     if let Some((to, view)) = &job.picture {
-        let strobe = Strobe::new(&read.scene, &read.motion, provenance.lines());
-        let Some(strobe) = strobe else {
+        let Some(strobe) = strobe_of(&page).with_context(|| path.to_string())? else {
             bail!(
                 "{path}: the estimate has no motion to draw; its verdict is {}",
                 made.verdict

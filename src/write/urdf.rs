@@ -20,7 +20,9 @@ use super::topics;
 use crate::math::{Pose, euler};
 use crate::motion::{Link, LinkIndex, Scene};
 use crate::physics::Shape;
-use crate::visual::{Form, GHOST_RGBA, Patch, Primitive, Subject, Visual, cone_slices, hull_slices, mesh};
+use crate::visual::{
+    Form, GHOST_RGBA, Patch, Primitive, Subject, Visual, cone_slices, hull_slices, mesh,
+};
 use crate::visual::{primitives, visuals};
 
 /// How many cylinders make a cone, and boxes a hull.

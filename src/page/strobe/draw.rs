@@ -5,24 +5,14 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 
 use super::super::svg::{line, loops, px, shortened, text, width_em};
+
+use super::layout::{FONT_PX, Frame, Scale, TOLERANCE_PX, fitted, hatches, scale_length_m, spot};
+use super::lit::{Strobe, step_words};
 use super::plan::{Flash, Shows};
-use super::{Strobe, step_words};
 use crate::math::Pose;
 use crate::motion::GoalTarget;
 use crate::report::units::seconds;
-use crate::visual::{Camera, Outline, Subject, Visual, chain, mesh, outline, simplified, visuals};
-
-/// Around what is drawn, in pixels.
-const MARGIN_PX: f64 = 26.0;
-
-/// Below it there is room for the axes and the scale, in pixels.
-const FOOT_PX: f64 = 44.0;
-
-/// Least and greatest height of what is drawn, as a part of the width.
-const HEIGHTS: [f64; 2] = [0.3, 0.72];
-
-/// How far off a line may be, in pixels.
-const TOLERANCE_PX: f64 = 0.25;
+use crate::visual::{Camera, Outline, Subject, Visual, chain, mesh, outline, visuals};
 
 /// How much of the ground covers what is farthest.
 const FOG: f64 = 0.55;
@@ -32,17 +22,6 @@ const EDGE_ON: f64 = 0.03;
 
 /// Characters of a name in a picture.
 const NAME: usize = 28;
-
-/// The size of names, in pixels.
-const FONT_PX: f64 = 12.0;
-
-/// How large a picture is.
-#[derive(Clone, Copy)]
-pub(super) struct Frame {
-    pub width_px: f64,
-    /// Whether it has to explain itself.
-    pub is_alone: bool,
-}
 
 /// A picture as SVG.
 pub(super) struct Picture {
@@ -65,47 +44,16 @@ enum Look {
     Goal,
 }
 
-/// Where things are on the picture.
-struct Scale {
-    left_m: f64,
-    top_m: f64,
-    px_per_m: f64,
-    offset_px: [f64; 2],
-}
-
-impl Scale {
-    fn at(&self, [x_m, y_m]: [f64; 2]) -> [f64; 2] {
-        [
-            self.offset_px[0] + (x_m - self.left_m) * self.px_per_m,
-            self.offset_px[1] + (self.top_m - y_m) * self.px_per_m,
-        ]
-    }
-
-    fn all(&self, points_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        points_m.iter().map(|point_m| self.at(*point_m)).collect()
-    }
-
-    fn closed(&self, lines_m: &[Vec<[f64; 2]>]) -> String {
-        let tolerance_m = TOLERANCE_PX / self.px_per_m;
-        let lines = lines_m
-            .iter()
-            .map(|of| self.all(&simplified(of, tolerance_m)));
-        let lines: Vec<Vec<[f64; 2]>> = lines.collect();
-        loops(&lines)
-    }
-}
-
 impl Picture {
     /// Of a strobe, through a camera.
     pub(super) fn new(strobe: &Strobe, camera: &Camera, frame: Frame) -> Self {
         let seen = |flash: &Flash| seen(strobe, camera, flash);
         let ghosts: Vec<Item> = strobe.ghosts.iter().map(seen).collect();
-        let mut bodies: Vec<Item> = strobe.flashes.iter().map(seen).collect();
+        let bodies: Vec<Item> = strobe.flashes.iter().map(seen).collect();
         let (obstacles, goals) = standing(strobe, camera);
         let reach = reach([&ghosts[..], &bodies, &goals]);
         let (scale, size_px) = fitted(reach, frame);
         let fog = Fog::new(&bodies, reach);
-        let events: Vec<Item> = bodies.extract_if(.., |item| is_event(item)).collect();
         let mut picture = Self {
             text: String::new(),
             size_px,
@@ -136,10 +84,12 @@ impl Picture {
             }
         }
         picture.ways(strobe, camera, &scale);
-        for event in &events {
-            picture.hollow(&event.outline, &scale, "ev no", 1.6);
+        picture.seen(strobe, camera, &scale);
+        for event in solid.iter().filter(|item| is_event(item)) {
+            picture.hollow(&event.outline, &scale, "ev no", 1.4);
         }
-        picture.labels(strobe, camera, &scale);
+        let covered: Vec<[f64; 4]> = solid.iter().map(|item| covered(item, &scale)).collect();
+        picture.labels(strobe, camera, &scale, &covered);
         picture.foot(strobe, camera, &scale, frame);
         picture
     }
@@ -247,9 +197,28 @@ impl Picture {
         }
     }
 
+    /// Where points were seen, with a dot for each.
+    fn seen(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale) {
+        for points_m in strobe.seen_m.iter().filter(|points_m| points_m.len() > 1) {
+            let points = points_m
+                .iter()
+                .map(|point_m| scale.at(camera.project(point_m)));
+            let points: Vec<[f64; 2]> = points.collect();
+            let dots = points
+                .iter()
+                .map(|[x, y]| format!("M{} {}h0", px(*x), px(*y)));
+            let dots: String = dots.collect();
+            let _ = write!(
+                self.text,
+                "<path class=\"gl no\" stroke-width=\"1.1\" d=\"{}\"/><path class=\"gl no\" \
+                 style=\"stroke-dasharray:none\" stroke-width=\"3\" stroke-linecap=\"round\" d=\"{dots}\"/>",
+                line(&points)
+            );
+        }
+    }
+
     /// Names of events where they are, and of bodies where they begin, none over another.
-    fn labels(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale) {
-        let mut taken: Vec<[f64; 4]> = Vec::new();
+    fn labels(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale, covered: &[[f64; 4]]) {
         let mut at_events: Vec<([f64; 2], String, &str)> = Vec::new();
         for (at, name) in strobe.named_events() {
             let since_s = at.seconds_since(strobe.motion.zero);
@@ -262,6 +231,8 @@ impl Picture {
             }
         }
         let dots: Vec<[f64; 2]> = at_events.iter().map(|(place, ..)| *place).collect();
+        let around = |[x, y]: &[f64; 2]| [x - 4.0, y - 4.0, x + 4.0, y + 4.0];
+        let mut taken: Vec<[f64; 4]> = dots.iter().map(around).collect();
         let moving = strobe.scene.links.iter_enumerated();
         let moving = moving.filter_map(|(link, of)| {
             let first = strobe.motion.estimates[link].first()?;
@@ -279,7 +250,7 @@ impl Picture {
             );
         }
         for (place, words, class) in at_events.into_iter().chain(names) {
-            let spot = spot(place, &words, self.size_px, &taken);
+            let spot = spot(place, &words, self.size_px, [&taken, covered]);
             let [left, top, right, bottom] = spot;
             taken.push(spot);
             let near = [place[0].clamp(left, right), place[1].clamp(top, bottom)];
@@ -299,7 +270,7 @@ impl Picture {
     fn foot(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale, frame: Frame) {
         let [width, height] = self.size_px;
         let bottom = height - 16.0 - if frame.is_alone { 22.0 } else { 0.0 };
-        let origin = [30.0, bottom - 8.0];
+        let origin = [38.0, bottom - 8.0];
         for (axis, name) in [Vector3::x(), Vector3::y(), Vector3::z()]
             .iter()
             .zip(["x", "y", "z"])
@@ -349,7 +320,7 @@ impl Picture {
             1.0,
             format!("every {}", step_words(strobe.step_s)),
         )];
-        if strobe.has_ghosts() {
+        if strobe.has_ghosts() || strobe.has_seen_points() {
             signs.push(("gh", 1.0, "as acted".to_owned()));
         }
         if strobe.flashes.iter().any(|of| of.shows == Shows::Simulated) {
@@ -461,27 +432,6 @@ fn reach(items: [&[Item]; 3]) -> [[f64; 2]; 2] {
     reach
 }
 
-/// How large what is to be seen is drawn, and how large the picture is.
-fn fitted([across_m, high_m]: [[f64; 2]; 2], frame: Frame) -> (Scale, [f64; 2]) {
-    let [width_m, height_m] = [across_m, high_m].map(|[from, to]| (to - from).max(1e-4));
-    let room_px = frame.width_px - 2.0 * MARGIN_PX;
-    let [least_px, most_px] = HEIGHTS.map(|part| part * frame.width_px);
-    let px_per_m = (room_px / width_m).min((most_px - 2.0 * MARGIN_PX) / height_m);
-    let drawn_px = [width_m, height_m].map(|of_m| of_m * px_per_m);
-    let inner_px = (drawn_px[1] + 2.0 * MARGIN_PX).clamp(least_px, most_px);
-    let foot_px = FOOT_PX + if frame.is_alone { 22.0 } else { 0.0 };
-    let scale = Scale {
-        left_m: across_m[0],
-        top_m: high_m[1],
-        px_per_m,
-        offset_px: [
-            0.5 * (frame.width_px - drawn_px[0]),
-            0.5 * (inner_px - drawn_px[1]),
-        ],
-    };
-    (scale, [frame.width_px, inner_px + foot_px])
-}
-
 /// What is farther is paler.
 struct Fog {
     nearest_m: f64,
@@ -505,69 +455,17 @@ impl Fog {
     }
 }
 
-/// Short strokes on one side of a line within the picture.
-fn hatches(from: [f64; 2], to: [f64; 2], below: [f64; 2], [width, height]: [f64; 2]) -> String {
-    let along = [to[0] - from[0], to[1] - from[1]];
-    let length = along[0].hypot(along[1]).max(1e-9);
-    let unit = along.map(|part| part / length);
-    let mut data = String::new();
-    for stroke in 0..(length / 9.0).min(1e4) as usize {
-        let far = 9.0 * (stroke as f64 + 0.5);
-        let at = [from[0] + unit[0] * far, from[1] + unit[1] * far];
-        if !(0.0..=width).contains(&at[0]) || !(0.0..=height).contains(&at[1]) {
-            continue;
-        }
-        let end = [
-            at[0] + 7.0 * below[0] - 5.0 * unit[0],
-            at[1] + 7.0 * below[1] - 5.0 * unit[1],
-        ];
-        data += &line(&[at, end]);
-    }
-    data
-}
-
-/// Where a text is near a place without being over another: left, top, right and bottom.
-fn spot(place: [f64; 2], words: &str, [width, height]: [f64; 2], taken: &[[f64; 4]]) -> [f64; 4] {
-    let size = [FONT_PX * width_em(words), FONT_PX + 4.0];
-    let mut best = None;
-    for distance in [8.0, 16.0, 28.0, 44.0, 64.0, 90.0] {
-        for [x, y] in [
-            [1.0, 0.0],
-            [-1.0, 0.0],
-            [0.7, -0.7],
-            [-0.7, -0.7],
-            [0.7, 0.7],
-            [-0.7, 0.7],
-            [0.0, -1.0],
-            [0.0, 1.0],
-        ] {
-            let middle = [
-                place[0] + x * (distance + 0.5 * size[0]),
-                place[1] + y * (distance + 0.5 * size[1]),
-            ];
-            let left = (middle[0] - 0.5 * size[0]).clamp(4.0, (width - size[0] - 4.0).max(4.0));
-            let top = (middle[1] - 0.5 * size[1]).clamp(4.0, height - size[1] - 4.0);
-            let here = [left, top, left + size[0], top + size[1]];
-            let is_over = |other: &[f64; 4]| {
-                here[0] < other[2] && other[0] < here[2] && here[1] < other[3] && other[1] < here[3]
-            };
-            let covers = |at: [f64; 2]| {
-                (here[0]..=here[2]).contains(&at[0]) && (here[1]..=here[3]).contains(&at[1])
-            };
-            best = best.or(Some(here));
-            if !taken.iter().any(is_over) && !covers(place) {
-                return here;
-            }
-        }
-    }
-    best.unwrap_or([place[0], place[1], place[0] + size[0], place[1] + size[1]])
-}
-
-/// The greatest length that people count in below another \[m\].
-fn scale_length_m(most_m: f64) -> f64 {
-    let power = 10f64.powf(most_m.log10().floor());
-    let nice = [5.0, 2.0, 1.0].map(|of| of * power);
-    nice.into_iter()
-        .find(|length_m| *length_m <= most_m)
-        .unwrap_or(power)
+/// What an item covers, about: left, top, right and bottom, in pixels.
+fn covered(item: &Item, scale: &Scale) -> [f64; 4] {
+    let points = item.outline.silhouette.iter().flatten();
+    let nothing = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    points.fold(nothing, |[left, top, right, bottom], point| {
+        let [x, y] = scale.at(*point);
+        [left.min(x), top.min(y), right.max(x), bottom.max(y)]
+    })
 }

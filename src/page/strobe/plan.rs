@@ -1,26 +1,28 @@
 //! When the lamp flashes, and where bodies are then.
 
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::math::Pose;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
 use crate::sampling::stamp;
+use crate::visual::mesh;
 use crate::write::export::{WrittenMotion, acted_at, motion_at};
 
 /// Between two flashes a body should move by so much of its radius.
-const MOVE_RADII: f64 = 0.9;
+const MOVE_RADII: f64 = 1.0;
 
 /// At least and at most so many flashes of the motion.
 const FLASHES: [f64; 2] = [8.0, 40.0];
 
 /// Steps that people count in, in any power of ten.
-const STEPS: [f64; 5] = [1.0, 2.0, 2.5, 4.0, 5.0];
+const STEPS: [f64; 9] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 
 /// What is simulated is drawn where it has moved by so much of its radius.
 const SETTLING_RADII: f64 = 0.5;
 
-/// A turn of a body moves what is seen of it as far as a way of so much of its radius per radian.
-const TURN_RADII: f64 = 0.5;
+/// A turn of a long body moves what is seen of it as far as a way of so much of its radius per radian; that of one
+/// as long as wide shows nothing new.
+const TURN_RADII: f64 = 0.55;
 
 /// Acted poses farther apart than this many steps have nothing between them.
 const GAP_STEPS: f64 = 2.0;
@@ -54,12 +56,12 @@ pub(super) fn step_s(scene: &Scene, motion: &WrittenMotion) -> Option<f64> {
     let until = motion.simulated_from.map_or(until, |at| at.min(until));
     let mut moves: f64 = 0.0;
     for (link, samples) in motion.estimates.iter_enumerated() {
-        let radius_m = scene.links[link].shape.radius_m();
+        let body = Size::of(scene, link);
         let before = samples.iter().filter(|sample| sample.stamp <= until);
         let before: Vec<&PoseSample> = before.collect();
         let ways = before
             .windows(2)
-            .map(|pair| way_radii(pair[0], pair[1], radius_m));
+            .map(|pair| way_radii(pair[0], pair[1], &body));
         moves = moves.max(ways.sum());
     }
     let count = (moves / MOVE_RADII).clamp(FLASHES[0], FLASHES[1]);
@@ -77,11 +79,37 @@ fn extent(motion: &WrittenMotion) -> Option<[Stamp; 2]> {
 }
 
 /// How far what is seen of a body moves, in its radii.
-fn way_radii(a: &PoseSample, b: &PoseSample, radius_m: f64) -> f64 {
+fn way_radii(a: &PoseSample, b: &PoseSample, body: &Size) -> f64 {
     let [from, to] = [a, b].map(pose);
     let turn_rad = from.rotation.angle_to(&to.rotation);
     let way_m = (to.translation.vector - from.translation.vector).norm();
-    way_m / radius_m.max(1e-9) + TURN_RADII * turn_rad
+    way_m / body.radius_m + TURN_RADII * body.length * turn_rad
+}
+
+/// How large a body is.
+struct Size {
+    radius_m: f64,
+    /// From 0 of what is as long as wide to 1 of a line.
+    length: f64,
+}
+
+impl Size {
+    fn of(scene: &Scene, link: LinkIndex) -> Self {
+        let shape = &scene.links[link].shape;
+        let corners = mesh(shape).into_iter().flatten();
+        let half_m = corners.fold(Vector3::zeros(), |half_m: Vector3<f64>, corner| {
+            half_m.sup(&corner.abs())
+        });
+        let (widest_m, narrowest_m) = (half_m.max(), half_m.min());
+        Self {
+            radius_m: shape.radius_m().max(1e-9),
+            length: if widest_m > 0.0 {
+                1.0 - narrowest_m / widest_m
+            } else {
+                0.0
+            },
+        }
+    }
 }
 
 pub(super) fn pose(sample: &PoseSample) -> Pose {
@@ -111,7 +139,7 @@ pub(super) fn flashes(scene: &Scene, motion: &WrittenMotion, step_s: f64) -> Vec
             shows,
         };
         let is_simulated = |at: Stamp| motion.simulated_from.is_some_and(|from| at > from);
-        let radius_m = scene.links[link].shape.radius_m();
+        let body = Size::of(scene, link);
         let seen = instants(motion, step_s).into_iter();
         let mut settled: Option<PoseSample> = None;
         for sample in seen.filter_map(|at| motion_at(motion, link, at)) {
@@ -122,7 +150,7 @@ pub(super) fn flashes(scene: &Scene, motion: &WrittenMotion, step_s: f64) -> Vec
             }
             let has_moved = settled
                 .as_ref()
-                .is_none_or(|last| way_radii(last, &sample, radius_m) > SETTLING_RADII);
+                .is_none_or(|last| way_radii(last, &sample, &body) > SETTLING_RADII);
             if has_moved {
                 all.push(flash(&sample, Shows::Simulated));
                 settled = Some(sample);

@@ -1,22 +1,19 @@
-//! A motion as one picture, as if a lamp flashed while it was open: bodies at equal steps of time along their
-//! ways, the performance beside them as a ghost, and what they touch.
-
-mod draw;
-mod plan;
+//! What is in a strobe picture, from wherever it is seen.
 
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
-use self::draw::{Frame, Picture};
-use self::plan::{Flash, flashes, ghosts, step_s};
-use super::svg::escaped;
-use super::theme;
+use super::super::input::Page;
+use super::super::said::Said;
+use super::super::seen::seen_points;
+use super::super::theme;
+use super::plan::{Flash, flashes, ghosts, step_s};
 use crate::math::Pose;
 use crate::motion::{LinkIndex, Scene, Stamp};
 use crate::report::units::seconds;
-use crate::visual::{Camera, Patch, Triangle, View, mesh, patches};
+use crate::visual::{Patch, Triangle, View, mesh, patches};
 use crate::write::export::WrittenMotion;
 
 /// More events than these are marked without their names.
@@ -24,43 +21,51 @@ const NAMED_EVENTS: usize = 16;
 
 /// A motion, ready to be looked at from anywhere.
 pub struct Strobe<'a> {
-    scene: &'a Scene,
-    motion: &'a WrittenMotion,
+    pub(super) scene: &'a Scene,
+    pub(super) motion: &'a WrittenMotion,
     /// Between two flashes.
-    step_s: f64,
+    pub(super) step_s: f64,
     /// What bodies are covered with.
-    surfaces: TiVec<LinkIndex, Vec<Triangle>>,
+    pub(super) surfaces: TiVec<LinkIndex, Vec<Triangle>>,
     /// Colour of each body.
-    colours: TiVec<LinkIndex, usize>,
+    pub(super) colours: TiVec<LinkIndex, usize>,
     /// Of the motion, body by body in order of time.
-    flashes: Vec<Flash>,
+    pub(super) flashes: Vec<Flash>,
     /// Of the performance.
-    ghosts: Vec<Flash>,
+    pub(super) ghosts: Vec<Flash>,
     /// What is drawn of planes.
-    patches: Vec<Option<Patch>>,
+    pub(super) patches: Vec<Option<Patch>>,
+    /// Where points were seen of which trackers saw nothing else, track by track.
+    pub(super) seen_m: Vec<Vec<Vector3<f64>>>,
     /// Where bodies are, for the direction of the views.
-    points_m: Vec<Vector3<f64>>,
+    pub(super) points_m: Vec<Vector3<f64>>,
     /// What is written into pictures that stand alone.
-    notes: Vec<String>,
+    pub(super) notes: Vec<String>,
 }
 
 impl<'a> Strobe<'a> {
-    /// Of a motion that was read back; `notes` are written into pictures that stand alone. `None` where no body
-    /// has a motion.
-    pub fn new(scene: &'a Scene, motion: &'a WrittenMotion, notes: Vec<String>) -> Option<Self> {
+    /// Of what a page is of. `None` where no body has a motion.
+    pub(in super::super) fn new(page: &Page<'a>, said: &Said) -> Option<Self> {
+        let (scene, motion) = (page.scene, page.motion);
         let step_s = step_s(scene, motion)?;
+        let seen = scene
+            .tracks
+            .keys()
+            .map(|track| seen_points(page, said, track));
+        let seen = seen.map(|points| points.into_iter().map(|(_, point_m)| point_m).collect());
         let all = motion.estimates.iter().chain(&motion.sketches).flatten();
         Some(Self {
             scene,
             motion,
             step_s,
             surfaces: scene.links.iter().map(|of| mesh(&of.shape)).collect(),
-            colours: colours(scene),
+            colours: theme::colours(scene),
             flashes: flashes(scene, motion, step_s),
             ghosts: ghosts(scene, motion, step_s),
             patches: patches(scene, &motion.estimates),
             points_m: all.map(|sample| sample.position_m).collect(),
-            notes,
+            seen_m: seen.collect(),
+            notes: page.provenance.lines(),
         })
     }
 
@@ -74,6 +79,9 @@ impl<'a> Strobe<'a> {
     pub fn caption(&self) -> String {
         let mut words = format!("Bodies every {}", step_words(self.step_s));
         words += match self.ghosts.is_empty() {
+            true if self.has_seen_points() => {
+                ", in physical time; dashed: the ways of points, as trackers saw them"
+            }
             true => ", in physical time; no tracker saw a whole pose, so there is no ghost",
             false => ", in physical time; dashed: the same instants as they were acted",
         };
@@ -91,7 +99,7 @@ impl<'a> Strobe<'a> {
     }
 
     /// What a view shows, for who cannot see it.
-    fn description(&self, view: View) -> String {
+    pub(super) fn description(&self, view: View) -> String {
         let mut words = format!(
             "Strobe picture of {:?} from the {} view. {}",
             self.scene.name,
@@ -115,57 +123,6 @@ impl<'a> Strobe<'a> {
         words
     }
 
-    /// A picture as an element of a page, at most so many pixels wide; the page has the style.
-    pub fn element(&self, view: View, width_px: f64) -> String {
-        let frame = Frame {
-            width_px,
-            is_alone: false,
-        };
-        let picture = self.picture(view, frame);
-        self.wrapped(view, &picture, "")
-    }
-
-    /// A picture as a file of its own.
-    pub fn file(&self, view: View) -> String {
-        let frame = Frame {
-            width_px: 760.0,
-            is_alone: true,
-        };
-        let picture = self.picture(view, frame);
-        let notes: Vec<String> = self.notes.iter().map(|note| escaped(note)).collect();
-        let within = format!(
-            "<metadata>{}</metadata><style>{}</style>",
-            notes.join("\n"),
-            self.style()
-        );
-        let mut text = self.wrapped(view, &picture, &within);
-        text.push('\n');
-        text
-    }
-
-    fn picture(&self, view: View, frame: Frame) -> Picture {
-        let camera = Camera::new(view, &self.scene.gravity_m_s2, &self.points_m);
-        Picture::new(self, &camera, frame)
-    }
-
-    fn wrapped(&self, view: View, picture: &Picture, within: &str) -> String {
-        let [width, height] = picture.size_px.map(super::svg::px);
-        // Attributes that size it alone, and do not hinder a page.
-        let size = match within.is_empty() {
-            true => String::new(),
-            false => format!(" width=\"{width}\" height=\"{height}\""),
-        };
-        let name = format!("{}, {} view", self.scene.name, view.as_str());
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\"{size} role=\"img\" \
-             aria-label=\"{}\"><title>{}</title><desc>{}</desc>{within}{}</svg>",
-            escaped(&name),
-            escaped(&name),
-            escaped(&self.description(view)),
-            picture.text
-        )
-    }
-
     /// Names of bodies with the class of their colour, and whether they are in the hand.
     pub fn legend(&self) -> Vec<(&str, String, bool)> {
         let all = self.scene.links.iter_enumerated().map(|(link, of)| {
@@ -175,18 +132,23 @@ impl<'a> Strobe<'a> {
         all.collect()
     }
 
+    /// Whether ways of points are drawn of which trackers saw nothing else.
+    pub fn has_seen_points(&self) -> bool {
+        self.seen_m.iter().any(|points| points.len() > 1)
+    }
+
     /// Whether a performance is drawn.
     pub fn has_ghosts(&self) -> bool {
         !self.ghosts.is_empty()
     }
 
     /// The pose of a body's shape where the body is.
-    fn world_from_shape(&self, link: LinkIndex, world_from_link: &Pose) -> Pose {
+    pub(super) fn world_from_shape(&self, link: LinkIndex, world_from_link: &Pose) -> Pose {
         world_from_link * self.scene.links[link].link_from_shape()
     }
 
     /// Names of events and when they are, where there are few enough.
-    fn named_events(&self) -> &[(Stamp, String)] {
+    pub(super) fn named_events(&self) -> &[(Stamp, String)] {
         match self.motion.events.len() <= NAMED_EVENTS {
             true => &self.motion.events,
             false => &[],
@@ -194,24 +156,11 @@ impl<'a> Strobe<'a> {
     }
 }
 
-/// Colours of bodies, in turn; what is in the hand has its own.
-pub(super) fn colours(scene: &Scene) -> TiVec<LinkIndex, usize> {
-    let mut flying = 0;
-    let colours = scene.links.keys().map(|link| {
-        if scene.is_held(link) {
-            return theme::IN_HAND;
-        }
-        flying += 1;
-        (flying - 1) % theme::IN_HAND
-    });
-    colours.collect()
-}
-
 /// A step of time in the unit that suits it.
 pub(super) fn step_words(step_s: f64) -> String {
     let ms = step_s * 1e3;
     match ms < 1000.0 {
-        true => format!("{} ms", super::svg::px(ms)),
-        false => format!("{} s", super::svg::px(step_s)),
+        true => format!("{} ms", px(ms)),
+        false => format!("{} s", px(step_s)),
     }
 }
