@@ -7,6 +7,8 @@ use std::process::{Command, Output};
 
 use enact::motion::Stamp;
 use enact::wire::{Container, PoseFormat};
+use enact_tools::perform::held::{Game, Seen, play};
+use enact_tools::perform::recording::write_events_of;
 use enact_tools::replay::Program;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -418,9 +420,48 @@ fn every_kind_of_recording_has_its_page() {
                 .count();
             assert_eq!(found, count, "{recording}: charts in {unit}");
         }
-        let bodies = drawings[drawings.len().min(12) - 1..].len();
-        assert!(bodies > 0);
     }
+}
+
+#[test]
+fn what_is_in_the_hand_is_told_from_what_flies() {
+    let mut takes = (100..).filter_map(|seed| play(Game::Racket, &Seen::default(), seed));
+    let take = takes.next().expect("a take");
+    let folder = TempDir::new().expect("folder");
+    let recording = folder.path().join("racket.mcap");
+    write_events_of(&take.scene, Game::Racket.toml(), &take.events, &recording).expect("write");
+    let replayed = ENACT.report(&recording, &[]);
+    let made = Made {
+        folder,
+        estimate: replayed.output,
+        report: replayed.said,
+    };
+    let (page, drawings) = made.page(0);
+    assert_complete(&page);
+    assert!(
+        page.contains("<bdi>racket</bdi>, in the hand")
+            && page.contains("<bdi>racket</bdi> is in the hand:")
+    );
+    // The ball flies four times, and is drawn at its three bounces and its end; so is the racket.
+    let events = made.report["events"].as_array().expect("events");
+    let concerned: usize = events
+        .iter()
+        .map(|event| event["bodies"].as_array().expect("bodies").len())
+        .sum();
+    let front = drawings
+        .iter()
+        .find(|of| of.label.ends_with("front view"))
+        .expect("a view");
+    let outlined = front
+        .paths
+        .iter()
+        .filter(|(class, _)| class == "ev no")
+        .count();
+    assert_eq!((events.len(), outlined), (4, concerned));
+    let flights = drawings
+        .iter()
+        .filter(|of| of.label.contains("motion of ball from its samples in mm"));
+    assert_eq!(flights.count(), 4);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use typed_index_collections::TiVec;
 use super::super::input::Page;
 use super::super::said::Said;
 use super::super::seen::seen_points;
+use super::super::svg::px;
 use super::super::theme;
 use super::plan::{Flash, flashes, ghosts, step_s};
 use crate::math::Pose;
@@ -60,7 +61,7 @@ impl<'a> Strobe<'a> {
             step_s,
             surfaces: scene.links.iter().map(|of| mesh(&of.shape)).collect(),
             colours: theme::colours(scene),
-            flashes: flashes(scene, motion, step_s),
+            flashes: flashes((scene, said), motion, step_s),
             ghosts: ghosts(scene, motion, step_s),
             patches: patches(scene, &motion.estimates),
             points_m: all.map(|sample| sample.position_m).collect(),

@@ -2,6 +2,7 @@
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::super::said::Said;
 use crate::math::Pose;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
 use crate::sampling::stamp;
@@ -129,7 +130,11 @@ fn instants(motion: &WrittenMotion, step_s: f64) -> Vec<Stamp> {
 }
 
 /// The bodies at all flashes and at their events. Of what is simulated those that have moved, and the last.
-pub(super) fn flashes(scene: &Scene, motion: &WrittenMotion, step_s: f64) -> Vec<Flash> {
+pub(super) fn flashes(
+    (scene, said): (&Scene, &Said),
+    motion: &WrittenMotion,
+    step_s: f64,
+) -> Vec<Flash> {
     let mut all = Vec::new();
     for (link, samples) in motion.estimates.iter_enumerated() {
         let flash = |sample: &PoseSample, shows| Flash {
@@ -159,26 +164,15 @@ pub(super) fn flashes(scene: &Scene, motion: &WrittenMotion, step_s: f64) -> Vec
         if let Some(last) = samples.last().filter(|last| is_simulated(last.stamp)) {
             all.push(flash(last, Shows::Simulated));
         }
-        for (at, name) in &motion.events {
-            let here = samples.binary_search_by_key(at, |sample| sample.stamp);
-            if let (Ok(here), true) = (here, is_of(scene, name, link)) {
+        let name = &scene.links[link].name;
+        for event in said.events.iter().filter(|of| of.bodies.contains(name)) {
+            let at = stamp(motion.zero, event.time_s);
+            if let Ok(here) = samples.binary_search_by_key(&at, |sample| sample.stamp) {
                 all.push(flash(&samples[here], Shows::Event));
             }
         }
     }
     all
-}
-
-/// Whether an event is one of that body.
-fn is_of(scene: &Scene, name: &str, link: LinkIndex) -> bool {
-    let event = scene.events.iter().position(|event| event.name == name);
-    event.is_some_and(|event| {
-        let waypoint = scene.events[event].kind.waypoint();
-        waypoint.map_or_else(
-            || scene.concerns(event, scene.mechanism_of(link)),
-            |of| of == link,
-        )
-    })
 }
 
 /// The bodies as they were acted, at the same instants.
