@@ -40,10 +40,11 @@
 //! | [`sampling`] | a motion becomes frames: stamped poses of every body at a rate | `motion` and below |
 //! | [`visual`] | what of a scene is drawn: shapes as primitives and as triangles, with colours | `motion` and below |
 //! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `visual`, `wire`, `motion` and below |
+//! | [`page`] | an estimate as a page that people open, and as pictures: HTML and SVG | `write`, `report`, `sampling`, `visual`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes; URDF → TOML | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
-//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `report`, `config`, `motion` |
+//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
 //!
 //! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
@@ -107,6 +108,7 @@ pub mod initialise;
 pub mod math;
 pub mod motion;
 pub mod optimise;
+pub mod page;
 pub mod physics;
 pub mod pipeline;
 pub mod report;

@@ -65,6 +65,11 @@ impl Pipeline {
         }
     }
 
+    /// Whether what explains a misfit is set free.
+    pub fn is_free_auto(&self) -> bool {
+        self.is_free_auto
+    }
+
     /// The scene as given.
     pub fn scene(&self) -> &Scene {
         &self.scene

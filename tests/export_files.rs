@@ -300,6 +300,11 @@ fn a_table_has_the_poses_by_frame_and_goes_through_a_pipe() {
         comment.starts_with("# enact ") && comment.contains("SHA-256"),
         "{comment}"
     );
+    let from = lines.next().expect("a comment");
+    assert!(
+        from.starts_with("# estimated by enact ") && from.contains("from \"pencil_tip.mcap\""),
+        "{from}"
+    );
     let header = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz";
     assert_eq!(lines.next(), Some(header));
     let (estimate, acted) = (

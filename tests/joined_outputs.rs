@@ -245,6 +245,7 @@ fn written(folder: &TempDir, profile: &str, motion: &Motion) -> Said {
                 rest: None,
             },
             scene_toml: motion.scene_toml.as_bytes(),
+            provenance: None,
             world_frame: "map",
             log_offset_ns: 0,
             frame_rate_hz: 1000.0,

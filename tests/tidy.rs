@@ -58,10 +58,18 @@ const IMPORTS: &[(&str, &[&str])] = &[
             "report", "sampling", "visual", "wire", "motion", "physics", "math",
         ],
     ),
+    (
+        "page",
+        &[
+            "write", "report", "sampling", "visual", "motion", "physics", "math",
+        ],
+    ),
     ("config", &["motion", "physics", "math"]),
     (
         "service",
-        &["pipeline", "ingest", "write", "report", "config", "motion"],
+        &[
+            "pipeline", "ingest", "write", "page", "report", "config", "motion",
+        ],
     ),
     ("cli", &["config", "report", "service"]),
     ("main", &["cli", "service"]),
@@ -135,7 +143,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),
-    ("sha2", &["src/service/export.rs"]),
+    ("sha2", &["src/service/provenance.rs"]),
     ("indicatif", &["src/service/", "src/cli/"]),
     ("anyhow", &["src/service/", "src/cli/", "src/main.rs"]),
 ];

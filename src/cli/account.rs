@@ -2,13 +2,12 @@
 
 mod checks;
 mod tables;
-mod units;
 
 use std::fmt::Write;
 
+use crate::report::units::{deviation_ms, duration, for_people, seconds};
 use checks::checks;
 use tables::{events, held, parameters, segments};
-use units::{deviation_ms, duration, for_people, seconds};
 
 use crate::report::{EstimateReport, RecordingReport, SuspectLine};
 

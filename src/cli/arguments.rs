@@ -45,6 +45,8 @@ pub(super) enum Command {
     Sketch(SketchArguments),
     /// Make files for other programs of the motion that `replay` found
     Export(ExportArguments),
+    /// Make a page to open, and a picture, of the motion that `replay` found
+    Report(ReportArguments),
     /// Make scenes
     Scene {
         /// Of what
@@ -340,6 +342,45 @@ pub(super) enum Target {
     Bvh,
     /// A recording of ROS 2's profile with the estimate alone: PoseStamped, TFMessage, URDF
     Ros2,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples, a page that needs nothing else, and a picture of the motion alone:\n  \
+                  enact report tip.estimate.mcap -o tip.html\n  \
+                  enact report tip.estimate.mcap --svg tip.svg --view front\n\
+                  Exit code 3: done, but the motion is not physical or data were lost."
+)]
+pub(super) struct ReportArguments {
+    /// A recording with an estimate, as `replay` writes it
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// The page; - for stdout [default: IN with .html, unless a picture is asked for]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// A strobe picture of the motion; - for stdout
+    #[arg(long, value_name = "FILE")]
+    pub(super) svg: Option<PathBuf>,
+    /// From where the picture is seen
+    #[arg(long, value_enum, value_name = "VIEW", requires = "svg", default_value_t = Seen::ThreeQuarter)]
+    pub(super) view: Seen,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// From where a motion is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Seen {
+    /// Level, so that it is as wide as it may be
+    Front,
+    /// Level, a quarter turn from there
+    Side,
+    /// From above
+    Top,
+    /// From the front, above and beside
+    ThreeQuarter,
 }
 
 /// The commands of `scene`.

@@ -28,7 +28,7 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
         },
         frame_rate_hz: arguments.fps,
         with_acted: arguments.ghost,
-        command: command_line(),
+        command: output::command_line(),
     };
     let exported = match service::export(&job) {
         Ok(exported) => exported,
@@ -56,14 +56,6 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     }
     let is_whole = exported.lost.is_empty() && exported.verdict == "physical";
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
-}
-
-/// The program by its name, and its arguments.
-fn command_line() -> String {
-    let arguments = std::env::args_os().skip(1);
-    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
-    let words: Vec<String> = ["enact".to_owned()].into_iter().chain(arguments).collect();
-    words.join(" ")
 }
 
 fn text(exported: &Exported) -> String {

@@ -27,6 +27,7 @@ mod output;
 mod process;
 mod recover;
 mod replay;
+mod report;
 mod run;
 mod scene;
 mod sketch;

@@ -4,6 +4,8 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use serde::Serialize;
 
+use crate::report;
+
 /// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
     print_bytes(text.as_bytes())
@@ -55,6 +57,14 @@ pub(super) fn print_error(error: &str) {
 /// Prints a note on stderr, where stdout has another use.
 pub(super) fn print_note(note: &str) {
     let _ = writeln!(io::stderr(), "note: {note}");
+}
+
+/// The program by its name, and its arguments as a shell takes them.
+pub(super) fn command_line() -> String {
+    let arguments = std::env::args_os().skip(1);
+    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    let words: Vec<String> = ["enact".to_owned()].into_iter().chain(arguments).collect();
+    report::command_line(&words)
 }
 
 /// Whether colours are wanted on stdout.

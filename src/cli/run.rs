@@ -10,8 +10,8 @@ use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
 use super::{
-    completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, scene,
-    sketch,
+    completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, report,
+    scene, sketch,
 };
 use crate::service;
 
@@ -41,6 +41,7 @@ pub fn run() -> ExitCode {
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Report(arguments) => report::run(arguments),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
         Command::Manual { output } => manual::run(&output),

@@ -30,7 +30,7 @@ pub struct EstimateReport {
     /// Whether the motion explains the performance: `yes`, `unknown` or `no`.
     pub fits: &'static str,
     /// Whether that was asked: not of a motion that failed, or where too little is determined.
-    #[serde(skip)]
+    #[serde(rename = "fit_tested")]
     pub is_fit_tested: bool,
     /// What that rests on, as a sentence, where it does not say it all.
     pub fit_note: Option<String>,

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::estimate::EstimateReport;
+use super::provenance::Provenance;
 use super::reported::Reported;
 use super::time_map::TimeMapMessage;
 use crate::motion::{ArcEstimate, Scene, Stamp};
@@ -20,6 +21,8 @@ pub struct EstimateMessage {
     pub arcs: Vec<ArcLine>,
     /// Acted time against physical time.
     pub time_map: TimeMapMessage,
+    /// From what it was made; none of what is shown live.
+    pub provenance: Option<Provenance>,
 }
 
 /// A flight: between its start and its end the body moves as a free rigid body from the state at the
@@ -46,13 +49,14 @@ pub struct ArcLine {
 
 impl EstimateMessage {
     /// Everything that the estimate says; physical time zero is stamped `zero`.
-    pub fn new(of: &Reported, zero: Stamp) -> Self {
+    pub fn new(of: &Reported, zero: Stamp, provenance: Option<&Provenance>) -> Self {
         let (scene, estimate) = (of.scene, of.estimate);
         let arcs = estimate.arcs.iter();
         Self {
             report: EstimateReport::new(of),
             arcs: arcs.map(|arc| ArcLine::new(scene, arc)).collect(),
             time_map: TimeMapMessage::new(scene, of.sketch, estimate, zero),
+            provenance: provenance.cloned(),
         }
     }
 }

@@ -19,6 +19,7 @@ pub mod goals;
 pub mod held;
 pub mod message;
 pub mod motion;
+pub mod provenance;
 pub mod reason;
 pub mod recording;
 pub mod reported;
@@ -28,6 +29,7 @@ pub mod suspects;
 #[cfg(test)]
 mod tests;
 pub mod time_map;
+pub mod units;
 
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
 pub use diagnoses::DiagnosisLine;
@@ -37,6 +39,7 @@ pub use goals::GoalLine;
 pub use held::HeldLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
+pub use provenance::{ExportProvenance, Provenance, command_line};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};
 pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;

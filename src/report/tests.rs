@@ -31,7 +31,7 @@ fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
     };
     let value = |bytes: &[u8]| -> Value { serde_json::from_slice(bytes).expect("JSON") };
     let shared = value(&super::json(&EstimateReport::new(&of)));
-    let file = EstimateMessage::new(&of, Stamp(FIRST_NS));
+    let file = EstimateMessage::new(&of, Stamp(FIRST_NS), None);
     let recording = RecordingReport::new(&of, circumstances);
     assert!(recording.is_whole());
     let (file, recording) = (value(&super::json(&file)), value(&super::json(&recording)));

@@ -3,18 +3,13 @@
 mod files;
 mod job;
 
-use anyhow::{Context, bail};
-use sha2::{Digest, Sha256};
+use anyhow::bail;
 
 use self::files::{files, write};
 pub use self::job::{ExportFormat, ExportJob, ExportTo, Exported};
-use super::finish::with_recording;
-use crate::config::scene_from_toml;
-use crate::ingest::Recording;
+use super::read_back::ReadBack;
 use crate::motion::Scene;
-use crate::write::export::{
-    ExportedBody, Provenance, WrittenMotion, exported_bodies, fastest_turn_rad_s, scene_of_estimate,
-};
+use crate::write::export::{ExportedBody, WrittenMotion, exported_bodies, fastest_turn_rad_s};
 
 /// Frames a second at which a motion is exported, unless others are asked for: those of films.
 pub const DEFAULT_EXPORT_RATE_HZ: f64 = 24.0;
@@ -35,42 +30,23 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
             RATES_HZ.end()
         );
     }
-    with_recording(&job.input, |recording| exported(job, &recording))
-}
-
-fn exported(job: &ExportJob, recording: &Recording) -> anyhow::Result<Exported> {
     let path = job.input.display();
-    let container = recording.container();
-    let Some(scene_toml) = scene_of_estimate(container) else {
-        bail!("{path}: has no scene and no estimate, expected what `enact replay` writes of it");
-    };
-    let text = std::str::from_utf8(scene_toml)
-        .with_context(|| format!("{path}: the attached scene is not UTF-8"))?;
-    let scene = scene_from_toml(text).map_err(|error| error.in_file(format!("{path}#scene")))?;
+    let read = ReadBack::open(&job.input)?;
+    let (scene, motion) = (&read.scene, &read.motion);
     if job.with_acted && job.format == ExportFormat::Bvh {
         bail!(
             "--ghost: a BVH has keys at frames alone, expected glb, csv or tum for the performance"
         );
     }
-    let motion = WrittenMotion::read(&job.input, container, &scene)?;
-    check_span(job, &motion)?;
-    let bodies = exported_bodies(&scene, &motion, job.frame_rate_hz, job.with_acted);
+    check_span(job, motion)?;
+    let bodies = exported_bodies(scene, motion, job.frame_rate_hz, job.with_acted);
     if bodies.is_empty() {
         bail!(
             "{path}: the estimate has no motion; its verdict is {}",
             motion.verdict
         );
     }
-    let provenance = Provenance {
-        program: concat!("enact ", env!("CARGO_PKG_VERSION")).to_owned(),
-        command: job.command.clone(),
-        recording: path.to_string(),
-        scene: scene.name.clone(),
-        scene_sha256: hexadecimal(&Sha256::digest(scene_toml)),
-        verdict: motion.verdict.clone(),
-    };
-    let damages = container.damages();
-    let lost = damages.first().iter().filter(|_| damages.is_loss());
+    let provenance = read.provenance(&job.command);
     let mut exported = Exported {
         input: path.to_string(),
         outputs: Vec::new(),
@@ -78,12 +54,11 @@ fn exported(job: &ExportJob, recording: &Recording) -> anyhow::Result<Exported> 
         verdict: motion.verdict.clone(),
         bodies: bodies.len(),
         keys: bodies.iter().map(|body| body.keys.len()).sum(),
-        lost: lost.map(ToString::to_string).collect(),
-        warnings: warnings(job, &scene, &motion, &bodies),
+        lost: read.lost(),
+        warnings: warnings(job, scene, motion, &bodies),
         bytes: Vec::new(),
     };
-    let of = (container, scene_toml, &scene, &motion);
-    let files = files(job, of, &bodies, &provenance)?;
+    let files = files(job, &read, &bodies, &provenance)?;
     write(job, files, &mut exported)?;
     Ok(exported)
 }
@@ -150,8 +125,4 @@ fn warnings(
         ));
     }
     warnings
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::provenance::provenance;
 use super::refusal::Refusal;
 use super::stopwatch::{Stopwatch, Watching};
 use crate::config::scene_from_toml;
@@ -21,6 +22,8 @@ pub(super) struct Opened {
     pub(super) scene: Scene,
     /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
+    /// The file of the scene; none: it is attached to the recording.
+    pub(super) scene_file: Option<PathBuf>,
 }
 
 /// Reads a recording and does something with it. Where that fails of a recording that is damaged, the damage is named
@@ -68,6 +71,7 @@ pub(super) fn opened(recording: Recording, scene_file: Option<&Path>) -> anyhow:
         recording,
         scene,
         scene_toml,
+        scene_file: scene_file.map(Path::to_owned),
     })
 }
 
@@ -95,6 +99,14 @@ pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result
     name.push(".estimate.mcap");
     let folder = folder.unwrap_or_else(|| input.parent().unwrap_or(Path::new("")));
     Ok(folder.join(name))
+}
+
+/// `tip.estimate.mcap` → `tip.estimate.csv`, beside it.
+pub(super) fn beside(input: &Path, ending: &str) -> anyhow::Result<PathBuf> {
+    if is_pipe(input) {
+        bail!("-: stdin has no name, expected one for the output: -o FILE, or -o - for stdout");
+    }
+    Ok(input.with_extension(ending))
 }
 
 /// Refuses an output that is the input or is no regular file, before the work is done.
@@ -160,6 +172,7 @@ pub(super) fn finished(
             input_path: Some(recording.path()),
             of: reported(&outcome),
             scene_toml: &opened.scene_toml,
+            provenance: Some(&provenance(opened, pipeline)),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -18,19 +18,24 @@ mod finish;
 mod from_urdf;
 mod inspect;
 mod mark;
+mod output;
 mod process;
+mod provenance;
 #[cfg(feature = "live")]
 mod publish;
 #[cfg(not(feature = "live"))]
 #[path = "not_live.rs"]
 mod publish;
+mod read_back;
 mod recover;
 mod refusal;
 mod replay;
+mod report;
 mod sketch;
 mod stopwatch;
 mod words;
 
+pub use crate::page::View;
 #[cfg(feature = "live")]
 pub use direct::{Answer, DirectJob, Direction, direct};
 #[cfg(feature = "live")]
@@ -39,12 +44,14 @@ pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Expo
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
 pub use mark::{MarkJob, Marked, ProposalLine, mark};
+pub use output::Destination;
 pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;
 pub use recover::{RecoveredLine, recover_all};
 pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
+pub use report::{ReportJob, ReportMade, report};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
 pub use stopwatch::Watching;
 pub use words::words;

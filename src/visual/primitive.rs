@@ -111,13 +111,51 @@ pub fn cone_slices(half_height_m: f64, radius_m: f64, count: usize) -> Vec<[f64;
     (0..count).map(slice).collect()
 }
 
-/// Centre and sides of the axes' box about points \[m\]; `None` without any.
-pub fn bounding_box(points_m: &[Vector3<f64>]) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let first = points_m.first()?;
-    let (lower, upper) = points_m
-        .iter()
-        .fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
-    Some((0.5 * (lower + upper), upper - lower))
+/// A closed surface as a stack of boxes along its longest side, for viewers without triangles: each with its
+/// middle and its sides \[m\], about all of the surface within its layer. None of a surface without triangles.
+pub fn hull_slices(surface: &[Triangle], count: usize) -> Vec<[Vector3<f64>; 2]> {
+    let corners = surface.iter().flatten();
+    let ends = corners.fold(None, |ends: Option<[Vector3<f64>; 2]>, corner| {
+        let [lower, upper] = ends.unwrap_or([*corner, *corner]);
+        Some([lower.inf(corner), upper.sup(corner)])
+    });
+    let Some([lower_m, upper_m]) = ends else {
+        return Vec::new();
+    };
+    let axis = (upper_m - lower_m).imax();
+    let thick_m = (upper_m[axis] - lower_m[axis]) / count as f64;
+    let slices = (0..count).filter_map(|slice| {
+        let from_m = lower_m[axis] + slice as f64 * thick_m;
+        let layer_m = [from_m, from_m + thick_m];
+        let within = surface.iter().flat_map(|of| within(of, axis, layer_m));
+        let (lower_m, upper_m) = within.fold((None, None), |(low, high), point| {
+            let low = low.map_or(point, |low: Vector3<f64>| low.inf(&point));
+            let high = high.map_or(point, |high: Vector3<f64>| high.sup(&point));
+            (Some(low), Some(high))
+        });
+        let (mut lower_m, mut upper_m) = (lower_m?, upper_m?);
+        (lower_m[axis], upper_m[axis]) = (layer_m[0], layer_m[1]);
+        Some([0.5 * (lower_m + upper_m), upper_m - lower_m])
+    });
+    slices.collect()
+}
+
+/// The corners of a triangle within a layer, and where its sides enter and leave that.
+fn within(triangle: &Triangle, axis: usize, layer_m: [f64; 2]) -> Vec<Vector3<f64>> {
+    let mut points = Vec::new();
+    for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+        let (a, b) = (triangle[from], triangle[to]);
+        if (layer_m[0]..=layer_m[1]).contains(&a[axis]) {
+            points.push(a);
+        }
+        for end_m in layer_m {
+            let part = (end_m - a[axis]) / (b[axis] - a[axis]);
+            if part > 0.0 && part < 1.0 {
+                points.push(a + (b - a) * part);
+            }
+        }
+    }
+    points
 }
 
 #[cfg(test)]
@@ -136,11 +174,20 @@ mod tests {
     }
 
     #[test]
-    fn a_box_reaches_about_all_points() {
-        let points_m = [[0.0, 1.0, 2.0], [4.0, -1.0, 2.5]].map(Vector3::from);
-        let (centre_m, sides_m) = bounding_box(&points_m).expect("points");
-        assert_eq!(centre_m, Vector3::new(2.0, 0.0, 2.25));
-        assert_eq!(sides_m, Vector3::new(4.0, 2.0, 0.5));
-        assert_eq!(bounding_box(&[]), None);
+    fn a_stack_of_boxes_is_about_a_hull_and_little_larger() {
+        let points_m = [[1, 0, 0], [-1, 1, 0], [-1, -1, 0], [0, 0, 6]];
+        let points_m = points_m.map(|p| Vector3::from(p).map(f64::from)).to_vec();
+        let surface = mesh(&Shape::Hull { points_m });
+        let slices = hull_slices(&surface, 12);
+        assert_eq!(slices.len(), 12);
+        // The lowest is as wide as the base, the highest as narrow as a twelfth of it.
+        assert!((slices[0][1] - Vector3::new(2.0, 2.0, 0.5)).norm() < 1e-9);
+        assert!((slices[11][1] - Vector3::new(2.0 / 12.0, 2.0 / 12.0, 0.5)).norm() < 1e-9);
+        let heights_m: Vec<f64> = slices.iter().map(|[middle_m, _]| middle_m.z).collect();
+        assert!((heights_m[0] - 0.25).abs() < 1e-9 && (heights_m[11] - 5.75).abs() < 1e-9);
+        // Of one box it would be twice this much.
+        let volume_m3: f64 = slices.iter().map(|[_, sides_m]| sides_m.product()).sum();
+        assert!((8.0..12.0).contains(&volume_m3), "{volume_m3}");
+        assert!(hull_slices(&[], 12).is_empty());
     }
 }

@@ -1,17 +1,14 @@
 //! What there is to draw: the shapes of a scene with their frames and colours.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use typed_index_collections::TiSlice;
 
-use crate::math::{Pose, so3};
-use crate::motion::{GoalQuantity, GoalSet, GoalTarget, LinkIndex, PoseSample, Scene, Surface};
+use super::patch::Patch;
+use crate::math::Pose;
+use crate::motion::{GoalQuantity, GoalSet, GoalTarget, LinkIndex, Scene};
 use crate::physics::Shape;
 
 /// How thick a surface is drawn \[m\]; it lies below the plane. No side of a goal is drawn thinner.
 const SURFACE_THICKNESS_M: f64 = 1e-3;
-
-/// Surfaces are drawn at least this wide \[m\].
-const SURFACE_SIDE_M: f64 = 0.5;
 
 /// Red, green, blue and opacity of a body as it was acted, beside its estimate.
 pub const GHOST_RGBA: [f64; 4] = [0.95, 0.65, 0.20, 0.35];
@@ -52,8 +49,8 @@ impl Subject {
     }
 }
 
-/// Links, obstacles, flat surfaces and goals, in this order; surfaces are `surface_side_m` wide.
-pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
+/// Links, obstacles, flat surfaces as far as their patches, and goals, in this order.
+pub fn visuals(scene: &Scene, patches: &[Option<Patch>]) -> Vec<Visual> {
     let links = scene.links.iter_enumerated().map(|(index, link)| Visual {
         subject: Subject::Link(index),
         frame_from_shape: link.link_from_shape(),
@@ -65,13 +62,14 @@ pub fn visuals(scene: &Scene, surface_side_m: f64) -> Vec<Visual> {
         frame_from_shape: obstacle.world_from_shape,
         shape: Some(obstacle.shape.clone()),
     });
-    let surfaces = scene.surfaces.iter().enumerate();
-    let surfaces = surfaces.filter_map(|(index, surface)| {
-        let sides_m = Vector3::new(surface_side_m, surface_side_m, SURFACE_THICKNESS_M);
+    let patches = patches.iter().enumerate();
+    let surfaces = patches.filter_map(|(index, patch)| {
+        let (patch, [x_m, y_m]) = (patch.as_ref()?, patch.as_ref()?.sides_m);
+        let below = Translation3::new(0.0, 0.0, -0.5 * SURFACE_THICKNESS_M);
         Some(Visual {
             subject: Subject::Surface(index),
-            frame_from_shape: world_from_slab(surface.plane()?),
-            shape: Some(cuboid(&sides_m)),
+            frame_from_shape: patch.world_from_patch * below,
+            shape: Some(cuboid(&Vector3::new(x_m, y_m, SURFACE_THICKNESS_M))),
         })
     });
     let goals = (0..scene.goals.len()).map(|goal| goal_visual(scene, goal));
@@ -128,35 +126,21 @@ fn cuboid(sides_m: &Vector3<f64>) -> Shape {
     }
 }
 
-/// Pose of a slab whose upper side is the plane of that point and normal.
-fn world_from_slab((point_m, normal): (Vector3<f64>, Vector3<f64>)) -> Pose {
-    let rotation = so3::between(&Vector3::z(), &normal);
-    let centre_m = point_m - 0.5 * SURFACE_THICKNESS_M * normal;
-    Pose::from_parts(centre_m.into(), rotation)
-}
-
-/// How wide surfaces are drawn for the motion, link by link, to stay above them \[m\].
-pub fn surface_side_m(scene: &Scene, estimates: &TiSlice<LinkIndex, Vec<PoseSample>>) -> f64 {
-    let mut side_m = SURFACE_SIDE_M;
-    for (point_m, normal) in scene.surfaces.iter().filter_map(Surface::plane) {
-        for sample in estimates.iter().flatten() {
-            let offset_m = sample.position_m - point_m;
-            let along_m = offset_m - normal * offset_m.dot(&normal);
-            side_m = side_m.max(2.2 * along_m.norm());
-        }
-    }
-    side_m
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::motion::fixture::scene;
     use crate::motion::{BodyPoint, Condition, Moment};
+    use crate::visual::patches;
+    use typed_index_collections::TiSlice;
+
+    fn unmoved(scene: &Scene) -> Vec<Visual> {
+        visuals(scene, &patches(scene, TiSlice::from_ref(&[])))
+    }
 
     #[test]
     fn everything_is_listed_and_slabs_lie_below_their_planes() {
-        let visuals = visuals(&scene(), 2.0);
+        let visuals = unmoved(&scene());
         let subjects: Vec<Subject> = visuals.iter().map(|visual| visual.subject).collect();
         let expected = [
             Subject::Link(LinkIndex(0)),
@@ -170,7 +154,7 @@ mod tests {
             slab.frame_from_shape.translation.z,
             -0.5 * SURFACE_THICKNESS_M
         );
-        let half_extents_m = Vector3::new(1.0, 1.0, 0.5 * SURFACE_THICKNESS_M);
+        let half_extents_m = Vector3::new(0.25, 0.25, 0.5 * SURFACE_THICKNESS_M);
         assert_eq!(slab.shape, Some(Shape::Cuboid { half_extents_m }));
         assert_eq!(visuals[3].frame_from_shape.translation.z, 0.1);
     }
@@ -208,7 +192,7 @@ mod tests {
             lower_m: Vector3::zeros(),
             upper_m,
         };
-        let shape = |scene: &Scene| visuals(scene, 1.0).pop().and_then(|visual| visual.shape);
+        let shape = |scene: &Scene| unmoved(scene).pop().and_then(|visual| visual.shape);
         scene.goals[0].target = within(Vector3::new(1.0, f64::INFINITY, 1.0));
         assert_eq!(shape(&scene), None);
         scene.goals[0].target = within(Vector3::new(1.0, 2.0, 0.0));

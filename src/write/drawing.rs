@@ -1,5 +1,5 @@
-//! The scene as viewers draw it: bodies in the frames of their estimates, the static world in
-//! the world frame.
+//! The scene as viewers draw it: bodies in the frames of their estimates and, as ghosts, in those of their
+//! performances, the static world in the world frame. [`trails`](super::trails) adds a motion.
 
 use std::path::Path;
 
@@ -12,76 +12,71 @@ use nalgebra::Vector3;
 use super::error::WriteError;
 use super::topics;
 use crate::math::Pose;
-use crate::motion::{Scene, Stamp};
+use crate::motion::{LinkIndex, Scene, Stamp};
 use crate::physics::Shape;
-#[cfg(any(test, feature = "live"))]
-use crate::visual::GHOST_RGBA;
-use crate::visual::{Form, Subject, primitives, visuals};
+use crate::visual::{Form, GHOST_RGBA, Patch, Subject, primitives, visuals};
 use crate::wire::encode;
 
 /// A body in the frame of its performance, beside its estimate.
-#[cfg(any(test, feature = "live"))]
 const GHOST: Color = color(GHOST_RGBA);
 /// A body in the frame of its tracker.
 #[cfg(feature = "live")]
 const LIVE: Color = color([0.30, 0.60, 0.95, 0.35]);
 
-const fn color([r, g, b, a]: [f64; 4]) -> Color {
+pub(super) const fn color([r, g, b, a]: [f64; 4]) -> Color {
     Color { r, g, b, a }
 }
 
-/// The `foxglove.SceneUpdate` of the scene; surfaces are drawn `surface_side_m` wide.
-pub(super) fn scene_update(
-    path: &Path,
-    scene: &Scene,
-    world_frame: &str,
-    at: Stamp,
-    surface_side_m: f64,
-) -> Result<Vec<u8>, WriteError> {
-    let entities = entities(path, scene, world_frame, at, surface_side_m)?;
-    Ok(bytes_of(entities))
+/// A body as it was acted, in the frame of its performance.
+pub(super) fn ghost(scene: &Scene, link: LinkIndex, at: Timestamp) -> SceneEntity {
+    let body = &scene.links[link];
+    let frame = topics::sketch_frame(&body.name);
+    let mut entity = entity(at, &frame, format!("sketch/{}", body.name));
+    add_shape(&mut entity, &body.shape, &body.link_from_shape(), GHOST);
+    entity
 }
 
-/// The same with every body once more as a ghost in the frame of its performance, and once in
+pub(super) fn timestamp(path: &Path, at: Stamp) -> Result<Timestamp, WriteError> {
+    encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))
+}
+
+/// The scene without a motion, with every body once more as a ghost in the frame of its performance, and once in
 /// that of its tracker.
 #[cfg(feature = "live")]
 pub(super) fn live_scene_update(
     scene: &Scene,
     world_frame: &str,
     at: Stamp,
-    surface_side_m: f64,
+    patches: &[Option<Patch>],
 ) -> Result<Vec<u8>, WriteError> {
-    let path = Path::new(topics::SCENE);
-    let mut entities = entities(path, scene, world_frame, at, surface_side_m)?;
-    let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
-    for body in &scene.links {
-        let sketch = (topics::sketch_frame(&body.name), "sketch", GHOST);
-        let live = (topics::live_frame(&body.name), "live", LIVE);
-        for (frame, word, color) in [sketch, live] {
-            let mut entity = entity(at, &frame, format!("{word}/{}", body.name));
-            add_shape(&mut entity, &body.shape, &body.link_from_shape(), color);
-            entities.push(entity);
-        }
+    let at = timestamp(Path::new(topics::SCENE), at)?;
+    let mut entities = entities(scene, (world_frame, at), patches);
+    for (link, body) in scene.links.iter_enumerated() {
+        entities.push(ghost(scene, link, at));
+        let mut live = entity(
+            at,
+            &topics::live_frame(&body.name),
+            format!("live/{}", body.name),
+        );
+        add_shape(&mut live, &body.shape, &body.link_from_shape(), LIVE);
+        entities.push(live);
     }
     Ok(bytes_of(entities))
 }
 
-fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
+pub(super) fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
     encode::bytes_of(&SceneUpdate {
         deletions: Vec::new(),
         entities,
     })
 }
 
-fn entities(
-    path: &Path,
+pub(super) fn entities(
     scene: &Scene,
-    world_frame: &str,
-    at: Stamp,
-    surface_side_m: f64,
-) -> Result<Vec<SceneEntity>, WriteError> {
-    let at = encode::timestamp(at).map_err(WriteError::encode(path, topics::SCENE))?;
-    let entities = visuals(scene, surface_side_m).into_iter().map(|visual| {
+    (world_frame, at): (&str, Timestamp),
+    patches: &[Option<Patch>],
+) -> Vec<SceneEntity> {
+    let entities = visuals(scene, patches).into_iter().map(|visual| {
         let (frame, id) = names(scene, world_frame, visual.subject);
         let mut entity = entity(at, &frame, id);
         if let Some(shape) = &visual.shape {
@@ -90,7 +85,7 @@ fn entities(
         }
         entity
     });
-    Ok(entities.collect())
+    entities.collect()
 }
 
 /// The frame in which something is drawn, and its entity's id.
@@ -111,7 +106,7 @@ pub(super) fn names(scene: &Scene, world_frame: &str, subject: Subject) -> (Stri
     }
 }
 
-fn entity(at: Timestamp, frame: &str, id: String) -> SceneEntity {
+pub(super) fn entity(at: Timestamp, frame: &str, id: String) -> SceneEntity {
     SceneEntity {
         timestamp: Some(at),
         frame_id: frame.to_owned(),
@@ -137,15 +132,7 @@ fn add_shape(entity: &mut SceneEntity, shape: &Shape, pose: &Pose, color: Color)
             }
             Form::Triangles(triangles) => entity.triangles.push(TriangleListPrimitive {
                 pose: Some(pose_message(&pose)),
-                points: triangles
-                    .iter()
-                    .flatten()
-                    .map(|point| Point3 {
-                        x: point.x,
-                        y: point.y,
-                        z: point.z,
-                    })
-                    .collect(),
+                points: triangles.iter().flatten().map(point).collect(),
                 color: Some(color),
                 ..TriangleListPrimitive::default()
             }),
@@ -190,6 +177,14 @@ fn cylinder(
     }
 }
 
+pub(super) fn point(at: &Vector3<f64>) -> Point3 {
+    Point3 {
+        x: at.x,
+        y: at.y,
+        z: at.z,
+    }
+}
+
 fn vector(v: &Vector3<f64>) -> VectorMessage {
     VectorMessage {
         x: v.x,
@@ -198,7 +193,7 @@ fn vector(v: &Vector3<f64>) -> VectorMessage {
     }
 }
 
-fn pose_message(pose: &Pose) -> PoseMessage {
+pub(super) fn pose_message(pose: &Pose) -> PoseMessage {
     let q = pose.rotation.quaternion();
     PoseMessage {
         position: Some(vector(&pose.translation.vector)),
@@ -213,37 +208,7 @@ fn pose_message(pose: &Pose) -> PoseMessage {
 
 #[cfg(test)]
 mod tests {
-    use foxglove::Decode;
-
     use super::*;
-    use crate::motion::fixture::scene;
-
-    #[test]
-    fn bodies_move_with_their_frames_and_the_world_stands_still() {
-        let scene = scene();
-        let bytes = scene_update(Path::new("x"), &scene, "map", Stamp(5), 2.0).expect("encode");
-        let update = SceneUpdate::decode(&bytes[..]).expect("decode");
-        let found: Vec<_> = update
-            .entities
-            .iter()
-            .map(|entity| (entity.id.as_str(), entity.frame_id.as_str()))
-            .collect();
-        assert_eq!(
-            found,
-            [
-                ("body/pencil", "pencil_estimate"),
-                ("obstacle/mug floor", "map"),
-                ("surface/table", "map"),
-                ("goal/0/landing/pencil", "map"),
-            ]
-        );
-        let pencil = update.entities[0].cylinders[0];
-        assert_eq!(pencil.size.map(|size| size.z), Some(0.19));
-        // The slab's upper side is the table.
-        let table = update.entities[2].cubes[0];
-        let z = table.pose.and_then(|pose| pose.position).map(|p| p.z);
-        assert_eq!(z, Some(-0.5e-3));
-    }
 
     #[test]
     fn every_shape_is_drawn_where_it_is() {

@@ -9,13 +9,13 @@ use super::dialect::{self, Dialect, Format};
 use super::error::WriteError;
 use super::merge::{self, Additions, OurChannel, OurMessage};
 use super::skeleton::Skeleton;
-use super::{drawing, topics, urdf};
-use crate::motion::{PoseSample, Stamp};
+use super::{topics, trails, urdf};
+use crate::motion::{LinkIndex, PoseSample, Stamp};
 use crate::report::{
-    EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+    EstimateMessage, Provenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
-use crate::visual::surface_side_m;
+use crate::visual::patches;
 use crate::wire::ros2;
 use crate::wire::{Container, JointState, Transform};
 
@@ -42,6 +42,8 @@ pub struct EstimateFile<'a> {
     pub of: Reported<'a>,
     /// Its scene as text.
     pub scene_toml: &'a [u8],
+    /// From what it is made, to be noted in the file.
+    pub provenance: Option<&'a Provenance>,
     /// The frame in which the recording gives its poses.
     pub world_frame: &'a str,
     /// Log time less stamp \[ns\]: messages are logged so much later than they are stamped.
@@ -218,15 +220,19 @@ impl<'a> Composer<'a> {
 
     fn add_drawings(&mut self) -> Result<(), WriteError> {
         let (scene, world_frame) = (self.file.of.scene, self.file.world_frame);
-        let side_m = surface_side_m(scene, &self.motion.estimates);
+        let patches = patches(scene, &self.motion.estimates);
         if let Some(format) = self.dialect.drawings() {
             let channel = self.channel(topics::SCENE, format);
-            let data =
-                drawing::scene_update(self.path, scene, world_frame, self.motion.zero, side_m)?;
+            let estimate = self.file.of.estimate;
+            let of = (scene, estimate, self.motion);
+            let data = trails::scene_update(self.path, of, world_frame, &patches)?;
             self.push(channel, self.motion.zero, data);
         }
+        let acted = self.motion.sketches.iter_enumerated();
+        let acted = acted.filter(|(_, samples)| !samples.is_empty());
+        let acted: Vec<LinkIndex> = acted.map(|(link, _)| link).collect();
         let channel = self.channel(topics::ROBOT_DESCRIPTION, dialect::text());
-        let data = ros2::string(&urdf::robot(scene, world_frame, side_m));
+        let data = ros2::string(&urdf::robot(scene, world_frame, &patches, &acted));
         self.push(channel, self.motion.zero, data);
         Ok(())
     }
@@ -261,7 +267,7 @@ impl<'a> Composer<'a> {
             ..
         } = self.file.of;
         let time_map = TimeMapMessage::new(scene, sketch, estimate, self.motion.zero);
-        let report = EstimateMessage::new(&self.file.of, self.motion.zero);
+        let report = EstimateMessage::new(&self.file.of, self.motion.zero, self.file.provenance);
         for (topic, name, schema, data) in [
             (
                 topics::TIME_MAP,

@@ -31,6 +31,7 @@ pub mod recover;
 pub mod show;
 mod skeleton;
 pub mod topics;
+mod trails;
 mod unfinished;
 mod urdf;
 

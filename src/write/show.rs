@@ -19,7 +19,7 @@ use crate::report::{
     EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
-use crate::visual::surface_side_m;
+use crate::visual::patches;
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::{Encoded, Transform};
 
@@ -114,7 +114,7 @@ impl Showing {
         Ok(Self {
             from: stamps().min().unwrap_or(zero),
             until: stamps().max().unwrap_or(zero),
-            report: json(&EstimateMessage::new(of, zero)),
+            report: json(&EstimateMessage::new(of, zero, None)),
             time_map: json(&TimeMapMessage::new(scene, sketch, estimate, zero)),
             motion,
         })
@@ -180,8 +180,8 @@ pub fn transforms(frames: &[(String, PoseSample)]) -> Option<Vec<u8>> {
 
 /// The message of [`ShownTopic::scene`].
 pub fn scene(scene: &Scene, now: Stamp) -> Option<Vec<u8>> {
-    let side_m = surface_side_m(scene, TiSlice::from_ref(&[]));
-    drawing::live_scene_update(scene, DEFAULT_WORLD_FRAME, now, side_m).ok()
+    let patches = patches(scene, TiSlice::from_ref(&[]));
+    drawing::live_scene_update(scene, DEFAULT_WORLD_FRAME, now, &patches).ok()
 }
 
 #[cfg(test)]

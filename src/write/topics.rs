@@ -6,11 +6,11 @@
 //! | `/sketch/<body>/pose` | `foxglove.PoseInFrame` | the performance, in body axes, at its physical times |
 //! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch`, and the frames of joints |
 //! | `/estimate/joints` | `foxglove.JointStates` | angles and rates of joints, at the frames of the motion; only where bodies are joined |
-//! | `/scene` | `foxglove.SceneUpdate` | bodies, obstacles, surfaces, goals |
-//! | `/robot_description` | `std_msgs/msg/String` | the same as URDF, for viewers that draw that |
+//! | `/scene` | `foxglove.SceneUpdate` | bodies, as ghosts as they were acted, the ways of both, events, obstacles, surfaces, goals |
+//! | `/robot_description` | `std_msgs/msg/String` | bodies, ghosts and what stands as URDF, for viewers that draw that |
 //! | `/estimate/events` | `foxglove.Event` | the scene's events, when they happen, and from when the motion is simulated |
 //! | `/estimate/time_map` | `enact.TimeMap` (JSON) | acted time against physical time |
-//! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate |
+//! | `/estimate/report` | `enact.EstimateReport` (JSON) | the whole estimate, and from what it was made |
 //!
 //! In an input of the `ros2` profile, whose readers know nothing else, they are
 //! `geometry_msgs/msg/PoseStamped`, `tf2_msgs/msg/TFMessage`, `sensor_msgs/msg/JointState` on `/joint_states`,

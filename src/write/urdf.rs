@@ -2,34 +2,43 @@
 //!
 //! The root link is the world frame, with obstacles and surfaces. Each body is a link named as its
 //! estimate's frame, at its centre of mass along its principal axes; bodies that fly are joined to the
-//! world by floating joints, which frame transforms move. URDF knows no universal joint and no ball: a
+//! world by floating joints, which frame transforms move, and so are bodies as they were acted, once more. URDF knows no universal joint and no ball: a
 //! joint of the scene is a series of hinges with links between them that have neither mass nor shape
 //! ([`skeleton`](super::skeleton)), and a body hangs fixed on the last of them, for a hinge's link must be at
 //! its axis.
 //!
-//! URDF knows boxes, cylinders and spheres: a cone is drawn as a stack of cylinders, a hull as its
-//! bounding box, a rounded box as a sharp one. It has no word for springs, and for a hinge with one limit
-//! alone: that is without.
+//! URDF knows boxes, cylinders and spheres: a cone is drawn as a stack of cylinders, a hull as a
+//! stack of boxes (who reads URDF from a recording finds no files of meshes), a rounded box as a sharp one. It
+//! has no word for springs, and for a hinge with one limit alone: that is without.
 
 use std::fmt::Write;
 
 use nalgebra::{Translation3, Vector3};
 
 use super::skeleton::{Hanging, Hinge, Skeleton};
+use super::topics;
 use crate::math::{Pose, euler};
-use crate::motion::{Link, Scene};
+use crate::motion::{Link, LinkIndex, Scene};
 use crate::physics::Shape;
-use crate::visual::{Form, Primitive, Subject, Visual, bounding_box, cone_slices};
+use crate::visual::{
+    Form, GHOST_RGBA, Patch, Primitive, Subject, Visual, cone_slices, hull_slices, mesh,
+};
 use crate::visual::{primitives, visuals};
 
-/// How many cylinders make a cone.
-const CONE_SLICES: usize = 12;
+/// How many cylinders make a cone, and boxes a hull.
+const SLICES: usize = 12;
 
 /// URDF demands a greatest rate where there are limits \[rad/s\]: one that says nothing.
 const GREATEST_RATE_RAD_S: f64 = 1e6;
 
-/// The description; surfaces are `surface_side_m` wide.
-pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> String {
+/// The description; surfaces are drawn as far as their patches. What is in `acted` is there once more as it was
+/// acted: a link without mass in the frame of its performance.
+pub(super) fn robot(
+    scene: &Scene,
+    world_frame: &str,
+    patches: &[Option<Patch>],
+    acted: &[LinkIndex],
+) -> String {
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     let world = escaped(world_frame);
     // Viewers make paths of this name: words only.
@@ -41,7 +50,7 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         .join("_");
     let _ = writeln!(text, "<robot name=\"{name}\">");
     let _ = writeln!(text, "  <link name=\"{world}\">");
-    let visuals = visuals(scene, surface_side_m);
+    let visuals = visuals(scene, patches);
     let is_fixed = |of: &&Visual| matches!(of.subject, Subject::Obstacle(_) | Subject::Surface(_));
     for visual in visuals.iter().filter(is_fixed) {
         add_visual(&mut text, visual);
@@ -69,8 +78,23 @@ pub(super) fn robot(scene: &Scene, world_frame: &str, surface_side_m: f64) -> St
         }
         text.push_str("  </joint>\n");
     }
+    for link in acted {
+        add_ghost(&mut text, &scene.links[*link], world_frame);
+    }
     text.push_str("</robot>\n");
     text
+}
+
+/// A body as it was acted, which moves freely in the world.
+fn add_ghost(text: &mut String, link: &Link, world_frame: &str) {
+    let frame = topics::sketch_frame(&link.name);
+    let rgba = GHOST_RGBA.map(|part| part.to_string()).join(" ");
+    let _ = writeln!(text, "  <link name=\"{}\">", escaped(&frame));
+    add_shape(text, &link.shape, &link.link_from_shape(), &rgba);
+    text.push_str("  </link>\n");
+    let joint = format!("{frame}_joint");
+    open_joint(text, (&joint, "floating"), [world_frame, &frame]);
+    text.push_str("  </joint>\n");
 }
 
 /// Hinges with their links; the name of the last of these, or of the parent where there are none.
@@ -159,14 +183,14 @@ fn add_shape(text: &mut String, shape: &Shape, pose: &Pose, rgba: &str) {
             half_height_m,
             radius_m,
         } => {
-            for [z_m, length_m, radius_m] in cone_slices(*half_height_m, *radius_m, CONE_SLICES) {
+            for [z_m, length_m, radius_m] in cone_slices(*half_height_m, *radius_m, SLICES) {
                 let pose = pose * Translation3::new(0.0, 0.0, z_m);
                 add_geometry(text, &pose, &cylinder(length_m, radius_m), rgba);
             }
         }
-        Shape::Hull { points_m } => {
-            if let Some((centre_m, sides_m)) = bounding_box(points_m) {
-                let pose = pose * Translation3::from(centre_m);
+        Shape::Hull { .. } => {
+            for [middle_m, sides_m] in hull_slices(&mesh(shape), SLICES) {
+                let pose = pose * Translation3::from(middle_m);
                 add_geometry(text, &pose, &cuboid(&sides_m), rgba);
             }
         }
@@ -236,13 +260,16 @@ mod tests {
     fn links_are_the_frames_of_the_estimate() {
         let mut scene = scene();
         scene.name = "a <\"b\"> & c".to_owned();
-        let text = robot(&scene, "map <\"1\"> &", 2.0);
+        let text = robot(&scene, "map <\"1\"> &", &[], &[LinkIndex(0)]);
         for line in [
             "<robot name=\"a_b_c\">",
             "<link name=\"map &lt;&quot;1&quot;&gt; &amp;\">",
             "<link name=\"pencil_estimate\">",
             "<parent link=\"map &lt;&quot;1&quot;&gt; &amp;\"/>",
             "<cylinder radius=\"0.00375\" length=\"0.19\"/>",
+            "<link name=\"pencil_sketch\">",
+            "<joint name=\"pencil_sketch_joint\" type=\"floating\">",
+            "<color rgba=\"0.95 0.65 0.2 0.35\"/>",
         ] {
             assert!(text.contains(line), "{line} is not in\n{text}");
         }
@@ -265,9 +292,9 @@ mod tests {
                     .expect("number")
             })
             .collect();
-        assert_eq!(heights.len(), CONE_SLICES);
-        let slice = 2.0 / CONE_SLICES as f64;
+        assert_eq!(heights.len(), SLICES);
+        let slice = 2.0 / SLICES as f64;
         assert!((heights[0] - 0.5 * slice + 0.5).abs() < 1e-12);
-        assert!((heights[CONE_SLICES - 1] + 0.5 * slice - 1.5).abs() < 1e-12);
+        assert!((heights[SLICES - 1] + 0.5 * slice - 1.5).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::units::{angle, length, seconds};
+use crate::report::units::{angle, length, seconds};
 use crate::report::{EstimateReport, LieLine};
 
 /// What independent checks found, and how the motion goes on.

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 use crate::cli::table::table;
+use crate::report::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 use crate::report::{EstimateReport, EventLine};
 
 pub(super) fn events(report: &EstimateReport) -> String {

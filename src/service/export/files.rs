@@ -1,24 +1,24 @@
 //! The files of an export and their names.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{anyhow, bail};
 
-use super::super::finish::check_distinct;
+use super::super::finish::{beside, check_distinct};
+use super::super::output::write_file;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
-use crate::motion::Scene;
-use crate::wire::Container;
-use crate::write::atomic::AtomicFile;
-use crate::write::export::{ExportedBody, Provenance, WrittenMotion, bvh, csv, glb, ros2, tum};
+use super::super::read_back::ReadBack;
+use crate::report::ExportProvenance;
+use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
 
 /// Files by what is added to the name; one without an addition keeps it.
 pub(super) fn files(
     job: &ExportJob,
-    (container, scene_toml, scene, motion): (&Container, &[u8], &Scene, &WrittenMotion),
+    read: &ReadBack,
     bodies: &[ExportedBody],
-    provenance: &Provenance,
+    provenance: &ExportProvenance,
 ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let (scene, motion) = (&read.scene, &read.motion);
     let files = match job.format {
         ExportFormat::Glb => {
             let at = (motion.zero, job.frame_rate_hz);
@@ -49,7 +49,7 @@ pub(super) fn files(
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Ros2 => {
-            let bytes = ros2(&job.input, container, scene_toml, provenance)?;
+            let bytes = ros2(&job.input, read.container(), provenance)?;
             vec![(String::new(), bytes)]
         }
     };
@@ -63,7 +63,7 @@ pub(super) fn write(
     exported: &mut Exported,
 ) -> anyhow::Result<()> {
     let output = match &job.to {
-        ExportTo::Beside => job.input.with_extension(job.format.ending()),
+        ExportTo::Beside => beside(&job.input, job.format.ending())?,
         ExportTo::File(output) => output.clone(),
         ExportTo::Caller => {
             let count = files.len();
@@ -88,10 +88,7 @@ pub(super) fn write(
         }
     }
     for (path, bytes) in named {
-        let mut file = AtomicFile::create(&path)?;
-        file.write_all(&bytes)
-            .with_context(|| format!("{}: cannot write", path.display()))?;
-        file.commit()?;
+        write_file(&path, &bytes)?;
         exported.outputs.push(path.display().to_string());
     }
     Ok(())

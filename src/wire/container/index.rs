@@ -114,6 +114,11 @@ struct Gathered {
 }
 
 impl Container {
+    /// All of the file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// Walks through the bytes of a file. Damage is no error: what can be read is there, and
     /// [`Container::damages`] says what cannot.
     pub fn new(bytes: Vec<u8>) -> Result<Self, ContainerError> {

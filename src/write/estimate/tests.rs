@@ -74,6 +74,16 @@ fn recording(directory: &TempDir) -> PathBuf {
     path
 }
 
+fn made_from() -> Provenance {
+    Provenance {
+        program: "enact 1".to_owned(),
+        command: "enact replay in.mcap".to_owned(),
+        recording: "in.mcap".to_owned(),
+        recording_sha256: "00".repeat(32),
+        scene_sha256: "11".repeat(32),
+    }
+}
+
 /// Writes the estimate of the sample scene beside `input`; returns the file's name.
 fn written(input: &Path, name: &str, scene_toml: &str) -> PathBuf {
     written_with(input, name, scene_toml, None, None)
@@ -107,6 +117,7 @@ fn written_with(
                 rest: None,
             },
             scene_toml: scene_toml.as_bytes(),
+            provenance: Some(&made_from()),
             world_frame: "map",
             log_offset_ns: 3_000_000,
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,
@@ -287,6 +298,8 @@ fn the_report_says_everything_and_obeys_its_schema() {
     assert_eq!(report["time_map"]["origin"]["sec"], 1_700_000_000);
     assert_eq!(report["verification"]["deepest"]["against"], "mug floor");
     assert_eq!(report["verification"]["touches"][0]["expected"][0], "tip");
+    let said: Provenance = serde_json::from_value(report["provenance"].clone()).expect("it");
+    assert_eq!(said, made_from());
 }
 
 /// The part of JSON schema that ours use: types, properties, items, maps.
@@ -533,6 +546,7 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
             rest: None,
         },
         scene_toml: b"",
+        provenance: None,
         world_frame: "map",
         log_offset_ns: 0,
         frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -104,6 +104,32 @@ fn keys(motion: &WrittenMotion, samples: &[PoseSample], frame_rate_hz: f64) -> V
     keys
 }
 
+/// Where the motion has a body at a time; `None` before it begins and after it ends.
+pub fn motion_at(motion: &WrittenMotion, link: LinkIndex, at: Stamp) -> Option<PoseSample> {
+    let samples = &motion.estimates[link];
+    let is_within = samples.first()?.stamp <= at && at <= samples.last()?.stamp;
+    is_within.then(|| pose_at(motion, samples, at))
+}
+
+/// Where a body was acted at a physical time, between the two samples next to it; `None` where they are farther
+/// apart than that.
+pub fn acted_at(
+    motion: &WrittenMotion,
+    link: LinkIndex,
+    at: Stamp,
+    farthest_s: f64,
+) -> Option<PoseSample> {
+    let samples = &motion.sketches[link];
+    let after = samples.partition_point(|sample| sample.stamp < at);
+    let near = samples.get(after)?;
+    if near.stamp == at {
+        return Some(*near);
+    }
+    let before = &samples[after.checked_sub(1)?];
+    let is_near = near.stamp.seconds_since(before.stamp) <= farthest_s;
+    is_near.then(|| interpolated(&[*before, *near], at))
+}
+
 /// How fast a motion turns at most \[rad/s\].
 pub fn fastest_turn_rad_s(samples: &[PoseSample]) -> f64 {
     // An event may be so near to a frame that rounding would count.
@@ -197,6 +223,8 @@ mod tests {
         make_signs_continuous(&mut samples);
         let motion = WrittenMotion {
             verdict: "physical".to_owned(),
+            provenance: None,
+            report: Vec::new(),
             zero,
             events: vec![(stamp(zero, 0.2), "bounce".to_owned())],
             simulated_from: None,

@@ -3,9 +3,6 @@
 //! The file is y-up, as glTF wants it, by one node over all others; below it everything is as it is in the
 //! scene, z-up and in metres. A body's node is its frame, at the centre of mass along its principal axes.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
 use serde_json::json;
 use typed_index_collections::TiVec;
 
@@ -13,49 +10,8 @@ use super::super::drawing;
 use super::document::Document;
 use super::frames::ExportedBody;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
-use crate::visual::{GHOST_RGBA, Subject, surface_side_m, visuals};
-
-/// Of what, with what and how a file was made.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Provenance {
-    /// Program and version.
-    pub program: String,
-    /// The command line.
-    pub command: String,
-    /// The file of the estimate.
-    pub recording: String,
-    /// Name of the scene.
-    pub scene: String,
-    /// SHA-256 of the scene's text, in hexadecimal digits.
-    pub scene_sha256: String,
-    /// `physical`, `plausible` or `failed`.
-    pub verdict: String,
-}
-
-impl Provenance {
-    /// As names and values.
-    pub(super) fn pairs(&self) -> BTreeMap<String, String> {
-        let Self {
-            program,
-            command,
-            recording,
-            scene,
-            scene_sha256,
-            verdict,
-        } = self;
-        let pairs = [
-            ("program", program),
-            ("command", command),
-            ("recording", recording),
-            ("scene", scene),
-            ("scene_sha256", scene_sha256),
-            ("verdict", verdict),
-        ];
-        pairs
-            .map(|(name, value)| (name.to_owned(), value.clone()))
-            .into()
-    }
-}
+use crate::report::ExportProvenance;
+use crate::visual::{GHOST_RGBA, Subject, patches, visuals};
 
 /// The file. Its times begin at a frame: zero is physical time zero, or the last frame before the first
 /// key where that is earlier.
@@ -63,7 +19,7 @@ pub fn glb(
     scene: &Scene,
     bodies: &[ExportedBody],
     (zero, frame_rate_hz): (Stamp, f64),
-    provenance: &Provenance,
+    provenance: &ExportProvenance,
 ) -> Vec<u8> {
     let all = || {
         bodies
@@ -78,7 +34,7 @@ pub fn glb(
     for body in bodies {
         estimates[body.link] = body.keys.iter().map(|key| key.sample).collect();
     }
-    for visual in visuals(scene, surface_side_m(scene, &estimates)) {
+    for visual in visuals(scene, &patches(scene, &estimates)) {
         let Some(shape) = &visual.shape else {
             continue;
         };

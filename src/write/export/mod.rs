@@ -15,8 +15,8 @@ pub mod ros2;
 pub mod tables;
 
 pub use bvh::bvh;
-pub use frames::{ExportedBody, Key, exported_bodies, fastest_turn_rad_s};
-pub use gltf::{Provenance, glb};
+pub use frames::{ExportedBody, Key, acted_at, exported_bodies, fastest_turn_rad_s, motion_at};
+pub use gltf::glb;
 pub use motion::{WrittenMotion, scene_of_estimate};
 pub use ros2::ros2;
 pub use tables::{csv, tum};

@@ -11,6 +11,7 @@ use super::super::error::WriteError;
 use super::super::estimate::{ESTIMATE_SCENE_NAME, SCENE_NAME};
 use super::super::topics;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
+use crate::report::Provenance;
 use crate::sampling::{make_signs_continuous, stamp};
 use crate::wire::{Container, DecodeError, PoseFormat, decode_text};
 
@@ -19,6 +20,10 @@ use crate::wire::{Container, DecodeError, PoseFormat, decode_text};
 pub struct WrittenMotion {
     /// `physical`, `plausible` or `failed`.
     pub verdict: String,
+    /// From what the estimate was made, if it says so.
+    pub provenance: Option<Provenance>,
+    /// All that it says, as JSON.
+    pub report: Vec<u8>,
     /// The stamp of physical time zero.
     pub zero: Stamp,
     /// When events happen, with their names, in order of time.
@@ -47,6 +52,8 @@ pub fn scene_of_estimate(container: &Container) -> Option<&[u8]> {
 #[derive(Deserialize)]
 struct Report {
     verdict: String,
+    #[serde(default)]
+    provenance: Option<Provenance>,
     events: Vec<EventTime>,
     #[serde(default)]
     parameters: BTreeMap<String, IgnoredAny>,
@@ -92,7 +99,7 @@ impl WrittenMotion {
         let mut estimates: TiVec<LinkIndex, Vec<PoseSample>> =
             scene.links.iter().map(|_| Vec::new()).collect();
         let mut sketches = estimates.clone();
-        let mut report: Option<Report> = None;
+        let mut report: Option<(Report, Vec<u8>)> = None;
         let mut walk = container.walk();
         while let Some(message) = walk.next_message() {
             let Some((topic, has)) = channels.get(&message.channel_id) else {
@@ -109,7 +116,7 @@ impl WrittenMotion {
                 }
             }
         }
-        let report = report.ok_or_else(|| WriteError::NoEstimate {
+        let (report, json) = report.ok_or_else(|| WriteError::NoEstimate {
             path: path.to_owned(),
         })?;
         for samples in estimates.iter_mut().chain(&mut sketches) {
@@ -125,6 +132,8 @@ impl WrittenMotion {
         events.sort_by_key(|(at, _)| *at);
         Ok(Self {
             verdict: report.verdict,
+            provenance: report.provenance,
+            report: json,
             zero,
             events,
             simulated_from: report.settled.map(|settled| stamp(zero, settled.from_s)),
@@ -169,13 +178,16 @@ fn channels<'a>(container: &'a Container, scene: &Scene) -> BTreeMap<u16, (&'a s
     of.collect()
 }
 
-fn report_of(data: &[u8]) -> Result<Report, DecodeError> {
+/// What it says, and its JSON.
+fn report_of(data: &[u8]) -> Result<(Report, Vec<u8>), DecodeError> {
     // JSON as it is, or in a ROS 2 string.
-    let report = match data.first() {
-        Some(b'{') => serde_json::from_slice(data),
-        _ => serde_json::from_str(&decode_text(data)?),
+    let json = match data.first() {
+        Some(b'{') => data.to_vec(),
+        _ => decode_text(data)?.into_bytes(),
     };
-    report.map_err(|error| DecodeError::Json(error.to_string()))
+    let report = serde_json::from_slice(&json);
+    let report = report.map_err(|error| DecodeError::Json(error.to_string()))?;
+    Ok((report, json))
 }
 
 fn sample(format: PoseFormat, data: &[u8]) -> Result<PoseSample, DecodeError> {

@@ -11,7 +11,8 @@ use mcap::records::{MessageHeader, Metadata};
 use super::super::dialect::ROS2;
 use super::super::error::WriteError;
 use super::super::{options, topics};
-use super::gltf::Provenance;
+use super::motion::scene_of_estimate;
+use crate::report::ExportProvenance;
 use crate::wire::Container;
 use crate::wire::ros2::RosMessage;
 use crate::wire::translate::{ros_message, translated};
@@ -52,11 +53,11 @@ struct Channel<'a> {
 pub fn ros2(
     path: &Path,
     container: &Container,
-    scene_toml: &[u8],
-    provenance: &Provenance,
+    provenance: &ExportProvenance,
 ) -> Result<Vec<u8>, WriteError> {
     let failed = |source| WriteError::mcap(path)(source);
     let mut writer = options::writer(Cursor::new(Vec::new()), ROS2).map_err(failed)?;
+    let scene_toml = scene_of_estimate(container).unwrap_or_default();
     let attachment = Attachment {
         log_time: 0,
         create_time: 0,
@@ -65,9 +66,10 @@ pub fn ros2(
         data: Cow::Borrowed(scene_toml),
     };
     writer.attach(&attachment).map_err(failed)?;
+    let text = provenance.lines().join("\n");
     let metadata = Metadata {
         name: "enact.provenance".to_owned(),
-        metadata: provenance.pairs(),
+        metadata: [("provenance".to_owned(), text)].into(),
     };
     writer.write_metadata(&metadata).map_err(failed)?;
     let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();

@@ -4,13 +4,13 @@ use std::fmt::Write;
 
 use super::super::keyframes::{quoted, seconds};
 use super::frames::{ExportedBody, Key};
-use super::gltf::Provenance;
 use crate::motion::{PoseSample, Scene, Stamp};
+use crate::report::ExportProvenance;
 
 /// The columns of [`csv`].
 const HEADER: &str = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz";
 
-/// A row per key and body in order of time, below a comment on where it is from and a header.
+/// A row per key and body in order of time, below comments on where it is from and a header.
 ///
 /// `t_s` is physical time, `stamp_ns` the same as the recording counts it; `motion` is `estimate`,
 /// `simulated` or `acted`; `event` is empty where none happens. Places are of centres of mass in world axes, and
@@ -19,7 +19,7 @@ pub fn csv(
     scene: &Scene,
     bodies: &[ExportedBody],
     (zero, simulated_from): (Stamp, Option<Stamp>),
-    provenance: &Provenance,
+    provenance: &ExportProvenance,
 ) -> String {
     let mut rows: Vec<(Stamp, usize, &str, &Key)> = Vec::new();
     for (place, body) in bodies.iter().enumerate() {
@@ -60,7 +60,7 @@ pub fn csv(
 
 /// A trajectory in TUM's format, `t x y z qx qy qz qw` with blanks between, times as the recording
 /// counts them.
-pub fn tum(keys: &[Key], provenance: &Provenance) -> String {
+pub fn tum(keys: &[Key], provenance: &ExportProvenance) -> String {
     let mut text = comment(provenance);
     for key in keys {
         let PoseSample {
@@ -76,17 +76,8 @@ pub fn tum(keys: &[Key], provenance: &Provenance) -> String {
     text
 }
 
-/// A line for people that readers of tables leave out.
-fn comment(of: &Provenance) -> String {
-    let Provenance {
-        program,
-        command,
-        recording,
-        scene,
-        scene_sha256,
-        verdict,
-    } = of;
-    format!(
-        "# {program}: {verdict} motion of {recording:?}, scene {scene:?} (SHA-256 {scene_sha256}), by {command:?}\n"
-    )
+/// Lines for people that readers of tables leave out.
+fn comment(of: &ExportProvenance) -> String {
+    let lines = of.lines().into_iter();
+    lines.map(|line| format!("# {line}\n")).collect()
 }

@@ -68,6 +68,7 @@ fn main() -> Result<()> {
                 rest: outcome.rest.as_ref(),
             },
             scene_toml: scene_toml.as_bytes(),
+            provenance: None,
             world_frame: world_frame.map_or(DEFAULT_WORLD_FRAME, String::as_str),
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

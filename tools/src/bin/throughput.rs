@@ -147,6 +147,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
                 rest: None,
             },
             scene_toml: recording.scene_toml().context("a scene")?,
+            provenance: None,
             world_frame: "world",
             log_offset_ns: take.report.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

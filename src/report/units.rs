@@ -1,7 +1,7 @@
 //! Numbers with units for people.
 
 /// Decimals that show two digits of a standard deviation, from none to eight.
-pub(super) fn decimals(sd: Option<f64>) -> usize {
+pub fn decimals(sd: Option<f64>) -> usize {
     match sd {
         // Rounded down, log₁₀ is where the first digit stands.
         Some(sd) if sd > 0.0 && sd < 10.0 => (1.0 - sd.log10().floor()).min(8.0) as usize,
@@ -11,7 +11,7 @@ pub(super) fn decimals(sd: Option<f64>) -> usize {
 }
 
 /// The unit in which people read values in an SI unit, and how many of it are one.
-pub(super) fn for_people(unit: &str) -> (f64, &str) {
+pub fn for_people(unit: &str) -> (f64, &str) {
     match unit {
         "rad" => (1f64.to_degrees(), "°"),
         "m" => (1e3, "mm"),
@@ -21,7 +21,8 @@ pub(super) fn for_people(unit: &str) -> (f64, &str) {
     }
 }
 
-pub(super) fn deviation_ms(sd_s: f64) -> String {
+/// A standard deviation of a time.
+pub fn deviation_ms(sd_s: f64) -> String {
     if sd_s < 5e-5 {
         "± < 0.1 ms".into()
     } else {
@@ -29,11 +30,13 @@ pub(super) fn deviation_ms(sd_s: f64) -> String {
     }
 }
 
-pub(super) fn seconds(seconds: f64) -> String {
+/// A time to the millisecond.
+pub fn seconds(seconds: f64) -> String {
     format!("{seconds:.3} s")
 }
 
-pub(super) fn duration(seconds: f64) -> String {
+/// A wall time.
+pub fn duration(seconds: f64) -> String {
     if seconds < 1.0 {
         format!("{:.2} ms", seconds * 1e3)
     } else {
@@ -41,7 +44,8 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
-pub(super) fn length(m: f64) -> String {
+/// A length in the unit that suits it.
+pub fn length(m: f64) -> String {
     if m < 1e-6 {
         "< 1 µm".into()
     } else if m < 1e-3 {
@@ -51,7 +55,8 @@ pub(super) fn length(m: f64) -> String {
     }
 }
 
-pub(super) fn angle(rad: f64) -> String {
+/// An angle in degrees.
+pub fn angle(rad: f64) -> String {
     let degrees = rad.to_degrees();
     if degrees < 1e-3 {
         "< 0.001°".into()
@@ -60,7 +65,8 @@ pub(super) fn angle(rad: f64) -> String {
     }
 }
 
-pub(super) fn bound(value: f64) -> String {
+/// The end of a range.
+pub fn bound(value: f64) -> String {
     match value {
         f64::INFINITY => "∞".into(),
         f64::NEG_INFINITY => "-∞".into(),

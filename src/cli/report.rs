@@ -1,0 +1,84 @@
+//! `report`: an estimate as a page and a picture for people.
+
+use std::path::{Path, PathBuf};
+
+use super::arguments::{Format, ReportArguments, Seen};
+use super::exit::Exit;
+use super::output;
+use super::process::print_failure;
+use crate::service::{self, Destination, ReportJob, ReportMade, View};
+
+pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
+    let input = arguments.input.display().to_string();
+    let picture = arguments.svg.map(destination);
+    // Who asks for a picture alone gets that alone.
+    let page = match (arguments.output, &picture) {
+        (Some(output), _) => Some(destination(output)),
+        (None, Some(_)) => None,
+        (None, None) => Some(Destination::File(arguments.input.with_extension("html"))),
+    };
+    let is_caller = |to: &Destination| *to == Destination::Caller;
+    let is_piped = page.iter().chain(&picture).any(is_caller);
+    let job = ReportJob {
+        input: arguments.input,
+        page,
+        picture: picture.map(|to| (to, view(arguments.view))),
+        command: output::command_line(),
+    };
+    let made = match service::report(&job) {
+        Ok(made) => made,
+        Err(error) => {
+            // A pipe carries the file or nothing.
+            let format = if is_piped {
+                Format::Text
+            } else {
+                arguments.format
+            };
+            print_failure(&input, &error, format)?;
+            return Ok(Exit::Error);
+        }
+    };
+    if is_piped {
+        output::print_bytes(&made.bytes)?;
+        for note in made.lost.iter().chain(&made.warnings) {
+            output::print_note(note);
+        }
+    } else {
+        match arguments.format {
+            Format::Ndjson => output::print_json("enact.page/1", &made)?,
+            Format::Text => output::print(&text(&made))?,
+        }
+    }
+    let is_whole = made.lost.is_empty() && made.verdict == "physical";
+    Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
+}
+
+fn destination(path: PathBuf) -> Destination {
+    match path == Path::new("-") {
+        true => Destination::Caller,
+        false => Destination::File(path),
+    }
+}
+
+fn view(seen: Seen) -> View {
+    match seen {
+        Seen::Front => View::Front,
+        Seen::Side => View::Side,
+        Seen::Top => View::Top,
+        Seen::ThreeQuarter => View::ThreeQuarter,
+    }
+}
+
+fn text(made: &ReportMade) -> String {
+    let mut text = format!("{}: {}, {}\n", made.input, made.scene, made.verdict);
+    for loss in &made.lost {
+        text += &format!("  lost: {loss}\n");
+    }
+    for warning in &made.warnings {
+        text += &format!("  note: {warning}\n");
+    }
+    for output in &made.outputs {
+        text += &format!("  written   {output}\n");
+    }
+    text
+}

@@ -1,0 +1,27 @@
+//! An estimate as a page that people open, and as pictures.
+//!
+//! [`html`] makes one file that needs nothing else: no net, no script, no font. It has what `/estimate/report` says in
+//! words, tables and small charts, and [`Strobe`] pictures of the motion beside the performance; these are files of
+//! their own as well. Everything is a function of what was read and of the wishes: no clock, no random names.
+//! Whatever a file calls its bodies and events is escaped.
+
+mod advice;
+mod chart;
+mod html;
+mod input;
+mod residuals;
+mod said;
+mod sections;
+mod seen;
+pub mod strobe;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod theme;
+mod time_map;
+
+pub use html::{PageError, html, strobe_of};
+pub use input::Page;
+pub use strobe::{Size, Strobe};
+
+pub use crate::visual::View;

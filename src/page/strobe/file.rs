@@ -1,0 +1,60 @@
+//! Strobe pictures as elements of pages and as files.
+
+use super::super::svg::{escaped, px};
+use super::draw::Picture;
+use super::layout::{Frame, Size};
+use super::lit::Strobe;
+use crate::visual::{Camera, View};
+
+impl Strobe<'_> {
+    /// A picture as an element of a page that has the style.
+    pub fn element(&self, view: View, size: Size) -> String {
+        let frame = Frame {
+            size,
+            is_alone: false,
+        };
+        let picture = self.picture(view, frame);
+        self.wrapped(view, &picture, "")
+    }
+
+    /// A picture as a file of its own.
+    pub fn file(&self, view: View) -> String {
+        let frame = Frame {
+            size: Size::Fitted { width_px: 760.0 },
+            is_alone: true,
+        };
+        let picture = self.picture(view, frame);
+        let notes: Vec<String> = self.notes.iter().map(|note| escaped(note)).collect();
+        let within = format!(
+            "<metadata>{}</metadata><style>{}</style>",
+            notes.join("\n"),
+            self.style()
+        );
+        let mut text = self.wrapped(view, &picture, &within);
+        text.push('\n');
+        text
+    }
+
+    fn picture(&self, view: View, frame: Frame) -> Picture {
+        let camera = Camera::new(view, &self.scene.gravity_m_s2, &self.points_m);
+        Picture::new(self, &camera, frame)
+    }
+
+    fn wrapped(&self, view: View, picture: &Picture, within: &str) -> String {
+        let [width, height] = picture.size_px.map(px);
+        // Attributes that size it alone, and do not hinder a page.
+        let size = match within.is_empty() {
+            true => String::new(),
+            false => format!(" width=\"{width}\" height=\"{height}\""),
+        };
+        let name = format!("{}, {} view", self.scene.name, view.as_str());
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\"{size} role=\"img\" \
+             aria-label=\"{}\"><title>{}</title><desc>{}</desc>{within}{}</svg>",
+            escaped(&name),
+            escaped(&name),
+            escaped(&self.description(view)),
+            picture.text
+        )
+    }
+}

@@ -1,0 +1,11 @@
+//! A motion as one picture, as if a lamp flashed while it was open: bodies at equal steps of time along their
+//! ways, the performance beside them as a ghost, and what they touch.
+
+mod draw;
+mod file;
+mod layout;
+mod lit;
+mod plan;
+
+pub use layout::Size;
+pub use lit::Strobe;

@@ -1,0 +1,132 @@
+//! Makes a page and a picture for people of the motion that a recording has.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use serde::Serialize;
+
+use super::finish::check_distinct;
+use super::output::{Destination, write_file};
+use super::read_back::ReadBack;
+use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
+use crate::page::{Page, View, html, strobe_of};
+
+/// The input of [`report`].
+#[derive(Clone, Debug)]
+pub struct ReportJob {
+    /// A recording with an estimate.
+    pub input: PathBuf,
+    /// Where the page goes; none: no page is made.
+    pub page: Option<Destination>,
+    /// Where the picture goes, and from where it is seen.
+    pub picture: Option<(Destination, View)>,
+    /// The command line, to be noted in the files.
+    pub command: String,
+}
+
+/// The result of [`report`].
+#[derive(Clone, Debug, Serialize)]
+pub struct ReportMade {
+    /// The file that was read.
+    pub input: String,
+    /// The files that were written.
+    pub outputs: Vec<String>,
+    /// Name of the scene.
+    pub scene: String,
+    /// `physical`, `plausible` or `failed`.
+    pub verdict: String,
+    /// Parts of the recording that could not be read.
+    pub lost: Vec<String>,
+    /// What to know.
+    pub warnings: Vec<String>,
+    /// What is not written to a file.
+    #[serde(skip)]
+    pub bytes: Vec<u8>,
+}
+
+/// Makes them. Both are made before anything is written.
+pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
+    let path = job.input.display();
+    let read = ReadBack::open(&job.input)?;
+    let provenance = read.provenance(&job.command);
+    let (readings, unread) = readings(&read);
+    let mut made = ReportMade {
+        input: path.to_string(),
+        outputs: Vec::new(),
+        scene: read.scene.name.clone(),
+        verdict: read.motion.verdict.clone(),
+        lost: read.lost(),
+        warnings: unread.into_iter().collect(),
+        bytes: Vec::new(),
+    };
+    let page = Page {
+        scene: &read.scene,
+        motion: &read.motion,
+        readings: &readings,
+        provenance: &provenance,
+        lost: &read.lost(),
+    };
+    let mut files: Vec<(&Destination, String)> = Vec::new();
+    if let Some(to) = &job.page {
+        files.push((to, html(&page).with_context(|| path.to_string())?));
+    }
+    if let Some((to, view)) = &job.picture {
+        let Some(strobe) = strobe_of(&page).with_context(|| path.to_string())? else {
+            bail!(
+                "{path}: the estimate has no motion to draw; its verdict is {}",
+                made.verdict
+            );
+        };
+        files.push((to, strobe.file(*view)));
+    }
+    check(&job.input, &files)?;
+    for (to, text) in files {
+        match to {
+            Destination::File(output) => {
+                write_file(output, text.as_bytes())?;
+                made.outputs.push(output.display().to_string());
+            }
+            Destination::Caller => made.bytes = text.into_bytes(),
+        }
+    }
+    Ok(made)
+}
+
+/// Refuses files of one name, and the recording as one of them.
+fn check(input: &Path, files: &[(&Destination, String)]) -> anyhow::Result<()> {
+    for (index, (to, _)) in files.iter().enumerate() {
+        if files[..index].iter().any(|(other, _)| other == to) {
+            bail!(
+                "page and picture would go to the same place, expected another name for one of them"
+            );
+        }
+        if let Destination::File(output) = to {
+            check_distinct(input, output)?;
+        }
+    }
+    Ok(())
+}
+
+/// What trackers read that see points alone, and why not if that cannot be read: the page does without.
+fn readings(read: &ReadBack) -> (Vec<(TrackIndex, PoseSample)>, Option<String>) {
+    let scene = &read.scene;
+    if scene.tracks.iter().all(|track| track.sees != Sees::Point) {
+        return (Vec::new(), None);
+    }
+    let take = match read.recording.take(scene) {
+        Ok(take) => take,
+        Err(error) => {
+            return (
+                Vec::new(),
+                Some(format!("distances of points are not drawn: {error}")),
+            );
+        }
+    };
+    let readings = take.events.into_iter().filter_map(|event| match event {
+        TakeEvent::Pose { track, sample, .. } if scene.tracks[track].sees == Sees::Point => {
+            Some((track, sample))
+        }
+        _ => None,
+    });
+    (readings.collect(), None)
+}
