@@ -59,7 +59,7 @@ pub(super) fn live_scene_update(
         let live = (topics::live_frame(&body.name), "live", LIVE);
         for (frame, word, color) in [sketch, live] {
             let mut entity = entity(at, &frame, format!("{word}/{}", body.name));
-            add_shape(&mut entity, &body.shape, &body.link_from_shape(), color);
+            add_shape(&mut entity, &body.shape, &body.given_from_shape(), color);
             entities.push(entity);
         }
     }
