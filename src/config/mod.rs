@@ -177,10 +177,12 @@
 //! | `free.initial…`, `free.lower…`, `free.upper…` | see above |
 //! | `free.prior_sd…` | no prior |
 
+mod board;
 mod body;
 mod capture;
 mod error;
 mod event;
+mod frame;
 mod free_flight;
 mod goal;
 mod held;
@@ -190,11 +192,14 @@ mod keys;
 mod law;
 mod number;
 mod parameter;
+mod principal;
 mod quantity;
 mod raw;
+mod reference;
 mod rest;
 mod scene;
 mod solid;
+mod spanned;
 mod text;
 mod track;
 mod unit;

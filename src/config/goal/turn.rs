@@ -1,6 +1,6 @@
 //! Orientations, and directions of axes.
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::vector::sd;
 use super::{DEG, Table, target};
@@ -14,6 +14,7 @@ impl Table<'_> {
     /// An orientation, exactly or within an angle.
     pub(super) fn turn(
         &mut self,
+        link: LinkIndex,
         seen_from: Option<LinkIndex>,
     ) -> Result<Option<Condition>, Fault> {
         let raw = self.raw;
@@ -30,7 +31,9 @@ impl Table<'_> {
         self.used.add(&keys);
         Ok(Some(Condition {
             quantity: GoalQuantity::Turn {
-                from: orientation("orientation of the goal", wxyz)?,
+                from: self.link_from_given(seen_from).rotation
+                    * orientation("orientation of the goal", wxyz)?
+                    * self.link_from_given(Some(link)).rotation.inverse(),
                 seen_from,
             },
             set: GoalSet::about_zero(self.angle()?),
@@ -53,11 +56,13 @@ impl Table<'_> {
             RawAxis::Name(name) => axis("axis", &self.scene.links[link], (name, given.span()))?,
             RawAxis::Vector(numbers) => {
                 let triple: Triple = Spanned::new(given.span(), *numbers);
-                direction("axis", &triple)?
+                self.link_from_given(Some(link)).rotation * direction("axis", &triple)?
             }
         };
         let towards = match (&raw.direction, seen_from) {
-            (Some(triple), _) => direction("direction", triple)?,
+            (Some(triple), _) => {
+                self.link_from_given(seen_from).rotation * direction("direction", triple)?
+            }
             (None, None) => {
                 let up = self.scene.gravity_m_s2.try_normalize(0.0).map(|down| -down);
                 up.ok_or_else(|| Fault {

@@ -1,6 +1,7 @@
 //! Solids: shapes prepared for distance queries.
 
 use nalgebra::Vector3;
+use parry3d::bounding_volume::BoundingSphere;
 use parry3d::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as ParryVector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
@@ -244,15 +245,7 @@ impl Solid {
             look((here * *a, shape), (there * *b, other));
             return Ok(());
         }
-        let placed = |base: ParryPose, parts: Vec<(ParryPose, &'_ SharedShape)>| {
-            let parts = parts.into_iter().map(move |(pose, shape)| {
-                let pose = base * pose;
-                let ball = shape.compute_bounding_sphere(&pose);
-                (pose, shape, ball)
-            });
-            parts.collect::<Vec<_>>()
-        };
-        let (own, others) = (placed(here, own), placed(there, others));
+        let (own, others) = (with_balls(here, own), with_balls(there, others));
         let mut pairs = Vec::with_capacity(own.len() * others.len());
         for (i, (.., a)) in own.iter().enumerate() {
             for (j, (.., b)) in others.iter().enumerate() {
@@ -271,6 +264,18 @@ impl Solid {
         }
         Ok(())
     }
+}
+
+/// Convex solids placed in the world, with the balls about them.
+fn with_balls(
+    base: ParryPose,
+    parts: Vec<(ParryPose, &SharedShape)>,
+) -> Vec<(ParryPose, &SharedShape, BoundingSphere)> {
+    let parts = parts.into_iter().map(|(pose, shape)| {
+        let pose = base * pose;
+        (pose, shape, shape.compute_bounding_sphere(&pose))
+    });
+    parts.collect()
 }
 
 /// A convex solid in the world.
