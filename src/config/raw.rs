@@ -349,7 +349,7 @@ pub(super) struct RawTracker {
 /// | `"cone"` | `height_mm`, `radius_mm` | a cone, apex up; its origin is a quarter of the height above the base |
 /// | `"hull"` | `points_mm` | the convex hull of points |
 /// | `"revolution"` | `profile_mm` | what a profile sweeps about z; open with `wall_mm` |
-/// | `"pieces"` | `pieces_mm` | hulls side by side, as `enact scene mesh` makes them of a mesh |
+/// | `"pieces"` | `pieces_mm` | hulls side by side, as `enact scene new` makes them of a mesh |
 ///
 /// ```toml
 /// [[obstacle]]

@@ -13,7 +13,7 @@ use crate::physics::shape::{Compound, MassDistribution, Part, Revolution};
 use crate::physics::{Shape, ShapeError};
 
 /// The kinds of shape, each with its keys in the order in which missing ones are reported.
-const KINDS: &[(&str, &[&str])] = &[
+pub(super) const KINDS: &[(&str, &[&str])] = &[
     ("cuboid", &["size_mm"]),
     ("rounded_cuboid", &["size_mm", "radius_mm"]),
     ("sphere", &["radius_mm"]),
