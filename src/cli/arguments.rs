@@ -317,7 +317,7 @@ pub(super) struct NewSceneArguments {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Mass in grams; a mesh needs it [default: that of the object]
-    #[arg(long, value_name = "GRAMS", value_parser = rate)]
+    #[arg(long, value_name = "GRAMS", value_parser = rate, allow_hyphen_values = true)]
     pub(super) mass_g: Option<f64>,
     /// Unit of length of a mesh [default: m for .glb]
     #[arg(long, value_enum)]

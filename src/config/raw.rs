@@ -334,6 +334,9 @@ pub(super) struct RawTracker {
     pub(super) position_mm: Option<Triple>,
     /// Its orientation, as a unit quaternion. Default: [1, 0, 0, 0].
     pub(super) orientation_wxyz: Option<Quadruple>,
+    /// The same as angles about x, then y, then z of the axes in which it is given: roll, pitch, yaw.
+    /// Default: `orientation_wxyz`.
+    pub(super) rpy_deg: Option<Triple>,
 }
 
 /// A shape, about the origin of its own frame; cylinders, capsules, cones and what is turned are about
@@ -389,6 +392,9 @@ pub(super) struct RawShape {
     pub(super) position_mm: Option<Triple>,
     /// How it is turned there, as a unit quaternion. Default: [1, 0, 0, 0].
     pub(super) orientation_wxyz: Option<Quadruple>,
+    /// The same as angles about x, then y, then z of the axes in which it is given: roll, pitch, yaw.
+    /// Default: `orientation_wxyz`.
+    pub(super) rpy_deg: Option<Triple>,
 }
 
 /// A flat face of a body by which it may touch, in the frame in which the body is given.
@@ -472,6 +478,9 @@ pub(super) struct RawObstacle {
     pub(super) position_mm: Triple,
     /// How it is turned. Default: [1, 0, 0, 0].
     pub(super) orientation_wxyz: Option<Quadruple>,
+    /// The same as angles about x, then y, then z of the axes in which it is given: roll, pitch, yaw.
+    /// Default: `orientation_wxyz`.
+    pub(super) rpy_deg: Option<Triple>,
 }
 
 /// Something that happens. Each is marked while acting; what a collision does not name is inferred.
@@ -577,6 +586,8 @@ pub(super) struct RawGoal {
     pub(super) relative_to: Option<Text>,
     /// How the body is turned, as a unit quaternion.
     pub(super) orientation_wxyz: Option<Quadruple>,
+    /// The same as angles about x, then y, then z of the world: roll, pitch, yaw.
+    pub(super) rpy_deg: Option<Triple>,
     /// An axis of the body: "+x" … "-z", the name of a face, or three numbers.
     pub(super) axis: Option<Spanned<RawAxis>>,
     /// Where the axis points. Default: up.

@@ -319,7 +319,10 @@ fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {
         let world_from_given = pose(
             "the obstacle",
             Some(&obstacle.position_mm),
-            obstacle.orientation_wxyz.as_ref(),
+            (
+                obstacle.orientation_wxyz.as_ref(),
+                obstacle.rpy_deg.as_ref(),
+            ),
         )?;
         obstacles.push(Obstacle {
             name,

@@ -89,7 +89,8 @@ pub(super) fn shape(
     // Only a hull can still fail here: its surface must close.
     shape.solid().map_err(refused)?;
     let of = raw.get_ref();
-    let given_from_shape = pose(what, of.position_mm.as_ref(), of.orientation_wxyz.as_ref())?;
+    let turn = (of.orientation_wxyz.as_ref(), of.rpy_deg.as_ref());
+    let given_from_shape = pose(what, of.position_mm.as_ref(), turn)?;
     let is_filled = exact.is_none() && of.wall_mm.is_none();
     let mass = match exact {
         Some(exact) => exact,

@@ -87,8 +87,8 @@ fn mount(tracker: Option<&Spanned<RawTracker>>) -> Result<Pose, Fault> {
     let Some(tracker) = tracker.map(Spanned::get_ref) else {
         return Ok(Pose::identity());
     };
-    let (position, orientation) = (&tracker.position_mm, &tracker.orientation_wxyz);
-    pose("the tracker", position.as_ref(), orientation.as_ref())
+    let turn = (tracker.orientation_wxyz.as_ref(), tracker.rpy_deg.as_ref());
+    pose("the tracker", tracker.position_mm.as_ref(), turn)
 }
 
 /// What the track sees; keys that mean nothing for it are refused.

@@ -5,7 +5,7 @@ use crate::config::spanned::Spanned;
 use super::vector::sd;
 use super::{DEG, Table, target};
 use crate::config::error::{Fault, fault};
-use crate::config::number::{direction, orientation, positive};
+use crate::config::number::{direction, orientation_in_either, positive};
 use crate::config::raw::{RawAxis, Triple};
 use crate::config::rest::axis;
 use crate::motion::{Condition, GoalQuantity, GoalSet, GoalTarget, LinkIndex, Moment};
@@ -18,7 +18,9 @@ impl Table<'_> {
         seen_from: Option<LinkIndex>,
     ) -> Result<Option<Condition>, Fault> {
         let raw = self.raw;
-        let Some(wxyz) = &raw.orientation_wxyz else {
+        let what = "orientation of the goal";
+        let (wxyz, rpy_deg) = (raw.orientation_wxyz.as_ref(), raw.rpy_deg.as_ref());
+        let Some(turn) = orientation_in_either(what, wxyz, rpy_deg)? else {
             return Ok(None);
         };
         if let Some(axis) = &raw.axis {
@@ -27,12 +29,12 @@ impl Table<'_> {
                 "expected one of orientation_wxyz, axis: each in a goal of its own",
             );
         }
-        let keys = ["orientation_wxyz", "relative_to", "within_deg", "sd_deg"];
+        let keys = ["orientation_wxyz", "rpy_deg", "relative_to", "within_deg", "sd_deg"];
         self.used.add(&keys);
         Ok(Some(Condition {
             quantity: GoalQuantity::Turn {
                 from: self.link_from_given(seen_from).rotation
-                    * orientation("orientation of the goal", wxyz)?
+                    * turn
                     * self.link_from_given(Some(link)).rotation.inverse(),
                 seen_from,
             },

@@ -417,3 +417,25 @@ along = [0, 1, 0]
     assert!(said("[200, 80]", "[200, -80]").contains("two positive sides"));
     assert!(said("along = [0, 1, 0]", "along = [0, 0, 1]").contains("along is the normal"));
 }
+
+/// Degrees in place of a quaternion, wherever one is.
+#[test]
+fn angles_are_roll_pitch_and_yaw() {
+    let plain = scene_in(&Pose::identity(), &Pose::identity());
+    let q = tilt(0.1, -0.2, 0.3);
+    let wxyz = format!("orientation_wxyz = {}", list([q.w, q.i, q.j, q.k]));
+    let rpy = list([0.1_f64, -0.2, 0.3].map(f64::to_degrees));
+    assert!(plain.contains(&wxyz));
+    let turned = read(&plain.replace(&wxyz, &format!("rpy_deg = {rpy}")));
+    let [a, b] = [&read(&plain), &turned].map(|of| of.tracks[TrackIndex(0)].link_from_tracker);
+    assert!(near_pose(&a, &b), "{a} {b}");
+    let both = plain.replace(&wxyz, &format!("{wxyz}, rpy_deg = {rpy}"));
+    let said = scene_from_toml(&both).expect_err("twice").message;
+    assert!(said.contains("expected one of orientation_wxyz, rpy_deg"), "{said}");
+    let goal = tilt(1.0, 0.4, -0.3);
+    let wxyz = format!("orientation_wxyz = {}\n", list([goal.w, goal.i, goal.j, goal.k]));
+    let rpy = list([1.0_f64, 0.4, -0.3].map(f64::to_degrees));
+    assert!(plain.contains(&wxyz));
+    let turned = read(&plain.replace(&wxyz, &format!("rpy_deg = {rpy}\n")));
+    assert!(near_goal(&read(&plain).goals[0].target, &turned.goals[0].target));
+}
