@@ -42,7 +42,7 @@
 //! | [`mod@write`] | 5 estimates become files | `report`, `sampling`, `visual`, `wire`, `motion` and below |
 //! | [`page`] | an estimate as a page that people open, and as pictures: HTML and SVG | `write`, `report`, `sampling`, `visual`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
-//! | [`config`] | TOML → checked scenes; URDF → TOML | `motion` and below |
+//! | [`config`] | TOML → checked scenes; URDF, meshes and objects at hand → TOML | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
 //! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
@@ -62,7 +62,8 @@
 //!   `rate_rad_s`). Time is integer nanoseconds at the edge ([`motion::Stamp`]) and seconds
 //!   since the first sample inside.
 //! - Distances are signed: negative is penetration.
-//! - Body axes are principal axes at the centre of mass.
+//! - Body axes are principal axes at the centre of mass. A scene gives a body in any frame
+//!   ([`motion::Link::link_from_given`]), and in that its poses are written.
 //! - Bad input is an error with place and numbers, one enum per room. Not converging is an
 //!   outcome with a verdict and a reason. A bug is a failed assertion.
 //!

@@ -47,7 +47,7 @@ pub(super) enum Command {
     Export(ExportArguments),
     /// Make a page to open, and a picture, of the motion that `replay` found
     Report(ReportArguments),
-    /// Make scenes
+    /// Make scenes, and say what they mean
     Scene {
         /// Of what
         #[command(subcommand)]
@@ -388,6 +388,96 @@ pub(super) enum Seen {
 pub(super) enum SceneCommand {
     /// Make a scene with the mechanism of a URDF file
     FromUrdf(FromUrdfArguments),
+    /// Make a scene of an object over a table
+    New(NewSceneArguments),
+    /// Say what a scene means: bodies, topics, what each mark stands for, what is missing
+    Check(CheckSceneArguments),
+    /// List the objects that `scene new` knows
+    Objects,
+    /// Write the JSON schema of scene files to stdout, for editors
+    Schema,
+    /// Write the reference of scene files to stdout, Markdown
+    Reference,
+}
+
+/// Arguments of `scene new`.
+#[derive(Debug, Args)]
+pub(super) struct NewSceneArguments {
+    /// An object of `scene objects`, or a mesh: a file that ends in .obj, .stl or .glb
+    #[arg(value_name = "OBJECT")]
+    pub(super) object: String,
+    /// The scene; a file that is there is not replaced [default: the object's name with .toml]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Mass in grams; a mesh needs it [default: that of the object]
+    #[arg(long, value_name = "GRAMS", value_parser = rate, allow_hyphen_values = true)]
+    pub(super) mass_g: Option<f64>,
+    /// Unit of length of a mesh [default: m for .glb]
+    #[arg(long, value_enum)]
+    pub(super) unit: Option<LengthUnit>,
+    /// Take the convex hull of a mesh, as where its surface is not closed
+    #[arg(long)]
+    pub(super) hull: bool,
+    /// Where the tracker is on the object, in millimetres along its axes [default: at its origin]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub(super) tracker_mm: Option<[f64; 3]>,
+    /// How often it bounces on the table before it lands
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) bounces: usize,
+    /// What the stamps of the performance are
+    #[arg(long, value_enum, default_value_t = NewStamps::Tempo)]
+    pub(super) stamps: NewStamps,
+    /// Axis (+z, -x, …) or face that is up when it has come to rest
+    #[arg(long, value_name = "UP", allow_hyphen_values = true)]
+    pub(super) lands: Option<String>,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Units of length of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LengthUnit {
+    /// Millimetres
+    Mm,
+    /// Centimetres
+    Cm,
+    /// Metres
+    M,
+    /// Inches
+    In,
+}
+
+impl LengthUnit {
+    /// In metres.
+    pub(super) fn metres(self) -> f64 {
+        match self {
+            LengthUnit::Mm => 1e-3,
+            LengthUnit::Cm => 1e-2,
+            LengthUnit::M => 1.0,
+            LengthUnit::In => 0.0254,
+        }
+    }
+}
+
+/// What the stamps of a performance are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum NewStamps {
+    /// Times of a performance whose tempo is not known
+    Tempo,
+    /// Times of the motion itself
+    Physical,
+}
+
+/// Arguments of `scene check`.
+#[derive(Debug, Args)]
+pub(super) struct CheckSceneArguments {
+    /// The scene
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: PathBuf,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
 }
 
 /// Arguments of `scene from-urdf`.
@@ -422,6 +512,13 @@ pub(super) enum Free {
     Auto,
 }
 
+fn triple(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    let finite = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
+    finite.ok_or_else(|| "expected three numbers such as 12,-5,40".into())
+}
+
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
@@ -437,6 +534,14 @@ mod tests {
     #[test]
     fn the_commands_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn triples_are_three_finite_numbers() {
+        assert_eq!(triple("12,-5, 40"), Ok([12.0, -5.0, 40.0]));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
+            assert!(triple(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

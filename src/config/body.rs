@@ -1,19 +1,22 @@
 //! Bodies: shape, mass, tracker, features.
 
-use std::ops::RangeInclusive;
-
-use nalgebra::Vector3;
-use toml::Spanned;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::{Fault, fault};
+use super::frame::{Solids, in_axes, inertia, one_mass};
 use super::held::held;
-use super::number::{direction, name, not_negative, positive, unique, vector, vector_from_mm};
-use super::raw::{Number, RawBody, RawShape};
-use super::solid::{SizeLimits, shape};
+use super::number::{direction, name, not_negative, unique, vector, vector_from_mm};
+use super::raw::{Number, RawBody};
+use super::solid::{Placed, SizeLimits, shape};
+use super::spanned::Spanned;
 use super::track::tracks;
 use crate::math::Pose;
 use crate::motion::{Feature, FreeBody, Track, Weights};
-use crate::physics::{Body, BodyError, Drag, Shape, ShapeError, contact};
+use crate::physics::shape::{Compound, Part, Solid};
+use crate::physics::{Body, Drag, Shape, contact};
+
+/// How deep a point is at least that is inside another part \[m\].
+const SAME_M: f64 = 1e-7;
 
 /// Sizes of bodies: objects that a hand can act with.
 const SIZE: SizeLimits = SizeLimits {
@@ -21,24 +24,31 @@ const SIZE: SizeLimits = SizeLimits {
     greatest_m: 100.0,
 };
 
-/// Lightest and heaviest body \[kg\].
-const MASS_KG: RangeInclusive<f64> = 1e-6..=1e4;
-
-/// A checked body with all its tracks, and the first of them in the body itself.
+/// A checked body with all its tracks, and the first of them in the body itself; and the frame in which the file
+/// gives it, in link axes.
 pub(super) fn body(
     spanned: &Spanned<RawBody>,
     weights: &Weights,
-) -> Result<(FreeBody, Vec<Track>), Fault> {
+) -> Result<(FreeBody, Vec<Track>, Pose), Fault> {
     let raw = spanned.get_ref();
     let name = name("body", &raw.name)?;
-    let shape = shape("the body", &raw.shape, &SIZE)?;
-    let body = match held(spanned)? {
-        Some(_) => Body::IMMOVABLE,
-        None => in_air(raw, mass_and_moments(spanned, &raw.shape, &shape)?)?,
+    let (placed, names) = solids(spanned)?;
+    let span = raw.shape.as_ref().map_or(spanned.span(), Spanned::span);
+    let solids = Solids {
+        placed: &placed,
+        span: span.clone(),
     };
-    let mut features = features(raw)?;
+    let (body, link_from_given) = match held(spanned)? {
+        Some(_) => (Body::IMMOVABLE, Pose::identity()),
+        None => {
+            let of = inertia(spanned, &solids)?;
+            (in_air(raw, of.body)?, of.link_from_given)
+        }
+    };
+    let shape = whole(&solids, &names, &link_from_given);
+    let mut features = features(raw, &link_from_given)?;
     add_own(&shape, &mut features);
-    let tracks = tracks(raw, (&name, &features), weights)?;
+    let tracks = tracks(raw, (&name, &features, &link_from_given), weights)?;
     let body = FreeBody {
         name,
         topic: tracks
@@ -48,29 +58,112 @@ pub(super) fn body(
         shape,
         body_from_tracker: tracks
             .first()
-            .map_or_else(Pose::identity, |of| of.link_from_tracker),
+            .map_or(link_from_given, |of| of.link_from_tracker),
         features,
     };
-    Ok((body, tracks))
+    Ok((body, tracks, link_from_given))
+}
+
+/// A solid with the mass that the file gives it.
+type Massive = (Placed, Option<f64>);
+
+/// The solids of a body, and their names where it has parts.
+fn solids(spanned: &Spanned<RawBody>) -> Result<(Vec<Massive>, Vec<String>), Fault> {
+    let raw = spanned.get_ref();
+    match (&raw.shape, raw.part.first()) {
+        (Some(only), None) => Ok((vec![(shape("the body", only, &SIZE)?, None)], Vec::new())),
+        (None, None) => fault(
+            spanned.span(),
+            "missing key `shape`: a body needs it, or [[body.part]]",
+        ),
+        (Some(shape), Some(_)) => fault(
+            shape.span(),
+            "shape beside [[body.part]], expected one of them",
+        ),
+        (None, Some(_)) => {
+            let (mut placed, mut names) = (Vec::new(), Vec::<String>::new());
+            for part in &raw.part {
+                let part = part.get_ref();
+                let name = name("part", &part.name)?;
+                unique("part", &part.name, &name, names.iter().map(String::as_str))?;
+                let solid = shape("the part", &part.shape, &SIZE)?;
+                let keys = [&part.mass_g, &part.mass_kg, &part.density_kg_m3];
+                let mass = one_mass("the part", keys, || solid.mass.volume_m3)?;
+                placed.push((solid, mass.map(|(mass_kg, _)| mass_kg)));
+                names.push(name);
+            }
+            Ok((placed, names))
+        }
+    }
+}
+
+/// The shape of a body in link axes: of parts all together, with those of their features that are not inside
+/// another part.
+fn whole(solids: &Solids, names: &[String], link_from_given: &Pose) -> Shape {
+    let placed = solids.placed.iter();
+    let mut shapes = placed.map(|(of, _)| {
+        let link_from_shape = link_from_given * of.given_from_shape;
+        (&of.shape, link_from_shape)
+    });
+    if names.is_empty()
+        && let Some((shape, link_from_shape)) = shapes.next()
+    {
+        return in_axes(shape, &link_from_shape);
+    }
+    let shapes: Vec<(&Shape, Pose)> = shapes.collect();
+    let ball = Solid::ball(0.0);
+    let is_inside = |of: usize, feature: &contact::Feature| {
+        let contact::Feature::Point { point_m, .. } = feature else {
+            return false;
+        };
+        let at = Pose::from_parts((*point_m).into(), UnitQuaternion::identity());
+        let others = shapes.iter().enumerate().filter(|(index, _)| *index != of);
+        let mut others = others.filter_map(|(_, (shape, pose))| Some((shape.solid().ok()?, pose)));
+        others.any(|(solid, pose)| {
+            let depth_m = solid.distance_m(pose, &ball, &at);
+            depth_m.is_ok_and(|depth_m| depth_m < -SAME_M)
+        })
+    };
+    let (mut parts, mut features) = (Vec::new(), Vec::new());
+    for (index, (shape, link_from_shape)) in shapes.iter().enumerate() {
+        for (name, feature) in shape.features().unwrap_or_default() {
+            let feature = feature.placed(link_from_shape);
+            if !is_inside(index, &feature) {
+                features.push((format!("{}/{name}", names[index]), feature));
+            }
+        }
+        match shape {
+            Shape::Compound(compound) => parts.extend(compound.placed(link_from_shape).parts),
+            other => parts.push(Part {
+                shape: (*other).clone(),
+                compound_from_shape: *link_from_shape,
+            }),
+        }
+    }
+    Shape::Compound(Compound { parts, features })
 }
 
 /// The corners in alphabetical order, then the faces as they are written.
-fn features(raw: &RawBody) -> Result<Vec<Feature>, Fault> {
+fn features(raw: &RawBody, link_from_given: &Pose) -> Result<Vec<Feature>, Fault> {
+    let placed = |geometry: contact::Feature| match *link_from_given == Pose::identity() {
+        true => geometry,
+        false => geometry.placed(link_from_given),
+    };
     let mut features: Vec<Feature> = Vec::new();
     for (text, point) in &raw.features_mm {
         let name = name("feature", text)?;
         let point_m = vector_from_mm(&format!("feature {name:?}"), point)?;
-        let geometry = contact::Feature::corner(point_m);
+        let geometry = placed(contact::Feature::corner(point_m));
         features.push(Feature { name, geometry });
     }
     for face in &raw.face {
         let name = name("face", &face.name)?;
         let taken = features.iter().map(|feature| feature.name.as_str());
         unique("feature", &face.name, &name, taken)?;
-        let geometry = contact::Feature::face(
+        let geometry = placed(contact::Feature::face(
             vector_from_mm("point_mm", &face.point_mm)?,
             direction("normal", &face.normal)?,
-        );
+        ));
         features.push(Feature { name, geometry });
     }
     Ok(features)
@@ -135,71 +228,4 @@ fn in_air(raw: &RawBody, body: Body) -> Result<Body, Fault> {
         .with_force(force_m_s2)
         .and_then(|body| body.with_drag(drag));
     Ok(body.expect("checked numbers"))
-}
-
-/// Exactly one of the three keys for mass; moments from the shape unless they are given.
-fn mass_and_moments(
-    spanned: &Spanned<RawBody>,
-    raw_shape: &Spanned<RawShape>,
-    shape: &Shape,
-) -> Result<Body, Fault> {
-    let raw = spanned.get_ref();
-    let at_shape = |error: ShapeError| Fault {
-        span: raw_shape.span(),
-        message: error.to_string(),
-    };
-    let (mass_kg, mass_span) = match (&raw.mass_g, &raw.mass_kg, &raw.density_kg_m3) {
-        (Some(g), None, None) => (positive("mass_g", g)? / 1e3, g.span()),
-        (None, Some(kg), None) => (positive("mass_kg", kg)?, kg.span()),
-        (None, None, Some(density)) => {
-            let volume_m3 = shape.uniform_mass().map_err(at_shape)?.volume_m3;
-            (
-                positive("density_kg_m3", density)? * volume_m3,
-                density.span(),
-            )
-        }
-        (None, None, None) => {
-            return fault(
-                spanned.span(),
-                "the body has no mass, expected one of mass_g, mass_kg, density_kg_m3",
-            );
-        }
-        (_, _, Some(extra)) | (_, Some(extra), _) => {
-            return fault(
-                extra.span(),
-                "the body's mass is given twice, expected only one of mass_g, mass_kg, density_kg_m3",
-            );
-        }
-    };
-    if !MASS_KG.contains(&mass_kg) {
-        return fault(
-            mass_span,
-            format!(
-                "the body's mass is {mass_kg} kg, expected {:e} to {:e} kg: mass_g is in grams, mass_kg in kilograms",
-                MASS_KG.start(),
-                MASS_KG.end()
-            ),
-        );
-    }
-    let Some(given) = &raw.moments_kg_m2 else {
-        return shape.body_of_mass_kg(mass_kg).map_err(at_shape);
-    };
-    let moments_kg_m2 = vector("moments_kg_m2", given)?;
-    let greatest_kg_m2 = mass_kg * shape.radius_m().powi(2);
-    if moments_kg_m2.max() > greatest_kg_m2 * (1.0 + 1e-9) {
-        return fault(
-            given.span(),
-            format!(
-                "moments_kg_m2 has {} kg m², expected at most {greatest_kg_m2:e}: no {mass_kg} kg within this shape have more (lengths are in millimetres)",
-                moments_kg_m2.max()
-            ),
-        );
-    }
-    Body::new(mass_kg, moments_kg_m2).map_err(|error| Fault {
-        span: match error {
-            BodyError::Mass { .. } => mass_span,
-            _ => given.span(),
-        },
-        message: error.to_string(),
-    })
 }

@@ -1,6 +1,6 @@
 //! Events.
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::free_flight;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::raw::{RawEvent, Text};

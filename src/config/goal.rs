@@ -10,7 +10,7 @@ mod vector;
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use self::keys::{ABOUT, Used};
 use self::vector::{VectorKeys, sd};
@@ -119,7 +119,7 @@ impl<'a> Table<'a> {
             sd: ("sd_mm", &raw.sd_mm),
             unit: MM,
         })?;
-        let turn = self.turn(seen_from)?;
+        let turn = self.turn(link, seen_from)?;
         if position.is_some() {
             self.used
                 .add(&["point_mm", "feature", "contact", "relative_to"]);
@@ -129,12 +129,13 @@ impl<'a> Table<'a> {
                 targets.push(pose(&set, &turn, point));
             }
             (position, turn) => {
-                let position = position.map(|(set, sd)| {
+                if let Some((set, sd)) = position {
                     let quantity = GoalQuantity::Position { point, seen_from };
-                    target(quantity, set, sd)
-                });
-                let turn = turn.map(GoalTarget::Condition);
-                targets.extend(position.into_iter().chain(turn));
+                    let axes_from_given = self.link_from_given(seen_from);
+                    let sets = self.in_axes(set, &axes_from_given)?;
+                    targets.extend(sets.into_iter().map(|set| target(quantity, set, sd)));
+                }
+                targets.extend(turn.map(GoalTarget::Condition));
             }
         }
         targets.extend(self.direction(link, seen_from)?);
@@ -171,11 +172,33 @@ impl<'a> Table<'a> {
             sd,
         };
         let velocity = velocity.map(|of| hard(GoalQuantity::Velocity { point }, of));
-        let spin = spin.map(|of| hard(GoalQuantity::Spin { axes }, of));
-        let all = velocity.into_iter().chain(spin).chain(still);
+        let spins = match spin {
+            Some((set, sd)) => {
+                let turn = match axes {
+                    Axes::World => Pose::identity(),
+                    Axes::Body => {
+                        let turn = self.link_from_given(Some(link)).rotation;
+                        Pose::from_parts(Vector3::zeros().into(), turn)
+                    }
+                };
+                let sets = self.in_axes(set, &turn)?.into_iter();
+                sets.map(|set| hard(GoalQuantity::Spin { axes }, (set, sd))).collect()
+            }
+            None => Vec::new(),
+        };
+        let all = velocity.into_iter().chain(spins).chain(still);
         targets.extend(all.map(GoalTarget::Condition));
         self.one_half_space()?;
         Ok(targets)
+    }
+
+    /// The frame in which a body is given, in its link's axes; of the world the identity.
+    fn link_from_given(&self, of: Option<LinkIndex>) -> Pose {
+        of.map_or_else(Pose::identity, |link| self.scene.links[link].link_from_given)
+    }
+
+    fn in_axes(&self, set: GoalSet, axes_from_given: &Pose) -> Result<Vec<GoalSet>, Fault> {
+        set::in_axes(set, axes_from_given).or_else(|said| fault(self.span.clone(), said))
     }
 
     /// When the event is.

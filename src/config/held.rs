@@ -1,6 +1,6 @@
 //! Bodies in the hand.
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::number::positive;

@@ -6,8 +6,8 @@ pub(super) use refused::refuse_free;
 
 use std::ops::Range;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use toml::Spanned;
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::event::link_of;
@@ -138,9 +138,21 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
         return fault(raw.child.span(), said);
     }
     let kind = kind(spanned)?;
-    let place = |key: &str, triple: &Option<Triple>| match triple {
-        Some(triple) => vector_from_mm(key, triple),
-        None => Ok(Vector3::zeros()),
+    // In link axes; where no place is given, in the centre of mass.
+    let placed = |of: Option<LinkIndex>, key: &str, triple: &Option<Triple>, turn| {
+        let link_from_given =
+            of.map_or_else(Pose::identity, |link| scene.links[link].link_from_given);
+        let at_m = match triple {
+            Some(triple) => {
+                let at_m = vector_from_mm(key, triple)?;
+                (link_from_given * Point3::from(at_m)).coords
+            }
+            None => Vector3::zeros(),
+        };
+        Ok(Pose::from_parts(
+            at_m.into(),
+            link_from_given.rotation * turn,
+        ))
     };
     let turned = match &raw.child_orientation_wxyz {
         Some(wxyz) => orientation("child_orientation_wxyz", wxyz)?,
@@ -150,12 +162,11 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
         Some(number) => not_negative(key, number),
         None => Ok(0.0),
     };
-    let parent_at_m = place("parent_at_mm", &raw.parent_at_mm)?;
-    let child_at_m = place("child_at_mm", &raw.child_at_mm)?;
+    let along = UnitQuaternion::identity();
     let mut made = tree::Joint::new(
         kind,
-        Pose::from_parts(parent_at_m.into(), UnitQuaternion::identity()),
-        Pose::from_parts(child_at_m.into(), turned.inverse()),
+        placed(parent, "parent_at_mm", &raw.parent_at_mm, along)?,
+        placed(Some(child), "child_at_mm", &raw.child_at_mm, turned.inverse())?,
     );
     made.damping_n_m_s = number("damping_n_m_s", &raw.damping_n_m_s)?;
     made.stiffness_n_m = number("stiffness_n_m", &raw.stiffness_n_m)?;

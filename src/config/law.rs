@@ -1,6 +1,6 @@
 //! Contact laws: restitution and friction of a body, or of one event.
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 use typed_index_collections::TiVec;
 
 use super::error::{Fault, fault};

@@ -1,5 +1,16 @@
 //! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]); URDF → the text of
-//! a scene ([`scene_from_urdf`]).
+//! a scene ([`scene_from_urdf`]); an object at hand or a mesh → the text of a scene ([`new_scene`]).
+//!
+//! `docs/scene.md` lists every key ([`scene_reference`]), [`scene_schema`] says the same to editors, and
+//! [`check_scene`] says what a scene means.
+//!
+//! # The frame of a body
+//!
+//! A body is given in any frame: its shape, features, faces, mounts, joints, and the axes and points of its goals
+//! are in that frame, and its poses are written in it. Centre of mass and principal axes are computed from shape and
+//! mass, unless `moments_kg_m2` says that the axes are principal ones at the centre of mass, or `centre_mm` and
+//! `inertia_kg_m2` say both. Quantities that are free are along the principal axes. A goal's position without a
+//! point is that of the centre of mass. See `docs/scene_shapes.md`.
 //!
 //! Scenes are read in two steps. First the text is parsed into [`serde`] structs: every key that
 //! may be left out is optional, unknown keys are refused, units are in the keys. Then a
@@ -129,58 +140,16 @@
 //! in the last `chunk_ms + sync_ms`. Takes begin and end on command; samples between
 //! takes are counted and not kept, and no key changes that. `viewer_port` serves viewers,
 //! `metrics_port` health and metrics, both at the address `listen`.
-//!
-//! # Defaults
-//!
-//!
-//! | key | default |
-//! |---|---|
-//! | `gravity_m_s2` | `[0, 0, -9.80665]` |
-//! | `marks_topic` | `"/marks"` |
-//! | `capture.folder` | `"takes"` |
-//! | `capture.chunk_ms`, `capture.sync_ms` | 100 ms, 1000 ms |
-//! | `capture.viewer_port`, `capture.metrics_port` | not served |
-//! | `capture.listen` | `"127.0.0.1"` |
-//! | `capture.tracker.stamps` | `"sample"` if the first valid sample has that time, else `"device"` if it has that, else `"receipt"` |
-//! | `settle_s` | the motion ends where the performance does |
-//! | `timing.tempo_sd_per_sqrt_s` | 0.5 |
-//! | `timing.mark_sd_ms`, the standard deviation of marks | half a sample's interval where stamps are physical times, as annotators mark; 50 ms where they are not, as people press a button |
-//! | `weights.position_mm`, `weights.orientation_deg` | 10 mm, 0.1 rad |
-//! | `body.topic` | `"/tracker/<name>/pose"` |
-//! | `body.track.topic`, `body.track.sees` | `"/tracker/<body>/<name>"`, `"pose"` |
-//! | `body.track.position_sd_mm`, `body.track.orientation_sd_deg` | the scene's weights |
-//! | `body.held` | `false` |
-//! | `body.tracked` | `true` |
-//! | `joint.parent` | the world |
-//! | `joint.parent_at_mm`, `joint.child_at_mm` | the centre of mass, the world's origin |
-//! | `joint.child_orientation_wxyz` | the parent's axes |
-//! | `joint.damping_n_m_s`, `joint.stiffness_n_m` | none |
-//! | `body.tracker_sd_mm`, `body.tracker_sd_deg`, of a held body | as its stream shows, at least 0.01 mm and 0.003° |
-//! | `velocity_gaps` | `"when needed"` |
-//! | `body.tracker`, `obstacle.orientation_wxyz` | identity |
-//! | `event.feature`, `event.surface`, `event.other_feature` | inferred from the performance |
-//! | `event.restitution`, `event.friction` | the body's |
-//! | `body.restitution`, `body.friction` | each event has its own; no friction |
-//! | `event.count` | one collision |
-//! | `goal.point_mm`, `goal.feature`, `goal.contact` | the centre of mass |
-//! | `goal.relative_to`, `goal.axes` | the world's axes |
-//! | `goal.direction` of an `axis` | against gravity |
-//! | `goal.after` | just before the event |
-//! | `goal.within_mm`, `goal.within_deg`, `goal.within_m_s`, `goal.within_rad_s`, `goal.normal` | exactly |
-//! | `goal.sd_mm`, `goal.sd_deg`, `goal.sd_m_s`, `goal.sd_rad_s`, `goal.sd_ms` | hard |
-//! | `goal.since` | the first sample |
-//! | `goal.within_deg`, `goal.direction`, `goal.labels`, at rest | 10, against gravity, `"fixed"` |
-//! | `event.time` | `"free"` for collisions and waypoints, and for an end with a goal where stamps are a tempo; else `"fixed"` |
-//! | `event.time_sd_ms` | `timing.mark_sd_ms`; of a waypoint 50 ms where that is not given |
-//! | `event.earliest_ms`, `event.latest_ms` | −∞, +∞ |
-//! | `body.force_m_s2`, `body.drag_linear_per_s`, `body.drag_quadratic_per_m` | none |
-//! | `free.initial…`, `free.lower…`, `free.upper…` | see above |
-//! | `free.prior_sd…` | no prior |
+#![doc = "\n"]
+#![doc = include_str!("../../docs/scene.md")]
 
+mod board;
 mod body;
 mod capture;
+mod check;
 mod error;
 mod event;
+mod frame;
 mod free_flight;
 mod goal;
 mod held;
@@ -188,21 +157,32 @@ mod joint;
 mod keyframes;
 mod keys;
 mod law;
+mod mesh;
+mod new;
 mod number;
 mod parameter;
+mod preset;
+mod principal;
 mod quantity;
 mod raw;
+mod reference;
 mod rest;
 mod scene;
 mod solid;
+mod spanned;
 mod text;
 mod track;
 mod unit;
 mod urdf;
 
 pub use capture::CaptureSettings;
+pub use check::{BodyCheck, EventCheck, SceneCheck, TopicCheck, check_scene};
 pub use error::SceneError;
 pub use keyframes::{sketch_from_csv, sketch_from_toml};
+pub use mesh::{MeshError, MeshFormat};
+pub use new::{MadeScene, NewObject, NewScene, NewSceneError, new_scene};
+pub use preset::{PRESETS, Preset};
+pub use reference::{scene_reference, scene_schema};
 pub use text::{capture_from_toml, scene_from_toml};
 pub use urdf::{UrdfScene, scene_from_urdf};
 

@@ -1,7 +1,7 @@
 //! Checks of numbers, names, vectors and poses; errors point to their place in the text.
 
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::raw::{Number, Quadruple, Text, Triple};
@@ -105,20 +105,41 @@ pub(super) fn orientation(what: &str, wxyz: &Quadruple) -> Result<UnitQuaternion
     }
 }
 
+/// An orientation as a unit quaternion, or as angles about x, then y, then z of the axes in which it is given
+/// (roll, pitch, yaw); `None` where neither is given.
+pub(super) fn orientation_in_either(
+    what: &str,
+    wxyz: Option<&Quadruple>,
+    rpy_deg: Option<&Triple>,
+) -> Result<Option<UnitQuaternion<f64>>, Fault> {
+    match (wxyz, rpy_deg) {
+        (None, None) => Ok(None),
+        (Some(wxyz), None) => orientation(what, wxyz).map(Some),
+        (None, Some(angles)) => {
+            let angles_deg = vector("rpy_deg", angles)?;
+            let [roll, pitch, yaw]: [f64; 3] = angles_deg.map(f64::to_radians).into();
+            Ok(Some(UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
+        }
+        (Some(_), Some(angles)) => fault(
+            angles.span(),
+            format!("{what} is given twice, expected one of orientation_wxyz, rpy_deg"),
+        ),
+    }
+}
+
 /// A pose from its parts; a part that is left out is the identity.
 pub(super) fn pose(
     what: &str,
     position_mm: Option<&Triple>,
-    orientation_wxyz: Option<&Quadruple>,
+    orientation: (Option<&Quadruple>, Option<&Triple>),
 ) -> Result<Pose, Fault> {
     let position_m = match position_mm {
         Some(position) => vector_from_mm(&format!("position of {what}"), position)?,
         None => Vector3::zeros(),
     };
-    let rotation = match orientation_wxyz {
-        Some(wxyz) => orientation(&format!("orientation of {what}"), wxyz)?,
-        None => UnitQuaternion::identity(),
-    };
+    let (wxyz, rpy_deg) = orientation;
+    let rotation = orientation_in_either(&format!("orientation of {what}"), wxyz, rpy_deg)?;
+    let rotation = rotation.unwrap_or_else(UnitQuaternion::identity);
     Ok(Pose::from_parts(position_m.into(), rotation))
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::event::link_of;
@@ -111,7 +111,7 @@ pub(super) fn axis(
             let axis = axis
                 .iter()
                 .position(|axis| name.strip_prefix(prefix) == Some(axis))?;
-            Some(sign * Vector3::ith(axis, 1.0))
+            Some(link.link_from_given.rotation * Vector3::ith(axis, sign))
         });
     let faces = link
         .features

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
+use super::board::board;
 use super::body::body;
 use super::error::{Fault, fault};
 use super::event::events;
@@ -15,6 +16,8 @@ use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
+use super::spanned::Spanned;
+use crate::math::Pose;
 use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, Track, VelocityGaps, Weights};
 use crate::physics::contact;
 
@@ -47,8 +50,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     };
     let weights = weights(raw.weights.as_ref())?;
     let bodies = bodies(raw, &marks_topic, &weights)?;
-    let obstacles = obstacles(&raw.obstacle)?;
-    let mut surfaces = surfaces(&raw.surface)?;
+    let mut obstacles = obstacles(&raw.obstacle)?;
+    let mut surfaces = surfaces(&raw.surface, &mut obstacles)?;
     add_obstacles(raw, &obstacles, &mut surfaces);
     let mut scene = Scene {
         name,
@@ -71,8 +74,9 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         weights,
         settle_s: settle_s(raw.settle_s.as_ref())?,
     };
-    for (body, tracks) in bodies {
+    for (body, tracks, link_from_given) in bodies {
         let link = scene.add(body);
+        scene.links[link].link_from_given = link_from_given;
         scene.tracks.pop();
         let of_link = tracks.into_iter().map(|track| Track { link, ..track });
         scene.tracks.extend(of_link);
@@ -112,10 +116,10 @@ fn check_tracked(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
             continue;
         }
         let first = scene.name_of_mechanism(mechanism);
-        let mut bodies = raw.body.iter().map(toml::Spanned::get_ref);
+        let mut bodies = raw.body.iter().map(Spanned::get_ref);
         let of = bodies.find(|of| *of.name.get_ref() == first);
         let says = of.and_then(|of| of.tracked.as_ref());
-        let span = says.map_or(raw.name.span(), toml::Spanned::span);
+        let span = says.map_or(raw.name.span(), Spanned::span);
         return fault(
             span,
             "no tracker sees the body or what it is joined to, expected one that does",
@@ -218,17 +222,17 @@ fn bodies(
     raw: &RawScene,
     marks_topic: &str,
     weights: &Weights,
-) -> Result<Vec<(FreeBody, Vec<Track>)>, Fault> {
-    let mut bodies: Vec<(FreeBody, Vec<Track>)> = Vec::new();
+) -> Result<Vec<(FreeBody, Vec<Track>, Pose)>, Fault> {
+    let mut bodies: Vec<(FreeBody, Vec<Track>, Pose)> = Vec::new();
     let mut taken = vec![marks_topic.to_owned()];
     for spanned in &raw.body {
         let raw_body = spanned.get_ref();
-        let (body, tracks) = body(spanned, weights)?;
+        let (body, tracks, link_from_given) = body(spanned, weights)?;
         unique(
             "body",
             &raw_body.name,
             &body.name,
-            bodies.iter().map(|(body, _)| body.name.as_str()),
+            bodies.iter().map(|(body, ..)| body.name.as_str()),
         )?;
         for (number, track) in tracks.iter().enumerate() {
             let own = raw_body.track.get(number);
@@ -242,7 +246,7 @@ fn bodies(
         }
         // Two tracks of a body may see different parts of the same messages.
         taken.extend(tracks.iter().map(|track| track.topic.clone()));
-        bodies.push((body, tracks));
+        bodies.push((body, tracks, link_from_given));
     }
     if bodies.is_empty() {
         return fault(
@@ -253,19 +257,29 @@ fn bodies(
     Ok(bodies)
 }
 
-fn surfaces(raw: &[RawSurface]) -> Result<Vec<Surface>, Fault> {
+/// The surfaces; boards are obstacles too, which are appended to those.
+fn surfaces(raw: &[RawSurface], obstacles: &mut Vec<Obstacle>) -> Result<Vec<Surface>, Fault> {
     let mut surfaces: Vec<Surface> = Vec::new();
     for surface in raw {
         let name = name("surface", &surface.name)?;
         let taken = surfaces.iter().map(|s| s.name.as_str());
         unique("surface", &surface.name, &name, taken)?;
+        let point_m = vector_from_mm("point_mm", &surface.point_mm)?;
+        let normal = direction("normal", &surface.normal)?;
+        let board = board(surface, &name, (point_m, normal))?;
+        let obstacle = match board {
+            Some(board) => {
+                let taken = obstacles.iter().map(|o| o.name.as_str());
+                unique("obstacle", &surface.name, &board.name, taken)?;
+                obstacles.push(board);
+                Some(obstacles.len() - 1)
+            }
+            None => None,
+        };
         surfaces.push(Surface {
             name,
-            geometry: contact::Feature::face(
-                vector_from_mm("point_mm", &surface.point_mm)?,
-                direction("normal", &surface.normal)?,
-            ),
-            obstacle: None,
+            geometry: contact::Feature::face(point_m, normal),
+            obstacle,
         });
     }
     Ok(surfaces)
@@ -301,14 +315,19 @@ fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {
         let name = name("obstacle", &obstacle.name)?;
         let taken = obstacles.iter().map(|o| o.name.as_str());
         unique("obstacle", &obstacle.name, &name, taken)?;
+        let placed = shape("the obstacle", &obstacle.shape, &OBSTACLE_SIZE)?;
+        let world_from_given = pose(
+            "the obstacle",
+            Some(&obstacle.position_mm),
+            (
+                obstacle.orientation_wxyz.as_ref(),
+                obstacle.rpy_deg.as_ref(),
+            ),
+        )?;
         obstacles.push(Obstacle {
             name,
-            shape: shape("the obstacle", &obstacle.shape, &OBSTACLE_SIZE)?,
-            world_from_shape: pose(
-                "the obstacle",
-                Some(&obstacle.position_mm),
-                obstacle.orientation_wxyz.as_ref(),
-            )?,
+            shape: placed.shape,
+            world_from_shape: world_from_given * placed.given_from_shape,
         });
     }
     Ok(obstacles)

@@ -3,15 +3,17 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
-use super::number::{positive, vector};
+use super::number::{pose, positive, vector};
 use super::raw::{Number, RawShape};
-use crate::physics::Shape;
+use crate::math::Pose;
+use crate::physics::shape::{Compound, MassDistribution, Part, Revolution};
+use crate::physics::{Shape, ShapeError};
 
 /// The kinds of shape, each with its keys in the order in which missing ones are reported.
-const KINDS: &[(&str, &[&str])] = &[
+pub(super) const KINDS: &[(&str, &[&str])] = &[
     ("cuboid", &["size_mm"]),
     ("rounded_cuboid", &["size_mm", "radius_mm"]),
     ("sphere", &["radius_mm"]),
@@ -19,7 +21,32 @@ const KINDS: &[(&str, &[&str])] = &[
     ("capsule", &["length_mm", "radius_mm"]),
     ("cone", &["height_mm", "radius_mm"]),
     ("hull", &["points_mm"]),
+    ("revolution", &["profile_mm"]),
+    ("pieces", &["pieces_mm"]),
 ];
+
+/// Kinds that may have a wall.
+const HOLLOW: &[&str] = &[
+    "cuboid",
+    "rounded_cuboid",
+    "sphere",
+    "cylinder",
+    "capsule",
+    "revolution",
+];
+
+/// A solid at its place in the frame of what it is of.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    /// In its own axes.
+    pub(super) shape: Shape,
+    /// Where these are.
+    pub(super) given_from_shape: Pose,
+    /// How its mass is distributed at uniform density, in the frame of what it is of.
+    pub(super) mass: MassDistribution,
+    /// Whether it is full of mass up to its surface, and is no approximation of another shape.
+    pub(super) is_filled: bool,
+}
 
 /// Limits of the size of a body, or of a part of its world \[m\].
 pub(super) struct SizeLimits {
@@ -32,11 +59,13 @@ pub(super) fn shape(
     what: &str,
     raw: &Spanned<RawShape>,
     limits: &SizeLimits,
-) -> Result<Shape, Fault> {
-    let shape = by_kind(raw)?;
-    shape
-        .check()
-        .or_else(|error| fault(raw.span(), error.to_string()))?;
+) -> Result<Placed, Fault> {
+    let (shape, exact) = by_kind(raw)?;
+    let refused = |error: ShapeError| Fault {
+        span: raw.span(),
+        message: error.to_string(),
+    };
+    shape.check().map_err(refused)?;
     let size_m = 2.0 * shape.radius_m();
     if size_m > limits.greatest_m {
         return fault(
@@ -58,13 +87,77 @@ pub(super) fn shape(
         );
     }
     // Only a hull can still fail here: its surface must close.
-    shape
-        .solid()
-        .or_else(|error| fault(raw.span(), error.to_string()))?;
-    Ok(shape)
+    shape.solid().map_err(refused)?;
+    let of = raw.get_ref();
+    let turn = (of.orientation_wxyz.as_ref(), of.rpy_deg.as_ref());
+    let given_from_shape = pose(what, of.position_mm.as_ref(), turn)?;
+    let is_filled = exact.is_none() && of.wall_mm.is_none();
+    let mass = match exact {
+        Some(exact) => exact,
+        None => shape.mass().map_err(refused)?,
+    };
+    let mass = match (&of.wall_mm, of.kind.get_ref().as_str()) {
+        (Some(wall), kind) if kind != "revolution" => hollow(&shape, &mass, wall)?,
+        _ => mass,
+    };
+    Ok(Placed {
+        mass: mass.placed(&given_from_shape),
+        shape,
+        given_from_shape,
+        is_filled,
+    })
 }
 
-fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
+/// What is left of a solid's mass around a cavity that is everywhere so far from its surface.
+fn hollow(shape: &Shape, mass: &MassDistribution, wall: &Number) -> Result<MassDistribution, Fault> {
+    let wall_m = positive("wall_mm", wall)? / 1e3;
+    let cavity = match *shape {
+        Shape::Cuboid { half_extents_m } => Shape::Cuboid {
+            half_extents_m: half_extents_m.add_scalar(-wall_m),
+        },
+        Shape::RoundedCuboid {
+            half_extents_m,
+            radius_m,
+        } if radius_m > wall_m => Shape::RoundedCuboid {
+            half_extents_m: half_extents_m.add_scalar(-wall_m),
+            radius_m: radius_m - wall_m,
+        },
+        Shape::RoundedCuboid { half_extents_m, .. } => Shape::Cuboid {
+            half_extents_m: half_extents_m.add_scalar(-wall_m),
+        },
+        Shape::Sphere { radius_m } => Shape::Sphere {
+            radius_m: radius_m - wall_m,
+        },
+        Shape::Cylinder {
+            half_length_m,
+            radius_m,
+        } => Shape::Cylinder {
+            half_length_m: half_length_m - wall_m,
+            radius_m: radius_m - wall_m,
+        },
+        Shape::Capsule {
+            half_length_m,
+            radius_m,
+        } => Shape::Capsule {
+            half_length_m,
+            radius_m: radius_m - wall_m,
+        },
+        Shape::Cone { .. } | Shape::Hull { .. } | Shape::Compound(_) => {
+            return fault(wall.span(), "wall_mm does not apply to this kind of shape");
+        }
+    };
+    let left = cavity.mass().ok().and_then(|cavity| {
+        let parts = [(mass.volume_m3, *mass), (-cavity.volume_m3, cavity)];
+        MassDistribution::joined(&parts)
+    });
+    left.ok_or_else(|| Fault {
+        span: wall.span(),
+        message: "wall_mm leaves no cavity, expected less than half the least size: a filled shape has no wall_mm".into(),
+    })
+}
+
+/// The shape in its own axes, and how its mass is distributed where the shape is only near to it.
+fn by_kind(spanned: &Spanned<RawShape>) -> Result<(Shape, Option<MassDistribution>), Fault> {
     let raw = spanned.get_ref();
     let kind = raw.kind.get_ref().as_str();
     let Some((_, wanted)) = KINDS.iter().find(|(name, _)| *name == kind) else {
@@ -77,6 +170,13 @@ fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
             ),
         );
     };
+    if let Some(wall) = raw.wall_mm.as_ref().filter(|_| !HOLLOW.contains(&kind)) {
+        let said = format!(
+            "wall_mm does not apply to a {kind}, expected one of {}",
+            HOLLOW.join(", ")
+        );
+        return fault(wall.span(), said);
+    }
     for (key, span) in given(raw) {
         if !wanted.contains(&key) {
             return fault(
@@ -106,7 +206,7 @@ fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
         }
         Ok(half_extents_m)
     };
-    Ok(match kind {
+    let shape = match kind {
         "cuboid" => Shape::Cuboid {
             half_extents_m: half_extents_m()?,
         },
@@ -129,17 +229,51 @@ fn by_kind(spanned: &Spanned<RawShape>) -> Result<Shape, Fault> {
             half_height_m: length_m("height_mm", &raw.height_mm)? / 2.0,
             radius_m: length_m("radius_mm", &raw.radius_mm)?,
         },
+        "revolution" => return revolution(raw, || missing("profile_mm")),
+        "pieces" => {
+            let pieces = raw.pieces_mm.as_ref().ok_or_else(|| missing("pieces_mm"))?;
+            let parts = pieces.get_ref().iter().map(|points| Part {
+                shape: hull(points),
+                compound_from_shape: Pose::identity(),
+            });
+            Shape::Compound(Compound {
+                parts: parts.collect(),
+                features: Vec::new(),
+            })
+        }
         _ => {
             let points = raw.points_mm.as_ref().ok_or_else(|| missing("points_mm"))?;
-            Shape::Hull {
-                points_m: points
-                    .get_ref()
-                    .iter()
-                    .map(|p| Vector3::from(*p) / 1e3)
-                    .collect(),
-            }
+            hull(points.get_ref())
         }
-    })
+    };
+    Ok((shape, None))
+}
+
+fn hull(points_mm: &[[f64; 3]]) -> Shape {
+    let points = points_mm.iter();
+    Shape::Hull {
+        points_m: points.map(|p| Vector3::from(*p) / 1e3).collect(),
+    }
+}
+
+fn revolution(
+    raw: &RawShape,
+    missing: impl Fn() -> Fault,
+) -> Result<(Shape, Option<MassDistribution>), Fault> {
+    let profile = raw.profile_mm.as_ref().ok_or_else(missing)?;
+    let points = profile.get_ref().iter();
+    let profile_m: Vec<[f64; 2]> = points.map(|p| p.map(|mm| mm / 1e3)).collect();
+    let wall_m = match &raw.wall_mm {
+        Some(wall) => Some(positive("wall_mm", wall)? / 1e3),
+        None => None,
+    };
+    let made = Revolution::new(&profile_m, wall_m);
+    let made = made.and_then(|of| Ok((of.compound(), of.mass()?)));
+    let (compound, mass) = made.map_err(|error| Fault {
+        span: profile.span(),
+        message: error.to_string(),
+    })?;
+    Ok((Shape::Compound(compound), Some(mass)))
 }
 
 /// The keys that are given, with their places in the text.
@@ -150,6 +284,8 @@ fn given(raw: &RawShape) -> impl Iterator<Item = (&'static str, Range<usize>)> {
         ("length_mm", raw.length_mm.as_ref().map(Spanned::span)),
         ("height_mm", raw.height_mm.as_ref().map(Spanned::span)),
         ("points_mm", raw.points_mm.as_ref().map(Spanned::span)),
+        ("profile_mm", raw.profile_mm.as_ref().map(Spanned::span)),
+        ("pieces_mm", raw.pieces_mm.as_ref().map(Spanned::span)),
     ]
     .into_iter()
     .filter_map(|(key, span)| Some((key, span?)))

@@ -1,7 +1,7 @@
 //! Tracks: what trackers see of a body, and how it is weighed.
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::error::{Fault, fault};
 use super::number::{direction, index_of, name, pose, positive, topic, unique};
@@ -13,7 +13,7 @@ use crate::motion::{Feature, LinkIndex, Sees, Track, Weighing, Weights};
 /// [`Scene::add`](crate::motion::Scene::add).
 pub(super) fn tracks(
     raw: &RawBody,
-    (body, features): (&str, &[Feature]),
+    (body, features, link_from_given): (&str, &[Feature], &Pose),
     weights: &Weights,
 ) -> Result<Vec<Track>, Fault> {
     let of_body = |topic: String, link_from_tracker: Pose| Track {
@@ -37,7 +37,8 @@ pub(super) fn tracks(
     if raw.track.is_empty() {
         let topic = raw.topic.as_ref().map(|text| topic("topic", text));
         let topic = topic.transpose()?.unwrap_or_else(usual);
-        return Ok(vec![of_body(topic, mount(raw.tracker.as_ref())?)]);
+        let link_from_tracker = link_from_given * mount(raw.tracker.as_ref())?;
+        return Ok(vec![of_body(topic, link_from_tracker)]);
     }
     let of_the_body = [
         ("topic", raw.topic.as_ref().map(Spanned::span)),
@@ -68,10 +69,13 @@ pub(super) fn tracks(
         if let Some(text) = &track.topic {
             made.topic = topic("topic", text)?;
         }
-        made.sees = sees(spanned)?;
+        made.sees = match sees(spanned)? {
+            Sees::Direction(axis) => Sees::Direction(link_from_given.rotation * axis),
+            other => other,
+        };
         made.link_from_tracker = match (&made.sees, &track.point) {
             (Sees::Point, Some(text)) => at_point(text, features, track.tracker.as_ref())?,
-            _ => mount(track.tracker.as_ref())?,
+            _ => link_from_given * mount(track.tracker.as_ref())?,
         };
         made.weighing = weighing(spanned, made.sees, weights)?;
         tracks.push(made);
@@ -83,8 +87,8 @@ fn mount(tracker: Option<&Spanned<RawTracker>>) -> Result<Pose, Fault> {
     let Some(tracker) = tracker.map(Spanned::get_ref) else {
         return Ok(Pose::identity());
     };
-    let (position, orientation) = (&tracker.position_mm, &tracker.orientation_wxyz);
-    pose("the tracker", position.as_ref(), orientation.as_ref())
+    let turn = (tracker.orientation_wxyz.as_ref(), tracker.rpy_deg.as_ref());
+    pose("the tracker", tracker.position_mm.as_ref(), turn)
 }
 
 /// What the track sees; keys that mean nothing for it are refused.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::IngestError;
-use crate::motion::{Scene, Timing, Track, TrackIndex};
+use crate::motion::{Mount, Scene, Timing, TrackIndex};
 use crate::wire::KEYFRAME_SCHEMA;
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
@@ -42,7 +42,7 @@ pub(super) struct Route {
     /// The children that were seen.
     pub(super) seen: BTreeSet<String>,
     /// How the track's tracker is mounted: a keyframe is a pose of the body.
-    pub(super) mount: Option<Track>,
+    pub(super) mount: Option<Mount>,
     /// Whether single readings may have times that are not known.
     pub(super) may_be_open: bool,
 }
@@ -85,7 +85,7 @@ pub(super) fn routes(
                 child: child.map(str::to_owned),
                 seen: BTreeSet::new(),
                 topic: wanted,
-                mount: Some(scene.tracks[index].clone()),
+                mount: Some(scene.mount(index)),
                 may_be_open: scene.may_have_open_times(index),
             });
         }

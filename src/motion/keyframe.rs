@@ -7,12 +7,12 @@ use super::scene::{Scene, Timing, Track};
 use super::take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp};
 use crate::math::Pose;
 
-/// What of a body is known at one instant, in the body's own axes at its centre of mass.
+/// What of a body is known at one instant: of the frame in which its scene gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keyframe {
     /// When.
     pub time: KeyframeTime,
-    /// Centre of mass [m, world], if it is known.
+    /// Where the frame's origin is [m, world], if it is known.
     pub position_m: Option<Vector3<f64>>,
     /// World from body, `[w, x, y, z]`, if it is known.
     pub orientation_wxyz: Option<[f64; 4]>,
@@ -57,8 +57,25 @@ impl Scene {
     }
 }
 
-impl Track {
-    /// What the track's tracker reads of a keyframe. Where its time is not known, `near` says where
+/// How a tracker is mounted on its link, and the frame of which keyframes of that are poses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mount {
+    track: Track,
+    link_from_given: Pose,
+}
+
+impl Scene {
+    /// How a track's tracker is mounted.
+    pub fn mount(&self, track: TrackIndex) -> Mount {
+        Mount {
+            track: self.tracks[track].clone(),
+            link_from_given: self.link_seen_by(track).link_from_given,
+        }
+    }
+}
+
+impl Mount {
+    /// What the tracker reads of a keyframe. Where its time is not known, `near` says where
     /// among others it is, and where the search for its time begins; `may_be_open` is
     /// [`Scene::may_have_open_times`]. Fails, in words and with what to do instead, where the keyframe
     /// cannot be estimated.
@@ -68,14 +85,16 @@ impl Track {
         near: Stamp,
         may_be_open: bool,
     ) -> Result<PoseSample, &'static str> {
-        let is_off_centre = self.link_from_tracker.translation.vector != Vector3::zeros();
+        let is_off_centre = [&self.track.link_from_tracker, &self.link_from_given]
+            .iter()
+            .any(|of| of.translation.vector != Vector3::zeros());
         let holds = match (&keyframe.position_m, &keyframe.orientation_wxyz) {
             (Some(_), Some(_)) => Holds::Pose,
             // Where the tracker is, off the centre of mass, depends on the orientation.
             (Some(_), None) if is_off_centre => {
                 return Err(
-                    "has no orientation, and the scene mounts its tracker off the centre of mass; \
-                     write qw, qx, qy and qz, or a `tracker` without a position",
+                    "has no orientation, and the scene has its tracker or its origin off the centre of \
+                     mass; write qw, qx, qy and qz, or a `tracker` without a position",
                 );
             }
             (Some(_), None) => Holds::Position,
@@ -88,8 +107,9 @@ impl Track {
         let [w, x, y, z] = keyframe.orientation_wxyz.unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
         let position_m = keyframe.position_m.unwrap_or_default();
-        let world_from_link = Pose::from_parts(position_m.into(), orientation);
-        let world_from_tracker = world_from_link * self.link_from_tracker;
+        let world_from_given = Pose::from_parts(position_m.into(), orientation);
+        let world_from_link = world_from_given * self.link_from_given.inverse();
+        let world_from_tracker = world_from_link * self.track.link_from_tracker;
         let (stamp, open) = keyframe.time.about(near);
         if open.is_some() && !may_be_open {
             return Err(
@@ -107,7 +127,7 @@ impl Track {
             _ => None,
         };
         if let Some((sd_m, sd_deg)) = seen {
-            let lever_m = world_from_link.rotation * self.link_from_tracker.translation.vector;
+            let lever_m = world_from_tracker.translation.vector - position_m;
             sample.covariance = Some(covariance(sd_m, sd_deg.to_radians(), &lever_m));
         }
         Ok(sample)
@@ -119,8 +139,9 @@ impl Track {
         let quaternion = Quaternion::new(w, x, y, z);
         let rotation = UnitQuaternion::try_new(quaternion, 0.5)?;
         let world_from_tracker = Pose::from_parts(sample.position_m.into(), rotation);
-        let world_from_link = world_from_tracker * self.link_from_tracker.inverse();
-        let mut keyframe = Keyframe::of_pose(sample.stamp, &world_from_link);
+        let world_from_link = world_from_tracker * self.track.link_from_tracker.inverse();
+        let world_from_given = world_from_link * self.link_from_given;
+        let mut keyframe = Keyframe::of_pose(sample.stamp, &world_from_given);
         keyframe.time = KeyframeTime::of(sample);
         match sample.holds {
             Holds::Pose => {}

@@ -46,7 +46,7 @@ pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use joined::{TrackResidual, TreeEstimate, TreeKnot};
-pub use keyframe::{Keyframe, KeyframeTime, SketchRow};
+pub use keyframe::{Keyframe, KeyframeTime, Mount, SketchRow};
 pub use observe::{Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};

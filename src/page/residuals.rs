@@ -192,7 +192,10 @@ fn off_point(
     [seen_m, point_m]: [Vector3<f64>; 2],
 ) -> Option<Off> {
     let there = motion_at(page.motion, link, at)?;
-    let place_m = there.position_m + turn(&there) * point_m;
+    // Poses of files are of the frame in which the scene gives the body.
+    let given_from_link = page.scene.links[link].link_from_given.inverse();
+    let point_m = given_from_link * nalgebra::Point3::from(point_m);
+    let place_m = there.position_m + turn(&there) * point_m.coords;
     Some(Off {
         time_s: at.seconds_since(page.motion.zero),
         position_mm: (place_m - seen_m).norm() * 1e3,

@@ -3,7 +3,7 @@
 //! Names are readable and the same for the same shape: `corner +x -y +z`, `edge +x +y` (the one
 //! between those faces), `face -z`, `rim +z` and `end +z` of a cylinder, `end +z` of a capsule,
 //! `side`, `apex`, `ball`; of a hull `corner 3`, `edge 1-3` and `face 0-1-3`, by the places of
-//! its points in their list.
+//! its points in their list. A compound has the features that it was made with.
 
 use nalgebra::Vector3;
 
@@ -78,6 +78,7 @@ impl Shape {
                 ]
             }
             Shape::Hull { points_m } => of_hull(points_m)?,
+            Shape::Compound(compound) => compound.features.clone(),
         })
     }
 }

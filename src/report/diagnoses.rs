@@ -27,7 +27,7 @@ impl DiagnosisLine {
     /// With the scene's names.
     pub fn new(scene: &Scene, diagnosis: &Diagnosis) -> Self {
         let remedy = &diagnosis.remedy;
-        let value = value(remedy);
+        let value = value(scene, remedy);
         let gain = gain(diagnosis.without, diagnosis.with);
         Self {
             cause: cause(remedy),
@@ -83,7 +83,7 @@ fn key(remedy: &Remedy) -> &'static str {
     }
 }
 
-fn value(remedy: &Remedy) -> String {
+fn value(scene: &Scene, remedy: &Remedy) -> String {
     match remedy {
         Remedy::Up { gravity_m_s2, .. } | Remedy::Gravity { gravity_m_s2 } => {
             array(gravity_m_s2.as_slice())
@@ -94,12 +94,14 @@ fn value(remedy: &Remedy) -> String {
         Remedy::FrameNumbers { rate_hz } => format!("÷ {}", Plain(*rate_hz)),
         Remedy::Tempo { .. } => "\"tempo\"".to_owned(),
         Remedy::Mount {
+            track,
             link_from_tracker,
             slip,
-            ..
         } => {
-            let offset_mm = tenths(&(link_from_tracker.translation.vector * 1e3));
-            let q = link_from_tracker.rotation.quaternion();
+            let link_from_given = scene.link_seen_by(*track).link_from_given;
+            let given_from_tracker = link_from_given.inverse() * link_from_tracker;
+            let offset_mm = tenths(&(given_from_tracker.translation.vector * 1e3));
+            let q = given_from_tracker.rotation.quaternion();
             let wxyz = array(&[q.w, q.i, q.j, q.k]);
             match slip {
                 MountSlip::Negated | MountSlip::Missing | MountSlip::Offset => offset_mm,

@@ -6,7 +6,7 @@ use super::estimate::EstimateReport;
 use super::provenance::Provenance;
 use super::reported::Reported;
 use super::time_map::TimeMapMessage;
-use crate::motion::{ArcEstimate, Scene, Stamp};
+use crate::motion::{ArcEstimate, LinkIndex, Scene, Stamp};
 
 /// JSON schema of [`EstimateMessage`].
 pub const REPORT_SCHEMA: &str = include_str!("report.schema.json");
@@ -39,11 +39,11 @@ pub struct ArcLine {
     pub epoch_s: f64,
     /// Centre of mass, world axes.
     pub position_m: [f64; 3],
-    /// World from body, Hamilton.
+    /// World from the axes in which the scene gives the body, Hamilton.
     pub orientation_wxyz: [f64; 4],
     /// Velocity of the centre of mass, world axes.
     pub velocity_m_s: [f64; 3],
-    /// Angular velocity, body axes.
+    /// Angular velocity, in those axes.
     pub angular_velocity_body_rad_s: [f64; 3],
 }
 
@@ -64,7 +64,11 @@ impl EstimateMessage {
 impl ArcLine {
     fn new(scene: &Scene, arc: &ArcEstimate) -> Self {
         let state = &arc.state;
-        let q = state.orientation.quaternion();
+        let link = scene.mechanisms[arc.mechanism].links().next();
+        let link = &scene.links[link.unwrap_or(LinkIndex(0))];
+        let given_from_link = link.link_from_given.rotation.inverse();
+        let world_from_given = state.orientation * given_from_link.inverse();
+        let q = world_from_given.quaternion();
         Self {
             body: scene.name_of_mechanism(arc.mechanism).to_owned(),
             start_s: arc.start_s,
@@ -73,7 +77,7 @@ impl ArcLine {
             position_m: state.position_m.into(),
             orientation_wxyz: [q.w, q.i, q.j, q.k],
             velocity_m_s: state.velocity_m_s.into(),
-            angular_velocity_body_rad_s: state.angular_velocity_rad_s.into(),
+            angular_velocity_body_rad_s: (given_from_link * state.angular_velocity_rad_s).into(),
         }
     }
 }

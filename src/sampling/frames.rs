@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::error::SamplingError;
 use crate::math::Pose;
@@ -37,8 +37,8 @@ pub fn stamp(zero: Stamp, time_s: f64) -> Stamp {
     Stamp(zero.0.saturating_add((time_s * 1e9).round() as i64))
 }
 
-/// A link's estimated poses at every frame of a grid that holds time zero, at the beginning
-/// and end of its motion, and at every event in between. At a collision, whose sides may differ
+/// A link's estimated poses, those of the frame in which the scene gives it, at every frame of a grid that
+/// holds time zero, at the beginning and end of its motion, and at every event in between. At a collision, whose sides may differ
 /// by a gap, the pose is the one before it. Stamps increase strictly; what would be stamped
 /// before 1970, which messages cannot say, is left out. Fails where the rate is not of 0.001 to 100 000 Hz, or
 /// the motion has more frames than a day at 240 Hz.
@@ -52,13 +52,41 @@ pub fn estimate_frames(
     if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
         return Err(SamplingError::FrameRate { frame_rate_hz });
     }
-    if let Some(held) = estimate.held_motion(link) {
-        return held_frames(scene, estimate, held, (zero, frame_rate_hz));
-    }
+    let at = (zero, frame_rate_hz);
     let mechanism = scene.mechanism_of(link);
-    if let Some(joined) = scene.joint_tree(mechanism) {
-        return tree_frames((scene, joined), estimate, link, (zero, frame_rate_hz));
+    let mut samples = match (estimate.held_motion(link), scene.joint_tree(mechanism)) {
+        (Some(held), _) => held_frames(scene, estimate, held, at)?,
+        (None, Some(joined)) => tree_frames((scene, joined), estimate, link, at)?,
+        (None, None) => free_frames(scene, estimate, link, at)?,
+    };
+    give(&mut samples, &scene.links[link].link_from_given);
+    make_signs_continuous(&mut samples);
+    Ok(samples)
+}
+
+/// Poses of a link become those of the frame in which the scene gives it.
+fn give(samples: &mut [PoseSample], link_from_given: &Pose) {
+    if *link_from_given == Pose::identity() {
+        return;
     }
+    for sample in samples {
+        let [x, y, z, w] = sample.quaternion_xyzw;
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        let world_from_link = Pose::from_parts(sample.position_m.into(), turn);
+        let given = PoseSample::from_pose(sample.stamp, &(world_from_link * link_from_given));
+        sample.position_m = given.position_m;
+        sample.quaternion_xyzw = given.quaternion_xyzw;
+    }
+}
+
+/// The poses of a link in free flight.
+fn free_frames(
+    scene: &Scene,
+    estimate: &Estimate,
+    link: LinkIndex,
+    (zero, frame_rate_hz): (Stamp, f64),
+) -> Result<Vec<PoseSample>, SamplingError> {
+    let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
         .iter()
@@ -85,14 +113,11 @@ pub fn estimate_frames(
         })
         .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
-    let mut samples = poses
-        .map(|(stamp, time_s)| {
-            let pose = pose_at(&mut flights, time_s);
-            PoseSample::from_pose(stamp, &pose)
-        })
-        .collect();
-    make_signs_continuous(&mut samples);
-    Ok(samples)
+    let samples = poses.map(|(stamp, time_s)| {
+        let pose = pose_at(&mut flights, time_s);
+        PoseSample::from_pose(stamp, &pose)
+    });
+    Ok(samples.collect())
 }
 
 /// Times of frames and events within a motion, and of its ends, by their stamps.
@@ -151,9 +176,7 @@ fn held_frames(
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let poses = poses
         .map(|(stamp, time_s)| PoseSample::from_pose(stamp, &held.state(time_s).world_from_body()));
-    let mut samples = poses.collect();
-    make_signs_continuous(&mut samples);
-    Ok(samples)
+    Ok(poses.collect())
 }
 
 /// The poses of a link of a tree.
@@ -171,9 +194,7 @@ fn tree_frames(
         snapshot.set(&state);
         PoseSample::from_pose(stamp, &snapshot.world_from_link(place))
     });
-    let mut samples = poses.collect();
-    make_signs_continuous(&mut samples);
-    Ok(samples)
+    Ok(poses.collect())
 }
 
 /// The states of a tree at its frames and events; none where it has no motion.
@@ -204,7 +225,7 @@ pub(super) fn tree_states(
 pub(super) fn append_settled(
     samples: &mut Vec<PoseSample>,
     settled: &Settled,
-    link: LinkIndex,
+    (scene, link): (&Scene, LinkIndex),
     zero: Stamp,
 ) {
     let Some(last) = samples.last().map(|sample| sample.stamp) else {
@@ -215,13 +236,15 @@ pub(super) fn append_settled(
         let time_s = settled.from_s + step as f64 * settled.interval_s;
         let stamp = stamp(zero, time_s);
         if stamp > last {
-            samples.push(PoseSample::from_pose(stamp, pose));
+            let world_from_given = pose * scene.links[link].link_from_given;
+            samples.push(PoseSample::from_pose(stamp, &world_from_given));
         }
     }
     make_signs_continuous(samples);
 }
 
-/// The used samples of what sees a link's pose, at their physical times, in the link's axes.
+/// The used samples of what sees a link's pose, at their physical times, as poses of the frame in which the
+/// scene gives the link.
 pub fn sketch_frames(
     scene: &Scene,
     estimate: &Estimate,
@@ -250,6 +273,7 @@ pub fn sketch_frames(
         .filter(|sample| sample.stamp.0 >= 0)
         .collect();
     samples.sort_by_key(|sample| sample.stamp);
+    give(&mut samples, &scene.links[link].link_from_given);
     make_signs_continuous(&mut samples);
     samples
 }

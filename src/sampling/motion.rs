@@ -7,7 +7,7 @@ use super::frames::{append_settled, estimate_frames, sketch_frames, zero};
 use super::joints::{SampledJoints, append_settled_joints, joint_frames};
 use crate::motion::{Estimate, LinkIndex, PoseSample, Scene, Settled, Sketch, Stamp};
 
-/// A motion as stamped poses, link by link: world from body, stamps strictly
+/// A motion as stamped poses, link by link: world from the frame in which the scene gives it, stamps strictly
 /// increasing, quaternions continuous in sign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledMotion {
@@ -35,7 +35,7 @@ impl SampledMotion {
         let estimates = links.clone().map(|link| {
             let mut samples = estimate_frames(scene, estimate, link, zero, frame_rate_hz)?;
             if let Some(settled) = settled {
-                append_settled(&mut samples, settled, link, zero);
+                append_settled(&mut samples, settled, (scene, link), zero);
             }
             Ok(samples)
         });

@@ -69,6 +69,7 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     use super::*;
+    use crate::math::Pose;
     use crate::motion::{MechanismIndex, Seen, Stamp};
     use crate::physics::Shape;
 
@@ -79,6 +80,7 @@ mod tests {
             body: shape.body_of_mass_kg(0.01).unwrap(),
             shape,
             shape_at_m: Vector3::zeros(),
+            link_from_given: Pose::identity(),
             features: Vec::new(),
             mechanism: MechanismIndex(0),
             held: None,

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -31,6 +31,7 @@ mod recover;
 mod refusal;
 mod replay;
 mod report;
+mod scene;
 mod sketch;
 mod stopwatch;
 mod words;
@@ -52,6 +53,7 @@ pub use recover::{RecoveredLine, recover_all};
 pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{ReportJob, ReportMade, report};
+pub use scene::{NewSceneJob, NewSceneMade, look_at_scene, make_scene};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
 pub use stopwatch::Watching;
 pub use words::words;

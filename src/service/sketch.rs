@@ -147,7 +147,8 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
             track, keyframe, ..
         } => {
             let may_be_open = scene.may_have_open_times(*track);
-            let reading = scene.tracks[*track].reading_of(keyframe, Stamp(0), may_be_open);
+            let mount = scene.mount(*track);
+            let reading = mount.reading_of(keyframe, Stamp(0), may_be_open);
             reading.err()
         }
         SketchRow::Mark(_) => None,

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::Vector3;
 
 use crate::physics::Shape;
-use crate::physics::shape::hull_triangles;
+use crate::physics::shape::{Part, hull_triangles};
 
 /// Corners in the shape's axes \[m\], counter-clockwise from outside.
 pub type Triangle = [Vector3<f64>; 3];
@@ -14,7 +14,8 @@ pub type Triangle = [Vector3<f64>; 3];
 const SIDES: usize = 48;
 
 /// The closed surface of a shape. Corners of neighbouring triangles are the same numbers. A rounded box is
-/// covered as its outer sides; a hull whose points span no volume has no surface.
+/// covered as its outer sides; a hull whose points span no volume has no surface. A compound has the closed
+/// surfaces of all its parts.
 pub fn mesh(shape: &Shape) -> Vec<Triangle> {
     match shape {
         Shape::Cuboid { half_extents_m } | Shape::RoundedCuboid { half_extents_m, .. } => {
@@ -44,7 +45,15 @@ pub fn mesh(shape: &Shape) -> Vec<Triangle> {
             [0.0, 1.5 * half_m],
         ]),
         Shape::Hull { points_m } => hull_triangles(points_m).unwrap_or_default(),
+        Shape::Compound(compound) => compound.parts.iter().flat_map(of_part).collect(),
     }
+}
+
+/// The surface of a part of a compound, in the compound's axes.
+fn of_part(part: &Part) -> Vec<Triangle> {
+    let placed = |p: Vector3<f64>| part.compound_from_shape.transform_point(&p.into()).coords;
+    let own = mesh(&part.shape).into_iter();
+    own.map(|triangle| triangle.map(placed)).collect()
 }
 
 fn cuboid(half_extents_m: &Vector3<f64>) -> Vec<Triangle> {

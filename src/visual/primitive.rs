@@ -94,7 +94,9 @@ pub fn primitives(shape: &Shape) -> Vec<Primitive> {
             // The origin is a quarter of the height above the base.
             vec![at(0.5 * half_height_m, cone)]
         }
-        Shape::Hull { .. } => vec![at(0.0, Form::Triangles(mesh(shape)))],
+        Shape::Hull { .. } | Shape::Compound(_) => {
+            vec![at(0.0, Form::Triangles(mesh(shape)))]
+        }
     }
 }
 

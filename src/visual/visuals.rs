@@ -18,7 +18,7 @@ pub const GHOST_RGBA: [f64; 4] = [0.95, 0.65, 0.20, 0.35];
 pub struct Visual {
     /// What it stands for.
     pub subject: Subject,
-    /// Where its shape is in its frame: the link's own frame for a link, the world for all others.
+    /// Where its shape is in its frame: the one in which the scene gives a link, the world for all others.
     pub frame_from_shape: Pose,
     /// What is drawn; `None` of a goal without ends.
     pub shape: Option<Shape>,
@@ -53,7 +53,7 @@ impl Subject {
 pub fn visuals(scene: &Scene, patches: &[Option<Patch>]) -> Vec<Visual> {
     let links = scene.links.iter_enumerated().map(|(index, link)| Visual {
         subject: Subject::Link(index),
-        frame_from_shape: link.link_from_shape(),
+        frame_from_shape: link.given_from_shape(),
         shape: Some(link.shape.clone()),
     });
     let obstacles = scene.obstacles.iter().enumerate();

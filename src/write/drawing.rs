@@ -32,7 +32,7 @@ pub(super) fn ghost(scene: &Scene, link: LinkIndex, at: Timestamp) -> SceneEntit
     let body = &scene.links[link];
     let frame = topics::sketch_frame(&body.name);
     let mut entity = entity(at, &frame, format!("sketch/{}", body.name));
-    add_shape(&mut entity, &body.shape, &body.link_from_shape(), GHOST);
+    add_shape(&mut entity, &body.shape, &body.given_from_shape(), GHOST);
     entity
 }
 
@@ -58,7 +58,7 @@ pub(super) fn live_scene_update(
             &topics::live_frame(&body.name),
             format!("live/{}", body.name),
         );
-        add_shape(&mut live, &body.shape, &body.link_from_shape(), LIVE);
+        add_shape(&mut live, &body.shape, &body.given_from_shape(), LIVE);
         entities.push(live);
     }
     Ok(bytes_of(entities))

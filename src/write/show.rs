@@ -14,7 +14,7 @@ use super::topics;
 use typed_index_collections::TiSlice;
 
 use crate::math::Pose;
-use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Track};
+use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, TrackIndex};
 use crate::report::{
     EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
@@ -141,8 +141,9 @@ impl Showing {
     }
 }
 
-/// The pose of the link whose tracker reads that; `None` of numbers that make no pose.
-pub fn link_pose(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
+/// The pose of the link whose tracker reads that, of the frame in which its scene gives it; `None` of numbers
+/// that make no pose.
+pub fn given_pose(scene: &Scene, track: TrackIndex, reading: &PoseSample) -> Option<PoseSample> {
     let [x, y, z, w] = reading.quaternion_xyzw;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let is_pose = (quaternion.norm() - 1.0).abs() <= 0.01;
@@ -151,8 +152,9 @@ pub fn link_pose(track: &Track, reading: &PoseSample) -> Option<PoseSample> {
     }
     let rotation = nalgebra::UnitQuaternion::from_quaternion(quaternion);
     let world_from_tracker = Pose::from_parts(reading.position_m.into(), rotation);
-    let world_from_body = world_from_tracker * track.link_from_tracker.inverse();
-    Some(PoseSample::from_pose(reading.stamp, &world_from_body))
+    let world_from_link = world_from_tracker * scene.tracks[track].link_from_tracker.inverse();
+    let world_from_given = world_from_link * scene.link_seen_by(track).link_from_given;
+    Some(PoseSample::from_pose(reading.stamp, &world_from_given))
 }
 
 /// The message of [`ShownTopic::poses`].
@@ -189,7 +191,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::{SampleCounts, TrackIndex, fixture};
+    use crate::motion::{SampleCounts, fixture};
 
     #[test]
     fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {
@@ -226,7 +228,8 @@ mod tests {
         track.link_from_tracker = Pose::translation(0.0, 0.0, 0.1);
         let reading = PoseSample::new(Stamp(1), Vector3::new(1.0, 2.0, 3.0), [1.0, 0.0, 0.0, 0.0]);
         // Upside down, the tracker's z is the world's −z.
-        let pose = link_pose(track, &reading).expect("a pose");
+        let (scene, track) = (&scene, TrackIndex(0));
+        let pose = given_pose(scene, track, &reading).expect("a pose");
         assert!((pose.position_m - Vector3::new(1.0, 2.0, 3.1)).norm() < 1e-12);
         for (position_m, quaternion_xyzw) in [
             (Vector3::repeat(f64::NAN), [0.0, 0.0, 0.0, 1.0]),
@@ -234,7 +237,7 @@ mod tests {
             (Vector3::zeros(), [f64::NAN; 4]),
         ] {
             let wrong = PoseSample::new(Stamp(1), position_m, quaternion_xyzw);
-            assert_eq!(link_pose(track, &wrong), None);
+            assert_eq!(given_pose(scene, track, &wrong), None);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The frames of bodies and how each hangs from another: what URDF calls links and joints, and what frame
 //! transforms place.
 //!
-//! Every body has the frame of its estimate, at the centre of mass along its principal axes. That of a body by
+//! Every body has the frame of its estimate, the one in which the scene gives it. That of a body by
 //! itself, and of the first of a tree that flies, moves freely in the world. In a tree each hinge of a joint
 //! ([`hinge_axes`]) has a frame too, at the joint, which turns about the hinge's axis in the frame before it;
 //! the child's own is fixed in that of the last hinge. So an angle for each hinge, with the pose of what flies,
@@ -45,6 +45,10 @@ pub(super) struct Hanging<'a> {
     pub joint: &'a Joint,
     /// Frame of the parent.
     pub parent: String,
+    /// The parent's link axes in its frame; of the world the identity.
+    parent_from_link: Pose,
+    /// The child's frame in its link axes.
+    link_from_body: Pose,
     /// Its hinges, from the parent to the child; of a fixed joint none.
     pub hinges: Vec<Hinge>,
     /// The tree that it is part of.
@@ -129,12 +133,12 @@ impl<'a> Skeleton<'a> {
 impl Hanging<'_> {
     /// The joint's frame, where its first hinge is, in the parent's.
     pub(super) fn parent_from_joint(&self) -> Pose {
-        self.joint.joint.parent_from_joint
+        self.parent_from_link * self.joint.joint.parent_from_joint
     }
 
     /// The body's frame in the last hinge's, or of a fixed joint in the parent's.
     pub(super) fn last_from_body(&self) -> Pose {
-        let joint_from_body = self.joint.joint.link_from_joint.inverse();
+        let joint_from_body = self.joint.joint.link_from_joint.inverse() * self.link_from_body;
         match self.hinges.is_empty() {
             true => self.parent_from_joint() * joint_from_body,
             false => joint_from_body,
@@ -230,9 +234,14 @@ fn hanging<'a>(
     let parent = joint.parent.map_or(world_frame.to_owned(), |parent| {
         topics::estimate_frame(&scene.links[parent].name)
     });
+    let parent_from_link = joint.parent.map_or_else(Pose::identity, |parent| {
+        scene.links[parent].link_from_given.inverse()
+    });
     Some(Hanging {
         joint,
         parent,
+        parent_from_link,
+        link_from_body: scene.links[link].link_from_given,
         hinges,
         mechanism,
         before,

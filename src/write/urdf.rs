@@ -1,14 +1,15 @@
 //! The scene as URDF, for viewers that draw no scene updates, and for all who compute with robots.
 //!
 //! The root link is the world frame, with obstacles and surfaces. Each body is a link named as its
-//! estimate's frame, at its centre of mass along its principal axes; bodies that fly are joined to the
+//! estimate's frame, which is the one in which the scene gives it; its inertia is said at its centre of mass
+//! along its principal axes. Bodies that fly are joined to the
 //! world by floating joints, which frame transforms move, and so are bodies as they were acted, once more. URDF knows no universal joint and no ball: a
 //! joint of the scene is a series of hinges with links between them that have neither mass nor shape
 //! ([`skeleton`](super::skeleton)), and a body hangs fixed on the last of them, for a hinge's link must be at
 //! its axis.
 //!
 //! URDF knows boxes, cylinders and spheres: a cone is drawn as a stack of cylinders, a hull as a
-//! stack of boxes (who reads URDF from a recording finds no files of meshes), a rounded box as a sharp one. It
+//! stack of boxes (who reads URDF from a recording finds no files of meshes), a rounded box as a sharp one, a compound as its parts. It
 //! has no word for springs, and for a hinge with one limit alone: that is without.
 
 use std::fmt::Write;
@@ -90,7 +91,7 @@ fn add_ghost(text: &mut String, link: &Link, world_frame: &str) {
     let frame = topics::sketch_frame(&link.name);
     let rgba = GHOST_RGBA.map(|part| part.to_string()).join(" ");
     let _ = writeln!(text, "  <link name=\"{}\">", escaped(&frame));
-    add_shape(text, &link.shape, &link.link_from_shape(), &rgba);
+    add_shape(text, &link.shape, &link.given_from_shape(), &rgba);
     text.push_str("  </link>\n");
     let joint = format!("{frame}_joint");
     open_joint(text, (&joint, "floating"), [world_frame, &frame]);
@@ -152,9 +153,14 @@ fn add_inertia(text: &mut String, link: &Link) {
         return;
     }
     let (mass_kg, moments) = (link.body.mass_kg(), link.body.moments_kg_m2());
+    let given_from_link = link.link_from_given.inverse();
+    let place = match given_from_link == Pose::identity() {
+        true => String::new(),
+        false => format!("      {}\n", origin(&given_from_link)),
+    };
     let _ = writeln!(
         text,
-        "    <inertial>\n      <mass value=\"{mass_kg}\"/>\n      \
+        "    <inertial>\n{place}      <mass value=\"{mass_kg}\"/>\n      \
          <inertia ixx=\"{}\" ixy=\"0\" ixz=\"0\" iyy=\"{}\" iyz=\"0\" izz=\"{}\"/>\n    </inertial>",
         moments.x, moments.y, moments.z
     );
@@ -192,6 +198,12 @@ fn add_shape(text: &mut String, shape: &Shape, pose: &Pose, rgba: &str) {
             for [middle_m, sides_m] in hull_slices(&mesh(shape), SLICES) {
                 let pose = pose * Translation3::from(middle_m);
                 add_geometry(text, &pose, &cuboid(&sides_m), rgba);
+            }
+        }
+        Shape::Compound(compound) => {
+            for part in &compound.parts {
+                let pose = pose * part.compound_from_shape;
+                add_shape(text, &part.shape, &pose, rgba);
             }
         }
         _ => {

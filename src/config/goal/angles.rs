@@ -1,7 +1,7 @@
 //! What is asked of joints.
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::vector::sd;
 use super::{DEG, Table};

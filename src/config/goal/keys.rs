@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use crate::config::error::{Fault, fault};
 use crate::config::raw::RawGoal;
@@ -57,7 +57,7 @@ const NEEDS: &[(&str, &str)] = &[
 ];
 
 /// What a goal may be about.
-pub(super) const ABOUT: &str = "position_mm, position_within_mm, orientation_wxyz, axis, velocity_m_s, \
+pub(super) const ABOUT: &str = "position_mm, position_within_mm, orientation_wxyz, rpy_deg, axis, velocity_m_s, \
      velocity_within_m_s, spin_rad_s, spin_within_rad_s, at_rest, time_ms, time_within_ms, \
      angles_deg or angles_within_deg of a joint, or face_up at rest";
 
@@ -81,6 +81,7 @@ impl RawGoal {
             ("normal", at(&self.normal)),
             ("relative_to", at(&self.relative_to)),
             ("orientation_wxyz", at(&self.orientation_wxyz)),
+            ("rpy_deg", at(&self.rpy_deg)),
             ("axis", at(&self.axis)),
             ("direction", at(&self.direction)),
             ("within_deg", at(&self.within_deg)),

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use nalgebra::Point3;
+
 use super::Table;
 use crate::config::error::{Fault, fault};
 use crate::config::event::{feature_of, link_of};
@@ -22,7 +24,11 @@ impl Table<'_> {
         }
         match (&raw.point_mm, &raw.feature) {
             (None, None) => Ok(BodyPoint::Centre),
-            (Some(point), None) => Ok(BodyPoint::Fixed(vector("point_mm", point)? * super::MM)),
+            (Some(point), None) => {
+                let point_m = vector("point_mm", point)? * super::MM;
+                let point_m = self.link_from_given(Some(link)) * Point3::from(point_m);
+                Ok(BodyPoint::Fixed(point_m.coords))
+            }
             (Some(_), Some(feature)) => fault(feature.span(), "expected one of point_mm, feature"),
             (None, Some(text)) => {
                 let link = &self.scene.links[link];

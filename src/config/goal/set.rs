@@ -7,6 +7,7 @@ use super::vector::{VectorKeys, sd};
 use crate::config::error::{Fault, fault};
 use crate::config::number::{direction, positive, vector};
 use crate::config::raw::Corners;
+use crate::math::Pose;
 use crate::motion::GoalSet;
 
 impl Table<'_> {
@@ -67,6 +68,58 @@ impl Table<'_> {
             _ => Ok(()),
         }
     }
+}
+
+/// A set as it is in other axes. A box that is turned is the half-spaces of its sides: the distance from it is
+/// that from all of them together. Fails, in words, of a turned box with a side that is an equality.
+pub(super) fn in_axes(set: GoalSet, axes_from_given: &Pose) -> Result<Vec<GoalSet>, &'static str> {
+    let (turn, shift) = (
+        axes_from_given.rotation,
+        axes_from_given.translation.vector,
+    );
+    if *axes_from_given == Pose::identity() {
+        return Ok(vec![set]);
+    }
+    let moved = |at: Vector3<f64>| turn * at + shift;
+    Ok(match set {
+        GoalSet::Ball { centre, radius } => vec![GoalSet::Ball {
+            centre: moved(centre),
+            radius,
+        }],
+        GoalSet::HalfSpace { normal, least } => {
+            let normal = turn * normal;
+            vec![GoalSet::HalfSpace {
+                normal,
+                least: least + normal.dot(&shift),
+            }]
+        }
+        GoalSet::Box { lower, upper } if lower == upper => vec![GoalSet::point(moved(lower))],
+        GoalSet::Box { lower, upper } if turn.angle() < 1e-12 => vec![GoalSet::Box {
+            lower: lower + shift,
+            upper: upper + shift,
+        }],
+        GoalSet::Box { lower, upper } => {
+            if (0..3).any(|axis| lower[axis] == upper[axis]) {
+                return Err(
+                    "the body's axes are not its principal ones, and a box there has no side without a width: \
+                     expected a width, or a position exactly or within a ball",
+                );
+            }
+            let mut sides = Vec::new();
+            for axis in 0..3 {
+                for (sign, bound) in [(1.0, lower[axis]), (-1.0, upper[axis])] {
+                    if bound.is_finite() {
+                        let normal = turn * Vector3::ith(axis, sign);
+                        sides.push(GoalSet::HalfSpace {
+                            normal,
+                            least: sign * bound + normal.dot(&shift),
+                        });
+                    }
+                }
+            }
+            sides
+        }
+    })
 }
 
 /// A box between two corners.

@@ -1,11 +1,11 @@
 //! Orientations, and directions of axes.
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::vector::sd;
 use super::{DEG, Table, target};
 use crate::config::error::{Fault, fault};
-use crate::config::number::{direction, orientation, positive};
+use crate::config::number::{direction, orientation_in_either, positive};
 use crate::config::raw::{RawAxis, Triple};
 use crate::config::rest::axis;
 use crate::motion::{Condition, GoalQuantity, GoalSet, GoalTarget, LinkIndex, Moment};
@@ -14,10 +14,13 @@ impl Table<'_> {
     /// An orientation, exactly or within an angle.
     pub(super) fn turn(
         &mut self,
+        link: LinkIndex,
         seen_from: Option<LinkIndex>,
     ) -> Result<Option<Condition>, Fault> {
         let raw = self.raw;
-        let Some(wxyz) = &raw.orientation_wxyz else {
+        let what = "orientation of the goal";
+        let (wxyz, rpy_deg) = (raw.orientation_wxyz.as_ref(), raw.rpy_deg.as_ref());
+        let Some(turn) = orientation_in_either(what, wxyz, rpy_deg)? else {
             return Ok(None);
         };
         if let Some(axis) = &raw.axis {
@@ -26,11 +29,13 @@ impl Table<'_> {
                 "expected one of orientation_wxyz, axis: each in a goal of its own",
             );
         }
-        let keys = ["orientation_wxyz", "relative_to", "within_deg", "sd_deg"];
+        let keys = ["orientation_wxyz", "rpy_deg", "relative_to", "within_deg", "sd_deg"];
         self.used.add(&keys);
         Ok(Some(Condition {
             quantity: GoalQuantity::Turn {
-                from: orientation("orientation of the goal", wxyz)?,
+                from: self.link_from_given(seen_from).rotation
+                    * turn
+                    * self.link_from_given(Some(link)).rotation.inverse(),
                 seen_from,
             },
             set: GoalSet::about_zero(self.angle()?),
@@ -53,11 +58,13 @@ impl Table<'_> {
             RawAxis::Name(name) => axis("axis", &self.scene.links[link], (name, given.span()))?,
             RawAxis::Vector(numbers) => {
                 let triple: Triple = Spanned::new(given.span(), *numbers);
-                direction("axis", &triple)?
+                self.link_from_given(Some(link)).rotation * direction("axis", &triple)?
             }
         };
         let towards = match (&raw.direction, seen_from) {
-            (Some(triple), _) => direction("direction", triple)?,
+            (Some(triple), _) => {
+                self.link_from_given(seen_from).rotation * direction("direction", triple)?
+            }
             (None, None) => {
                 let up = self.scene.gravity_m_s2.try_normalize(0.0).map(|down| -down);
                 up.ok_or_else(|| Fault {

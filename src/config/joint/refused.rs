@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use serde::Deserialize;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::{Placed, Written};
 use crate::config::error::{Fault, SceneError};

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use roxmltree::{Attribute, Node};
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use crate::config::error::{Fault, fault};
 use crate::config::number;

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::element::Notes;
 use super::merge::{Merged, Turn, merged};

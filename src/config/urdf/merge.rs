@@ -1,7 +1,7 @@
 //! Turns about axes, one after the other with no mass between, as one joint.
 
 use nalgebra::Vector3;
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use crate::config::error::{Fault, fault};
 

@@ -6,7 +6,6 @@
 //! | `element` | XML elements, their attributes and numbers; what is not read is noted |
 //! | `robot` | links and joints as they are written |
 //! | `geometry` | solids of links |
-//! | `principal` | axes of bodies: principal ones near given ones |
 //! | `solid` | solids of a link as the one shape of its body |
 //! | `mechanism` | links and joints become bodies and joints; those without mass merge |
 //! | `merge` | axes that meet become one joint |
@@ -20,7 +19,6 @@ mod geometry;
 mod import;
 mod mechanism;
 mod merge;
-mod principal;
 mod robot;
 mod solid;
 mod text;

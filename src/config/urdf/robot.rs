@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
-use toml::Spanned;
+use crate::config::spanned::Spanned;
 
 use super::element::{Element, Notes};
 use super::geometry::{Geometries, geometry};

@@ -9,8 +9,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::element::Notes;
 use super::geometry::{Placed, Primitive};
-use super::principal::principal;
+
 use super::robot::{Inertial, Link};
+use crate::config::principal::{ROUNDING, principal};
 use crate::config::error::{Fault, fault};
 use crate::math::Pose;
 
@@ -56,7 +57,7 @@ pub(super) fn solid(link: &Link, inertial: &Inertial, notes: &mut Notes) -> Resu
     let turn = centre.rotation.to_rotation_matrix();
     let tensor = turn.matrix() * inertial.tensor_kg_m2 * turn.matrix().transpose();
     let body = |near: &UnitQuaternion<f64>| {
-        let (turn, moments_kg_m2) = principal(&tensor, near)?;
+        let (turn, moments_kg_m2) = principal(&tensor, near, ROUNDING)?;
         let link_from_body = Pose::from_parts(centre.translation, turn);
         Some((link_from_body, moments_kg_m2))
     };

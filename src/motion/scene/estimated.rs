@@ -133,6 +133,7 @@ impl Scene {
         let new_from_old = old_from_new.inverse();
         let of = &mut self.links[link];
         of.shape_at_m -= by_m;
+        of.link_from_given = new_from_old * of.link_from_given;
         for feature in &mut of.features {
             feature.geometry = feature.geometry.placed(&new_from_old);
         }

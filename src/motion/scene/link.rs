@@ -24,6 +24,9 @@ pub struct Link {
     /// Where the origin of the shape is \[m\], in the link's axes, along which it lies: zero unless
     /// the centre of mass was estimated elsewhere ([`Scene::with_values`](super::Scene::with_values)).
     pub shape_at_m: Vector3<f64>,
+    /// The frame in which its scene gives it and in which its poses are written, in the link's axes: the
+    /// identity where that is at the centre of mass along principal axes.
+    pub link_from_given: Pose,
     /// What of it may touch something.
     pub features: Vec<Feature>,
     /// What it moves with.
@@ -46,6 +49,11 @@ impl Link {
     /// Pose of its shape in its axes.
     pub fn link_from_shape(&self) -> Pose {
         Pose::from_parts(self.shape_at_m.into(), UnitQuaternion::identity())
+    }
+
+    /// Pose of its shape in the frame in which its scene gives it.
+    pub fn given_from_shape(&self) -> Pose {
+        self.link_from_given.inverse() * self.link_from_shape()
     }
 
     /// Its shape prepared for distance queries, in its axes.

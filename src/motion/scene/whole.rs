@@ -11,6 +11,7 @@ use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
 use super::weights::{Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
+use crate::math::Pose;
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 use crate::physics::Dynamics;
 use crate::physics::impact::Law;
@@ -97,6 +98,7 @@ impl Scene {
             body: body.body,
             shape: body.shape,
             shape_at_m: Vector3::zeros(),
+            link_from_given: Pose::identity(),
             features: body.features,
             mechanism,
             held: None,

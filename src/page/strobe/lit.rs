@@ -144,8 +144,8 @@ impl<'a> Strobe<'a> {
     }
 
     /// The pose of a body's shape where the body is.
-    pub(super) fn world_from_shape(&self, link: LinkIndex, world_from_link: &Pose) -> Pose {
-        world_from_link * self.scene.links[link].link_from_shape()
+    pub(super) fn world_from_shape(&self, link: LinkIndex, world_from_body: &Pose) -> Pose {
+        world_from_body * self.scene.links[link].given_from_shape()
     }
 
     /// Names of events and when they are, where there are few enough.

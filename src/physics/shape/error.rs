@@ -62,6 +62,28 @@ pub enum ShapeError {
         /// Products of inertia over mass: yz, xz, xy.
         products_m2: Vector3<f64>,
     },
+    /// A profile sweeps no solid of revolution.
+    #[error("point {} of the profile {why}", .index + 1)]
+    Profile {
+        /// Index of the point.
+        index: usize,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// A mesh is no closed surface.
+    #[error("the mesh is not closed: {open} of its {edges} edges do not lie between two triangles that run along them in opposite directions; close it, or give its hull")]
+    Open {
+        /// Such edges.
+        open: usize,
+        /// All.
+        edges: usize,
+    },
+    /// A compound has no parts.
+    #[error("the compound has no part with a volume, expected one at least")]
+    NoPart,
+    /// A part of a compound is one itself.
+    #[error("a part of a compound is a compound itself, expected its parts")]
+    Nested,
     /// A pose contains a number that is not finite.
     #[error("a pose is not finite")]
     Pose,

@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 use parry3d::mass_properties::MassProperties;
 use parry3d::math::Vector as ParryVector;
 
+use super::compound::Compound;
 use super::error::ShapeError;
 use super::hull::{check_hull, from_parry, hull_mass, to_parry};
-use super::mass::{UniformMass, rounded_mass};
+use super::mass::{MassDistribution, UniformMass, rounded_mass};
 use crate::math::Pose;
 use crate::physics::body::Body;
 
@@ -57,6 +58,8 @@ pub enum Shape {
         /// At least four, not in one plane.
         points_m: Vec<Vector3<f64>>,
     },
+    /// Several convex solids that move as one.
+    Compound(Compound),
 }
 
 impl Shape {
@@ -97,6 +100,7 @@ impl Shape {
                 positive("radius", *radius_m)
             }
             Shape::Hull { points_m } => check_hull(points_m),
+            Shape::Compound(compound) => compound.check(),
         }
     }
 
@@ -122,15 +126,38 @@ impl Shape {
                 radius_m,
             } => (1.5 * half_height_m).max(radius_m.hypot(0.5 * half_height_m)),
             Shape::Hull { points_m } => points_m.iter().map(|p| p.norm()).fold(0.0, f64::max),
+            Shape::Compound(compound) => compound.radius_m(),
         }
     }
 
     /// Volume and moments at uniform density.
     ///
-    /// Fails where the shape is no solid, and where its axes cannot be body axes: a hull whose
+    /// Fails where the shape is no solid, and where its axes cannot be body axes: a hull or a compound whose
     /// centre of mass is not the origin or whose axes are not principal.
     pub fn uniform_mass(&self) -> Result<UniformMass, ShapeError> {
         self.check()?;
+        match self {
+            Shape::Hull { points_m } => hull_mass(points_m)?.about_its_axes(),
+            Shape::Compound(compound) => compound.mass()?.about_its_axes(),
+            _ => self.symmetric_mass(),
+        }
+    }
+
+    /// How mass is distributed in it at uniform density, in its own axes. The volume that parts of a compound
+    /// have in common counts as often as they are.
+    ///
+    /// Fails where the shape is no solid.
+    pub fn mass(&self) -> Result<MassDistribution, ShapeError> {
+        self.check()?;
+        match self {
+            Shape::Hull { points_m } => hull_mass(points_m),
+            Shape::Compound(compound) => compound.mass(),
+            _ => Ok(MassDistribution::of_uniform(&self.symmetric_mass()?)),
+        }
+    }
+
+    /// Of the kinds that are symmetric about their axes.
+    fn symmetric_mass(&self) -> Result<UniformMass, ShapeError> {
         let (properties, shape_from_parry) = match self {
             Shape::Cuboid { half_extents_m } => (
                 MassProperties::from_cuboid(1.0, to_parry(half_extents_m)),
@@ -165,7 +192,7 @@ impl Shape {
                 MassProperties::from_cone(1.0, *half_height_m, *radius_m),
                 Axes::YToZ,
             ),
-            Shape::Hull { points_m } => return hull_mass(points_m),
+            Shape::Hull { .. } | Shape::Compound(_) => return self.mass()?.about_its_axes(),
         };
         let principal = properties.principal_inertia();
         let moments = match shape_from_parry {

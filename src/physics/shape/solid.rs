@@ -1,6 +1,7 @@
 //! Solids: shapes prepared for distance queries.
 
 use nalgebra::Vector3;
+use parry3d::bounding_volume::BoundingSphere;
 use parry3d::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as ParryVector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
@@ -68,6 +69,15 @@ impl Shape {
                 })?,
                 ParryPose::IDENTITY,
             ),
+            Shape::Compound(compound) => {
+                let parts = compound.parts.iter().map(|part| {
+                    let own = part.shape.solid()?;
+                    let pose = pose_to_parry(&part.compound_from_shape)? * own.shape_from_parry;
+                    Ok((pose, own.shape))
+                });
+                let parts = parts.collect::<Result<Vec<_>, ShapeError>>()?;
+                (SharedShape::compound(parts), ParryPose::IDENTITY)
+            }
         };
         Ok(Solid {
             shape,
@@ -122,7 +132,21 @@ impl Solid {
         (&self.shape, &self.shape_from_parry)
     }
 
-    /// Distance and closest points of two placed solids. Refuses poses that are not finite.
+    /// Its convex solids, each with its pose in the solid's own axes.
+    fn convex(&self) -> Vec<(ParryPose, &SharedShape)> {
+        match self.shape.as_compound() {
+            Some(compound) => {
+                let parts = compound.shapes().iter();
+                parts
+                    .map(|(pose, shape)| (self.shape_from_parry * *pose, shape))
+                    .collect()
+            }
+            None => vec![(self.shape_from_parry, &self.shape)],
+        }
+    }
+
+    /// Distance and closest points of two placed solids: of compounds those of the two parts that are nearest,
+    /// or deepest in each other. Refuses poses that are not finite.
     ///
     /// parry's iterations leave errors below 1e-6 m between round solids. Where its expanding
     /// polytope finds no depth the gap is 0 and the points are the origins.
@@ -132,24 +156,30 @@ impl Solid {
         other: &Solid,
         world_from_other: &Pose,
     ) -> Result<Closest, ShapeError> {
-        let here = pose_to_parry(world_from_self)? * self.shape_from_parry;
-        let there = pose_to_parry(world_from_other)? * other.shape_from_parry;
-        let contact = query::contact(&here, &*self.shape, &there, &*other.shape, FAR_M)
-            .expect("convex shapes have contacts");
-        Ok(match contact {
-            Some(contact) => Closest {
-                gap_m: contact.dist,
-                point_m: world_from_self
-                    .inverse_transform_point(&from_parry(contact.point1).into())
-                    .coords,
-                other_point_m: from_parry(contact.point2),
-            },
-            None => Closest {
-                gap_m: self.distance_m(world_from_self, other, world_from_other)?,
-                point_m: Vector3::zeros(),
-                other_point_m: world_from_other.translation.vector,
-            },
-        })
+        let mut best: Option<Closest> = None;
+        self.pairs(world_from_self, other, world_from_other, |here, there| {
+            let contact = query::contact(&here.0, &**here.1, &there.0, &**there.1, FAR_M)
+                .expect("convex shapes have contacts");
+            let found = match contact {
+                Some(contact) => Closest {
+                    gap_m: contact.dist,
+                    point_m: world_from_self
+                        .inverse_transform_point(&from_parry(contact.point1).into())
+                        .coords,
+                    other_point_m: from_parry(contact.point2),
+                },
+                None => Closest {
+                    gap_m: distance_m(here, there),
+                    point_m: Vector3::zeros(),
+                    other_point_m: world_from_other.translation.vector,
+                },
+            };
+            if best.is_none_or(|best| found.gap_m < best.gap_m) {
+                best = Some(found);
+            }
+            best.map_or(f64::INFINITY, |best| best.gap_m)
+        })?;
+        Ok(best.expect("solids have a part at least"))
     }
 
     /// The lowest point over a plane through `plane_point_m` with the given unit normal \[world\],
@@ -162,13 +192,16 @@ impl Solid {
     ) -> Result<Closest, ShapeError> {
         pose_to_parry(world_from_self)?;
         let down = world_from_self.rotation.inverse_transform_vector(&-normal);
-        let local = self.shape_from_parry.rotation.inverse() * to_parry(&down);
-        let support = self
-            .shape
-            .as_support_map()
-            .expect("convex shapes have support points")
-            .local_support_point(local);
-        let point_m = from_parry(self.shape_from_parry * support);
+        let supports = self.convex().into_iter().map(|(self_from_part, shape)| {
+            let local = self_from_part.rotation.inverse() * to_parry(&down);
+            let support = shape
+                .as_support_map()
+                .expect("convex shapes have support points")
+                .local_support_point(local);
+            from_parry(self_from_part * support)
+        });
+        let lowest = supports.max_by(|a, b| a.dot(&down).total_cmp(&b.dot(&down)));
+        let point_m = lowest.expect("solids have a part at least");
         let in_world_m = (world_from_self * nalgebra::Point3::from(point_m)).coords;
         let gap_m = normal.dot(&(in_world_m - plane_point_m));
         Ok(Closest {
@@ -178,7 +211,8 @@ impl Solid {
         })
     }
 
-    /// Distance between two placed solids \[m\]; negative is the depth of penetration.
+    /// Distance between two placed solids \[m\]; negative is the depth of penetration, of compounds that of
+    /// the two parts that are deepest in each other.
     ///
     /// Refuses poses that are not finite: parry's answer for them is 0.
     pub fn distance_m(
@@ -187,18 +221,77 @@ impl Solid {
         other: &Solid,
         world_from_other: &Pose,
     ) -> Result<f64, ShapeError> {
-        let here = pose_to_parry(world_from_self)? * self.shape_from_parry;
-        let there = pose_to_parry(world_from_other)? * other.shape_from_parry;
-        let distance_m = query::distance(&here, &*self.shape, &there, &*other.shape)
-            .expect("convex shapes have distances")
-            .distance;
-        if distance_m > 0.0 {
-            return Ok(distance_m);
-        }
-        let contact = query::contact(&here, &*self.shape, &there, &*other.shape, 0.0)
-            .expect("convex shapes have contacts");
-        Ok(contact.map_or(0.0, |contact| contact.dist.min(0.0)))
+        let mut least_m = f64::INFINITY;
+        self.pairs(world_from_self, other, world_from_other, |here, there| {
+            least_m = least_m.min(distance_m(here, there));
+            least_m
+        })?;
+        Ok(least_m)
     }
+
+    /// Looks at pairs of placed convex solids, one of each, until none that is left can be nearer than `look`
+    /// says is enough \[m\]: the balls about them are farther apart.
+    fn pairs(
+        &self,
+        world_from_self: &Pose,
+        other: &Solid,
+        world_from_other: &Pose,
+        mut look: impl FnMut(Placed, Placed) -> f64,
+    ) -> Result<(), ShapeError> {
+        let here = pose_to_parry(world_from_self)?;
+        let there = pose_to_parry(world_from_other)?;
+        let (own, others) = (self.convex(), other.convex());
+        if let ([(a, shape)], [(b, other)]) = (&own[..], &others[..]) {
+            look((here * *a, shape), (there * *b, other));
+            return Ok(());
+        }
+        let (own, others) = (with_balls(here, own), with_balls(there, others));
+        let mut pairs = Vec::with_capacity(own.len() * others.len());
+        for (i, (.., a)) in own.iter().enumerate() {
+            for (j, (.., b)) in others.iter().enumerate() {
+                let apart_m = (a.center - b.center).length() - a.radius - b.radius;
+                pairs.push((apart_m, i, j));
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut enough_m = f64::INFINITY;
+        for (apart_m, i, j) in pairs {
+            if apart_m > enough_m {
+                break;
+            }
+            let ((a, shape, _), (b, other, _)) = (&own[i], &others[j]);
+            enough_m = look((*a, shape), (*b, other));
+        }
+        Ok(())
+    }
+}
+
+/// Convex solids placed in the world, with the balls about them.
+fn with_balls(
+    base: ParryPose,
+    parts: Vec<(ParryPose, &SharedShape)>,
+) -> Vec<(ParryPose, &SharedShape, BoundingSphere)> {
+    let parts = parts.into_iter().map(|(pose, shape)| {
+        let pose = base * pose;
+        (pose, shape, shape.compute_bounding_sphere(&pose))
+    });
+    parts.collect()
+}
+
+/// A convex solid in the world.
+type Placed<'a> = (ParryPose, &'a SharedShape);
+
+/// Distance of two convex solids \[m\]; negative is the depth of penetration.
+fn distance_m(here: Placed, there: Placed) -> f64 {
+    let distance_m = query::distance(&here.0, &**here.1, &there.0, &**there.1)
+        .expect("convex shapes have distances")
+        .distance;
+    if distance_m > 0.0 {
+        return distance_m;
+    }
+    let contact = query::contact(&here.0, &**here.1, &there.0, &**there.1, 0.0)
+        .expect("convex shapes have contacts");
+    contact.map_or(0.0, |contact| contact.dist.min(0.0))
 }
 
 fn pose_to_parry(pose: &Pose) -> Result<ParryPose, ShapeError> {

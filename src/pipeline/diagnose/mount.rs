@@ -28,7 +28,9 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
     let tracks = facts.scene.tracks.iter_enumerated();
     tracks
         .flat_map(|(track, seen)| {
-            let given = seen.link_from_tracker;
+            // Slips are of what was typed: in the frame in which the scene gives the body.
+            let link_from_given = facts.scene.links[seen.link].link_from_given;
+            let given = link_from_given.inverse() * seen.link_from_tracker;
             let offset_m = given.translation.vector;
             let has_offset = offset_m.norm() > LEAST_M;
             let has_turn = given.rotation.angle() > 1e-6;
@@ -36,6 +38,7 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
             let turned = |slip: QuaternionSlip| {
                 Pose::from_parts(given.translation, slip.corrected(&given.rotation))
             };
+            let in_link = move |pose: Pose| link_from_given * pose;
             let fitted = fitted(facts.scene, &facts.flights, track);
             let slip = if has_offset {
                 MountSlip::Offset
@@ -43,12 +46,12 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
                 MountSlip::Missing
             };
             [
-                (has_offset, MountSlip::Negated, Some(negated)),
-                (has_turn, MountSlip::Inverted, Some(given.inverse())),
+                (has_offset, MountSlip::Negated, Some(in_link(negated))),
+                (has_turn, MountSlip::Inverted, Some(in_link(given.inverse()))),
                 (
                     has_turn,
                     MountSlip::Quaternion,
-                    Some(turned(QuaternionSlip::ScalarLast)),
+                    Some(in_link(turned(QuaternionSlip::ScalarLast))),
                 ),
                 (true, slip, fitted),
             ]

@@ -7,6 +7,7 @@ use crate::motion::{
     GoalQuantity, GoalTarget, LengthUnit, PoseSample, QuaternionSlip, Remedy, Scene, SignedAxis,
     Stamp, TakeEvent, Timing,
 };
+use crate::physics::shape::{Compound, Part};
 use crate::physics::{Body, Shape, contact};
 
 /// Strength of tempo changes where a scene has none: the default of scene files [1/√s].
@@ -149,6 +150,7 @@ fn scaled(scene: &Scene, unit: LengthUnit) -> Option<Scene> {
             apart.norm() < 1e-6 * link.body.moments_kg_m2().norm()
         });
         link.shape = shape_scaled(&link.shape, factor);
+        pose_scaled(&mut link.link_from_given, factor);
         if is_uniform {
             let moments_kg_m2 = link.body.moments_kg_m2() * (factor * factor);
             link.body = Body::new(link.body.mass_kg(), moments_kg_m2).ok()?;
@@ -231,6 +233,22 @@ fn shape_scaled(shape: &Shape, factor: f64) -> Shape {
         Shape::Hull { points_m } => Shape::Hull {
             points_m: points_m.iter().map(|point_m| point_m * factor).collect(),
         },
+        Shape::Compound(compound) => {
+            let parts = compound.parts.iter().map(|part| {
+                let mut compound_from_shape = part.compound_from_shape;
+                pose_scaled(&mut compound_from_shape, factor);
+                Part {
+                    shape: shape_scaled(&part.shape, factor),
+                    compound_from_shape,
+                }
+            });
+            let features = compound.features.iter();
+            let features = features.map(|(name, of)| (name.clone(), feature_scaled(of, factor)));
+            Shape::Compound(Compound {
+                parts: parts.collect(),
+                features: features.collect(),
+            })
+        }
     }
 }
 

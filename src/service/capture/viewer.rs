@@ -216,7 +216,7 @@ impl Viewer {
             Live::Pose(stream, sample) => {
                 let track = self.streams[stream].track;
                 log(&self.channels.trackers[stream], show::pose(&sample));
-                if let Some(sample) = show::link_pose(&self.scene.tracks[track], &sample) {
+                if let Some(sample) = show::given_pose(&self.scene, track, &sample) {
                     let frames = [(
                         topics::live_frame(&self.scene.link_seen_by(track).name),
                         sample,

@@ -54,6 +54,7 @@ impl Motion {
         }
         let mut flights = Vec::new();
         for track in scene.tracks.keys() {
+            let mount = scene.mount(track);
             for stream in 0..scene.streams(track) {
                 let mut keyframes: Vec<(Stamp, Keyframe)> = events
                     .iter()
@@ -63,7 +64,7 @@ impl Motion {
                             stream: number,
                             sample,
                         } if (*of, *number) == (track, stream) => {
-                            let keyframe = scene.tracks[track].keyframe_of(sample)?;
+                            let keyframe = mount.keyframe_of(sample)?;
                             Some((sample.stamp, keyframe))
                         }
                         _ => None,
@@ -116,7 +117,8 @@ impl Motion {
                     let at = stamp(arc.start_s + share * (arc.end_s - arc.start_s) - zero_s);
                     // At the stamp, which counts whole nanoseconds.
                     let time_s = zero_s + at.seconds_since(Stamp(0));
-                    (at, keyframe(scene, estimate.gravity_m_s2, arc, at, time_s))
+                    let motion = (arc, estimate.gravity_m_s2);
+                    (at, keyframe((scene, track), motion, at, time_s))
                 });
                 flights.push(Flight {
                     track,
@@ -186,15 +188,15 @@ impl Motion {
 }
 
 fn keyframe(
-    scene: &Scene,
-    gravity_m_s2: nalgebra::Vector3<f64>,
-    arc: &ArcEstimate,
+    (scene, track): (&Scene, TrackIndex),
+    (arc, gravity_m_s2): (&ArcEstimate, nalgebra::Vector3<f64>),
     stamp: Stamp,
     time_s: f64,
 ) -> Keyframe {
     let dynamics = scene.dynamics(arc.mechanism);
     let state = dynamics.advance(&gravity_m_s2, &arc.state, time_s - arc.epoch_s);
-    Keyframe::of_pose(stamp, &state.world_from_body())
+    let link_from_given = scene.links[scene.tracks[track].link].link_from_given;
+    Keyframe::of_pose(stamp, &(state.world_from_body() * link_from_given))
 }
 
 /// Indices of the keyframes that are nearest to evenly spread times.

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
 
 use super::frames::ExportedBody;
 use crate::math::euler::xyz_near;
@@ -32,6 +32,7 @@ pub fn bvh(scene: &Scene, bodies: &[ExportedBody], (zero, frame_rate_hz): (Stamp
         let link = &scene.links[body.link];
         let name = free_name(&link.name, &mut taken);
         let tip_m = longest_axis(&link.body) * link.radius_m();
+        let tip_m = link.link_from_given.inverse() * Point3::from(tip_m);
         let [x, y, z] = [tip_m.x, tip_m.y, tip_m.z];
         let _ = writeln!(
             text,

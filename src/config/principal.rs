@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
-/// Products of inertia, and differences of moments, that count as zero, relative to the largest
-/// moment: what rounding leaves.
-const ROUNDING: f64 = 1e-12;
+/// Products of inertia, and differences of moments, that count as zero where a tensor is given, relative to
+/// the largest moment: what rounding leaves.
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Most sweeps of the eigenvalue iteration; three suffice.
 const SWEEPS: usize = 1000;
@@ -13,10 +13,11 @@ const SWEEPS: usize = 1000;
 ///
 /// Right-handed, and as near to the axes of `near` as principal axes are: the very same where the
 /// tensor is diagonal along them. Where two moments are equal the third's axis is reached by the
-/// shortest turn. `None` where the tensor has no eigenvalues, as one that is not finite.
+/// shortest turn. Products and differences below `equal`, relative to the largest moment, are none. `None` where the tensor has no eigenvalues, as one that is not finite.
 pub(super) fn principal(
     tensor: &Matrix3<f64>,
     near: &UnitQuaternion<f64>,
+    equal: f64,
 ) -> Option<(UnitQuaternion<f64>, Vector3<f64>)> {
     let near_rotation = near.to_rotation_matrix();
     let along = |turn: &Rotation3<f64>| turn.matrix().transpose() * tensor * turn.matrix();
@@ -26,13 +27,13 @@ pub(super) fn principal(
         return None;
     }
     let products = Vector3::new(seen[(1, 2)], seen[(0, 2)], seen[(0, 1)]);
-    if products.amax() <= ROUNDING * size {
+    if products.amax() <= equal * size {
         return Some((*near, seen.diagonal()));
     }
     let eigen = SymmetricEigen::try_new(seen / size, f64::EPSILON, SWEEPS)?;
     let moments = eigen.eigenvalues;
     let gap = |axis: usize| (moments[(axis + 1) % 3] - moments[(axis + 2) % 3]).abs();
-    let turn = match (0..3).find(|axis| gap(*axis) <= ROUNDING) {
+    let turn = match (0..3).find(|axis| gap(*axis) <= equal) {
         Some(alone) => shortest(eigen.eigenvectors.column(alone).into_owned()),
         None => nearest(&eigen.eigenvectors),
     };

@@ -1,0 +1,295 @@
+//! Scenes of an object over a table.
+
+use std::fmt::Write;
+
+use thiserror::Error;
+
+use super::error::SceneError;
+use super::keys::nearest;
+use super::mesh::{MeshError, MeshFormat, mesh};
+use super::preset::{PRESETS, Preset, preset};
+use super::text::scene_from_toml;
+use crate::physics::shape::TriangleMesh;
+
+/// Most corners of a mesh that become features.
+const CORNERS: usize = 40;
+
+/// Most collisions before the end.
+const BOUNCES: usize = 100;
+
+/// What a scene is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewScene {
+    /// What flies.
+    pub object: NewObject,
+    /// Its mass \[g\], if it is another than that of the preset; of a mesh it is needed.
+    pub mass_g: Option<f64>,
+    /// Where the tracker is on it \[mm\], in its frame.
+    pub tracker_mm: Option<[f64; 3]>,
+    /// How often it bounces before it lands.
+    pub bounces: usize,
+    /// What stamps are: `tempo`, `physical`.
+    pub stamps: String,
+    /// The axis or the face that is up when all has come to rest, in any yaw.
+    pub lands: Option<String>,
+}
+
+/// What flies.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NewObject {
+    /// A preset, by its name.
+    Preset(String),
+    /// A mesh.
+    Mesh {
+        /// What the body is called.
+        name: String,
+        /// The bytes of its file.
+        bytes: Vec<u8>,
+        /// What they are.
+        format: MeshFormat,
+        /// Its unit of length \[m\].
+        unit_m: f64,
+        /// Whether its convex hull is taken.
+        take_hull: bool,
+    },
+}
+
+/// A scene that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MadeScene {
+    /// The scene file; [`scene_from_toml`] reads it.
+    pub toml: String,
+    /// Its name.
+    pub name: String,
+    /// What was computed or decided, for people.
+    pub notes: Vec<String>,
+}
+
+/// Why no scene is made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum NewSceneError {
+    /// There is no such preset.
+    #[error("no object {name:?}, {expected}")]
+    Object {
+        /// As given.
+        name: String,
+        /// What there is.
+        expected: String,
+    },
+    /// A mesh without a mass.
+    #[error("the mesh has no mass, expected its mass in grams")]
+    Mass,
+    /// A number that makes no scene.
+    #[error("{what} is {value}, expected {expected}")]
+    Number {
+        /// Which.
+        what: &'static str,
+        /// As given.
+        value: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The mesh is refused.
+    #[error("the mesh {0}")]
+    Mesh(#[from] MeshError),
+    /// The scene that is made is refused.
+    #[error("the scene that this makes is refused: {}", .0.message)]
+    Refused(SceneError),
+}
+
+/// The text of a scene in which an object bounces on a table and lands. Fails with the reason where there is no
+/// such object, where a mesh is no solid, and where a number makes no scene.
+pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
+    if of.bounces > BOUNCES {
+        return Err(NewSceneError::Number {
+            what: "the number of bounces",
+            value: of.bounces as f64,
+            expected: "100 at most",
+        });
+    }
+    let mut notes = Vec::new();
+    let (name, title, body, feature) = match &of.object {
+        NewObject::Preset(name) => {
+            let preset = preset(name).ok_or_else(|| unknown(name))?;
+            let body = of_preset(preset, of.mass_g);
+            (preset.name.to_owned(), preset.what.to_owned(), body, preset.feature)
+        }
+        NewObject::Mesh {
+            name,
+            bytes,
+            format,
+            unit_m,
+            take_hull,
+        } => {
+            if !(*unit_m > 0.0 && unit_m.is_finite()) {
+                return Err(NewSceneError::Number {
+                    what: "the unit",
+                    value: *unit_m,
+                    expected: "a positive number of metres",
+                });
+            }
+            let mass_g = of.mass_g.ok_or(NewSceneError::Mass)?;
+            let mesh = mesh(bytes, *format, *unit_m, *take_hull)?;
+            let body = of_mesh(&mesh, mass_g, &mut notes)?;
+            let title = format!("{name}, of a mesh; in the frame of the mesh");
+            (name.clone(), title, body, None)
+        }
+    };
+    let mut toml = String::new();
+    let quoted = toml::Value::from(name.as_str()).to_string();
+    let _ = write!(
+        toml,
+        "# {title}.\n# World: table at z = 0, z up.\n\nname = {quoted}\n\
+         # The motion goes on by simulation until all rests.\nsettle_s = 5\n\n\
+         [timing]\nstamps = {}\n\n[[body]]\nname = {quoted}\n{}",
+        toml::Value::from(of.stamps.as_str()),
+        body.keys
+    );
+    match of.tracker_mm {
+        Some([x, y, z]) => {
+            let _ = writeln!(toml, "tracker = {{ position_mm = [{x}, {y}, {z}] }}");
+        }
+        None => {
+            toml += "# Where the tracker is on it, in the frame in which it is given here.\n\
+                     tracker = { position_mm = [0, 0, 0], orientation_wxyz = [1, 0, 0, 0] }\n";
+            notes.push(
+                "the tracker is taken to be at the origin of the body, along its axes: set `body.tracker`"
+                    .into(),
+            );
+        }
+    }
+    toml += &body.tables;
+    toml += "\n[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+    for bounce in 1..=of.bounces {
+        let number = match of.bounces {
+            1 => String::new(),
+            _ => format!(" {bounce}"),
+        };
+        let _ = write!(
+            toml,
+            "\n[[event]]\nname = \"bounce{number}\"\nkind = \"collision\"\nbody = {quoted}\nsurface = \"table\"\n"
+        );
+        match feature {
+            Some(feature) => {
+                let _ = writeln!(
+                    toml,
+                    "# Left out, it is inferred which part of the body touches.\nfeature = {feature:?}"
+                );
+            }
+            None => toml += "# Which part of the body touches is inferred; `feature` would say it.\n",
+        }
+    }
+    toml += "\n[[event]]\nname = \"landing\"\nkind = \"end\"\n";
+    if let Some(up) = &of.lands {
+        let up = toml::Value::from(up.as_str());
+        let _ = write!(
+            toml,
+            "\n# So it rests in the end, in any yaw.\n[[goal]]\nevent = \"rest\"\nbody = {quoted}\nface_up = {up}\n"
+        );
+    }
+    scene_from_toml(&toml).map_err(NewSceneError::Refused)?;
+    Ok(MadeScene { toml, name, notes })
+}
+
+fn unknown(name: &str) -> NewSceneError {
+    let names: Vec<&str> = PRESETS.iter().map(|of| of.name).collect();
+    let meant = match nearest(name, &names) {
+        Some(near) => format!("did you mean {near}? Expected"),
+        None => "expected".into(),
+    };
+    NewSceneError::Object {
+        name: name.to_owned(),
+        expected: format!(
+            "{meant} one of {}, or a mesh file (.obj, .stl, .glb)",
+            names.join(", ")
+        ),
+    }
+}
+
+/// The lines of a body.
+struct BodyText {
+    /// Its keys.
+    keys: String,
+    /// Tables below it.
+    tables: String,
+}
+
+fn of_preset(preset: &Preset, mass_g: Option<f64>) -> BodyText {
+    let mass = match mass_g {
+        Some(mass_g) => format!("mass_g = {mass_g}\n"),
+        None => format!("# {}.\n{}\n", preset.source, preset.mass),
+    };
+    BodyText {
+        keys: mass + preset.body,
+        tables: preset.parts.to_owned(),
+    }
+}
+
+fn of_mesh(
+    mesh: &TriangleMesh,
+    mass_g: f64,
+    notes: &mut Vec<String>,
+) -> Result<BodyText, NewSceneError> {
+    if !(mass_g > 0.0 && mass_g.is_finite()) {
+        return Err(NewSceneError::Number {
+            what: "the mass in grams",
+            value: mass_g,
+            expected: "a positive number",
+        });
+    }
+    let mass = mesh.mass().map_err(MeshError::Shape)?;
+    let pieces = mesh.pieces().map_err(MeshError::Shape)?;
+    let corners_m = mesh.hull_corners_m(CORNERS).map_err(MeshError::Shape)?;
+    let point = |p: &nalgebra::Vector3<f64>| {
+        let [x, y, z] = [p.x, p.y, p.z].map(micrometres);
+        format!("[{x}, {y}, {z}]")
+    };
+    let hulls = pieces.parts.iter().map(|part| match &part.shape {
+        crate::physics::Shape::Hull { points_m } => {
+            let points: Vec<String> = points_m.iter().map(point).collect();
+            format!("  [{}],\n", points.join(", "))
+        }
+        _ => String::new(),
+    });
+    let hulls: String = hulls.collect();
+    let c = mass.centre_m * 1e3;
+    let t = mass.tensor_m2 * (mass_g * 1e-3);
+    let mut keys = format!(
+        "mass_g = {mass_g}\n\
+         # Computed from the closed surface at uniform density.\n\
+         centre_mm = [{}, {}, {}]\ninertia_kg_m2 = [{}, {}, {}, {}, {}, {}]\n\
+         # Its coefficient of restitution on the table.\nrestitution = 0.4\n",
+        c.x,
+        c.y,
+        c.z,
+        t[(0, 0)],
+        t[(1, 1)],
+        t[(2, 2)],
+        t[(0, 1)],
+        t[(0, 2)],
+        t[(1, 2)]
+    );
+    let _ = write!(
+        keys,
+        "shape = {{ kind = \"pieces\", pieces_mm = [\n{hulls}] }}\n"
+    );
+    let mut tables = String::from("\n# Corners of its convex hull, by which it may touch.\n[body.features_mm]\n");
+    for (index, corner) in corners_m.iter().enumerate() {
+        let _ = writeln!(tables, "\"corner {}\" = {}", index + 1, point(corner));
+    }
+    notes.push(format!(
+        "{} triangles, {} cm³, {} convex {}, {} corners",
+        mesh.triangles(),
+        (mass.volume_m3 * 1e8).round() / 100.0,
+        pieces.parts.len(),
+        if pieces.parts.len() == 1 { "piece" } else { "pieces" },
+        corners_m.len()
+    ));
+    notes.push("the restitution is a guess: set it, or free it by [[free]]".into());
+    Ok(BodyText { keys, tables })
+}
+
+/// Millimetres to the micrometre.
+fn micrometres(m: f64) -> f64 {
+    (m * 1e6).round() / 1e3
+}

@@ -1,0 +1,123 @@
+//! Scenes: made of objects and meshes, and looked at.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use serde::Serialize;
+
+use crate::config::{
+    BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
+};
+use crate::write::atomic::AtomicFile;
+
+/// The input of [`make_scene`].
+#[derive(Clone, Debug)]
+pub struct NewSceneJob {
+    /// Name of a preset, or a mesh file.
+    pub object: String,
+    /// The scene, TOML; by default named as the object, in the working folder.
+    pub output: Option<PathBuf>,
+    /// Unit of length of a mesh \[m\]; glTF is in metres, other files say none.
+    pub unit_m: Option<f64>,
+    /// Whether the convex hull of a mesh is taken.
+    pub take_hull: bool,
+    /// Mass \[g\].
+    pub mass_g: Option<f64>,
+    /// Where the tracker is on it \[mm\].
+    pub tracker_mm: Option<[f64; 3]>,
+    /// How often it bounces before it lands.
+    pub bounces: usize,
+    /// `tempo` or `physical`.
+    pub stamps: String,
+    /// The axis or face that is up in the end.
+    pub lands: Option<String>,
+}
+
+/// The result of [`make_scene`].
+#[derive(Clone, Debug, Serialize)]
+pub struct NewSceneMade {
+    /// The file that was written.
+    pub output: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Its body, as it was computed.
+    pub body: BodyCheck,
+    /// What was computed or decided.
+    pub notes: Vec<String>,
+}
+
+/// Writes a scene of an object over a table. Never replaces a file: a scene is worked on by hand.
+pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
+    let path = Path::new(&job.object);
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let object = match ending.and_then(MeshFormat::of_ending) {
+        None => NewObject::Preset(job.object.clone()),
+        Some(format) => {
+            let unit_m = match (job.unit_m, format) {
+                (Some(unit_m), _) => unit_m,
+                (None, MeshFormat::Glb) => 1.0,
+                (None, _) => bail!(
+                    "{}: the file does not say its unit of length, expected --unit mm, cm, m or in",
+                    job.object
+                ),
+            };
+            let bytes =
+                std::fs::read(path).with_context(|| format!("{}: cannot read", job.object))?;
+            let stem = path.file_stem().and_then(|stem| stem.to_str());
+            NewObject::Mesh {
+                name: stem.unwrap_or("body").to_owned(),
+                bytes,
+                format,
+                unit_m,
+                take_hull: job.take_hull,
+            }
+        }
+    };
+    if let NewObject::Preset(_) = object
+        && (job.unit_m.is_some() || job.take_hull)
+    {
+        bail!(
+            "{}: a unit or a hull is of a mesh, expected a file that ends in .obj, .stl or .glb",
+            job.object
+        );
+    }
+    let made = new_scene(&NewScene {
+        object,
+        mass_g: job.mass_g,
+        tracker_mm: job.tracker_mm,
+        bounces: job.bounces,
+        stamps: job.stamps.clone(),
+        lands: job.lands.clone(),
+    })
+    .with_context(|| job.object.clone())?;
+    let output = job.output.clone();
+    let output = output.unwrap_or_else(|| PathBuf::from(format!("{}.toml", made.name)));
+    if output.exists() {
+        bail!(
+            "{}: is there already, expected another name: -o FILE",
+            output.display()
+        );
+    }
+    let scene = scene_from_toml(&made.toml)?;
+    let checked = check_scene(&scene);
+    let body = checked.bodies.into_iter().next();
+    let mut file = AtomicFile::create(&output)?;
+    file.write_all(made.toml.as_bytes())
+        .with_context(|| format!("{}: cannot write", output.display()))?;
+    file.commit()?;
+    Ok(NewSceneMade {
+        output: output.display().to_string(),
+        scene: made.name,
+        body: body.context("the scene has no body")?,
+        notes: made.notes,
+    })
+}
+
+/// What the scene in a file means. Fails where the scene is refused.
+pub fn look_at_scene(path: &Path) -> anyhow::Result<SceneCheck> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot read"))?;
+    let scene = scene_from_toml(&text).map_err(|error| error.in_file(name))?;
+    Ok(check_scene(&scene))
+}

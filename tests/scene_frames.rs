@@ -1,0 +1,194 @@
+//! A body may be given in any frame: the motion that is found is the same, and its poses are those of the frame. And
+//! scenes that `scene new` makes can be acted and estimated.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use enact::config::scene_from_toml;
+use enact::math::Pose;
+use enact::physics::State;
+use enact_tools::perform::{Acting, perform, recording, simulate};
+use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use serde_json::Value;
+
+fn ran(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+    command.current_dir(folder).env_remove("RUST_LOG");
+    let output = command.args(arguments).output().expect("it runs");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let out = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}{out}");
+    out
+}
+
+fn list(numbers: impl IntoIterator<Item = f64>) -> String {
+    let numbers: Vec<String> = numbers.into_iter().map(|x| x.to_string()).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+fn wxyz(turn: &UnitQuaternion<f64>) -> String {
+    list([turn.w, turn.i, turn.j, turn.k])
+}
+
+/// The scene of the pencil with the pencil given in another frame.
+fn pencil_in(given_from_own: &Pose) -> String {
+    let plain = include_str!("../config/pencil_tip.toml");
+    let point = |mm: [f64; 3]| {
+        let point_m = given_from_own * Point3::from(Vector3::from(mm) / 1e3);
+        list((point_m.coords * 1e3).iter().copied())
+    };
+    let half = UnitQuaternion::new_normalize(Quaternion::new(0.5, 0.5, 0.5, 0.5));
+    let goal = UnitQuaternion::new_normalize(Quaternion::new(0.944, 0.016, 0.032, 0.328));
+    let turned = given_from_own.rotation;
+    let changes = [
+        (
+            "radius_mm = 3.75 }".to_owned(),
+            format!(
+                "radius_mm = 3.75, position_mm = {}, orientation_wxyz = {} }}",
+                point([0.0; 3]),
+                wxyz(&turned)
+            ),
+        ),
+        (
+            "tracker = { position_mm = [12, -5, 40], orientation_wxyz = [0.5, 0.5, 0.5, 0.5] }".into(),
+            format!(
+                "tracker = {{ position_mm = {}, orientation_wxyz = {} }}",
+                point([12.0, -5.0, 40.0]),
+                wxyz(&(turned * half))
+            ),
+        ),
+        (
+            "features_mm = { tip = [0, 0, -95], eraser = [0, 0, 95] }".into(),
+            format!(
+                "features_mm = {{ tip = {}, eraser = {} }}",
+                point([0.0, 0.0, -95.0]),
+                point([0.0, 0.0, 95.0])
+            ),
+        ),
+        (
+            "orientation_wxyz = [0.944, 0.016, 0.032, 0.328]".into(),
+            format!("orientation_wxyz = {}", wxyz(&(goal * turned.inverse()))),
+        ),
+    ];
+    let mut text = plain.to_owned();
+    for (from, to) in changes {
+        assert!(text.contains(&from), "{from}");
+        text = text.replace(&from, &to);
+    }
+    text
+}
+
+/// Poses of the estimate and of the performance, by what they are and when.
+fn poses(csv: &str) -> Vec<(String, Pose)> {
+    let rows = csv.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let rows = rows.map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |at: usize| cells[at].parse::<f64>().expect("a number");
+        let turn = Quaternion::new(number(8), number(9), number(10), number(11));
+        let pose = Pose::from_parts(
+            Translation3::new(number(5), number(6), number(7)),
+            UnitQuaternion::new_normalize(turn),
+        );
+        (format!("{} {}", cells[3], cells[1]), pose)
+    });
+    rows.collect()
+}
+
+#[test]
+fn the_motion_does_not_depend_on_the_frame_and_its_poses_are_of_that() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/pencil_tip.mcap");
+    // From the tip, with axes that are no principal ones.
+    let turn = UnitQuaternion::from_euler_angles(0.4, -0.7, 1.1);
+    let given_from_own = Pose::from_parts((turn * Vector3::new(0.0, 0.0, 0.095)).into(), turn);
+    let estimate = |name: &str, scene: String| {
+        let [scene_file, output, csv] = ["toml", "mcap", "csv"].map(|of| format!("{name}.{of}"));
+        fs::write(folder.path().join(&scene_file), scene).expect("a file");
+        let replay = ["replay", take, "--scene", &scene_file, "-o", &output, "--format", "ndjson"];
+        let report: Value = serde_json::from_str(&ran(folder.path(), &replay, 0)).expect("JSON");
+        let export = ["export", &output, "--to", "csv", "-o", &csv, "--ghost"];
+        ran(folder.path(), &export, 0);
+        let text = fs::read_to_string(folder.path().join(csv)).expect("a table");
+        (report, poses(&text))
+    };
+    let (plain, plain_poses) = estimate("plain", include_str!("../config/pencil_tip.toml").into());
+    let (moved, moved_poses) = estimate("moved", pencil_in(&given_from_own));
+    assert_eq!(plain["verdict"], "physical");
+    assert_eq!(moved["verdict"], "physical");
+    for (a, b) in plain["events"].as_array().unwrap().iter().zip(moved["events"].as_array().unwrap()) {
+        let [a, b] = [a, b].map(|of| of["time_s"].as_f64().expect("a time"));
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+    let [a, b] = [&plain, &moved].map(|of| of["objective"].as_f64().expect("a number"));
+    assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    assert!(plain_poses.len() > 300, "{}", plain_poses.len());
+    let own_from_given = given_from_own.inverse();
+    let mut compared = [0, 0];
+    for (when, own) in &plain_poses {
+        let Some((_, given)) = moved_poses.iter().find(|(other, _)| other == when) else {
+            // An event's stamp may be rounded to the next nanosecond.
+            continue;
+        };
+        if when.starts_with("simulated") {
+            continue;
+        }
+        compared[usize::from(when.starts_with("acted"))] += 1;
+        let expected = own * own_from_given;
+        let apart_m = (expected.translation.vector - given.translation.vector).norm();
+        assert!(apart_m < 1e-5, "{when}: {apart_m} m");
+        let turn_rad = expected.rotation.angle_to(&given.rotation);
+        assert!(turn_rad < 1e-4, "{when}: {turn_rad} rad");
+    }
+    assert!(compared.iter().all(|count| *count > 100), "{compared:?}");
+}
+
+/// Acts a motion of a scene that was made, and estimates it from the recording.
+fn acted(object: &[&str], state: State, after_s: f64) -> (Value, Vec<f64>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut new = vec!["scene", "new", "-o", "scene.toml", "--stamps", "physical"];
+    new.extend(object);
+    ran(folder.path(), &new, 0);
+    let text = fs::read_to_string(folder.path().join("scene.toml")).expect("a scene");
+    // Who simulates needs to know what touches; who estimates infers it.
+    let mut scene = scene_from_toml(&text).expect("a scene");
+    for event in scene.open_events() {
+        let candidates = scene.candidates(event);
+        assert_eq!(candidates.len(), 1, "{object:?}");
+        scene.set_contacts(event, &candidates[0]);
+    }
+    let long = simulate(&scene, &[], &[state], 2.0).expect("a bounce");
+    let bounce_s = long.event_times_s[0];
+    let truth = simulate(&scene, &[], &[state], bounce_s + after_s).expect("a bounce");
+    let performance = perform(&truth, &Acting::timing_known(), 3);
+    let take = folder.path().join("take.mcap");
+    recording::write(&performance, &text, &take).expect("a recording");
+    let said = ran(folder.path(), &["replay", "take.mcap", "--format", "ndjson"], 0);
+    (serde_json::from_str(&said).expect("JSON"), truth.event_times_s)
+}
+
+fn dropped(height_m: f64, turn: UnitQuaternion<f64>, spin_rad_s: [f64; 3]) -> State {
+    State {
+        position_m: Vector3::new(0.0, 0.0, height_m),
+        orientation: turn,
+        velocity_m_s: Vector3::new(0.3, 0.1, 0.4),
+        angular_velocity_rad_s: spin_rad_s.into(),
+    }
+}
+
+#[test]
+fn objects_that_are_made_are_acted_and_estimated() {
+    let tilted = UnitQuaternion::from_euler_angles(0.0, -0.35, 0.2);
+    for (object, state, after_s) in [
+        (["pencil"], dropped(0.45, UnitQuaternion::from_euler_angles(0.2, 0.1, 0.0), [1.0, -2.0, 3.0]), 0.25),
+        (["ball"], dropped(0.5, UnitQuaternion::identity(), [4.0, 1.0, -2.0]), 0.35),
+        (["mug"], dropped(0.4, tilted, [0.5, 0.3, 0.2]), 0.1),
+    ] {
+        let (report, times_s) = acted(&object, state, after_s);
+        assert_eq!(report["verdict"], "physical", "{object:?}: {report}");
+        let found = report["events"][0]["time_s"].as_f64().expect("a time");
+        let end = report["events"][1]["time_s"].as_f64().expect("a time");
+        let apart_s = ((end - found) - (times_s[1] - times_s[0])).abs();
+        assert!(apart_s < 0.03, "{object:?}: {apart_s} s");
+    }
+}
