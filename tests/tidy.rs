@@ -34,6 +34,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("estimate", &["optimise", "motion", "physics", "math"]),
     ("verify", &["motion", "physics", "math"]),
     ("settle", &["motion", "physics", "math"]),
+    ("calibrate", &["motion", "physics", "math"]),
     (
         "pipeline",
         &[
@@ -61,7 +62,15 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("config", &["motion", "physics", "math"]),
     (
         "service",
-        &["pipeline", "ingest", "write", "report", "config", "motion"],
+        &[
+            "pipeline",
+            "calibrate",
+            "ingest",
+            "write",
+            "report",
+            "config",
+            "motion",
+        ],
     ),
     ("cli", &["config", "report", "service"]),
     ("main", &["cli", "service"]),
@@ -79,6 +88,7 @@ const CORE: &[&str] = &[
     "estimate",
     "verify",
     "settle",
+    "calibrate",
     "pipeline",
 ];
 
@@ -132,6 +142,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rustix", &["src/service/doctor.rs"]),
     ("roxmltree", &["src/config/urdf/"]),
     ("toml", &["src/config/", "src/wire/live/census.rs"]),
+    ("toml_edit", &["src/config/"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),
