@@ -54,7 +54,10 @@ pub struct ClockFit {
 ///
 /// Fails where they have less than 2 s in common or do not turn alike at any offset.
 pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError> {
-    let interval_s = first.interval_s().unwrap_or(0.0).max(second.interval_s().unwrap_or(0.0));
+    let interval_s = first
+        .interval_s()
+        .unwrap_or(0.0)
+        .max(second.interval_s().unwrap_or(0.0));
     let half_s = HALF_S.max(HALF_INTERVALS * interval_s);
     let coarse_s = coarse(first, second, half_s, interval_s)?;
     let mut at = Alignment {
@@ -76,10 +79,14 @@ pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError
         overlap_s,
         least_s: OVERLAP_S,
     };
-    let mut fit = at.step(&first.readings, &rates, half_s).ok_or(too_little.clone())?;
+    let mut fit = at
+        .step(&first.readings, &rates, half_s)
+        .ok_or(too_little.clone())?;
     for _ in 0..ROUNDS {
         at.apply(&fit);
-        fit = at.step(&first.readings, &rates, half_s).ok_or(too_little.clone())?;
+        fit = at
+            .step(&first.readings, &rates, half_s)
+            .ok_or(too_little.clone())?;
     }
     let freedom = (fit.spread.blocks - 1) as f64;
     let covariance = &fit.covariance;
@@ -160,7 +167,9 @@ impl Alignment {
             let mut coefficients = Matrix3xX::zeros(5);
             coefficients.set_column(0, &change);
             coefficients.set_column(1, &(change * (stamp_s - self.middle_s) + here));
-            coefficients.fixed_columns_mut::<3>(2).copy_from(&hat(&turned));
+            coefficients
+                .fixed_columns_mut::<3>(2)
+                .copy_from(&hat(&turned));
             equations.push(Equation {
                 coefficients,
                 observed: turned - here * scale,
@@ -205,12 +214,17 @@ fn coarse(
         let [from_s, to_s] = of.extent_s();
         let count = ((to_s - from_s) / step_s) as usize + 1;
         let at = |step: usize| turn_rate(&of.readings, from_s + step as f64 * step_s, half_s);
-        (0..count).map(|step| at(step).map(|rate| rate.norm())).collect()
+        (0..count)
+            .map(|step| at(step).map(|rate| rate.norm()))
+            .collect()
     };
     let (a, b) = (speeds(first), speeds(second));
     // At least half of the shorter one, and two seconds.
     let least = ((0.5 * shortest_s).max(OVERLAP_S) / step_s) as usize;
-    let (from, to) = (least as isize - b.len() as isize, a.len() as isize - least as isize);
+    let (from, to) = (
+        least as isize - b.len() as isize,
+        a.len() as isize - least as isize,
+    );
     let best = (from..=to)
         .filter_map(|lag| Some((correlation(&a, &b, lag, least)?, lag)))
         .max_by(|x, y| x.0.total_cmp(&y.0));

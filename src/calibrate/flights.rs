@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::stream::{Reading, Stream};
 
 /// Fewest samples of a flight that is searched for.
-pub(super) const LEAST: usize = 8;
+pub const LEAST: usize = 8;
 
 /// Standard deviation of a third difference of white noise: √(1 + 9 + 9 + 1).
 const THIRD: f64 = 4.472_135_955;
@@ -104,7 +104,9 @@ pub(super) fn place(reading: &Reading, point_m: &Vector3<f64>) -> Vector3<f64> {
 fn noise(places: &[Vector3<f64>]) -> f64 {
     let thirds = places.windows(4);
     let thirds = thirds.map(|of| of[3] - of[0] + (of[1] - of[2]) * 3.0);
-    let mut sizes: Vec<f64> = thirds.flat_map(|v| [v.x.abs(), v.y.abs(), v.z.abs()]).collect();
+    let mut sizes: Vec<f64> = thirds
+        .flat_map(|v| [v.x.abs(), v.y.abs(), v.z.abs()])
+        .collect();
     sizes.sort_by(f64::total_cmp);
     // A quarter and not half: most of a recording may be no flight.
     let quarter = sizes.get(sizes.len() / 4).copied().unwrap_or(0.0);
@@ -118,11 +120,14 @@ fn parabola(times: &[f64], places: &[Vector3<f64>], noise: f64) -> Option<Vector
     let middle_s = 0.5 * (times.first()? + times.last()?);
     let length_s = times.last()? - times.first()?;
     let u = |t: f64| (t - middle_s) / length_s;
-    let powers = DMatrix::from_fn(times.len(), 3, |row, power| u(times[row]).powi(power as i32));
+    let powers = DMatrix::from_fn(times.len(), 3, |row, power| {
+        u(times[row]).powi(power as i32)
+    });
     let observed = DMatrix::from_fn(times.len(), 3, |row, axis| places[row][axis]);
     let normal = powers.tr_mul(&powers).cholesky()?;
     let coefficients = normal.solve(&powers.tr_mul(&observed));
     let residual = &observed - &powers * &coefficients;
     let is_one = residual.amax() <= NOISE * noise;
-    is_one.then(|| coefficients.row(2).transpose().fixed_rows::<3>(0) * (2.0 / (length_s * length_s)))
+    is_one
+        .then(|| coefficients.row(2).transpose().fixed_rows::<3>(0) * (2.0 / (length_s * length_s)))
 }

@@ -119,28 +119,39 @@ pub fn gravity(
             weighed(flights, centre, correlation)
         })
         .collect();
-    let most = grid.iter().map(|of| of.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+    let most = grid
+        .iter()
+        .map(|of| of.log_likelihood)
+        .fold(f64::NEG_INFINITY, f64::max);
     let weight = |of: &Weighed| (of.log_likelihood - most).exp();
     let total: f64 = grid.iter().map(weight).sum();
     if !(total > 0.0) {
         return Err(too_few());
     }
-    let mean = grid
+    let mean = grid.iter().fold(DVector::zeros(unknowns), |sum, of| {
+        sum + &of.unknowns * (weight(of) / total)
+    });
+    let correlation: f64 = grid
         .iter()
-        .fold(DVector::zeros(unknowns), |sum, of| sum + &of.unknowns * (weight(of) / total));
-    let correlation: f64 = grid.iter().map(|of| of.correlation * weight(of) / total).sum();
+        .map(|of| of.correlation * weight(of) / total)
+        .sum();
     let mut covariance = DMatrix::zeros(unknowns, unknowns);
     for of in &grid {
         let off = &of.unknowns - &mean;
         covariance += (&of.covariance + &off * off.transpose()) * (weight(of) / total);
     }
     let freedom_within = (3 * samples - 6 * flights.len() - unknowns) as f64;
-    let best = grid.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+    let best = grid
+        .iter()
+        .max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     let residual = best.map_or(0.0, |of| of.sd);
     let is_between_flights = flights.len() >= FLIGHTS;
     let mut freedom = freedom_within;
     if is_between_flights {
-        let parts: Vec<Part> = flights.iter().map(|f| part(f, centre, correlation)).collect();
+        let parts: Vec<Part> = flights
+            .iter()
+            .map(|f| part(f, centre, correlation))
+            .collect();
         let whole = solved(&parts, usize::MAX).ok_or_else(too_few)?;
         let without = (0..parts.len()).map(|left_out| solved(&parts, left_out));
         let without = without.collect::<Option<Vec<_>>>().ok_or_else(too_few)?;
@@ -232,16 +243,23 @@ fn part(flight: &Flight, centre: Option<&Vector3<f64>>, correlation: f64) -> Par
         })
     };
     let (own, shared) = (whiten(&own), whiten(&shared));
-    let observed = whiten(&DMatrix::from_columns(&[observed])).column(0).into_owned();
+    let observed = whiten(&DMatrix::from_columns(&[observed]))
+        .column(0)
+        .into_owned();
     let normal = own.tr_mul(&own);
     // A flight has at least four samples at different times: the matrix is positive definite.
-    let inverse = normal.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(6, 6));
+    let inverse = normal
+        .clone()
+        .try_inverse()
+        .unwrap_or_else(|| DMatrix::zeros(6, 6));
     let project = |of: DMatrix<f64>| {
         let along = &own * (&inverse * own.tr_mul(&of));
         of - along
     };
     let shared = project(shared);
-    let observed = project(DMatrix::from_columns(&[observed])).column(0).into_owned();
+    let observed = project(DMatrix::from_columns(&[observed]))
+        .column(0)
+        .into_owned();
     let whitening = 1.5 * (1.0 - correlation * correlation).ln();
     Part {
         matrix: shared.tr_mul(&shared),
@@ -273,7 +291,10 @@ fn solved(parts: &[Part], left_out: usize) -> Option<DVector<f64>> {
 }
 
 fn weighed(flights: &[Flight], centre: Option<&Vector3<f64>>, correlation: f64) -> Option<Weighed> {
-    let parts: Vec<Part> = flights.iter().map(|f| part(f, centre, correlation)).collect();
+    let parts: Vec<Part> = flights
+        .iter()
+        .map(|f| part(f, centre, correlation))
+        .collect();
     let (matrix, right) = sum(&parts, usize::MAX)?;
     let square: f64 = parts.iter().map(|part| part.square).sum();
     let cholesky = matrix.clone().cholesky()?;

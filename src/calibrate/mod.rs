@@ -36,7 +36,7 @@ mod turn_rate;
 
 pub use clock::{ClockFit, clock};
 pub use error::CalibrateError;
-pub use flights::flights;
+pub use flights::{LEAST as LEAST_FLIGHT, flights};
 pub use gravity::{Flight, GravityFit, LengthUnit, gravity};
 pub use mount::{Mounted, Standing, mount};
 pub use pivot::{PivotFit, pivot};

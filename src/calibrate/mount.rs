@@ -54,15 +54,20 @@ pub fn mount(standings: &[Standing], scene: &UnitQuaternion<f64>) -> Option<Moun
         let turn = Rotation3::from_matrix_unchecked(u * handed * v_t);
         UnitQuaternion::from_rotation_matrix(&turn)
     } else {
-        let tracker_up: Vector3<f64> = standings.iter().map(|of| {
-            let is_same = of.body_up.dot(&first.body_up) > 0.0;
-            of.tracker_up * if is_same { 1.0 } else { -1.0 }
-        }).sum();
+        let tracker_up: Vector3<f64> = standings
+            .iter()
+            .map(|of| {
+                let is_same = of.body_up.dot(&first.body_up) > 0.0;
+                of.tracker_up * if is_same { 1.0 } else { -1.0 }
+            })
+            .sum();
         between(&(scene * tracker_up.normalize()), &first.body_up) * scene
     };
-    let errors = standings
-        .iter()
-        .map(|of| (body_from_tracker * of.tracker_up).cross(&of.body_up).norm_squared());
+    let errors = standings.iter().map(|of| {
+        (body_from_tracker * of.tracker_up)
+            .cross(&of.body_up)
+            .norm_squared()
+    });
     let square: f64 = errors.sum();
     let unknown = if is_whole { 3 } else { 2 };
     let freedom = (2 * standings.len()).saturating_sub(unknown) as f64;

@@ -83,11 +83,7 @@ pub fn pivot(stream: &Stream) -> Result<PivotFit, CalibrateError> {
     let freedom = (fit.spread.blocks - 1) as f64;
     let x = &fit.unknowns;
     Ok(PivotFit {
-        tip_m: Measured::new(
-            vec![x[0], x[1], x[2]],
-            (0..3).map(sd).collect(),
-            freedom,
-        ),
+        tip_m: Measured::new(vec![x[0], x[1], x[2]], (0..3).map(sd).collect(), freedom),
         place_m: Measured::new(
             (0..3).map(|axis| x[3 + axis] + middle_m[axis]).collect(),
             (3..6).map(sd).collect(),
@@ -105,7 +101,9 @@ pub fn pivot(stream: &Stream) -> Result<PivotFit, CalibrateError> {
 fn least_swing_rad(turns: &[Matrix3<f64>]) -> f64 {
     let count = turns.len() as f64;
     let mean = turns.iter().sum::<Matrix3<f64>>() / count;
-    let spread = turns.iter().map(|turn| (turn - mean).tr_mul(&(turn - mean)));
+    let spread = turns
+        .iter()
+        .map(|turn| (turn - mean).tr_mul(&(turn - mean)));
     let spread = spread.sum::<Matrix3<f64>>() / count;
     spread.symmetric_eigenvalues().min().max(0.0).sqrt()
 }

@@ -1,6 +1,6 @@
 //! The plane that is touched.
 
-use nalgebra::{Matrix3, Matrix3x2, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::error::CalibrateError;
 use super::spread::{Measured, quantile};
@@ -36,7 +36,9 @@ pub struct Touch {
 pub struct PlaneFit {
     /// Unit normal, towards the side on which the tracker was.
     pub normal: Vector3<f64>,
-    /// By how much the normal may be turned about two axes in the plane \[rad\].
+    /// Two unit axes in the plane, along which the touches extend most and least.
+    pub axes: [Vector3<f64>; 2],
+    /// By how much the normal may lean along these axes \[rad\].
     pub tilt_rad: Measured,
     /// The middle of the touches, projected to the plane \[m, world\].
     pub point_m: Vector3<f64>,
@@ -81,7 +83,9 @@ pub fn touch(
     };
     Ok(Touch {
         time_s,
-        point_m: median(&|reading| (reading.world_from_tracker * nalgebra::Point3::from(*point_m)).coords),
+        point_m: median(&|reading| {
+            (reading.world_from_tracker * nalgebra::Point3::from(*point_m)).coords
+        }),
         tracker_m: median(&|reading| reading.world_from_tracker.translation.vector),
         turn: crate::math::so3::matrix(&middle.world_from_tracker.rotation),
     })
@@ -125,7 +129,9 @@ pub fn plane(
     let freedom = count - 3.0;
     let sd_m = fitted.sd_m();
     // The plane in its own axes is d = a + b u + c v, with u and v from the middle along the principal axes.
-    let tilt_sd = fitted.extents_m.map(|extent| sd_m.unwrap_or(f64::INFINITY) / extent);
+    let tilt_sd = fitted
+        .extents_m
+        .map(|extent| sd_m.unwrap_or(f64::INFINITY) / extent);
     let mean_turn = counted.iter().map(|touch| touch.turn).sum::<Matrix3<f64>>() / count;
     let lever = mean_turn.tr_mul(&normal);
     let common_m = lever.component_mul(point_sd_m).norm();
@@ -136,6 +142,7 @@ pub fn plane(
     (height_m.sd[0], height_m.half[0]) = (own_m.hypot(common_m), half_m);
     Ok(PlaneFit {
         normal,
+        axes: fitted.axes,
         tilt_rad: Measured::new(vec![0.0; 2], tilt_sd.to_vec(), freedom),
         point_m: fitted.middle_m,
         height_m,
@@ -151,7 +158,8 @@ pub fn plane(
 struct Fitted {
     middle_m: Vector3<f64>,
     normal: Vector3<f64>,
-    /// Root sums of squares along the two principal axes in the plane, the longer first \[m\].
+    axes: [Vector3<f64>; 2],
+    /// Root sums of squares along these axes, the longer first \[m\].
     extents_m: [f64; 2],
     square_m2: f64,
     count: usize,
@@ -174,6 +182,7 @@ impl Fitted {
         let fitted = Self {
             middle_m,
             normal: eigen.eigenvectors.column(order[2]).into_owned(),
+            axes: [0, 1].map(|at| eigen.eigenvectors.column(order[at]).into_owned()),
             extents_m: [value(0).sqrt(), value(1).sqrt()],
             square_m2: value(2),
             count: touches.len(),
@@ -181,14 +190,10 @@ impl Fitted {
         let [long_m, wide_m] = fitted.extents_m;
         let tilt_rad = fitted.sd_m().unwrap_or(0.0) / wide_m;
         if !(wide_m > LEAST_WIDTH * long_m && tilt_rad < GREATEST_TILT_RAD) {
-            let axes = Matrix3x2::from_columns(&[
-                eigen.eigenvectors.column(order[0]),
-                eigen.eigenvectors.column(order[1]),
-            ]);
             let extent_mm = |axis: usize| {
                 let along = touches
                     .iter()
-                    .map(|touch| (touch.point_m - middle_m).dot(&axes.column(axis)) * 1e3);
+                    .map(|touch| (touch.point_m - middle_m).dot(&fitted.axes[axis]) * 1e3);
                 let (least, most) = along.fold((0.0_f64, 0.0_f64), |(least, most), x| {
                     (least.min(x), most.max(x))
                 });
@@ -227,5 +232,7 @@ fn outlier(touches: &[Touch], used: &[usize]) -> Result<Option<usize>, Calibrate
             worst = Some((at, ratio));
         }
     }
-    Ok(worst.filter(|(_, ratio)| *ratio > OUTLIER).map(|(at, _)| at))
+    Ok(worst
+        .filter(|(_, ratio)| *ratio > OUTLIER)
+        .map(|(at, _)| at))
 }

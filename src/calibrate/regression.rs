@@ -46,10 +46,7 @@ impl Regression {
 /// Normal equations: matrix and right-hand side.
 type Normal = (DMatrix<f64>, DVector<f64>);
 
-fn normal<'a>(
-    equations: impl Iterator<Item = (&'a Equation, &'a f64)>,
-    unknowns: usize,
-) -> Normal {
+fn normal<'a>(equations: impl Iterator<Item = (&'a Equation, &'a f64)>, unknowns: usize) -> Normal {
     let mut matrix = DMatrix::zeros(unknowns, unknowns);
     let mut right = DVector::zeros(unknowns);
     for (equation, weight) in equations {
@@ -106,10 +103,7 @@ pub(super) fn regress(equations: &[Equation]) -> Option<Regression> {
         })
         .collect();
     let whole = parts.iter().fold(
-        (
-            DMatrix::zeros(unknowns, unknowns),
-            DVector::zeros(unknowns),
-        ),
+        (DMatrix::zeros(unknowns, unknowns), DVector::zeros(unknowns)),
         |(matrix, right), part| (matrix + &part.0, right + &part.1),
     );
     let without = parts

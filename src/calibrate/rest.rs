@@ -79,7 +79,9 @@ pub fn rest(stream: &Stream) -> Result<RestFit, CalibrateError> {
     let (position_m, orientation_rad) = (noise(&positions), noise(&vectors));
     let largest = |of: &[Vector3<f64>]| {
         let means: Vec<_> = of.chunks(count.div_ceil(PARTS)).map(mean).collect();
-        let pairs = means.iter().flat_map(|a| means.iter().map(move |b| (a - b).norm()));
+        let pairs = means
+            .iter()
+            .flat_map(|a| means.iter().map(move |b| (a - b).norm()));
         pairs.fold(0.0, f64::max)
     };
     let axes = || position_m.iter().chain(&orientation_rad);
@@ -105,7 +107,9 @@ fn mean(of: &[Vector3<f64>]) -> Vector3<f64> {
 
 /// The mean of rotations: the principal axis of their quaternions' scatter (Markley and others, 2007).
 pub(super) fn mean_turn(turns: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
-    let scatter = turns.iter().map(|turn| turn.coords * turn.coords.transpose());
+    let scatter = turns
+        .iter()
+        .map(|turn| turn.coords * turn.coords.transpose());
     let eigen = SymmetricEigen::new(scatter.sum::<nalgebra::Matrix4<f64>>());
     let column = eigen.eigenvectors.column(eigen.eigenvalues.imax());
     UnitQuaternion::from_quaternion(Quaternion::from(column.into_owned()))
@@ -124,7 +128,9 @@ fn noise(series: &[[f64; 1]]) -> NoiseAxis {
         law.map_or(f64::NAN, |law| law.inverse_cdf(p) / independent.max(1.0))
     };
     let tail = 0.5 * (1.0 - CONFIDENCE);
-    let differences = series.windows(2).map(|pair| (pair[1][0] - pair[0][0]).powi(2));
+    let differences = series
+        .windows(2)
+        .map(|pair| (pair[1][0] - pair[0][0]).powi(2));
     NoiseAxis {
         sd,
         lower: sd / quantile(1.0 - tail).sqrt(),

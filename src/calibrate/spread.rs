@@ -56,9 +56,7 @@ impl Measured {
 /// freedom; infinite without any.
 pub(super) fn quantile(freedom: f64) -> f64 {
     let law = StudentsT::new(0.0, 1.0, freedom);
-    law.map_or(f64::INFINITY, |law| {
-        law.inverse_cdf(0.5 + 0.5 * CONFIDENCE)
-    })
+    law.map_or(f64::INFINITY, |law| law.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
 }
 
 /// How a time series of residuals is cut into blocks that are independent of each other.
@@ -170,7 +168,10 @@ mod tests {
         assert!(Spread::of(&walk).is_slow);
         let white: Vec<[f64; 1]> = (0..600).map(|_| [random.normal()]).collect();
         let spread = Spread::of(&white);
-        assert!(!spread.is_slow && spread.blocks == MOST_BLOCKS, "{spread:?}");
+        assert!(
+            !spread.is_slow && spread.blocks == MOST_BLOCKS,
+            "{spread:?}"
+        );
         assert_eq!(quantile(0.0), f64::INFINITY);
         assert!((quantile(10.0) - 2.228).abs() < 1e-3);
     }

@@ -56,10 +56,12 @@ impl Stream {
         }
         let origin = origin.or(usable.first().map(|(stamp, _)| *stamp));
         let origin = origin.unwrap_or(Stamp(0));
-        let readings = usable.into_iter().map(|(stamp, world_from_tracker)| Reading {
-            time_s: (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9,
-            world_from_tracker,
-        });
+        let readings = usable
+            .into_iter()
+            .map(|(stamp, world_from_tracker)| Reading {
+                time_s: (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9,
+                world_from_tracker,
+            });
         Ok(Self {
             origin,
             readings: readings.collect(),
@@ -142,7 +144,13 @@ mod tests {
         assert_eq!(times, [0.0, 2.0]);
         assert_eq!((stream.unusable, stream.repeated), (2, 1));
         let few = Stream::of(&samples, None, 3).unwrap_err();
-        assert_eq!(few, CalibrateError::TooFew { usable: 2, least: 3 });
+        assert_eq!(
+            few,
+            CalibrateError::TooFew {
+                usable: 2,
+                least: 3
+            }
+        );
         assert!(stream.clone().between(Some(1.0), None, 2).is_err());
         assert_eq!(stream.interval_s(), Some(2.0));
     }

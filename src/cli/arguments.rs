@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
+use super::calibrate_arguments::{CalibrateCommand, SceneCalibratedArguments};
+pub(super) use super::values::Format;
+use super::values::rate;
 use crate::service::DEFAULT_EXPORT_RATE_HZ;
 
 /// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
@@ -44,6 +47,12 @@ pub(super) enum Command {
     Sketch(SketchArguments),
     /// Make files for other programs of the motion that `replay` found
     Export(ExportArguments),
+    /// Measure trackers and rooms: tip, table, noise, gravity, clocks
+    Calibrate {
+        /// What
+        #[command(subcommand)]
+        command: CalibrateCommand,
+    },
     /// Make scenes
     Scene {
         /// Of what
@@ -295,6 +304,8 @@ pub(super) enum Target {
 pub(super) enum SceneCommand {
     /// Make a scene with the mechanism of a URDF file
     FromUrdf(FromUrdfArguments),
+    /// Make a scene with what `calibrate` found
+    Calibrated(SceneCalibratedArguments),
 }
 
 /// Arguments of `scene from-urdf`.
@@ -311,27 +322,11 @@ pub(super) struct FromUrdfArguments {
     pub(super) format: Format,
 }
 
-/// How an account is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
-    /// For people
-    Text,
-    /// One JSON object per recording and line
-    Ndjson,
-}
-
 /// What is set free beside the scene's own parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Free {
     /// Whatever explains a misfit and is told from everything else that might
     Auto,
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
-        _ => Err("expected a positive number".into()),
-    }
 }
 
 #[cfg(test)]
@@ -342,13 +337,5 @@ mod tests {
     #[test]
     fn the_commands_are_consistent() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn rates_are_positive() {
-        assert_eq!(rate("0.5"), Ok(0.5));
-        for bad in ["0", "-1", "inf", "NaN", "fast"] {
-            assert!(rate(bad).is_err(), "{bad}");
-        }
     }
 }

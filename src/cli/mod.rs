@@ -12,6 +12,8 @@
 
 mod account;
 mod arguments;
+mod calibrate;
+mod calibrate_arguments;
 #[cfg(feature = "live")]
 mod capture;
 mod completion;
@@ -31,5 +33,6 @@ mod sketch;
 mod table;
 #[cfg(feature = "live")]
 mod take;
+mod values;
 
 pub use run::run;

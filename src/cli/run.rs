@@ -7,9 +7,11 @@ use tracing_subscriber::EnvFilter;
 
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
+use super::{
+    calibrate, completion, export, inspect, mark, output, process, recover, replay, scene, sketch,
+};
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, export, inspect, mark, output, process, recover, replay, scene, sketch};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -33,6 +35,7 @@ pub fn run() -> ExitCode {
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Calibrate { command } => calibrate::run(command),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
     };

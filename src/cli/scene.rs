@@ -1,6 +1,7 @@
 //! `scene`: makes scenes.
 
 use super::arguments::{Format, FromUrdfArguments, SceneCommand};
+use super::calibrate;
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
@@ -9,6 +10,7 @@ use crate::service::{self, FromUrdfJob, UrdfImported};
 pub(super) fn run(command: SceneCommand) -> anyhow::Result<Exit> {
     match command {
         SceneCommand::FromUrdf(arguments) => from_urdf(arguments),
+        SceneCommand::Calibrated(arguments) => calibrate::scene(arguments),
     }
 }
 

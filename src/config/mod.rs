@@ -1,5 +1,6 @@
 //! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]); URDF → the text of
-//! a scene ([`scene_from_urdf`]).
+//! a scene ([`scene_from_urdf`]); calibration files ([`Calibration`]), and scenes with them
+//! ([`scene_calibrated`]).
 //!
 //! Scenes are read in two steps. First the text is parsed into [`serde`] structs: every key that
 //! may be left out is optional, unknown keys are refused, units are in the keys. Then a
@@ -178,6 +179,7 @@
 //! | `free.prior_sd…` | no prior |
 
 mod body;
+mod calibration;
 mod capture;
 mod error;
 mod event;
@@ -200,6 +202,10 @@ mod track;
 mod unit;
 mod urdf;
 
+pub use calibration::{
+    BodyValues, CalibratedQuantity, CalibratedScene, Calibration, CalibrationError, FreeValue,
+    SceneValues, SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis, scene_calibrated,
+};
 pub use capture::CaptureSettings;
 pub use error::SceneError;
 pub use keyframes::{sketch_from_csv, sketch_from_toml};
