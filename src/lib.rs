@@ -43,11 +43,12 @@
 //! | [`page`] | an estimate as a page that people open, and as pictures: HTML and SVG | `write`, `report`, `sampling`, `visual`, `motion` and below |
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes; URDF, meshes and objects at hand → TOML | `motion` and below |
+//! | [`calibrate`] | beside the stages: tip, table, noise, gravity and clocks of what a tracker sees | `motion` and below |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
-//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
+//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `calibrate`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
 //!
-//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4 and `pipeline` are the core. What is absent
+//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4, `calibrate` and `pipeline` are the core. What is absent
 //! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
 //! container of random order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
@@ -101,6 +102,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod calibrate;
 pub mod cli;
 pub mod config;
 pub mod estimate;

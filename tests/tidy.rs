@@ -34,6 +34,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("estimate", &["optimise", "motion", "physics", "math"]),
     ("verify", &["motion", "physics", "math"]),
     ("settle", &["motion", "physics", "math"]),
+    ("calibrate", &["motion", "physics", "math"]),
     (
         "pipeline",
         &[
@@ -68,7 +69,14 @@ const IMPORTS: &[(&str, &[&str])] = &[
     (
         "service",
         &[
-            "pipeline", "ingest", "write", "page", "report", "config", "motion",
+            "pipeline",
+            "calibrate",
+            "ingest",
+            "write",
+            "page",
+            "report",
+            "config",
+            "motion",
         ],
     ),
     ("cli", &["config", "report", "service"]),
@@ -87,6 +95,7 @@ const CORE: &[&str] = &[
     "estimate",
     "verify",
     "settle",
+    "calibrate",
     "pipeline",
 ];
 
@@ -144,6 +153,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("tobj", &["src/config/mesh/"]),
     ("schemars", &["src/config/"]),
     ("toml", &["src/config/", "src/wire/live/census.rs"]),
+    ("toml_edit", &["src/config/"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),

@@ -12,6 +12,8 @@
 
 mod account;
 mod arguments;
+mod calibrate;
+mod calibrate_arguments;
 #[cfg(feature = "live")]
 mod capture;
 mod completion;
@@ -35,5 +37,6 @@ mod summary;
 mod table;
 #[cfg(feature = "live")]
 mod take;
+mod values;
 
 pub use run::run;

@@ -10,7 +10,7 @@ use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
 use super::{
-    completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, report,
+    calibrate, completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, report,
     scene, sketch,
 };
 use crate::service;
@@ -42,6 +42,7 @@ pub fn run() -> ExitCode {
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Report(arguments) => report::run(arguments),
+        Command::Calibrate { command } => calibrate::run(command),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
         Command::Manual { output } => manual::run(&output),

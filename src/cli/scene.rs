@@ -4,6 +4,7 @@ use super::arguments::{
     CheckSceneArguments, Format, FromUrdfArguments, LengthUnit, NewSceneArguments, NewStamps,
     SceneCommand,
 };
+use super::calibrate;
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
@@ -37,6 +38,7 @@ pub(super) fn run(command: SceneCommand) -> anyhow::Result<Exit> {
             output::print(&scene_reference())?;
             Ok(Exit::Done)
         }
+        SceneCommand::Calibrated(arguments) => calibrate::scene(arguments),
     }
 }
 

@@ -1,5 +1,6 @@
 //! TOML → checked scenes; CSV and TOML → rows of a written sketch ([`sketch_from_csv`]); URDF → the text of
-//! a scene ([`scene_from_urdf`]); an object at hand or a mesh → the text of a scene ([`new_scene`]).
+//! a scene ([`scene_from_urdf`]); calibration files ([`Calibration`]), and scenes with them
+//! ([`scene_calibrated`]); an object at hand or a mesh → the text of a scene ([`new_scene`]).
 //!
 //! `docs/scene.md` lists every key ([`scene_reference`]), [`scene_schema`] says the same to editors, and
 //! [`check_scene`] says what a scene means.
@@ -145,6 +146,7 @@
 
 mod board;
 mod body;
+mod calibration;
 mod capture;
 mod check;
 mod error;
@@ -175,6 +177,10 @@ mod track;
 mod unit;
 mod urdf;
 
+pub use calibration::{
+    BodyValues, CalibratedQuantity, CalibratedScene, Calibration, CalibrationError, FreeValue,
+    SceneValues, SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis, scene_calibrated,
+};
 pub use capture::CaptureSettings;
 pub use check::{BodyCheck, EventCheck, SceneCheck, TopicCheck, check_scene};
 pub use error::SceneError;

@@ -8,6 +8,8 @@ use super::report::TakeReport;
 use super::route::{self, Format};
 use super::source::{RecordingSource, Source};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
+use crate::wire::container::Channel;
+use crate::wire::decode::PoseFormat;
 use crate::wire::{Container, DecodeError, decode_keyframe, is_pipe};
 
 /// Name of the attachment that holds the scene.
@@ -78,6 +80,23 @@ impl Recording {
             .iter()
             .rfind(|attachment| attachment.name == SCENE_NAME)
             .map(|attachment| self.container.attachment_data(attachment))
+    }
+
+    /// Topics with messages that hold poses, in alphabetical order, but for those of an estimate.
+    pub fn pose_topics(&self) -> Vec<&str> {
+        let is_pose = |channel: &&Channel| {
+            let schema = self.container.schema_of(channel);
+            let schema = schema.map_or("", |schema| schema.name.as_str());
+            PoseFormat::of(schema, &channel.message_encoding).is_some()
+        };
+        let channels = self.container.channels().values().filter(is_pose);
+        let mut topics: Vec<&str> = channels.map(|channel| channel.topic.as_str()).collect();
+        let is_ours =
+            |topic: &str| topic.starts_with("/estimate/") || topic.starts_with("/sketch/");
+        topics.retain(|topic| !is_ours(topic));
+        topics.sort_unstable();
+        topics.dedup();
+        topics
     }
 
     /// Whether its end is missing; everything before is read.

@@ -1,12 +1,13 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
 //! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.
 
+mod calibrate;
 #[cfg(feature = "live")]
 pub mod capture;
 #[cfg(feature = "live")]
@@ -36,6 +37,10 @@ mod sketch;
 mod stopwatch;
 mod words;
 
+pub use calibrate::{
+    CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated, SceneCalibrated,
+    TouchingPoint, calibrate, calibrate_scene,
+};
 pub use crate::page::View;
 #[cfg(feature = "live")]
 pub use direct::{Answer, DirectJob, Direction, direct};

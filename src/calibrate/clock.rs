@@ -1,0 +1,256 @@
+//! Two clocks, by the turning that both trackers see.
+
+use nalgebra::{Matrix3, Matrix3xX, Rotation3, UnitQuaternion, Vector3};
+
+use super::error::CalibrateError;
+use super::regression::{Equation, Regression, regress};
+use super::spread::{Measured, Spread};
+use super::stream::{Reading, Stream};
+use super::turn_rate::turn_rate;
+use crate::math::so3::{exp, hat};
+
+/// Least time in common \[s\].
+const OVERLAP_S: f64 = 2.0;
+
+/// Steps in which offsets are searched, at most.
+const STEPS: f64 = 4000.0;
+
+/// Least half of the window of an angular velocity \[s\], and in sampling intervals.
+const HALF_S: f64 = 0.03;
+const HALF_INTERVALS: f64 = 3.0;
+
+/// Least correlation of two turnings that are the same.
+const AGREES: f64 = 0.6;
+
+/// Rounds of linearisation.
+const ROUNDS: usize = 12;
+
+/// Offset and drift between two clocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClockFit {
+    /// What to add to stamps of the second stream at its first sample \[s\].
+    pub offset_s: Measured,
+    /// What to add at the middle of the time in common \[s\]: the best known.
+    pub middle_offset_s: Measured,
+    /// That middle \[s, second stream\].
+    pub middle_s: f64,
+    /// By how much the second clock is slow [s/s]: time is `1 + rate` times what its stamps say.
+    pub rate: Measured,
+    /// Rotation between the trackers: first from second.
+    pub first_from_second: UnitQuaternion<f64>,
+    /// Root mean square difference of the angular velocities \[rad/s\].
+    pub residual_rad_s: f64,
+    /// Root mean square angular velocity \[rad/s\].
+    pub turning_rad_s: f64,
+    /// Time in common \[s\].
+    pub overlap_s: f64,
+    /// How the residuals are correlated.
+    pub spread: Spread,
+}
+
+/// Finds offset and drift by angular velocities `ω`, which two trackers on one object see alike but for a constant
+/// rotation `Q` between them: `Q ω₂(s) = (1 + d) ω₁(s + o + d (s − s̄))`. Where each is mounted does not matter.
+/// Both streams' times count from one origin.
+///
+/// Fails where they have less than 2 s in common or do not turn alike at any offset.
+pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError> {
+    let interval_s = first
+        .interval_s()
+        .unwrap_or(0.0)
+        .max(second.interval_s().unwrap_or(0.0));
+    let half_s = HALF_S.max(HALF_INTERVALS * interval_s);
+    let coarse_s = coarse(first, second, half_s, interval_s)?;
+    let mut at = Alignment {
+        offset_s: coarse_s,
+        rate: 0.0,
+        middle_s: 0.0,
+        turn: UnitQuaternion::identity(),
+    };
+    let overlap = common(first, second, coarse_s);
+    let overlap_s = overlap[1] - overlap[0];
+    at.middle_s = 0.5 * (overlap[0] + overlap[1]) - coarse_s;
+    let rates: Vec<(f64, Vector3<f64>)> = second
+        .readings
+        .iter()
+        .filter_map(|of| Some((of.time_s, turn_rate(&second.readings, of.time_s, half_s)?)))
+        .collect();
+    at.turn = at.turn_between(&first.readings, &rates, half_s);
+    let too_little = CalibrateError::NoOverlap {
+        overlap_s,
+        least_s: OVERLAP_S,
+    };
+    let mut fit = at
+        .step(&first.readings, &rates, half_s)
+        .ok_or(too_little.clone())?;
+    for _ in 0..ROUNDS {
+        at.apply(&fit);
+        fit = at
+            .step(&first.readings, &rates, half_s)
+            .ok_or(too_little.clone())?;
+    }
+    let freedom = (fit.spread.blocks - 1) as f64;
+    let covariance = &fit.covariance;
+    let since_s = second.extent_s()[0] - at.middle_s;
+    let variance = covariance[(0, 0)]
+        + 2.0 * since_s * covariance[(0, 1)]
+        + since_s * since_s * covariance[(1, 1)];
+    let measured = |value: f64, variance: f64| {
+        Measured::new(vec![value], vec![variance.max(0.0).sqrt()], freedom)
+    };
+    let squares: f64 = rates.iter().map(|(_, rate)| rate.norm_squared()).sum();
+    Ok(ClockFit {
+        offset_s: measured(at.offset_s + at.rate * since_s, variance),
+        middle_offset_s: measured(at.offset_s, covariance[(0, 0)]),
+        middle_s: at.middle_s,
+        rate: measured(at.rate, covariance[(1, 1)]),
+        first_from_second: at.turn,
+        residual_rad_s: fit.rms(),
+        turning_rad_s: (squares / rates.len().max(1) as f64).sqrt(),
+        overlap_s,
+        spread: fit.spread,
+    })
+}
+
+/// A guess of what is sought.
+struct Alignment {
+    offset_s: f64,
+    rate: f64,
+    middle_s: f64,
+    turn: UnitQuaternion<f64>,
+}
+
+impl Alignment {
+    fn time_s(&self, stamp_s: f64) -> f64 {
+        stamp_s + self.offset_s + self.rate * (stamp_s - self.middle_s)
+    }
+
+    /// The rotation that fits best with these clocks.
+    fn turn_between(
+        &self,
+        first: &[Reading],
+        second: &[(f64, Vector3<f64>)],
+        half_s: f64,
+    ) -> UnitQuaternion<f64> {
+        let pairs = second
+            .iter()
+            .filter_map(|(at_s, rate)| Some((turn_rate(first, self.time_s(*at_s), half_s)?, rate)));
+        let scatter: Matrix3<f64> = pairs.map(|(one, other)| one * other.transpose()).sum();
+        let svd = scatter.svd(true, true);
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+            return UnitQuaternion::identity();
+        };
+        let handed = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v_t).determinant()));
+        let turn = Rotation3::from_matrix_unchecked(u * handed * v_t);
+        UnitQuaternion::from_rotation_matrix(&turn)
+    }
+
+    /// The equations linearised here, solved for changes of offset, drift and rotation.
+    fn step(
+        &self,
+        first: &[Reading],
+        second: &[(f64, Vector3<f64>)],
+        half_s: f64,
+    ) -> Option<Regression> {
+        let mut equations = Vec::new();
+        let beside_s = 0.5 * half_s;
+        for (stamp_s, rate) in second {
+            let time_s = self.time_s(*stamp_s);
+            let at = |time_s: f64| turn_rate(first, time_s, half_s);
+            let (Some(here), Some(before), Some(after)) =
+                (at(time_s), at(time_s - beside_s), at(time_s + beside_s))
+            else {
+                continue;
+            };
+            let scale = 1.0 + self.rate;
+            let change = (after - before) * (scale / (2.0 * beside_s));
+            let turned = self.turn * rate;
+            let mut coefficients = Matrix3xX::zeros(5);
+            coefficients.set_column(0, &change);
+            coefficients.set_column(1, &(change * (stamp_s - self.middle_s) + here));
+            coefficients
+                .fixed_columns_mut::<3>(2)
+                .copy_from(&hat(&turned));
+            equations.push(Equation {
+                coefficients,
+                observed: turned - here * scale,
+            });
+        }
+        regress(&equations)
+    }
+
+    fn apply(&mut self, fit: &Regression) {
+        let x = &fit.unknowns;
+        self.offset_s += x[0];
+        self.rate += x[1];
+        self.turn = exp(&Vector3::new(x[2], x[3], x[4])) * self.turn;
+    }
+}
+
+/// From when to when both are there, on the first clock, if so much is added to the second.
+fn common(first: &Stream, second: &Stream, offset_s: f64) -> [f64; 2] {
+    let ([a, b], [c, d]) = (first.extent_s(), second.extent_s());
+    [a.max(c + offset_s), b.min(d + offset_s)]
+}
+
+/// The offset at which the speeds of turning are most alike, by normalised cross-correlation in steps.
+fn coarse(
+    first: &Stream,
+    second: &Stream,
+    half_s: f64,
+    interval_s: f64,
+) -> Result<f64, CalibrateError> {
+    let extent = |of: &Stream| of.extent_s()[1] - of.extent_s()[0];
+    let (one_s, other_s) = (extent(first), extent(second));
+    let shortest_s = one_s.min(other_s);
+    let no_overlap = |overlap_s: f64| CalibrateError::NoOverlap {
+        overlap_s,
+        least_s: OVERLAP_S,
+    };
+    if shortest_s < OVERLAP_S {
+        return Err(no_overlap(shortest_s));
+    }
+    let step_s = interval_s.max(one_s.max(other_s) / STEPS);
+    let speeds = |of: &Stream| -> Vec<Option<f64>> {
+        let [from_s, to_s] = of.extent_s();
+        let count = ((to_s - from_s) / step_s) as usize + 1;
+        let at = |step: usize| turn_rate(&of.readings, from_s + step as f64 * step_s, half_s);
+        (0..count)
+            .map(|step| at(step).map(|rate| rate.norm()))
+            .collect()
+    };
+    let (a, b) = (speeds(first), speeds(second));
+    // At least half of the shorter one, and two seconds.
+    let least = ((0.5 * shortest_s).max(OVERLAP_S) / step_s) as usize;
+    let (from, to) = (
+        least as isize - b.len() as isize,
+        a.len() as isize - least as isize,
+    );
+    let best = (from..=to)
+        .filter_map(|lag| Some((correlation(&a, &b, lag, least)?, lag)))
+        .max_by(|x, y| x.0.total_cmp(&y.0));
+    match best {
+        Some((correlation, lag)) if correlation >= AGREES => {
+            Ok(first.extent_s()[0] + lag as f64 * step_s - second.extent_s()[0])
+        }
+        best => Err(CalibrateError::NoAgreement(best.map_or(0.0, |of| of.0))),
+    }
+}
+
+/// Pearson's correlation of `a` with `b` shifted by `lag`; `None` of fewer than half of `least` pairs.
+fn correlation(a: &[Option<f64>], b: &[Option<f64>], lag: isize, least: usize) -> Option<f64> {
+    let start = lag.max(0) as usize;
+    let end = a.len().min((b.len() as isize + lag).max(0) as usize);
+    let pairs = (start..end).filter_map(|at| Some((a[at]?, b[(at as isize - lag) as usize]?)));
+    let mut sums = [0.0; 6];
+    for (x, y) in pairs {
+        let terms = [1.0, x, y, x * x, y * y, x * y];
+        (0..6).for_each(|of| sums[of] += terms[of]);
+    }
+    let [n, x, y, xx, yy, xy] = sums;
+    if n < 0.5 * least as f64 {
+        return None;
+    }
+    let covariance = xy - x * y / n;
+    let variances = (xx - x * x / n) * (yy - y * y / n);
+    (variances > 0.0).then(|| covariance / variances.sqrt())
+}

@@ -1,0 +1,133 @@
+//! Where in a stream the object flies freely.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::stream::{Reading, Stream};
+
+/// Fewest samples of a flight that is searched for.
+pub const LEAST: usize = 8;
+
+/// Standard deviation of a third difference of white noise: √(1 + 9 + 9 + 1).
+const THIRD: f64 = 4.472_135_955;
+
+/// A median absolute value of normal noise.
+const MEDIAN: f64 = 0.674_49;
+
+/// Residuals of a flight are at most so many times the noise.
+const NOISE: f64 = 5.0;
+
+/// The fall during a flight is at least so many times the noise.
+const FALL: f64 = 40.0;
+
+/// Further flights fall by at least this share of what the longest does.
+const SHARE: f64 = 0.3;
+
+/// How much the acceleration of further flights may differ from the first's.
+const ALIKE: f64 = 0.2;
+
+struct Window {
+    range: Range<usize>,
+    acceleration: Vector3<f64>,
+    /// `|a| T²/8`: how far the path is from a straight line.
+    fall: f64,
+}
+
+/// The ranges of readings in which a point of the tracker's axes moves on a parabola within the noise, and falls by
+/// much more than that: first the one that falls farthest, and all others that fall alike, in order of time.
+///
+/// The noise is that of third differences, which a parabola does not have. A recording of which
+/// most is wild gives a greater one, and flights that are then too long by a sample or two.
+pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
+    let places: Vec<Vector3<f64>> = stream
+        .readings
+        .iter()
+        .map(|reading| place(reading, point_m))
+        .collect();
+    let noise = noise(&places);
+    let times: Vec<f64> = stream.readings.iter().map(|of| of.time_s).collect();
+    let mut windows: Vec<Window> = Vec::new();
+    let mut end = LEAST;
+    for start in 0..places.len().saturating_sub(LEAST - 1) {
+        end = end.max(start + LEAST);
+        // The longest that begins here: once a window is no parabola, no longer one is.
+        let mut longest = None;
+        while end <= places.len() {
+            match parabola(&times[start..end], &places[start..end], noise) {
+                Some(acceleration) => longest = Some((end, acceleration)),
+                None => break,
+            }
+            end += 1;
+        }
+        if let Some((end, acceleration)) = longest {
+            let duration_s = times[end - 1] - times[start];
+            let fall = acceleration.norm() * duration_s * duration_s / 8.0;
+            if fall >= FALL * noise {
+                windows.push(Window {
+                    range: start..end,
+                    acceleration,
+                    fall,
+                });
+            }
+        }
+    }
+    chosen(windows)
+}
+
+/// The window that falls farthest, then others that do not overlap and fall alike.
+fn chosen(mut windows: Vec<Window>) -> Vec<Range<usize>> {
+    windows.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+    let mut found: Vec<Range<usize>> = Vec::new();
+    let Some(first) = windows.first() else {
+        return found;
+    };
+    let (acceleration, fall) = (first.acceleration, first.fall);
+    for window in &windows {
+        let is_apart = found
+            .iter()
+            .all(|of| window.range.end <= of.start || of.end <= window.range.start);
+        let differs = (window.acceleration - acceleration).norm() > ALIKE * acceleration.norm();
+        if is_apart && !differs && window.fall >= SHARE * fall {
+            found.push(window.range.clone());
+        }
+    }
+    found.sort_by_key(|range| range.start);
+    found
+}
+
+pub(super) fn place(reading: &Reading, point_m: &Vector3<f64>) -> Vector3<f64> {
+    (reading.world_from_tracker * nalgebra::Point3::from(*point_m)).coords
+}
+
+/// Standard deviation per axis by the median third difference: at least that of rounding.
+fn noise(places: &[Vector3<f64>]) -> f64 {
+    let thirds = places.windows(4);
+    let thirds = thirds.map(|of| of[3] - of[0] + (of[1] - of[2]) * 3.0);
+    let mut sizes: Vec<f64> = thirds
+        .flat_map(|v| [v.x.abs(), v.y.abs(), v.z.abs()])
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    // A quarter and not half: most of a recording may be no flight.
+    let quarter = sizes.get(sizes.len() / 4).copied().unwrap_or(0.0);
+    let size = places.iter().map(|place| place.amax()).fold(0.0, f64::max);
+    // The quarter of absolute values is 0.3186 standard deviations, half are below 0.6745.
+    (quarter / (MEDIAN * 0.4724 * THIRD)).max(1e-9 * size)
+}
+
+/// The acceleration of the parabola, where every place is within the noise of it.
+fn parabola(times: &[f64], places: &[Vector3<f64>], noise: f64) -> Option<Vector3<f64>> {
+    let middle_s = 0.5 * (times.first()? + times.last()?);
+    let length_s = times.last()? - times.first()?;
+    let u = |t: f64| (t - middle_s) / length_s;
+    let powers = DMatrix::from_fn(times.len(), 3, |row, power| {
+        u(times[row]).powi(power as i32)
+    });
+    let observed = DMatrix::from_fn(times.len(), 3, |row, axis| places[row][axis]);
+    let normal = powers.tr_mul(&powers).cholesky()?;
+    let coefficients = normal.solve(&powers.tr_mul(&observed));
+    let residual = &observed - &powers * &coefficients;
+    let is_one = residual.amax() <= NOISE * noise;
+    is_one
+        .then(|| coefficients.row(2).transpose().fixed_rows::<3>(0) * (2.0 / (length_s * length_s)))
+}

@@ -1,0 +1,207 @@
+//! `calibrate`: measures trackers and rooms; `scene calibrated` puts that into scenes.
+
+use std::path::PathBuf;
+
+use super::calibrate_arguments::{CalibrateCommand, Common, SceneCalibratedArguments};
+use super::exit::Exit;
+use super::output;
+use super::process::print_failure;
+use super::table::table;
+use super::values::Format;
+use crate::service::{
+    self, CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated,
+    SceneCalibrated, TouchingPoint,
+};
+
+pub(super) fn run(command: CalibrateCommand) -> anyhow::Result<Exit> {
+    let (inputs, topics, kind, common) = match command {
+        CalibrateCommand::Pivot(of) => {
+            let kind = CalibrateKind::Pivot {
+                feature: of.feature,
+            };
+            (vec![of.input], one(of.topic), kind, of.common)
+        }
+        CalibrateCommand::Plane(of) => {
+            let point = match (of.point, of.tip, of.feature) {
+                (Some(point), ..) => TouchingPoint::InTracker(point),
+                (_, Some(file), _) => TouchingPoint::Pivot(file),
+                (.., feature) => TouchingPoint::Feature(feature.unwrap_or_default()),
+            };
+            let kind = CalibrateKind::Plane {
+                point,
+                at_s: of.at,
+                window_s: of.window_ms / 1e3,
+                surface: of.surface,
+            };
+            (vec![of.input], one(of.topic), kind, of.common)
+        }
+        CalibrateCommand::Rest(of) => {
+            let kind = CalibrateKind::Rest { stands: of.stands };
+            (of.inputs, one(of.topic), kind, of.common)
+        }
+        CalibrateCommand::Gravity(of) => {
+            (of.inputs, one(of.topic), CalibrateKind::Gravity, of.common)
+        }
+        CalibrateCommand::Clock(of) => (vec![of.input], of.topics, CalibrateKind::Clock, of.common),
+    };
+    calibrate(inputs, topics, kind, common)
+}
+
+fn one(topic: Option<String>) -> Vec<String> {
+    topic.into_iter().collect()
+}
+
+fn calibrate(
+    inputs: Vec<PathBuf>,
+    topics: Vec<String>,
+    kind: CalibrateKind,
+    common: Common,
+) -> anyhow::Result<Exit> {
+    let names: Vec<String> = inputs
+        .iter()
+        .map(|input| input.display().to_string())
+        .collect();
+    let job = CalibrateJob {
+        inputs,
+        output: common.output,
+        choice: CalibrateChoice {
+            topics,
+            scene: common.scene,
+            body: common.body,
+            from_s: common.from,
+            to_s: common.to,
+        },
+        kind,
+    };
+    let found = match service::calibrate(&job) {
+        Ok(found) => found,
+        Err(error) => {
+            print_failure(&names.join(", "), &error, common.format)?;
+            return Ok(Exit::Error);
+        }
+    };
+    match (common.format, &found.output) {
+        (Format::Ndjson, _) => output::print_json(&found)?,
+        (Format::Text, Some(_)) => output::print(&text(&found))?,
+        (Format::Text, None) => {
+            output::print(&found.toml)?;
+            for line in found.lost.iter().chain(&found.calibration.against) {
+                output::print_note(line);
+            }
+        }
+    }
+    let is_whole = found.lost.is_empty() && found.calibration.against.is_empty();
+    Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
+}
+
+fn text(found: &Calibrated) -> String {
+    let of = &found.calibration;
+    let mut text = String::new();
+    for source in &of.recording {
+        text += &format!(
+            "{}: {}, {} poses\n",
+            source.file, source.topic, source.poses
+        );
+    }
+    let list = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(|x| short(*x)).collect();
+        numbers.join("  ")
+    };
+    let rows: Vec<Vec<String>> = of
+        .quantity
+        .iter()
+        .map(|quantity| {
+            let halves: Vec<f64> = quantity
+                .upper
+                .iter()
+                .zip(&quantity.lower)
+                .map(|(upper, lower)| 0.5 * (upper - lower))
+                .collect();
+            let interval = if halves.is_empty() {
+                String::new()
+            } else {
+                format!("± {}", list(&halves))
+            };
+            vec![
+                quantity.name.clone(),
+                list(&quantity.value),
+                interval,
+                quantity.unit.clone(),
+            ]
+        })
+        .collect();
+    let percent = format!("{:.0} %", of.confidence * 100.0);
+    text += &table(
+        "  ",
+        &[of.kind.as_str(), "value", percent.as_str(), "unit"],
+        &rows,
+    );
+    for line in &found.lost {
+        text += &format!("  lost: {line}\n");
+    }
+    for line in &of.against {
+        text += &format!("  against: {line}\n");
+    }
+    for line in &of.notes {
+        text += &format!("  note: {line}\n");
+    }
+    if let Some(output) = &found.output {
+        text += &format!("  written   {output}\n");
+    }
+    text
+}
+
+/// Four digits, as many as an interval has use for.
+fn short(number: f64) -> String {
+    if number == 0.0 || !number.is_finite() {
+        return number.to_string();
+    }
+    let digits = 3 - number.abs().log10().floor().clamp(-3.0, 3.0) as i32;
+    format!("{number:.*}", digits.clamp(0, 6) as usize)
+}
+
+/// `scene calibrated`.
+pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit> {
+    let scene = arguments.scene.display().to_string();
+    let job = CalibrateSceneJob {
+        scene: arguments.scene,
+        calibrations: arguments.calibrations,
+        output: arguments.output,
+    };
+    let made = match service::calibrate_scene(&job) {
+        Ok(made) => made,
+        Err(error) => {
+            print_failure(&scene, &error, arguments.format)?;
+            return Ok(Exit::Error);
+        }
+    };
+    match (arguments.format, &made.output) {
+        (Format::Ndjson, _) => output::print_json(&made)?,
+        (Format::Text, Some(_)) => output::print(&changes(&made))?,
+        (Format::Text, None) => {
+            output::print(&made.toml)?;
+            for line in &made.against {
+                output::print_note(line);
+            }
+        }
+    }
+    Ok(if made.against.is_empty() {
+        Exit::Done
+    } else {
+        Exit::NotWhole
+    })
+}
+
+fn changes(made: &SceneCalibrated) -> String {
+    let mut text = format!("{}:\n", made.scene);
+    for change in &made.changes {
+        text += &format!("  {change}\n");
+    }
+    for line in &made.against {
+        text += &format!("  against: {line}\n");
+    }
+    if let Some(output) = &made.output {
+        text += &format!("  written   {output}\n");
+    }
+    text
+}
