@@ -81,7 +81,7 @@ fn calibrate(
         }
     };
     match (common.format, &found.output) {
-        (Format::Ndjson, _) => output::print_json(&found)?,
+        (Format::Ndjson, _) => output::print_json("enact.calibration/1", &found)?,
         (Format::Text, Some(_)) => output::print(&text(&found))?,
         (Format::Text, None) => {
             output::print(&found.toml)?;
@@ -176,7 +176,7 @@ pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit>
         }
     };
     match (arguments.format, &made.output) {
-        (Format::Ndjson, _) => output::print_json(&made)?,
+        (Format::Ndjson, _) => output::print_json("enact.calibrated_scene/1", &made)?,
         (Format::Text, Some(_)) => output::print(&changes(&made))?,
         (Format::Text, None) => {
             output::print(&made.toml)?;

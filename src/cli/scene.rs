@@ -66,7 +66,7 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
         }
     };
     match format {
-        Format::Ndjson => output::print_json(&made)?,
+        Format::Ndjson => output::print_json("enact.new_scene/1", &made)?,
         Format::Text => output::print(&text_of_made(&made))?,
     }
     Ok(Exit::Done)
@@ -91,7 +91,7 @@ fn check(arguments: &CheckSceneArguments) -> anyhow::Result<Exit> {
         }
     };
     match arguments.format {
-        Format::Ndjson => output::print_json(&found)?,
+        Format::Ndjson => output::print_json("enact.scene_check/1", &found)?,
         Format::Text => output::print(&text_of_check(&path, &found))?,
     }
     Ok(if found.missing.is_empty() {
