@@ -1,6 +1,7 @@
 //! The arguments of the command line. Doc comments of the fields are the text of `--help`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
@@ -166,6 +167,8 @@ pub(super) struct ReplayArguments {
     /// Set free what explains a misfit: the fewest of what the scene keeps fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -186,6 +189,8 @@ pub(super) struct ProcessArguments {
     /// Set free what explains a misfit: the fewest of what the scenes keep fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the accounts on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -197,6 +202,8 @@ pub(super) struct InspectArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -311,6 +318,14 @@ pub(super) struct FromUrdfArguments {
     pub(super) format: Format,
 }
 
+/// What a command may cost.
+#[derive(Debug, Args)]
+pub(super) struct Limits {
+    /// Stop reading and estimating each recording after so long [default: no limit]
+    #[arg(long, value_name = "SECONDS", value_parser = time)]
+    pub(super) time_limit: Option<Duration>,
+}
+
 /// How an account is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
@@ -332,6 +347,13 @@ fn rate(text: &str) -> Result<f64, String> {
         Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
         _ => Err("expected a positive number".into()),
     }
+}
+
+fn time(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
+    seconds
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
+        .ok_or_else(|| "expected a positive number of seconds".into())
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         output: arguments.output,
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
+        time_limit: arguments.limits.time_limit,
     };
     let style = Style {
         colours: output::colours_on_stdout(),

@@ -18,6 +18,7 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
         publish: arguments.publish.then_some(PublishJob {
             iceoryx2: arguments.iceoryx2,
         }),
+        time_limit: arguments.limits.time_limit,
     };
     let report = match service::replay(&job) {
         Ok(report) => report,

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::refusal::Refusal;
+use super::deadline::Deadline;
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
-use crate::ingest::{Recording, SCENE_NAME, TakeReport};
+use crate::ingest::{listed, Recording, SCENE_NAME, TakeReport};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
@@ -20,11 +21,23 @@ pub(super) struct Opened {
     pub(super) scene: Scene,
     /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
+    /// When reading and estimating must end.
+    pub(super) deadline: Deadline,
 }
 
 /// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
 pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
-    let recording = Recording::open(input)?;
+    open_until(input, scene_file, Deadline::begin(None))
+}
+
+/// [`open`], which fails where there is not enough time to read the recording.
+pub(super) fn open_until(
+    input: &Path,
+    scene_file: Option<&Path>,
+    deadline: Deadline,
+) -> anyhow::Result<Opened> {
+    let recording = Recording::open_until(input, deadline.instant())?;
+    deadline.check(input)?;
     let (scene, scene_toml) = match scene_file {
         Some(file) => {
             let text = std::fs::read_to_string(file)
@@ -43,6 +56,7 @@ pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Op
         recording,
         scene,
         scene_toml,
+        deadline,
     })
 }
 
@@ -104,11 +118,13 @@ pub(super) fn finished(
     output: &Path,
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
-    let mut stopwatch = Stopwatch::start();
+    opened.deadline.check(recording.path())?;
+    let mut stopwatch = Stopwatch::until(opened.deadline);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
+    let was_stopped = stopwatch.has_stopped();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
     let is_after = |phase: &Phase| {
         use Phase::{Adequacy, Diagnose, Rest, Settle, Verify};
@@ -140,12 +156,19 @@ pub(super) fn finished(
         added = written.added,
         "written"
     );
+    let mut lost = lost(take);
+    if was_stopped {
+        lost.push(format!(
+            "the time limit of {} s ended the estimation: the motion is the best found so far",
+            opened.deadline.seconds()
+        ));
+    }
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
         output: output.display().to_string(),
         solve_seconds,
         phase_seconds,
-        lost: lost(take),
+        lost,
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
     let report = RecordingReport::new(&reported(&outcome), circumstances);
@@ -193,6 +216,13 @@ pub(super) fn lost(take: &TakeReport) -> Vec<String> {
             reason.unwrap_or_default()
         ));
     }
+    if take.beyond_limit > 0 {
+        lost.push(format!(
+            "{} messages on the scene's topics were not read: of a recording of {} bytes at most {} \
+             samples are",
+            take.beyond_limit, take.bytes, take.sample_limit
+        ));
+    }
     lost
 }
 
@@ -206,11 +236,10 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
         ));
     }
     if take.frame_ids.len() > 1 {
-        let frames: Vec<&str> = take.frame_ids.iter().map(String::as_str).collect();
         warnings.push(format!(
             "poses are given in {} frames ({}), taken as one",
-            frames.len(),
-            frames.join(", ")
+            take.frame_ids.len(),
+            listed(&take.frame_ids)
         ));
     }
     warnings

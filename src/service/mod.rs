@@ -9,6 +9,7 @@
 
 #[cfg(feature = "live")]
 pub mod capture;
+mod deadline;
 #[cfg(feature = "live")]
 mod direct;
 #[cfg(feature = "live")]

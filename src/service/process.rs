@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread;
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use super::finish::{check_distinct, finish, open, output_path};
+use super::deadline::Deadline;
+use super::finish::{check_distinct, finish, open_until, output_path};
 use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 
@@ -24,6 +26,8 @@ pub struct ProcessJob {
     pub scene: Option<PathBuf>,
     /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
     pub is_free_auto: bool,
+    /// How long reading and estimating each may take; no limit by default.
+    pub time_limit: Option<Duration>,
 }
 
 /// A recording that gave no estimate.
@@ -107,7 +111,8 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
 
 fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<RecordingReport, Failure> {
     let estimate = || {
-        let opened = open(input, job.scene.as_deref())?;
+        let deadline = Deadline::begin(job.time_limit);
+        let opened = open_until(input, job.scene.as_deref(), deadline)?;
         let take = opened.recording.take(&opened.scene)?;
         let pipeline = Pipeline::of(opened.scene.clone(), take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::finish::{check_distinct, finished, open, output_path};
+use super::deadline::Deadline;
+use super::finish::{check_distinct, finished, open_until, output_path};
 use super::publish::Publication;
 use crate::ingest::Source;
 use crate::motion::Stamp;
@@ -27,6 +28,8 @@ pub struct ReplayJob {
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
     /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
+    /// How long reading and estimating may take; no limit by default.
+    pub time_limit: Option<Duration>,
 }
 
 /// Settings for publishing a recording.
@@ -43,7 +46,8 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         None => output_path(&job.input, None)?,
     };
     check_distinct(&job.input, &output)?;
-    let opened = open(&job.input, job.scene.as_deref())?;
+    let deadline = Deadline::begin(job.time_limit);
+    let opened = open_until(&job.input, job.scene.as_deref(), deadline)?;
     let mut source = opened.recording.source(&opened.scene)?;
     let mut pipeline = Pipeline::new(opened.scene.clone());
     let publish = job.publish.as_ref();

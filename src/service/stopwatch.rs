@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::deadline::Deadline;
 use crate::motion::{Observer, Phase};
 
 /// Wall time by phase. Times of a phase that begins several times are added.
@@ -9,15 +10,25 @@ pub(super) struct Stopwatch {
     begun: Instant,
     current: Option<(Phase, Instant)>,
     phases: Vec<(Phase, Duration)>,
+    deadline: Deadline,
+    has_stopped: bool,
 }
 
 impl Stopwatch {
-    pub(super) fn start() -> Self {
+    /// Starts, and stops the run at the deadline.
+    pub(super) fn until(deadline: Deadline) -> Self {
         Self {
             begun: Instant::now(),
             current: None,
             phases: Vec::new(),
+            deadline,
+            has_stopped: false,
         }
+    }
+
+    /// Whether it stopped the run.
+    pub(super) fn has_stopped(&self) -> bool {
+        self.has_stopped
     }
 
     /// Seconds since the start, in all and by phase in the order in which phases first began.
@@ -54,6 +65,11 @@ impl Observer for Stopwatch {
             self.current = Some((phase, now));
         }
     }
+
+    fn should_stop(&mut self) -> bool {
+        self.has_stopped |= self.deadline.is_over();
+        self.has_stopped
+    }
 }
 
 #[cfg(test)]
@@ -62,7 +78,7 @@ mod tests {
 
     #[test]
     fn phases_are_listed_once_in_order_and_sum_to_no_more_than_the_whole() {
-        let mut stopwatch = Stopwatch::start();
+        let mut stopwatch = Stopwatch::until(Deadline::begin(None));
         for phase in [Phase::Clean, Phase::Sweep, Phase::Clean, Phase::Done] {
             stopwatch.phase(phase);
         }
@@ -70,5 +86,13 @@ mod tests {
         let names: Vec<Phase> = phases.iter().map(|(phase, _)| *phase).collect();
         assert_eq!(names, [Phase::Clean, Phase::Sweep]);
         assert!(phases.iter().map(|(_, s)| s).sum::<f64>() <= whole_s);
+    }
+
+    #[test]
+    fn the_run_is_stopped_at_the_deadline_alone() {
+        let mut never = Stopwatch::until(Deadline::begin(None));
+        assert!(!never.should_stop() && !never.has_stopped());
+        let mut at_once = Stopwatch::until(Deadline::begin(Some(Duration::ZERO)));
+        assert!(!at_once.has_stopped() && at_once.should_stop() && at_once.has_stopped());
     }
 }

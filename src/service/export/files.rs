@@ -8,6 +8,7 @@ use anyhow::{Context, anyhow, bail};
 use super::super::finish::check_distinct;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use crate::motion::Scene;
+use crate::report::prints;
 use crate::write::atomic::AtomicFile;
 use crate::write::export::{ExportedBody, Provenance, WrittenMotion, csv, glb, tum};
 
@@ -94,7 +95,8 @@ fn with_addition(output: &Path, addition: &str) -> PathBuf {
         return output.to_owned();
     }
     let plain = |c: char| match c {
-        '/' | '\\' | ':' | '\0' => '_',
+        '/' | '\\' | ':' => '_',
+        c if !prints(c) => '_',
         c => c,
     };
     let addition: String = addition.chars().map(plain).collect();
