@@ -105,7 +105,11 @@ fn a_recovery_that_fails_at_any_call_deletes_nothing_and_can_be_repeated() {
         assert!(matches!(code, None | Some(0 | 1)), "{faults}: {code:?}");
         let again = desk.run(&["recover", "."], "");
         assert_eq!(again.code, Some(0), "{faults}: {}", again.said);
-        assert!(desk.files() == expected, "{faults}: {:?}", desk.files().keys());
+        assert!(
+            desk.files() == expected,
+            "{faults}: {:?}",
+            desk.files().keys()
+        );
         fired
     };
     let fired = every(fails);
@@ -138,7 +142,10 @@ fn check_output(arguments: &[&str], output: &str, inputs: &[(&str, &[u8])], seed
         let is_new = found == expected[output];
         assert!(is_new || found == OLD, "{faults}: neither old nor new");
         assert!(code != Some(0) || is_new, "{faults}: not written: {said}");
-        assert!(matches!(code, None | Some(0 | 1)), "{faults}: {code:?}: {said}");
+        assert!(
+            matches!(code, None | Some(0 | 1)),
+            "{faults}: {code:?}: {said}"
+        );
         for (name, bytes) in inputs {
             let is_same = left.remove(*name).is_some_and(|left| left == *bytes);
             assert!(is_same, "{faults}: {name} was changed");
@@ -186,7 +193,13 @@ fn an_estimate_that_fails_at_random_calls_is_the_old_or_the_new_one() {
     let mut found: BTreeMap<&str, usize> = BTreeMap::new();
     let mut expected = None;
     for faults in [
-        "", "write:1:28", "write:1:torn", "write:1:short", "sync:1:5", "rename:1:28", "open:2:24",
+        "",
+        "write:1:28",
+        "write:1:torn",
+        "write:1:short",
+        "sync:1:5",
+        "rename:1:28",
+        "open:2:24",
     ] {
         let Some(desk) = Desk::new() else {
             return;

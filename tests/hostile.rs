@@ -8,7 +8,7 @@ mod mcap;
 mod run;
 
 use mcap::{
-    CHANNEL, CHUNK, MAGIC, METADATA, MESSAGE, SCENE, SCHEMA, TOPIC, attachment, beginning, channel,
+    CHANNEL, CHUNK, MAGIC, MESSAGE, METADATA, SCENE, SCHEMA, TOPIC, attachment, beginning, channel,
     chunk, chunk_head, file, message, pose, record, schema, text,
 };
 use run::{Cost, run};
@@ -26,11 +26,14 @@ fn cost(name: &str, bytes: &[u8], command: &[&str]) -> Cost {
     let input = folder.path().join(name);
     std::fs::write(&input, bytes).expect("write");
     let output = folder.path().join("out");
+    let [output_csv, output_toml] = ["csv", "toml"].map(|ending| output.with_extension(ending));
     let arguments: Vec<&str> = command
         .iter()
         .map(|word| match *word {
             "IN" => input.to_str().expect("a name"),
             "OUT" => output.to_str().expect("a name"),
+            "OUT.csv" => output_csv.to_str().expect("a name"),
+            "OUT.toml" => output_toml.to_str().expect("a name"),
             word => word,
         })
         .collect();
@@ -52,7 +55,10 @@ fn cost(name: &str, bytes: &[u8], command: &[&str]) -> Cost {
     assert!(matches!(cost.code, Some(0 | 1 | 3)), "{command:?}: {said}");
     assert!(!said.contains("panicked"), "{said}");
     let limit = 100 * bytes.len() as u64 + LEAST_BYTES;
-    assert!(peak_bytes > 0 && peak_bytes < limit, "{command:?}: {peak_bytes} bytes");
+    assert!(
+        peak_bytes > 0 && peak_bytes < limit,
+        "{command:?}: {peak_bytes} bytes"
+    );
     assert!(processor_s < PROCESSOR_S, "{command:?}: {processor_s} s");
     assert!(cost.stdout.len() < 1 << 20 && cost.stderr.len() < 1 << 20);
     cost
@@ -195,7 +201,11 @@ fn definitions_without_number_are_bounded() {
         .collect();
     let large = schema(3, "large", &vec![0; 60 << 20]);
     for (name, records, is_lossy) in [
-        ("channels", &channels[..whole_records(&channels, 60 << 20)], true),
+        (
+            "channels",
+            &channels[..whole_records(&channels, 60 << 20)],
+            true,
+        ),
         ("again", &again, true),
         ("schemas", &schemas, true),
         ("pairs", &one, true),
@@ -258,14 +268,38 @@ fn what_is_claimed_and_not_there_costs_nothing() {
 fn messages_that_are_larger_inside_are_bounded() {
     let formats = [
         // Two bytes are a pose.
-        ("foxglove.PosesInFrame", "protobuf", [0x1a, 0].repeat(30 << 20)),
-        ("foxglove.FrameTransforms", "protobuf", [0x0a, 0].repeat(100_000)),
+        (
+            "foxglove.PosesInFrame",
+            "protobuf",
+            [0x1a, 0].repeat(30 << 20),
+        ),
+        (
+            "foxglove.FrameTransforms",
+            "protobuf",
+            [0x0a, 0].repeat(100_000),
+        ),
         // A count of transforms that are not there.
-        ("tf2_msgs/msg/TFMessage", "cdr", [vec![0, 1, 0, 0], vec![0xff; 400]].concat()),
-        ("geometry_msgs/msg/PoseStamped", "cdr", [vec![0, 1, 0, 0], vec![0xff; 400]].concat()),
+        (
+            "tf2_msgs/msg/TFMessage",
+            "cdr",
+            [vec![0, 1, 0, 0], vec![0xff; 400]].concat(),
+        ),
+        (
+            "geometry_msgs/msg/PoseStamped",
+            "cdr",
+            [vec![0, 1, 0, 0], vec![0xff; 400]].concat(),
+        ),
         ("foxglove.PoseInFrame", "json", b"[".repeat(10 << 20)),
-        ("foxglove.PoseInFrame", "json", br#"{"pose":"#.repeat(20_000)),
-        ("enact.Keyframe", "json", br#"{"position_m":["#.repeat(20_000)),
+        (
+            "foxglove.PoseInFrame",
+            "json",
+            br#"{"pose":"#.repeat(20_000),
+        ),
+        (
+            "enact.Keyframe",
+            "json",
+            br#"{"position_m":["#.repeat(20_000),
+        ),
     ];
     for (name, encoding, data) in formats {
         let definitions = [
@@ -287,13 +321,53 @@ fn names_without_number_are_listed_up_to_a_limit() {
     for index in 0..200_000_u64 {
         let mut pose = pose(index * 1_000_000);
         // Another frame each time: the name follows its tag and length.
-        let at = pose.windows(3).position(|w| w == b"map").expect("the frame");
-        pose.splice(at - 1..at + 3, [vec![8], format!("{index:08}").into_bytes()].concat());
+        let at = pose
+            .windows(3)
+            .position(|w| w == b"map")
+            .expect("the frame");
+        pose.splice(
+            at - 1..at + 3,
+            [vec![8], format!("{index:08}").into_bytes()].concat(),
+        );
         records.extend_from_slice(&message(1, index, &pose));
     }
     let found = costs(&file(&[&beginning(), &chunk("zstd", &records)]));
-    assert!(found.stdout.contains("1000 frames"), "{}", head(&found.stdout));
-    assert!(found.stdout.contains("and 950 more"), "{}", head(&found.stdout));
+    assert!(
+        found.stdout.contains("1000 frames"),
+        "{}",
+        head(&found.stdout)
+    );
+    assert!(
+        found.stdout.contains("and 950 more"),
+        "{}",
+        head(&found.stdout)
+    );
+}
+
+/// Stamps as far apart as there are, and log times: frames between them would fill the disk.
+#[test]
+fn stamps_that_are_far_apart_are_bounded() {
+    const FAR: u64 = 9_000_000_000_000_000_000;
+    for spans in [
+        vec![0, FAR],
+        vec![0, 3_600_000_000_000, FAR],
+        (0..200).map(|k| k * (FAR / 200)).collect(),
+    ] {
+        let mut records = beginning();
+        for span in spans {
+            for k in 0..100_u64 {
+                let stamp = span + k * 5_000_000;
+                records.extend_from_slice(&message(1, stamp, &pose(stamp)));
+            }
+        }
+        let bytes = file(&[&records]);
+        costs(&bytes);
+        for command in ["csv", "toml"] {
+            let output = format!("OUT.{command}");
+            let command = ["sketch", "IN", "-o", &output, "--per-second", "1000"];
+            cost("take.mcap", &bytes, &command);
+        }
+    }
 }
 
 /// Scenes in which brackets, tables or keys nest, and robots of many links.
@@ -310,8 +384,17 @@ fn text_that_nests_is_refused_with_a_place() {
         costs(&bytes);
     }
     let chain = |count: usize| {
-        let link = |k: usize| format!("<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>");
-        let joint = |k: usize| format!("<joint name=\"j{k}\" type=\"fixed\"><parent link=\"l{}\"/><child link=\"l{k}\"/></joint>", k - 1);
+        let link = |k: usize| {
+            format!(
+                "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+            )
+        };
+        let joint = |k: usize| {
+            format!(
+                "<joint name=\"j{k}\" type=\"fixed\"><parent link=\"l{}\"/><child link=\"l{k}\"/></joint>",
+                k - 1
+            )
+        };
         let links: String = (0..count).map(link).collect();
         let joints: String = (1..count).map(joint).collect();
         format!("<robot name=\"r\">{links}{joints}</robot>")
@@ -320,9 +403,19 @@ fn text_that_nests_is_refused_with_a_place() {
         "<a>".repeat(100_000),
         format!("<robot name=\"r\">{}", "<link>".repeat(50_000)),
         chain(5000),
-        format!("<!DOCTYPE r [<!ENTITY a \"{}\">{}]><robot name=\"&a9;\"/>", "x".repeat(1000), (1..10).map(|k| format!("<!ENTITY a{k} \"{}\">", format!("&a{};", k - 1).repeat(10))).collect::<String>()),
+        format!(
+            "<!DOCTYPE r [<!ENTITY a \"{}\">{}]><robot name=\"&a9;\"/>",
+            "x".repeat(1000),
+            (1..10)
+                .map(|k| format!("<!ENTITY a{k} \"{}\">", format!("&a{};", k - 1).repeat(10)))
+                .collect::<String>()
+        ),
     ] {
-        cost("robot.urdf", robot.as_bytes(), &["scene", "from-urdf", "IN", "-o", "OUT"]);
+        cost(
+            "robot.urdf",
+            robot.as_bytes(),
+            &["scene", "from-urdf", "IN", "-o", "OUT"],
+        );
     }
 }
 
@@ -334,7 +427,11 @@ fn an_attachment_in_a_chunk_is_refused() {
         let bytes = file(&[&chunk(compression, &inside)]);
         let found = costs(&bytes);
         assert_eq!(found.code, Some(3));
-        assert!(found.stdout.contains("does not belong into a chunk"), "{}", found.stdout);
+        assert!(
+            found.stdout.contains("does not belong into a chunk"),
+            "{}",
+            found.stdout
+        );
     }
 }
 
@@ -345,13 +442,21 @@ fn a_time_limit_ends_reading_and_estimating() {
         .flat_map(|k| message(1, k * 1_000_000, &pose(k * 1_000_000)))
         .collect();
     let bytes = file(&[&beginning(), &poses]);
-    let found = cost("take.mcap", &bytes, &["inspect", "IN", "--time-limit", "0.001"]);
+    let found = cost(
+        "take.mcap",
+        &bytes,
+        &["inspect", "IN", "--time-limit", "0.001"],
+    );
     assert_eq!(found.code, Some(3), "{}", found.stdout);
     assert!(found.stdout.contains("the time limit"), "{}", found.stdout);
     let command = ["process", "IN", "-o", "OUT", "--time-limit", "0.001"];
     let found = cost("take.mcap", &bytes, &command);
     assert_eq!(found.code, Some(1), "{}", found.stdout);
-    assert!(found.stderr.contains("give it more by --time-limit"), "{}", found.stderr);
+    assert!(
+        found.stderr.contains("give it more by --time-limit"),
+        "{}",
+        found.stderr
+    );
     // An estimation that is stopped says so too.
     let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/pencil_tip.mcap");
     let recording = std::fs::read(recording).expect("a recording");
@@ -374,7 +479,11 @@ fn a_time_limit_ends_reading_and_estimating() {
         } else {
             Some(0)
         };
-        assert_eq!(found.code, expected, "{limit}: {}{}", found.stdout, found.stderr);
+        assert_eq!(
+            found.code, expected,
+            "{limit}: {}{}",
+            found.stdout, found.stderr
+        );
         stopped += usize::from(is_stopped);
     }
     assert!(stopped > 0, "no estimation of {takes_s} s was stopped");

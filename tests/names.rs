@@ -18,12 +18,10 @@ use serde_json::Value;
 const EVIL: &str = "\u{1b}[2J\u{1b}]0;t\u{7}\n  lost: forged\r\u{9b}31m\u{202e}\u{2028}";
 
 /// The same as TOML writes it.
-const EVIL_TOML: &str =
-    r"\u001b[2J\u001b]0;t\u0007\n  lost: forged\r\u009b31m\u202e\u2028";
+const EVIL_TOML: &str = r"\u001b[2J\u001b]0;t\u0007\n  lost: forged\r\u009b31m\u202e\u2028";
 
 /// How it is shown.
-const SHOWN: &str =
-    r"\u{1b}[2J\u{1b}]0;t\u{7}\n  lost: forged\r\u{9b}31m\u{202e}\u{2028}";
+const SHOWN: &str = r"\u{1b}[2J\u{1b}]0;t\u{7}\n  lost: forged\r\u{9b}31m\u{202e}\u{2028}";
 
 fn evil(name: &str) -> String {
     format!("{name}{EVIL}")
@@ -36,7 +34,15 @@ fn recording() -> Vec<u8> {
     let container = original.container();
     let toml = original.scene_toml().expect("a scene");
     let mut toml = String::from_utf8(toml.to_vec()).expect("UTF-8");
-    for name in ["pencil, tip first", "pencil", "table", "tip", "mug floor", "bounce", "landing"] {
+    for name in [
+        "pencil, tip first",
+        "pencil",
+        "table",
+        "tip",
+        "mug floor",
+        "bounce",
+        "landing",
+    ] {
         toml = toml.replace(&format!("\"{name}\""), &format!("\"{name}{EVIL_TOML}\""));
     }
     // Keys too.
@@ -72,7 +78,10 @@ fn rename(data: &[u8]) -> Vec<u8> {
 /// Runs a command, and checks that all it says only prints.
 fn said(arguments: &[&str], folder: &Path) -> (Option<i32>, String) {
     let mut command = Command::cargo_bin("enact").expect("enact");
-    let command = command.args(arguments).env_remove("RUST_LOG").current_dir(folder);
+    let command = command
+        .args(arguments)
+        .env_remove("RUST_LOG")
+        .current_dir(folder);
     let Output {
         stdout,
         stderr,
@@ -94,7 +103,13 @@ fn names_are_escaped_wherever_they_are_printed() {
     let run = |arguments: &[&str]| said(arguments, folder.path());
     let (code, text) = run(&["inspect", "a.mcap"]);
     assert_eq!(code, Some(0), "{text}");
-    for name in ["notes", "/other", "Schema", "/tracker/pencil", "pencil, tip first"] {
+    for name in [
+        "notes",
+        "/other",
+        "Schema",
+        "/tracker/pencil",
+        "pencil, tip first",
+    ] {
         let shown = format!("{name}{SHOWN}");
         assert!(text.contains(&shown), "{name}: {text}");
     }
@@ -114,14 +129,20 @@ fn names_are_escaped_wherever_they_are_printed() {
         let output = format!("motion.{to}");
         let (code, text) = run(&["export", "estimate.mcap", "--to", to, "-o", &output]);
         assert_eq!(code, Some(0), "{text}");
-        assert!(text.contains(&format!("pencil, tip first{SHOWN}")), "{text}");
+        assert!(
+            text.contains(&format!("pencil, tip first{SHOWN}")),
+            "{text}"
+        );
     }
     let (code, text) = run(&["sketch", "a.mcap", "-o", "sketch.csv", "--per-flight", "3"]);
     assert_eq!(code, Some(0), "{text}");
     // What the names of files are made of only prints either.
     for entry in std::fs::read_dir(folder.path()).expect("list") {
         let name = entry.expect("an entry").file_name();
-        assert!(name.to_str().expect("UTF-8").chars().all(prints), "{name:?}");
+        assert!(
+            name.to_str().expect("UTF-8").chars().all(prints),
+            "{name:?}"
+        );
     }
 }
 

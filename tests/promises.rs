@@ -32,13 +32,21 @@ fn every_promise_names_tests_that_exist() {
     let (promises, _) = text.split_once("## Not promised").expect("what is not");
     let mut count = 0;
     let is_name = |word: &&str| word.contains('_') && !word.contains(['/', '.', '-']);
-    for line in promises.split("\n\n").flat_map(|part| part.split_inclusive('\n')) {
+    for line in promises
+        .split("\n\n")
+        .flat_map(|part| part.split_inclusive('\n'))
+    {
         let begins = line.split_once(". ").is_some_and(|(number, _)| {
-            number.parse::<usize>().is_ok_and(|number| number == count + 1)
+            number
+                .parse::<usize>()
+                .is_ok_and(|number| number == count + 1)
         });
         count += usize::from(begins);
         for name in line.split('`').skip(1).step_by(2).filter(is_name) {
-            assert!(tests.contains(name), "promise {count}: there is no test {name}");
+            assert!(
+                tests.contains(name),
+                "promise {count}: there is no test {name}"
+            );
         }
     }
     assert_eq!(count, 14, "promises are numbered");
@@ -48,7 +56,11 @@ fn every_promise_names_tests_that_exist() {
         let (promise, next) = rest
             .split_once(&format!("\n{number}. "))
             .unwrap_or((rest, ""));
-        let names = promise.split('`').skip(1).step_by(2).any(|word| is_name(&word));
+        let names = promise
+            .split('`')
+            .skip(1)
+            .step_by(2)
+            .any(|word| is_name(&word));
         let refers = promise.contains("same test") || promise.contains("The test of");
         assert!(names || refers, "promise {} has no test", number - 1);
         rest = next;

@@ -509,7 +509,11 @@ fn after_damage_only_what_has_a_checksum_is_believed() {
     assert!(undamaged.poses == whole.poses);
     // The length, a byte of the content, and both: a record of the inner file follows each.
     let inside = first_chunk + attachment.len() - inner.len() - 4;
-    for damaged in [vec![first_chunk + 3], vec![inside + 40], vec![first_chunk + 1, inside + 40]] {
+    for damaged in [
+        vec![first_chunk + 3],
+        vec![inside + 40],
+        vec![first_chunk + 1, inside + 40],
+    ] {
         let mut file = file.clone();
         for at in damaged {
             file[at] ^= 0x15;

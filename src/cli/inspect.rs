@@ -29,8 +29,16 @@ pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
 
 fn text(inspection: &Inspection) -> String {
     let mut text = String::new();
-    let order = if inspection.sorted { "" } else { ", not sorted" };
-    let end = if inspection.truncated { ", truncated" } else { "" };
+    let order = if inspection.sorted {
+        ""
+    } else {
+        ", not sorted"
+    };
+    let end = if inspection.truncated {
+        ", truncated"
+    } else {
+        ""
+    };
     push_line(
         &mut text,
         format!(

@@ -172,10 +172,7 @@ fn check_streams(
 }
 
 /// The recording's topic, and the child on it, to which a scene's topic refers.
-fn resolve<'a>(
-    present: &BTreeSet<&str>,
-    topic: &'a str,
-) -> Option<(&'a str, Option<&'a str>)> {
+fn resolve<'a>(present: &BTreeSet<&str>, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
     if present.contains(topic) {
         return Some((topic, None));
     }

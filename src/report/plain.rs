@@ -64,7 +64,14 @@ mod tests {
 
     #[test]
     fn names_that_print_are_left_as_they_are() {
-        for name in ["/tracker/pencil/pose", "Würfel 3", "鉛筆", "a\\b \"c\"", "± 7.0 ms", ""] {
+        for name in [
+            "/tracker/pencil/pose",
+            "Würfel 3",
+            "鉛筆",
+            "a\\b \"c\"",
+            "± 7.0 ms",
+            "",
+        ] {
             assert!(matches!(plain(name), Cow::Borrowed(same) if same == name));
         }
     }
@@ -76,7 +83,10 @@ mod tests {
             ("a\n  written   b\r", "a\\n  written   b\\r"),
             ("c\u{9b}31m\u{7f}", "c\\u{9b}31m\\u{7f}"),
             ("user\u{202e}gpj.exe", "user\\u{202e}gpj.exe"),
-            ("\u{2066}x\u{2069}\u{2028}\u{feff}", "\\u{2066}x\\u{2069}\\u{2028}\\u{feff}"),
+            (
+                "\u{2066}x\u{2069}\u{2028}\u{feff}",
+                "\\u{2066}x\\u{2069}\\u{2028}\\u{feff}",
+            ),
         ] {
             assert_eq!(plain(name), escaped);
         }

@@ -28,7 +28,8 @@ impl Deadline {
 
     /// Whether it is over.
     pub(super) fn is_over(&self) -> bool {
-        self.limit.is_some_and(|limit| self.begun.elapsed() >= limit)
+        self.limit
+            .is_some_and(|limit| self.begun.elapsed() >= limit)
     }
 
     /// Fails where it is over before all of a recording was read.
@@ -62,7 +63,10 @@ mod tests {
         let over = Deadline::begin(Some(Duration::ZERO));
         assert!(over.is_over() && over.instant().is_some_and(|at| at <= Instant::now()));
         let error = over.check(path).expect_err("over").to_string();
-        assert!(error.starts_with("a.mcap: the time limit of 0 s"), "{error}");
+        assert!(
+            error.starts_with("a.mcap: the time limit of 0 s"),
+            "{error}"
+        );
         // A limit longer than the clock counts is none.
         assert!(!Deadline::begin(Some(Duration::MAX)).is_over());
     }

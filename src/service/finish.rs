@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::refusal::Refusal;
 use super::deadline::Deadline;
+use super::refusal::Refusal;
 use super::stopwatch::Stopwatch;
 use crate::config::scene_from_toml;
-use crate::ingest::{listed, Recording, SCENE_NAME, TakeReport};
+use crate::ingest::{Recording, SCENE_NAME, TakeReport, listed};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};

@@ -164,7 +164,11 @@ fn topics(recording: &Recording) -> Vec<TopicLine> {
     let container = recording.container();
     let channels = container.channels().iter().map(|(id, channel)| {
         let schema = container.schema_of(channel);
-        (*id, channel, schema.map_or("", |schema| schema.name.as_str()))
+        (
+            *id,
+            channel,
+            schema.map_or("", |schema| schema.name.as_str()),
+        )
     });
     let mut listed: Vec<_> = channels.collect();
     listed.sort_by_key(|(_, channel, schema)| (channel.topic.as_str(), *schema));

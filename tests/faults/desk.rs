@@ -16,7 +16,8 @@ pub fn shim() -> Option<&'static Path> {
 
 fn build() -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/faults/shim.c");
-    let shim = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("shim{}.so", std::process::id()));
+    let shim =
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("shim{}.so", std::process::id()));
     let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
     let built = Command::new(compiler)
         .args(["-shared", "-fPIC", "-O1", "-Wall", "-Werror", "-o"])

@@ -50,7 +50,11 @@ fn journal_take(folder: &Path) -> Result<(), WriteError> {
             println!("failed: {error}");
             return journal.salvage();
         }
-        if k % 40 == 39 && journal.sync_handle().is_ok_and(|file| file.sync_data().is_ok()) {
+        if k % 40 == 39
+            && journal
+                .sync_handle()
+                .is_ok_and(|file| file.sync_data().is_ok())
+        {
             println!("synced {}", k + 1);
         }
     }
@@ -79,7 +83,11 @@ fn samples(bytes: &[u8], faults: &str) -> i64 {
     let mut count = 0;
     while let Some(message) = walk.next_message() {
         if container.channels()[&message.channel_id].topic == RAW_TOPIC {
-            assert_eq!(message.data[4..], record(count).to_bytes(), "{faults}: {count}");
+            assert_eq!(
+                message.data[4..],
+                record(count).to_bytes(),
+                "{faults}: {count}"
+            );
             count += 1;
         }
     }
@@ -96,7 +104,12 @@ fn of_a_live_take_nothing_is_lost_that_was_synced() {
         };
         let mut command = Command::new(std::env::current_exe().expect("this program"));
         command
-            .args(["--exact", "live::a_take_is_journalled", "--ignored", "--nocapture"])
+            .args([
+                "--exact",
+                "live::a_take_is_journalled",
+                "--ignored",
+                "--nocapture",
+            ])
             .env(FOLDER, desk.folder());
         let Run { fired, said, .. } = desk.run_command(command, faults);
         let synced = said.lines().filter_map(|line| line.split_once("synced "));

@@ -139,7 +139,9 @@ impl Gathered {
             waiting: BTreeMap::new(),
             redefined: BTreeSet::new(),
             refused: BTreeSet::new(),
-            defined_left: bytes.saturating_mul(DEFINED_SHARE).saturating_add(DEFINED_BYTES),
+            defined_left: bytes
+                .saturating_mul(DEFINED_SHARE)
+                .saturating_add(DEFINED_BYTES),
             last_log_time: 0,
         }
     }
@@ -149,7 +151,9 @@ impl Gathered {
         let pairs = channel.metadata.iter();
         let length = channel.topic.len()
             + channel.message_encoding.len()
-            + pairs.map(|(key, value)| 8 + key.len() + value.len()).sum::<usize>();
+            + pairs
+                .map(|(key, value)| 8 + key.len() + value.len())
+                .sum::<usize>();
         let left = self.defined_left.checked_sub(length);
         self.defined_left = left.unwrap_or(self.defined_left);
         if left.is_none() {

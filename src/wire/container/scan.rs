@@ -59,8 +59,7 @@ impl Scan {
             return false;
         }
         let limit = self.budget.unpacked_left();
-        let (work, result) =
-            record::unpack_chunk(bytes, at..chunk.end, limit, &mut self.records);
+        let (work, result) = record::unpack_chunk(bytes, at..chunk.end, limit, &mut self.records);
         match result {
             Ok(()) => self.budget.was_worth(cost),
             Err(_) => {

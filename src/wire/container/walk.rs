@@ -126,9 +126,9 @@ impl Walk {
         loop {
             let (place, opcode, range) = self.next_frame()?;
             let parsed = match place {
-                Place::Chunk if !record::belongs_into_chunk(opcode) => {
-                    Err(record::refused("it does not belong into a chunk".to_owned()))
-                }
+                Place::Chunk if !record::belongs_into_chunk(opcode) => Err(record::refused(
+                    "it does not belong into a chunk".to_owned(),
+                )),
                 _ => record::parse(opcode, self.bytes_of(place), range),
             };
             match parsed {
@@ -267,8 +267,7 @@ impl Walk {
     /// Whether bytes with a chunk's header but not its opcode or length are a chunk. Another record
     /// may contain numbers that look like the header of an uncompressed chunk.
     fn is_chunk(&mut self, header: ChunkHeader) -> bool {
-        header.is_checked
-            && (!header.is_plain || self.scan.passes(&self.bytes, self.at, header))
+        header.is_checked && (!header.is_plain || self.scan.passes(&self.bytes, self.at, header))
     }
 
     /// Unpacks the chunk from here to `end`; its records are returned only if all of it is valid.
@@ -282,8 +281,7 @@ impl Walk {
             return None;
         }
         let limit = self.scan.budget.unpacked_left();
-        let (work, result) =
-            record::unpack_chunk(&self.bytes, at..end, limit, &mut self.chunk);
+        let (work, result) = record::unpack_chunk(&self.bytes, at..end, limit, &mut self.chunk);
         self.scan.budget.take_unpacked(work);
         match result {
             Ok(()) => {
