@@ -9,6 +9,9 @@ use crate::service::{RecoveredLine, recover_all};
 /// Greatest number of unread ranges in the text output; JSON has all.
 const SHOWN: usize = 16;
 
+/// Greatest number of topics in it.
+const TOPICS_SHOWN: usize = 500;
+
 pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
     let mut exit = Exit::Done;
     let mut count = 0;
@@ -47,8 +50,12 @@ fn text(line: &RecoveredLine) -> String {
             line.journal, line.recording
         ),
     );
-    for (topic, messages) in &line.topics {
+    for (topic, messages) in line.topics.iter().take(TOPICS_SHOWN) {
         push_line(&mut text, format!("  {topic}: {messages}"));
+    }
+    if line.topics.len() > TOPICS_SHOWN {
+        let more = line.topics.len() - TOPICS_SHOWN;
+        push_line(&mut text, format!("  and {more} more topics"));
     }
     push_notes(&mut text, &line.lost, &line.notes);
     if line.unread_bytes > 0 {

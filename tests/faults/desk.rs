@@ -97,17 +97,10 @@ impl Desk {
         entries.map(file).collect()
     }
 
-    /// Runs `enact` in it; names of files are below the folder. Without faults if there are none.
+    /// Runs `enact` in it, without faults if there are none.
     pub fn run(&self, arguments: &[&str], faults: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
-        for argument in arguments {
-            let is_file = argument.contains('.') && argument.parse::<f64>().is_err();
-            if is_file {
-                command.arg(self.folder.path().join(argument));
-            } else {
-                command.arg(argument);
-            }
-        }
+        command.args(arguments).current_dir(self.folder.path());
         self.run_command(command, faults)
     }
 

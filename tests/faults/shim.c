@@ -72,8 +72,10 @@ static long call(long number, long a, long b, long c, long d, long e) {
 #endif
 }
 
+/* Whether a path leads below the folder. One that is relative does: the program runs there. */
 static int is_path_below(long path) {
-    return path && strstr((const char *)path, below) != NULL;
+    const char *text = (const char *)path;
+    return text && (text[0] != '/' || strstr(text, below) != NULL);
 }
 
 /* Whether a descriptor is that of a file below the folder. */

@@ -237,6 +237,14 @@ fn name(body: &[u8], at: &mut usize) -> Result<String, McapError> {
     text(body, at)
 }
 
+/// What is wrong, in words: of an error of I/O the crate says only that there is one.
+pub(super) fn words(error: &McapError) -> String {
+    match error {
+        McapError::Io(error) => error.to_string(),
+        other => other.to_string(),
+    }
+}
+
 /// What is valid MCAP and is not read.
 pub(super) fn refused(reason: String) -> McapError {
     McapError::Io(io::Error::new(ErrorKind::InvalidData, reason))
@@ -282,10 +290,9 @@ pub(super) fn attachment_of(bytes: &[u8], at: usize) -> Option<(usize, Range<usi
     prefixed(body, &mut from).ok()?;
     prefixed(body, &mut from).ok()?;
     let length = usize::try_from(u64::from_le_bytes(take(body, &mut from).ok()?)).ok()?;
-    let mut end = from.checked_add(length)?;
-    let checked = start..start + end;
-    let saved: [u8; 4] = take(body, &mut end).ok()?;
-    (saved != [0; 4]).then_some((start + end, checked))
+    let end = from.checked_add(length)?;
+    let saved: [u8; 4] = take(body, &mut end.clone()).ok()?;
+    (saved != [0; 4]).then_some((start + end + saved.len(), start..start + end))
 }
 
 /// A chunk's own header, which identifies it without its record's opcode and length.

@@ -146,7 +146,7 @@ impl Walk {
                             Place::Chunk => 0,
                         },
                         opcode,
-                        reason: error.to_string(),
+                        reason: record::words(&error),
                     };
                     self.damages.push(damage);
                 }
@@ -306,7 +306,7 @@ impl Walk {
                 let next = self.scan.find(&self.bytes, at + 1..limit);
                 self.is_strict |= next.is_some() || !is_end;
                 self.at = next.unwrap_or(limit);
-                let reason = error.to_string();
+                let reason = record::words(&error);
                 let end = self.at;
                 self.damages.push(Damage::Chunk { at, end, reason });
             }
