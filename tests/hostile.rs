@@ -112,6 +112,30 @@ fn a_bomb_of_chunks_is_read_up_to_a_limit_that_is_said() {
     }
 }
 
+/// What was read before the limit is estimated, and the account says what was not read.
+#[test]
+fn a_bomb_behind_a_take_costs_what_is_in_the_bomb() {
+    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/pencil_tip.mcap");
+    let mut bytes = std::fs::read(recording).expect("a recording");
+    let end = (MAGIC.len()..).find(|at| bytes[*at..].starts_with(&record(0x0f, &[0; 4])[..9]));
+    bytes.truncate(end.expect("the end of the data"));
+    for seed in 0..3 {
+        bytes.extend_from_slice(&chunk(
+            "zstd",
+            &repeated(&message(9, 5, b""), 60 << 20, seed),
+        ));
+    }
+    let found = cost("take.mcap", &bytes, PROCESS);
+    assert_eq!(found.code, Some(3), "{}", found.stdout);
+    assert!(
+        found.stdout.contains("physical, fits well"),
+        "{}",
+        found.stdout
+    );
+    let said = "bytes were not read: the chunks unpack to more than";
+    assert!(found.stdout.contains(said), "{}", found.stdout);
+}
+
 /// The beginning of a chunk at every sixty bytes, each of which unpacks to 64 MiB and fails its
 /// checksum: a block of zstd skips those that follow, and all share the blocks at the end.
 #[test]

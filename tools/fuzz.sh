@@ -16,6 +16,8 @@ folder="${CARGO_TARGET_DIR:-target}/fuzz"
 host="$(rustc -vV | sed -n 's/^host: //p')"
 
 build() {
+    # The versions are those of the program.
+    cp Cargo.lock tools/fuzz/Cargo.lock
     RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
 -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=16" \
