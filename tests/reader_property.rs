@@ -207,9 +207,19 @@ fn every_single_flipped_bit_is_noticed_or_harmless() {
                 assert!(bit / 8 < 8, "bit {bit}");
                 continue;
             };
+            let is_believed = |damage: &Damage| matches!(damage, Damage::Checksum { .. });
             if part.damages == 0 {
                 assert!(part == whole, "variant {index}, bit {bit}");
-            } else if index < 3 {
+            } else if index == 3 {
+                // Without chunks what is before the damage is read, and what may be wrong is said.
+                let container = Container::new(flipped).expect("MCAP");
+                let damages = container.damages().first();
+                let begins = whole.poses.starts_with(&part.poses);
+                assert!(
+                    begins || damages.iter().any(is_believed),
+                    "bit {bit}: {damages:?}"
+                );
+            } else {
                 // In chunks with checksums not even a reported datum is wrong.
                 assert!(is_part_of(&part.poses, &whole.poses), "bit {bit}");
                 assert!(is_part_of(&part.marks, &whole.marks), "bit {bit}");
@@ -469,4 +479,74 @@ fn a_damaged_index_ends_no_file() {
         }
     }
     assert!(tried > 10, "{tried}");
+}
+
+/// Records after damage may be the inside of something else: here of an attachment that holds a
+/// recording without chunks, and lost the record that would have led over it.
+#[test]
+fn after_damage_only_what_has_a_checksum_is_believed() {
+    let inner = &variants()[3];
+    let outer = &variants()[1];
+    let whole = found(outer).expect("MCAP");
+    // The outer recording, with the inner one in an attachment before its first chunk.
+    let first_chunk = offsets(outer, 0x06)[0];
+    let mut body = vec![0; 16];
+    for text in ["inner.mcap", "application/octet-stream"] {
+        body.extend_from_slice(&(text.len() as u32).to_le_bytes());
+        body.extend_from_slice(text.as_bytes());
+    }
+    body.extend_from_slice(&(inner.len() as u64).to_le_bytes());
+    body.extend_from_slice(inner);
+    body.extend_from_slice(&crc32fast::hash(&body).to_le_bytes());
+    let attachment = framed(0x09, &body);
+    let mut file = outer.clone();
+    file.splice(first_chunk..first_chunk, attachment.clone());
+    let data_end = *offsets(&file, 0x0f).last().expect("the end");
+    // No checksum of the data section, which would be another.
+    file[data_end + 9..data_end + 13].fill(0);
+    let undamaged = found(&file).expect("MCAP");
+    assert_eq!((undamaged.damages, undamaged.poses.len()), (0, 40));
+    assert!(undamaged.poses == whole.poses);
+    // The length, a byte of the content, and both: a record of the inner file follows each.
+    let inside = first_chunk + attachment.len() - inner.len() - 4;
+    for damaged in [
+        vec![first_chunk + 3],
+        vec![inside + 40],
+        vec![first_chunk + 1, inside + 40],
+    ] {
+        let mut file = file.clone();
+        for at in damaged {
+            file[at] ^= 0x15;
+        }
+        let left = found(&file).expect("MCAP");
+        assert!(left.poses == whole.poses, "{} poses", left.poses.len());
+        assert!(left.damages > 0);
+    }
+    // Messages between chunks are believed as long as each record leads to the next.
+    let message = |time: u64| {
+        let data = [&1_u16.to_le_bytes()[..], &[0; 4], &[0; 8], &[0; 8]].concat();
+        let mut record = framed(0x05, &data);
+        record[15..23].copy_from_slice(&time.to_le_bytes());
+        record
+    };
+    let chunks = offsets(outer, 0x06);
+    let mut file = outer.clone();
+    let between = chunks[3];
+    file.splice(between..between, [message(7), message(8)].concat());
+    let count = |file: &[u8]| {
+        let container = Container::new(file.to_vec()).expect("MCAP");
+        let mut walk = container.walk();
+        let mut messages = 0;
+        while let Some(message) = walk.next_message() {
+            messages += usize::from(matches!(message.log_time, 7 | 8));
+        }
+        (messages, container.damages().unread_bytes())
+    };
+    assert_eq!(count(&file).0, 2);
+    // A damaged length before them: they may be anything, and are said not to have been read.
+    let mut damaged = file.clone();
+    damaged[chunks[2] + 4] ^= 0x40;
+    let (messages, unread) = count(&damaged);
+    assert_eq!(messages, 0);
+    assert!(unread >= 2 * message(7).len(), "{unread}");
 }

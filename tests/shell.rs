@@ -85,28 +85,6 @@ fn recordings_go_through_pipes() {
 }
 
 #[test]
-fn a_deadline_ends_the_search_and_is_said() {
-    let (_folder, at) = folder();
-    for name in ["chain.mcap", "pencil_tip.mcap", "hat_box.mcap"] {
-        let (input, output) = (recording(name), at(name));
-        let arguments = ["replay", &input, "-o", &output, "--deadline"];
-        let (code, said, errors) = ran(&[&arguments[..], &["1us"]].concat());
-        // What there is by then may not even be a motion; then that is said.
-        assert_eq!(code, 3, "{name}: {said}{errors}");
-        assert!(said.contains("ended at its deadline"), "{name}: {said}");
-        let (code, said, _) = ran(&[&arguments[..], &["1h", "--format", "ndjson"]].concat());
-        let line: Value = serde_json::from_str(&said).expect("JSON");
-        assert_eq!(
-            (code, &line["ended_early"]),
-            (0, &Value::Bool(false)),
-            "{name}"
-        );
-    }
-    let (code, _, said) = ran(&["replay", &recording("chain.mcap"), "--deadline", "soon"]);
-    assert_eq!(code, 2, "{said}");
-}
-
-#[test]
 fn estimates_among_recordings_are_skipped_and_a_summary_ends_the_account() {
     let (_folder, at) = folder();
     let names = ["a.mcap", "b.mcap", "c.mcap"].map(&at);

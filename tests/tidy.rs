@@ -130,6 +130,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rapier3d", &["src/settle.rs", "src/settle/"]),
     ("clarabel", &["src/optimise/"]),
     ("cdr", &["src/wire/"]),
+    ("lz4", &["src/wire/container/"]),
+    ("zstd", &["src/wire/container/"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
     (
         "foxglove",

@@ -9,7 +9,8 @@ use crate::report::units::{deviation_ms, duration, for_people, seconds};
 use checks::checks;
 use tables::{events, held, parameters, segments};
 
-use crate::report::{EstimateReport, RecordingReport, SuspectLine};
+use super::output::push_line;
+use crate::report::{EstimateReport, RecordingReport, SuspectLine, plain};
 
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,7 +26,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     let gravest = grave.next().map(|doubt| format!(": {}", doubt.text));
     let mut text = format!(
         "{}: {}, {}, {}{}\n",
-        report.recording,
+        plain(&report.recording),
         coloured(estimate.verdict, style),
         fit_words(estimate),
         if estimate.determined {
@@ -33,12 +34,11 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         } else {
             "not determined"
         },
-        gravest.unwrap_or_default()
+        plain(&gravest.unwrap_or_default())
     );
     let mut line = |words: String| {
         text.push_str("  ");
-        text.push_str(words.trim_end());
-        text.push('\n');
+        push_line(&mut text, words.trim_end());
     };
     for diagnosis in &estimate.diagnoses {
         line(format!("likely: {}", diagnosis.sentence));
@@ -212,6 +212,6 @@ fn summary(report: &RecordingReport, style: Style) -> String {
     }
     text.push('\n');
     text.push_str(&checks(estimate));
-    let _ = writeln!(text, "  written   {}", report.output);
+    push_line(&mut text, format!("  written   {}", report.output));
     text
 }

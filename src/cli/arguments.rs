@@ -207,9 +207,8 @@ pub(super) struct ReplayArguments {
     /// Set free what explains a misfit: the fewest of what the scene keeps fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
-    /// End the estimation after so long, as `50ms` or `2s`, with the best so far
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
-    pub(super) deadline: Option<Duration>,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -234,9 +233,8 @@ pub(super) struct ProcessArguments {
     /// Set free what explains a misfit: the fewest of what the scenes keep fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) free: Option<Free>,
-    /// End each estimation after so long, as `50ms` or `2s`, with the best so far
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
-    pub(super) deadline: Option<Duration>,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the accounts on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -251,6 +249,8 @@ pub(super) struct InspectArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
@@ -507,6 +507,14 @@ pub(super) struct FromUrdfArguments {
     pub(super) format: Format,
 }
 
+/// What a command may cost.
+#[derive(Debug, Args)]
+pub(super) struct Limits {
+    /// End reading and estimating each recording after so long, as `50ms` or `2s`, with the best so far
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(super) deadline: Option<Duration>,
+}
+
 /// What is set free beside the scene's own parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Free {
@@ -519,6 +527,11 @@ fn triple(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     let finite = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
     finite.ok_or_else(|| "expected three numbers such as 12,-5,40".into())
+}
+
+fn time(text: &str) -> Result<Duration, String> {
+    let time = humantime::parse_duration(text).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| "expected a time such as 50ms or 2s".into())
 }
 
 #[cfg(test)]

@@ -67,16 +67,12 @@ fn text(exported: &Exported) -> String {
         keys,
         ..
     } = exported;
-    let mut text = format!("{input}: {scene}, {verdict}\n");
-    for loss in &exported.lost {
-        text += &format!("  lost: {loss}\n");
-    }
-    for warning in &exported.warnings {
-        text += &format!("  note: {warning}\n");
-    }
-    text += &format!("  bodies {bodies}, keys {keys}\n");
-    for output in &exported.outputs {
-        text += &format!("  written   {output}\n");
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{input}: {scene}, {verdict}"));
+    output::push_notes(&mut text, &exported.lost, &exported.warnings);
+    output::push_line(&mut text, format!("  bodies {bodies}, keys {keys}"));
+    for written in &exported.outputs {
+        output::push_line(&mut text, format!("  written   {written}"));
     }
     text
 }

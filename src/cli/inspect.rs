@@ -1,16 +1,14 @@
 //! `inspect`: lists the contents of a recording.
 
-use std::fmt::Write;
-
 use super::arguments::{Format, InspectArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, push_line, push_notes};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{self, Inspection};
 
 pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
-    let inspection = match service::inspect(&arguments.input) {
+    let inspection = match service::inspect(&arguments.input, arguments.limits.deadline) {
         Ok(inspection) => inspection,
         Err(error) => {
             let recording = arguments.input.display().to_string();
@@ -30,43 +28,42 @@ pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(inspection: &Inspection) -> String {
-    let mut text = format!(
-        "{}: {} bytes, {} messages, {:.3} s{}{}\n",
-        inspection.recording,
-        inspection.bytes,
-        inspection.messages,
-        inspection.duration_s,
-        if inspection.sorted {
-            ""
-        } else {
-            ", not sorted"
-        },
-        if inspection.truncated {
-            ", truncated"
-        } else {
-            ""
-        }
-    );
-    // Writing to a String cannot fail.
-    let _ = match &inspection.scene {
-        Some(scene) => writeln!(text, "  scene: {scene}"),
-        None => Ok(()),
+    let mut text = String::new();
+    let order = if inspection.sorted {
+        ""
+    } else {
+        ", not sorted"
     };
+    let end = if inspection.truncated {
+        ", truncated"
+    } else {
+        ""
+    };
+    push_line(
+        &mut text,
+        format!(
+            "{}: {} bytes, {} messages, {:.3} s{order}{end}",
+            inspection.recording, inspection.bytes, inspection.messages, inspection.duration_s
+        ),
+    );
+    if let Some(scene) = &inspection.scene {
+        push_line(&mut text, format!("  scene: {scene}"));
+    }
     if let Some(complaint) = &inspection.complaint {
-        let _ = writeln!(text, "  scene: {complaint}");
+        push_line(&mut text, format!("  scene: {complaint}"));
     }
-    for loss in &inspection.lost {
-        let _ = writeln!(text, "  lost: {loss}");
-    }
-    for warning in &inspection.warnings {
-        let _ = writeln!(text, "  note: {warning}");
-    }
+    push_notes(&mut text, &inspection.lost, &inspection.warnings);
     if !inspection.attachments.is_empty() {
-        let _ = writeln!(text, "  attached: {}", inspection.attachments.join(", "));
+        let names = inspection.attachments.join(", ");
+        push_line(&mut text, format!("  attached: {names}"));
     }
     if !inspection.topics.is_empty() {
         text.push('\n');
         text.push_str(&topics(inspection));
+        let more = inspection.topics_in_all - inspection.topics.len();
+        if more > 0 {
+            push_line(&mut text, format!("  and {more} more topics"));
+        }
     }
     if !inspection.marks.is_empty() {
         text.push('\n');

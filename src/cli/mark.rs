@@ -34,13 +34,9 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(marked: &Marked) -> String {
-    let mut text = format!("{}: {}\n", marked.recording, marked.scene);
-    for loss in &marked.lost {
-        text += &format!("  lost: {loss}\n");
-    }
-    for warning in &marked.warnings {
-        text += &format!("  note: {warning}\n");
-    }
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{}: {}", marked.recording, marked.scene));
+    output::push_notes(&mut text, &marked.lost, &marked.warnings);
     let or_dash = |word: &Option<String>| word.clone().unwrap_or_else(|| "-".into());
     let rows: Vec<Vec<String>> = marked
         .proposals
@@ -59,7 +55,7 @@ fn text(marked: &Marked) -> String {
     text.push('\n');
     text += &table("  ", &["event", "time", "score", "body"], &rows);
     if let Some(output) = &marked.output {
-        text += &format!("  written   {output}\n");
+        output::push_line(&mut text, format!("  written   {output}"));
     }
     text
 }

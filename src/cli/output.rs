@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use serde::Serialize;
 
-use crate::report;
+use crate::report::{self, plain, plain_json};
 
 /// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
@@ -18,6 +18,22 @@ pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
+    }
+}
+
+/// Adds a line to a text for people: names in it may be anything ([`plain`]).
+pub(super) fn push_line(text: &mut String, line: impl AsRef<str>) {
+    text.push_str(&plain(line.as_ref()));
+    text.push('\n');
+}
+
+/// Adds what was lost, and what to know, a line each.
+pub(super) fn push_notes(text: &mut String, lost: &[String], warnings: &[String]) {
+    for loss in lost {
+        push_line(text, format!("  lost: {loss}"));
+    }
+    for warning in warnings {
+        push_line(text, format!("  note: {warning}"));
     }
 }
 
@@ -39,7 +55,8 @@ fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String>
         #[serde(flatten)]
         value: &'a T,
     }
-    let mut line = serde_json::to_string(&Line { schema, value })?;
+    let line = serde_json::to_string(&Line { schema, value })?;
+    let mut line = plain_json(&line).into_owned();
     line.push('\n');
     Ok(line)
 }
@@ -51,12 +68,12 @@ pub(super) fn print_on_stderr(text: &str) -> io::Result<()> {
 
 /// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    let _ = writeln!(io::stderr(), "error: {}", plain(error));
 }
 
 /// Prints a note on stderr, where stdout has another use.
 pub(super) fn print_note(note: &str) {
-    let _ = writeln!(io::stderr(), "note: {note}");
+    let _ = writeln!(io::stderr(), "note: {}", plain(note));
 }
 
 /// The program by its name, and its arguments as a shell takes them.

@@ -19,7 +19,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         output: arguments.output,
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
-        deadline: arguments.deadline,
+        deadline: arguments.limits.deadline,
     };
     let style = Style {
         colours: output::colours_on_stdout(),

@@ -2,12 +2,15 @@
 
 use super::arguments::{Format, RecoverArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, push_line, push_notes};
 use super::process::print_failure;
 use crate::service::{RecoveredLine, recover_all};
 
 /// Greatest number of unread ranges in the text output; JSON has all.
 const SHOWN: usize = 16;
+
+/// Greatest number of topics in it.
+const TOPICS_SHOWN: usize = 500;
 
 pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
     let mut exit = Exit::Done;
@@ -38,32 +41,35 @@ pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(line: &RecoveredLine) -> String {
-    let mut text = format!(
-        "{}: {} messages, {:.3} s, in {}\n",
-        line.journal, line.messages, line.duration_s, line.recording
+    let mut text = String::new();
+    let (messages, duration_s) = (line.messages, line.duration_s);
+    push_line(
+        &mut text,
+        format!(
+            "{}: {messages} messages, {duration_s:.3} s, in {}",
+            line.journal, line.recording
+        ),
     );
-    for (topic, messages) in &line.topics {
-        text.push_str(&format!("  {topic}: {messages}\n"));
+    for (topic, messages) in line.topics.iter().take(TOPICS_SHOWN) {
+        push_line(&mut text, format!("  {topic}: {messages}"));
     }
-    for lost in &line.lost {
-        text.push_str(&format!("  lost: {lost}\n"));
+    if line.topics.len() > TOPICS_SHOWN {
+        let more = line.topics.len() - TOPICS_SHOWN;
+        push_line(&mut text, format!("  and {more} more topics"));
     }
-    for note in &line.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    push_notes(&mut text, &line.lost, &line.notes);
     if line.unread_bytes > 0 {
         let shown = line.unread.iter().take(SHOWN);
         let mut ranges: Vec<String> = shown.map(|(from, to)| format!("{from} to {to}")).collect();
         if line.unread.len() > SHOWN {
             ranges.push(format!("and {} more ranges", line.unread.len() - SHOWN));
         }
-        text.push_str(&format!(
-            "  {} of {} bytes were not read: {}\n",
-            line.unread_bytes,
-            line.bytes,
-            ranges.join(", ")
-        ));
+        let (unread, bytes, ranges) = (line.unread_bytes, line.bytes, ranges.join(", "));
+        push_line(
+            &mut text,
+            format!("  {unread} of {bytes} bytes were not read: {ranges}"),
+        );
     }
-    text.push_str(&format!("  the journal is kept as {}\n", line.kept));
+    push_line(&mut text, format!("  the journal is kept as {}", line.kept));
     text
 }

@@ -5,7 +5,7 @@ use super::arguments::{Format, Free, ReplayArguments};
 use super::exit::Exit;
 use super::output;
 use super::process::{RECORDING_SCHEMA, print_failure};
-use crate::service::{self, PublishJob, ReplayJob, Watching, is_pipe};
+use crate::service::{self, PublishJob, ReplayJob, is_pipe};
 
 pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<Exit> {
     let recording = arguments.input.display().to_string();
@@ -17,13 +17,10 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
         rate: arguments.rate,
-        watching: Watching {
-            deadline: arguments.deadline,
-            shows_progress: true,
-        },
         publish: arguments.publish.then_some(PublishJob {
             iceoryx2: arguments.iceoryx2,
         }),
+        deadline: arguments.limits.deadline,
     };
     let report = match service::replay(&job) {
         Ok(report) => report,

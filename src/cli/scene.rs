@@ -202,16 +202,11 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(imported: &UrdfImported) -> String {
-    let mut text = format!("{}: {}\n", imported.input, imported.scene);
-    for loss in &imported.lost {
-        text += &format!("  lost: {loss}\n");
-    }
-    for warning in &imported.warnings {
-        text += &format!("  note: {warning}\n");
-    }
-    text += &format!(
-        "  bodies {}, joints {}\n  written   {}\n",
-        imported.bodies, imported.joints, imported.output
-    );
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{}: {}", imported.input, imported.scene));
+    output::push_notes(&mut text, &imported.lost, &imported.warnings);
+    let (bodies, joints) = (imported.bodies, imported.joints);
+    output::push_line(&mut text, format!("  bodies {bodies}, joints {joints}"));
+    output::push_line(&mut text, format!("  written   {}", imported.output));
     text
 }

@@ -39,16 +39,11 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(sketched: &Sketched) -> String {
-    let mut text = format!("{}: {}\n", sketched.input, sketched.scene);
-    for loss in &sketched.lost {
-        text += &format!("  lost: {loss}\n");
-    }
-    for warning in &sketched.warnings {
-        text += &format!("  note: {warning}\n");
-    }
-    text += &format!(
-        "  keyframes {}, marks {}\n  written   {}\n",
-        sketched.keyframes, sketched.marks, sketched.output
-    );
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{}: {}", sketched.input, sketched.scene));
+    output::push_notes(&mut text, &sketched.lost, &sketched.warnings);
+    let (keyframes, marks) = (sketched.keyframes, sketched.marks);
+    output::push_line(&mut text, format!("  keyframes {keyframes}, marks {marks}"));
+    output::push_line(&mut text, format!("  written   {}", sketched.output));
     text
 }

@@ -1,7 +1,7 @@
 //! What became of many recordings: a line each, and how many of each kind.
 
 use super::table::table;
-use crate::report::RecordingReport;
+use crate::report::{RecordingReport, plain};
 
 /// Lines in the order of the recordings.
 #[derive(Default)]
@@ -28,7 +28,7 @@ impl Summary {
             (false, false) => "not physical",
         };
         self.rows.push(vec![
-            report.recording.clone(),
+            plain(&report.recording).into_owned(),
             estimate.verdict.to_owned(),
             format!("{:.2} mm", estimate.residual_mm),
             format!("{:.2}°", estimate.residual_deg),
@@ -49,7 +49,7 @@ impl Summary {
     fn without_motion(&mut self, recording: &str, what: &str, why: &str) {
         let [none, neither] = [String::new(), String::new()];
         self.rows.push(vec![
-            recording.to_owned(),
+            plain(recording).into_owned(),
             what.to_owned(),
             none,
             neither,

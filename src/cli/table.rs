@@ -1,10 +1,15 @@
 //! Aligned columns.
 
+use crate::report::plain;
+
 /// Lines of cells under a head: first column aligned left, numbers aligned right, two spaces
-/// between columns, `indent` before each line and no space at its end.
+/// between columns, `indent` before each line and no space at its end. Names in cells may be anything
+/// ([`plain`]).
 pub(super) fn table(indent: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let head: Vec<String> = head.iter().map(|cell| (*cell).to_owned()).collect();
-    let all: Vec<&Vec<String>> = std::iter::once(&head).chain(rows).collect();
+    let row = |row: &Vec<String>| row.iter().map(|cell| plain(cell).into_owned()).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(row).collect();
+    let all: Vec<&Vec<String>> = std::iter::once(&head).chain(&rows).collect();
     let columns = all.iter().map(|row| row.len()).max().unwrap_or(0);
     let width = |column: usize| {
         all.iter()

@@ -143,16 +143,21 @@ pub enum IngestError {
     },
 }
 
-fn listed(names: &BTreeSet<String>) -> String {
+/// Number of names that are listed in an error: a file may have thousands.
+const LISTED: usize = 50;
+
+/// The names, as part of a sentence.
+pub fn listed(names: &BTreeSet<String>) -> String {
     if names.is_empty() {
         return "none".to_owned();
     }
-    names
-        .iter()
-        .map(|name| match name.as_str() {
-            "" => "(unnamed)",
-            name => name,
-        })
-        .collect::<Vec<_>>()
-        .join(", ")
+    let shown = names.iter().take(LISTED).map(|name| match name.as_str() {
+        "" => "(unnamed)",
+        name => name,
+    });
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(LISTED) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
 }

@@ -15,7 +15,7 @@ mod report;
 mod route;
 mod source;
 
-pub use error::IngestError;
+pub use error::{IngestError, listed};
 pub use recording::{Recording, SCENE_NAME, Take};
 pub use report::{TakeReport, TopicReport};
 pub use source::{MemorySource, RecordingSource, Source};

@@ -2,15 +2,16 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::error::IngestError;
 use super::report::TakeReport;
 use super::route::{self, Format};
 use super::source::{RecordingSource, Source};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
-use crate::wire::container::Channel;
+use crate::wire::container::{Channel, Reading};
 use crate::wire::decode::PoseFormat;
-use crate::wire::{Container, DecodeError, decode_keyframe, is_pipe};
+use crate::wire::{Container, ContainerError, DecodeError, decode_keyframe, is_pipe};
 
 /// Name of the attachment that holds the scene.
 pub const SCENE_NAME: &str = "scene.toml";
@@ -32,10 +33,23 @@ pub struct Take {
     pub report: TakeReport,
 }
 
+/// Most samples and marks that are read of a file of that size: a sample takes some hundred bytes in
+/// memory in each of the stages, and a bomb of 50 kB can hold millions. A hundred thousand are 100 s
+/// at 1 kHz; files that are no bombs have more than sixteen bytes for each of theirs.
+fn sample_limit(bytes: usize) -> u64 {
+    100_000 + bytes as u64 / 16
+}
+
 impl Recording {
     /// Reads a file, or [stdin](is_pipe), and walks through it once. A damaged or cut-off file is no error as long
     /// as it begins as MCAP: see [`Container::damages`].
     pub fn open(path: &Path) -> Result<Self, IngestError> {
+        Self::open_until(path, None)
+    }
+
+    /// [`Recording::open`], which stops reading at a deadline, wherever it is
+    /// ([`Damage::Late`](crate::wire::container::Damage::Late)).
+    pub fn open_until(path: &Path, deadline: Option<Instant>) -> Result<Self, IngestError> {
         let bytes = match is_pipe(path) {
             true => {
                 let mut bytes = Vec::new();
@@ -48,19 +62,24 @@ impl Recording {
             path: path.to_owned(),
             source,
         })?;
-        Self::from_bytes(path, bytes)
+        let reading = Reading {
+            deadline,
+            ..Reading::default()
+        };
+        Self::of(path, Container::read(bytes, reading))
     }
 
     /// [`Recording::open`] for bytes in memory; `path` is their name in errors.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, IngestError> {
-        let container = Container::new(bytes).map_err(|source| IngestError::Container {
-            path: path.to_owned(),
-            source,
-        })?;
-        Ok(Self {
-            path: path.to_owned(),
-            container,
-        })
+        Self::of(path, Container::new(bytes))
+    }
+
+    fn of(path: &Path, container: Result<Container, ContainerError>) -> Result<Self, IngestError> {
+        let path = path.to_owned();
+        match container {
+            Ok(container) => Ok(Self { path, container }),
+            Err(source) => Err(IngestError::Container { path, source }),
+        }
     }
 
     /// Where it was read from.
@@ -115,6 +134,7 @@ impl Recording {
             bytes: self.container.byte_count(),
             is_truncated: self.is_truncated(),
             damages: self.container.damages().clone(),
+            sample_limit: sample_limit(self.container.byte_count()),
             ..TakeReport::default()
         };
         Ok(RecordingSource::new(

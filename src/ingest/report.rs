@@ -34,6 +34,10 @@ pub struct TakeReport {
     /// Least log time less stamp of a pose \[ns\]: the difference of the two clocks, up to the
     /// least delay.
     pub log_offset_ns: Option<i64>,
+    /// Messages on the scene's topics that were not decoded because there are too many samples.
+    pub beyond_limit: u64,
+    /// Most samples and marks that are read of a recording of this size.
+    pub sample_limit: u64,
     /// Messages in the recording, on any topic.
     pub messages: u64,
     /// Size of the recording.
@@ -50,8 +54,8 @@ impl TakeReport {
         self.topics.iter().map(|topic| topic.undecodable).sum()
     }
 
-    /// Whether data were lost: by damage to the file or by messages that cannot be decoded.
+    /// Whether data were lost: by damage to the file or by messages that cannot be decoded or are too many.
     pub fn is_lossy(&self) -> bool {
-        self.damages.count() > 0 || self.undecodable() > 0
+        self.damages.count() > 0 || self.undecodable() > 0 || self.beyond_limit > 0
     }
 }

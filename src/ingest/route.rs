@@ -56,13 +56,14 @@ pub(super) fn routes(
 ) -> Result<(Vec<Route>, BTreeMap<u16, Feed>), IngestError> {
     let mut routes = Vec::new();
     let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
-    let present = || container.topics().into_iter().map(str::to_owned).collect();
+    let topics = container.topics();
+    let present = || topics.iter().map(|topic| (*topic).to_owned()).collect();
     for index in scene.tracks.keys() {
-        check_streams(path, container, scene, index)?;
+        check_streams(path, &topics, scene, index)?;
         for stream in 0..scene.streams(index) {
             let wanted = scene.stream_topic(index, stream);
             let (topic, child) =
-                resolve(container, &wanted).ok_or_else(|| IngestError::TopicAbsent {
+                resolve(&topics, &wanted).ok_or_else(|| IngestError::TopicAbsent {
                     path: path.to_owned(),
                     body: scene.link_seen_by(index).name.clone(),
                     topic: wanted.clone(),
@@ -91,7 +92,7 @@ pub(super) fn routes(
         }
     }
     let marks = scene.marks_topic.as_str();
-    if scene.timing == Timing::Edited && !container.topics().contains(marks) {
+    if scene.timing == Timing::Edited && !topics.contains(marks) {
         return Ok((routes, feeds));
     }
     let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
@@ -107,7 +108,7 @@ pub(super) fn routes(
         .channels()
         .values()
         .filter(|c| !c.topic.starts_with("/estimate/"));
-    if !container.topics().contains(marks) && theirs.any(is_marks) {
+    if !topics.contains(marks) && theirs.any(is_marks) {
         return Err(IngestError::MarksAbsent {
             path: path.to_owned(),
             topic: marks.to_owned(),
@@ -138,7 +139,7 @@ pub(super) fn routes(
 /// Fails where an edited sketch does not have as many segments as the scene's events require.
 fn check_streams(
     path: &Path,
-    container: &Container,
+    present: &BTreeSet<&str>,
     scene: &Scene,
     track: TrackIndex,
 ) -> Result<(), IngestError> {
@@ -151,9 +152,9 @@ fn check_streams(
         let number = present.strip_prefix(topic.as_str())?.strip_prefix('/')?;
         number.parse::<usize>().ok()
     };
-    let present = container.topics();
     let found: Vec<&str> = present
-        .into_iter()
+        .iter()
+        .copied()
         .filter(|t| numbered(t).is_some())
         .collect();
     let expected = scene.streams(track);
@@ -171,8 +172,7 @@ fn check_streams(
 }
 
 /// The recording's topic, and the child on it, to which a scene's topic refers.
-fn resolve<'a>(container: &Container, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
-    let present = container.topics();
+fn resolve<'a>(present: &BTreeSet<&str>, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
     if present.contains(topic) {
         return Some((topic, None));
     }

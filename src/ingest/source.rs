@@ -10,6 +10,9 @@ use crate::motion::{Keyframe, Stamp, TakeEvent};
 use crate::wire::container::Walk;
 use crate::wire::{FramedPose, decode_keyframe};
 
+/// Number of names of frames that are kept: every message may have another.
+const NAMES_KEPT: usize = 1000;
+
 /// A source of the events of a take.
 pub trait Source {
     /// The next event and its log time, in the order of the source; `None` at its end.
@@ -46,6 +49,8 @@ pub struct RecordingSource {
     /// Events of the last message that were not yet returned.
     ready: VecDeque<(Stamp, TakeEvent)>,
     poses: Vec<FramedPose>,
+    /// How many were returned.
+    events: u64,
     report: TakeReport,
 }
 
@@ -71,6 +76,7 @@ impl RecordingSource {
             feeds,
             ready: VecDeque::new(),
             poses: Vec::new(),
+            events: 0,
             report,
         }
     }
@@ -92,6 +98,10 @@ impl RecordingSource {
         let log_time = Stamp(i64::try_from(message.log_time).unwrap_or(i64::MAX));
         for &route in &feed.routes {
             self.report.topics[route].messages += 1;
+        }
+        if self.events >= self.report.sample_limit {
+            self.report.beyond_limit += 1;
+            return Ok(true);
         }
         let mut keyframe = None;
         let decoded = match feed.format {
@@ -169,7 +179,7 @@ impl RecordingSource {
             return Ok(());
         };
         for pose in &self.poses {
-            if !route.seen.contains(&pose.child) {
+            if route.seen.len() < NAMES_KEPT && !route.seen.contains(&pose.child) {
                 route.seen.insert(pose.child.clone());
             }
             if route
@@ -188,8 +198,9 @@ impl RecordingSource {
             }
             topic.events += 1;
             topic.stamped_by_log_time += u64::from(pose.stamp.is_none() && log_time.0 != 0);
-            if !self.report.frame_ids.contains(&pose.parent) {
-                self.report.frame_ids.insert(pose.parent.clone());
+            let frames = &mut self.report.frame_ids;
+            if frames.len() < NAMES_KEPT && !frames.contains(&pose.parent) {
+                frames.insert(pose.parent.clone());
             }
             let sample = pose.sample(log_time);
             let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
@@ -228,6 +239,7 @@ impl Source for RecordingSource {
     fn next(&mut self) -> Result<Option<(Stamp, TakeEvent)>, IngestError> {
         loop {
             if let Some(event) = self.ready.pop_front() {
+                self.events += 1;
                 return Ok(Some(event));
             }
             if !self.read_message()? {

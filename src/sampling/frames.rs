@@ -15,9 +15,14 @@ use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
 use crate::physics::tree::{Snapshot, Tree, TreeState};
 
-/// Most frames that are made: a day at 240 Hz. More is no motion but the trace of an
-/// estimation that ran away, and would fill the disk.
-const FRAME_LIMIT: f64 = 86_400.0 * 240.0;
+/// Most frames that are made, of all links: [`FRAME_LIMIT`] and so many per sample that was read. A
+/// frame takes a kilobyte in memory, and two samples may be years apart. More is no motion but the
+/// trace of an estimation that ran away.
+const FRAME_LIMIT: f64 = 200_000.0;
+const FRAMES_PER_SAMPLE: f64 = 20.0;
+
+/// Farthest frame from time zero: a day at 240 Hz.
+const FARTHEST_FRAME: f64 = 86_400.0 * 240.0;
 
 /// Frame rates at which frames are made \[Hz\].
 const FRAME_RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
@@ -41,7 +46,7 @@ pub fn stamp(zero: Stamp, time_s: f64) -> Stamp {
 /// holds time zero, at the beginning and end of its motion, and at every event in between. At a collision, whose sides may differ
 /// by a gap, the pose is the one before it. Stamps increase strictly; what would be stamped
 /// before 1970, which messages cannot say, is left out. Fails where the rate is not of 0.001 to 100 000 Hz, or
-/// the motion has more frames than a day at 240 Hz.
+/// the motion of all links would have more frames than 200,000 and twenty per sample.
 pub fn estimate_frames(
     scene: &Scene,
     estimate: &Estimate,
@@ -130,7 +135,9 @@ fn times_s(
     let frames = (end_s - start_s) * frame_rate_hz;
     let farthest = start_s.abs().max(end_s.abs()) * frame_rate_hz;
     // Not so of numbers that are not finite either.
-    let is_sane = frames <= FRAME_LIMIT && farthest <= FRAME_LIMIT;
+    let samples = estimate.all_sample_times().count() as f64;
+    let most = (FRAME_LIMIT + FRAMES_PER_SAMPLE * samples) / scene.links.len().max(1) as f64;
+    let is_sane = frames <= most && farthest <= FARTHEST_FRAME;
     if !is_sane {
         return Err(SamplingError::Span {
             body: scene.links[link].name.clone(),

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::deadline::Deadline;
 use super::provenance::provenance;
 use super::refusal::Refusal;
-use super::stopwatch::{Stopwatch, Watching};
+use super::stopwatch::{Progress, Stopwatch};
 use crate::config::scene_from_toml;
-use crate::ingest::{Recording, SCENE_NAME, TakeReport};
+use crate::ingest::{Recording, SCENE_NAME, TakeReport, listed};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
@@ -24,15 +25,19 @@ pub(super) struct Opened {
     pub(super) scene_toml: Vec<u8>,
     /// The file of the scene; none: it is attached to the recording.
     pub(super) scene_file: Option<PathBuf>,
+    /// When reading and estimating must end.
+    pub(super) deadline: Deadline,
 }
 
-/// Reads a recording and does something with it. Where that fails of a recording that is damaged, the damage is named
-/// first: what is missing may be in what could not be read.
+/// Reads a recording, as long as there is time, and does something with it. Where that fails of a recording that is
+/// damaged, the damage is named first: what is missing may be in what could not be read.
 pub(super) fn with_recording<T>(
     input: &Path,
+    deadline: Deadline,
     act: impl FnOnce(Recording) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let recording = Recording::open(input)?;
+    let recording = Recording::open_until(input, deadline.instant())?;
+    deadline.check(input)?;
     let damages = recording.container().damages();
     let first = damages.first().iter().find(|_| damages.is_loss());
     let damaged = first.map(|damage| {
@@ -48,11 +53,15 @@ pub(super) fn with_recording<T>(
 
 /// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
 pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
-    opened(Recording::open(input)?, scene_file)
+    opened(Recording::open(input)?, scene_file, Deadline::begin(None))
 }
 
 /// [`open`] of what is read.
-pub(super) fn opened(recording: Recording, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
+pub(super) fn opened(
+    recording: Recording,
+    scene_file: Option<&Path>,
+    deadline: Deadline,
+) -> anyhow::Result<Opened> {
     let (scene, scene_toml) = match scene_file {
         Some(file) => {
             let text = std::fs::read_to_string(file)
@@ -72,6 +81,7 @@ pub(super) fn opened(recording: Recording, scene_file: Option<&Path>) -> anyhow:
         scene,
         scene_toml,
         scene_file: scene_file.map(Path::to_owned),
+        deadline,
     })
 }
 
@@ -132,9 +142,9 @@ pub(super) fn finish(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-    watching: Watching,
+    progress: Progress,
 ) -> anyhow::Result<RecordingReport> {
-    finished(opened, pipeline, take, output, watching).map(|(report, _)| report)
+    finished(opened, pipeline, take, output, progress).map(|(report, _)| report)
 }
 
 /// [`finish`], which returns the estimate too.
@@ -143,10 +153,11 @@ pub(super) fn finished(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-    watching: Watching,
+    progress: Progress,
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
-    let mut stopwatch = Stopwatch::start(watching);
+    opened.deadline.check(recording.path())?;
+    let mut stopwatch = Stopwatch::start(opened.deadline, progress);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
@@ -184,13 +195,14 @@ pub(super) fn finished(
         added = written.added,
         "written"
     );
+    let lost = lost(take);
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
         output: output.display().to_string(),
         solve_seconds,
         phase_seconds,
         ended_early,
-        lost: lost(take),
+        lost,
         warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
     };
     let report = RecordingReport::new(&reported(&outcome), circumstances);
@@ -238,6 +250,13 @@ pub(super) fn lost(take: &TakeReport) -> Vec<String> {
             reason.unwrap_or_default()
         ));
     }
+    if take.beyond_limit > 0 {
+        lost.push(format!(
+            "{} messages on the scene's topics were not read: of a recording of {} bytes at most {} \
+             samples are",
+            take.beyond_limit, take.bytes, take.sample_limit
+        ));
+    }
     lost
 }
 
@@ -251,11 +270,10 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
         ));
     }
     if take.frame_ids.len() > 1 {
-        let frames: Vec<&str> = take.frame_ids.iter().map(String::as_str).collect();
         warnings.push(format!(
             "poses are given in {} frames ({}), taken as one",
-            frames.len(),
-            frames.join(", ")
+            take.frame_ids.len(),
+            listed(&take.frame_ids)
         ));
     }
     warnings

@@ -2,13 +2,18 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::Serialize;
 
+use super::deadline::Deadline;
 use super::finish::{attached_scene, lost, warnings};
 use super::words::words;
 use crate::ingest::Recording;
 use crate::motion::{Scene, Stamp, TakeEvent};
+
+/// Number of topics that are listed; a file may have 65,535.
+const LISTED: usize = 1000;
 
 /// An interval between messages longer than this many median ones is a gap.
 const GAP_RATIO: f64 = 2.5;
@@ -32,7 +37,9 @@ pub struct Inspection {
     pub lost: Vec<String>,
     /// Parts that were read with reservations.
     pub warnings: Vec<String>,
-    /// Topics in alphabetical order.
+    /// Number of all topics, each counted once for each of its channels.
+    pub topics_in_all: usize,
+    /// The first thousand topics in alphabetical order.
     pub topics: Vec<TopicLine>,
     /// Names of the attachments.
     pub attachments: Vec<String>,
@@ -72,9 +79,11 @@ pub struct MarkLine {
     pub event: Option<String>,
 }
 
-/// Lists the contents of a recording. Damage or a missing scene is no error.
-pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
-    let recording = Recording::open(input)?;
+/// Lists the contents of a recording, of what can be read of it within a time if one is given.
+/// Damage or a missing scene is no error.
+pub fn inspect(input: &Path, deadline_after: Option<Duration>) -> anyhow::Result<Inspection> {
+    let deadline = Deadline::begin(deadline_after);
+    let recording = Recording::open_until(input, deadline.instant())?;
     let container = recording.container();
     let mut inspection = Inspection {
         recording: input.display().to_string(),
@@ -83,6 +92,7 @@ pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
         duration_s: container
             .log_times()
             .map_or(0.0, |(first, last)| (last - first) as f64 * 1e-9),
+        topics_in_all: container.channels().len(),
         sorted: container.is_sorted(),
         truncated: recording.is_truncated(),
         lost: container
@@ -108,6 +118,12 @@ pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
             look_with(&recording, &scene, &mut inspection);
         }
         Err(error) => inspection.complaint = Some(words(&error)),
+    }
+    if deadline.is_over() {
+        inspection.lost.push(format!(
+            "the time limit of {} s was reached: not everything was looked at",
+            deadline.seconds()
+        ));
     }
     Ok(inspection)
 }
@@ -146,32 +162,40 @@ fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
 
 fn topics(recording: &Recording) -> Vec<TopicLine> {
     let container = recording.container();
-    let mut log_times: BTreeMap<u16, Vec<u64>> = BTreeMap::new();
+    let channels = container.channels().iter().map(|(id, channel)| {
+        let schema = container.schema_of(channel);
+        (
+            *id,
+            channel,
+            schema.map_or("", |schema| schema.name.as_str()),
+        )
+    });
+    let mut listed: Vec<_> = channels.collect();
+    listed.sort_by_key(|(_, channel, schema)| (channel.topic.as_str(), *schema));
+    listed.truncate(LISTED);
+    let times = listed
+        .iter()
+        .map(|(id, channel, _)| (*id, Vec::with_capacity(channel.messages as usize)));
+    let mut log_times: BTreeMap<u16, Vec<u64>> = times.collect();
     let mut walk = container.walk();
     while let Some(message) = walk.next_message() {
-        let times = log_times.entry(message.channel_id).or_default();
-        times.push(message.log_time);
+        if let Some(times) = log_times.get_mut(&message.channel_id) {
+            times.push(message.log_time);
+        }
     }
-    let mut lines: Vec<TopicLine> = container
-        .channels()
-        .iter()
-        .map(|(id, channel)| {
-            let pace = pace(log_times.remove(id).unwrap_or_default());
-            TopicLine {
-                topic: channel.topic.clone(),
-                schema: container
-                    .schema_of(channel)
-                    .map_or(String::new(), |schema| schema.name.clone()),
-                encoding: channel.message_encoding.clone(),
-                messages: channel.messages,
-                rate_hz: pace.rate_hz,
-                gaps: pace.gaps,
-                longest_gap_s: pace.longest_gap_s,
-            }
-        })
-        .collect();
-    lines.sort_by(|a, b| (&a.topic, &a.schema).cmp(&(&b.topic, &b.schema)));
-    lines
+    let lines = listed.into_iter().map(|(id, channel, schema)| {
+        let pace = pace(log_times.remove(&id).unwrap_or_default());
+        TopicLine {
+            topic: channel.topic.clone(),
+            schema: schema.to_owned(),
+            encoding: channel.message_encoding.clone(),
+            messages: channel.messages,
+            rate_hz: pace.rate_hz,
+            gaps: pace.gaps,
+            longest_gap_s: pace.longest_gap_s,
+        }
+    });
+    lines.collect()
 }
 
 #[derive(Default)]
@@ -183,7 +207,12 @@ struct MessagePace {
 
 fn pace(mut log_times: Vec<u64>) -> MessagePace {
     log_times.sort_unstable();
-    let mut intervals: Vec<u64> = log_times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // In place: there may be very many.
+    for at in 1..log_times.len() {
+        log_times[at - 1] = log_times[at] - log_times[at - 1];
+    }
+    log_times.pop();
+    let mut intervals = log_times;
     intervals.sort_unstable();
     let Some(longest) = intervals.last() else {
         return MessagePace::default();

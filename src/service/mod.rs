@@ -10,6 +10,7 @@
 mod calibrate;
 #[cfg(feature = "live")]
 pub mod capture;
+mod deadline;
 #[cfg(feature = "live")]
 mod direct;
 #[cfg(feature = "live")]
@@ -60,7 +61,6 @@ pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{ReportJob, ReportMade, report};
 pub use scene::{NewSceneJob, NewSceneMade, look_at_scene, make_scene};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
-pub use stopwatch::Watching;
 pub use words::words;
 
 #[cfg(feature = "live")]

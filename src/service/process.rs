@@ -10,8 +10,9 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use super::deadline::Deadline;
 use super::finish::{check_distinct, finish, opened, output_path, with_recording};
-use super::stopwatch::Watching;
+use super::stopwatch::Progress;
 use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
@@ -28,7 +29,7 @@ pub struct ProcessJob {
     pub scene: Option<PathBuf>,
     /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
     pub is_free_auto: bool,
-    /// Each estimation ends after so long, from when its recording is read, with the best that it has by then.
+    /// How long reading and estimating each may take; no limit by default.
     pub deadline: Option<Duration>,
 }
 
@@ -125,22 +126,19 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
 
 fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failure> {
     let name = || input.display().to_string();
-    let watching = Watching {
-        deadline: job.deadline,
-        shows_progress: false,
-    };
+    let deadline = Deadline::begin(job.deadline);
     let estimate = |recording: Recording| {
         if has_estimate(recording.container()) {
             return Ok(Processed::Skipped { recording: name() });
         }
-        let opened = opened(recording, job.scene.as_deref())?;
+        let opened = opened(recording, job.scene.as_deref(), deadline)?;
         let take = opened.recording.take(&opened.scene)?;
         let pipeline = Pipeline::of(opened.scene.clone(), take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
-        let report = finish(&opened, &pipeline, &take.report, output, watching)?;
+        let report = finish(&opened, &pipeline, &take.report, output, Progress::Hidden)?;
         Ok(Processed::Estimated(Box::new(report)))
     };
-    with_recording(input, estimate).map_err(|error| Failure {
+    with_recording(input, deadline, estimate).map_err(|error| Failure {
         recording: name(),
         error,
     })

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 
+use super::deadline::Deadline;
 use super::finish::with_recording;
 use super::provenance::{PROGRAM, file_name, sha256};
 use crate::config::scene_from_toml;
@@ -25,7 +26,7 @@ pub(super) struct ReadBack {
 impl ReadBack {
     /// Reads all of it. Fails where there is no estimate, or where some of it cannot be read.
     pub(super) fn open(input: &Path) -> anyhow::Result<Self> {
-        with_recording(input, |recording| Self::of(input, recording))
+        with_recording(input, Deadline::begin(None), |recording| Self::of(input, recording))
     }
 
     fn of(input: &Path, recording: Recording) -> anyhow::Result<Self> {

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::deadline::Deadline;
 use super::finish::{Opened, check_distinct, finished, opened, output_path, with_recording};
 use super::publish::Publication;
-use super::stopwatch::Watching;
+use super::stopwatch::Progress;
 use crate::ingest::Source;
 use crate::motion::Stamp;
 use crate::pipeline::Pipeline;
@@ -28,8 +29,8 @@ pub struct ReplayJob {
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
     /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
-    /// How the estimation is watched, from when the recording is read.
-    pub watching: Watching,
+    /// How long reading and estimating may take; no limit by default.
+    pub deadline: Option<Duration>,
 }
 
 /// Settings for publishing a recording.
@@ -46,8 +47,9 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         None => output_path(&job.input, None)?,
     };
     check_distinct(&job.input, &output)?;
-    with_recording(&job.input, |recording| {
-        replayed(job, opened(recording, job.scene.as_deref())?, &output)
+    let deadline = Deadline::begin(job.deadline);
+    with_recording(&job.input, deadline, |recording| {
+        replayed(job, opened(recording, job.scene.as_deref(), deadline)?, &output)
     })
 }
 
@@ -69,7 +71,7 @@ fn replayed(job: &ReplayJob, opened: Opened, output: &Path) -> anyhow::Result<Re
         pipeline.push(event);
     }
     let pipeline = pipeline.with_free_auto(job.is_free_auto);
-    let (report, outcome) = finished(&opened, &pipeline, source.report(), output, job.watching)?;
+    let (report, outcome) = finished(&opened, &pipeline, source.report(), output, Progress::Shown)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;
     }

@@ -5,39 +5,43 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::deadline::Deadline;
 use crate::motion::{Observer, Phase};
 
 /// Runs that are over sooner show no progress.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How a run is watched.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Watching {
-    /// It ends after so long with the best that it has by then.
-    pub deadline: Option<Duration>,
-    /// Whether what goes on is shown on stderr, if that is a terminal.
-    pub shows_progress: bool,
+/// Whether what goes on is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// On stderr, if that is a terminal.
+    Shown,
+    /// Not here.
+    Hidden,
 }
 
 /// Wall time by phase. Times of a phase that begins several times are added.
 pub(super) struct Stopwatch {
-    watching: Watching,
     has_ended_it: bool,
     begun: Instant,
     current: Option<(Phase, Instant)>,
     phases: Vec<(Phase, Duration)>,
-    progress: Option<ProgressBar>,
+    progress: Progress,
+    bar: Option<ProgressBar>,
+    deadline: Deadline,
 }
 
 impl Stopwatch {
-    pub(super) fn start(watching: Watching) -> Self {
+    /// Starts, and ends the run at the deadline.
+    pub(super) fn start(deadline: Deadline, progress: Progress) -> Self {
         Self {
-            watching,
             has_ended_it: false,
             begun: Instant::now(),
             current: None,
             phases: Vec::new(),
-            progress: None,
+            progress,
+            bar: None,
+            deadline,
         }
     }
 
@@ -50,7 +54,7 @@ impl Stopwatch {
     pub(super) fn stop(mut self) -> (f64, Vec<(Phase, f64)>) {
         let now = Instant::now();
         self.close(now);
-        if let Some(progress) = self.progress.take() {
+        if let Some(progress) = self.bar.take() {
             progress.finish_and_clear();
         }
         let phases = self.phases.into_iter();
@@ -64,11 +68,11 @@ impl Stopwatch {
 
     /// Shows the phase and the time since the start, once that is long.
     fn show(&mut self) {
-        if !self.watching.shows_progress || self.begun.elapsed() < PATIENCE {
+        if self.progress == Progress::Hidden || self.begun.elapsed() < PATIENCE {
             return;
         }
         let begun = self.begun;
-        let progress = self.progress.get_or_insert_with(|| {
+        let progress = self.bar.get_or_insert_with(|| {
             let style = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}");
             let bar = ProgressBar::new_spinner().with_elapsed(begun.elapsed());
             bar.enable_steady_tick(Duration::from_millis(100));
@@ -107,10 +111,8 @@ impl Observer for Stopwatch {
 
     fn should_stop(&mut self) -> bool {
         self.show();
-        let deadline = self.watching.deadline;
-        let is_over = deadline.is_some_and(|deadline| self.begun.elapsed() >= deadline);
-        self.has_ended_it |= is_over;
-        is_over
+        self.has_ended_it |= self.deadline.is_over();
+        self.has_ended_it
     }
 }
 
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn phases_are_listed_once_in_order_and_sum_to_no_more_than_the_whole() {
-        let mut stopwatch = Stopwatch::start(Watching::default());
+        let mut stopwatch = Stopwatch::start(Deadline::begin(None), Progress::Hidden);
         for phase in [Phase::Clean, Phase::Sweep, Phase::Clean, Phase::Done] {
             stopwatch.phase(phase);
         }
@@ -128,5 +130,13 @@ mod tests {
         let names: Vec<Phase> = phases.iter().map(|(phase, _)| *phase).collect();
         assert_eq!(names, [Phase::Clean, Phase::Sweep]);
         assert!(phases.iter().map(|(_, s)| s).sum::<f64>() <= whole_s);
+    }
+
+    #[test]
+    fn the_run_is_stopped_at_the_deadline_alone() {
+        let mut never = Stopwatch::start(Deadline::begin(None), Progress::Hidden);
+        assert!(!never.should_stop() && !never.has_ended_it());
+        let mut at_once = Stopwatch::start(Deadline::begin(Some(Duration::ZERO)), Progress::Hidden);
+        assert!(!at_once.has_ended_it() && at_once.should_stop() && at_once.has_ended_it());
     }
 }

@@ -46,9 +46,6 @@ pub const COUNTS_TOPIC: &str = "/capture/counts";
 /// A chunk with more in it is closed before its time \[bytes, not compressed\].
 const CHUNK_BYTES: usize = 512 << 10;
 
-/// Times at which the file was whole that are remembered, to go back to.
-const WHOLE_KEPT: usize = 16;
-
 const RAW_POSE: &str = "\
 # A sample of a tracker as it came over iceoryx2 (payload enact.Pose.1). Times in nanoseconds;\n\
 # -9223372036854775808 where there is none. flags: 1 valid.\n\
@@ -70,8 +67,8 @@ pub struct Journal {
     writer: Writer<BufWriter<File>>,
     file: File,
     channels: JournalChannels,
-    /// Lengths at which the file was whole, the latest last.
-    whole: Vec<u64>,
+    /// Length at which the file was last whole.
+    whole: u64,
     messages: u64,
     /// What is in the open chunk \[bytes\].
     open_bytes: usize,
@@ -138,7 +135,7 @@ impl Journal {
             writer,
             file,
             channels,
-            whole: Vec::new(),
+            whole: 0,
             messages: 0,
             open_bytes: 0,
             chunks: 0,
@@ -235,7 +232,7 @@ impl Journal {
             .and_then(|file| file.sync_all());
         if let Err(error) = ended {
             let error = WriteError::io(&self.part, "write")(error);
-            return Err(match cut(&self.file, &self.whole) {
+            return Err(match cut(&self.file, self.whole) {
                 Ok(()) => rename_to_new(&self.part, &self.path).err().unwrap_or(error),
                 Err(_) => error,
             });
@@ -249,7 +246,7 @@ impl Journal {
         // What is buffered does not fit.
         let (sink, _) = self.writer.into_inner().into_parts();
         drop(sink);
-        cut(&self.file, &self.whole).map_err(WriteError::io(&self.part, "end"))?;
+        cut(&self.file, self.whole).map_err(WriteError::io(&self.part, "end"))?;
         rename_to_new(&self.part, &self.path)
     }
 
@@ -262,15 +259,11 @@ impl Journal {
 
     fn flush(&mut self) -> Result<(), WriteError> {
         self.writer.flush().map_err(WriteError::mcap(&self.part))?;
-        let length = self
+        self.whole = self
             .file
             .metadata()
             .map_err(WriteError::io(&self.part, "measure"))?
             .len();
-        if self.whole.len() == WHOLE_KEPT {
-            self.whole.remove(0);
-        }
-        self.whole.push(length);
         self.open_bytes = 0;
         self.chunks += 1;
         Ok(())
@@ -405,20 +398,17 @@ fn begin(
     ))
 }
 
-/// Cuts a file to the latest length at which it was whole and where there is room for an end.
-fn cut(mut file: &File, whole: &[u64]) -> io::Result<()> {
-    let mut result = Err(io::Error::other("it was never whole"));
-    for length in whole.iter().rev() {
-        result = file
-            .set_len(*length)
-            .and_then(|()| file.seek(SeekFrom::Start(*length)))
-            .and_then(|_| file.write_all(&end()))
-            .and_then(|()| file.sync_all());
-        if result.is_ok() {
-            break;
-        }
+/// Cuts a file to the length at which it was last whole, and ends it there if there is room: without an
+/// end all of it is read as well. What was whole, and perhaps synced, stays in it whatever fails.
+fn cut(mut file: &File, whole: u64) -> io::Result<()> {
+    let ended = file
+        .set_len(whole)
+        .and_then(|()| file.seek(SeekFrom::Start(whole)))
+        .and_then(|_| file.write_all(&end()));
+    if ended.is_err() {
+        file.set_len(whole)?;
     }
-    result
+    file.sync_all()
 }
 
 /// The end of a file without an index: data end, footer, magic.

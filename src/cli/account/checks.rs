@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::cli::output::push_line;
 use crate::report::units::{angle, length, seconds};
 use crate::report::{EstimateReport, LieLine};
 
@@ -19,10 +20,10 @@ pub(super) fn checks(report: &EstimateReport) -> String {
             ),
             None => format!("no overlap beyond {}", length(checked.tolerance_m)),
         };
-        let _ = write!(text, "  checked   {overlap}");
+        let mut line = format!("  checked   {overlap}");
         for wrong in &checked.wrong_features {
             let _ = write!(
-                text,
+                line,
                 "; at {} {} leads {} by {}",
                 wrong.event,
                 wrong.found.as_deref().unwrap_or("an unnamed part"),
@@ -32,20 +33,19 @@ pub(super) fn checks(report: &EstimateReport) -> String {
         }
         if checked.simplified_m > checked.tolerance_m {
             let deep = length(checked.simplified_m);
-            let _ = write!(text, "; about touching features shapes go {deep} deeper");
+            let _ = write!(line, "; about touching features shapes go {deep} deeper");
         }
-        text.push('\n');
+        push_line(&mut text, line);
         if let Some(shot) = &checked.single_shot {
-            let _ = write!(
-                text,
+            let mut line = format!(
                 "            simulated from its first state it ends within {}, {}",
                 length(shot.position_m),
                 angle(shot.orientation_rad)
             );
             if !checked.restarts.is_empty() {
-                let _ = write!(text, ", begun anew after {}", checked.restarts.join(", "));
+                let _ = write!(line, ", begun anew after {}", checked.restarts.join(", "));
             }
-            text.push('\n');
+            push_line(&mut text, line);
         }
     }
     if let Some(settled) = &report.settled {
@@ -64,7 +64,7 @@ pub(super) fn checks(report: &EstimateReport) -> String {
     }
     if let Some(rest) = &report.rest {
         for lie in &rest.goals {
-            let _ = writeln!(text, "  rest      {}", lying(lie));
+            push_line(&mut text, format!("  rest      {}", lying(lie)));
         }
         if rest.tried > 0 {
             let _ = writeln!(

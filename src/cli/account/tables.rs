@@ -1,7 +1,6 @@
 //! Events, flights and parameters, a table of each.
 
-use std::fmt::Write;
-
+use crate::cli::output::push_line;
 use crate::cli::table::table;
 use crate::report::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
 use crate::report::{EstimateReport, EventLine};
@@ -41,12 +40,14 @@ fn goals(report: &EstimateReport) -> String {
             .body
             .as_ref()
             .map_or_else(String::new, |body| format!("{body}, "));
-        let _ = writeln!(
-            text,
-            "  goal      {}: {body}{} {:.3} {unit} off{weight}",
-            goal.event,
-            goal.what,
-            factor * goal.distance
+        push_line(
+            &mut text,
+            format!(
+                "  goal      {}: {body}{} {:.3} {unit} off{weight}",
+                goal.event,
+                goal.what,
+                factor * goal.distance
+            ),
         );
     }
     text
@@ -75,7 +76,9 @@ fn inferred(report: &EstimateReport) -> String {
     if words.is_empty() {
         return String::new();
     }
-    format!("  inferred  {}\n", words.join(", "))
+    let mut text = String::new();
+    push_line(&mut text, format!("  inferred  {}", words.join(", ")));
+    text
 }
 
 /// The largest gap of each kind, with the event where it is.
@@ -99,7 +102,9 @@ fn largest_gaps(report: &EstimateReport) -> String {
             });
         }
     }
-    format!("  largest gaps  {}\n", words.join(", "))
+    let mut text = String::new();
+    push_line(&mut text, format!("  largest gaps  {}", words.join(", ")));
+    text
 }
 
 pub(super) fn segments(report: &EstimateReport) -> String {
@@ -199,10 +204,10 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
         text = table("  ", &["parameter", "value", "", "", "bounds"], &rows);
     }
     if !report.undetermined.is_empty() {
-        let _ = writeln!(
-            text,
-            "  not determined by the performance: {}",
-            report.undetermined.join(", ")
+        let names = report.undetermined.join(", ");
+        push_line(
+            &mut text,
+            format!("  not determined by the performance: {names}"),
         );
     }
     text

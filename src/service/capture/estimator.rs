@@ -16,7 +16,8 @@ use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::RecordingReport;
 use crate::service::finish::{finished, open, output_path};
-use crate::service::{Watching, words};
+use crate::service::stopwatch::Progress;
+use crate::service::words;
 use crate::write::live::EstimateOccasion;
 
 /// A take whose file is complete.
@@ -72,7 +73,7 @@ fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Out
         &pipeline,
         &take.report,
         &output,
-        Watching::default(),
+        Progress::Hidden,
     )?;
     Ok((report, outcome, pipeline.marks() as u64))
 }

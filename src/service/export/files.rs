@@ -8,7 +8,7 @@ use super::super::finish::{beside, check_distinct};
 use super::super::output::write_file;
 use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use super::super::read_back::ReadBack;
-use crate::report::ExportProvenance;
+use crate::report::{ExportProvenance, prints};
 use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
 
 /// Files by what is added to the name; one without an addition keeps it.
@@ -100,7 +100,8 @@ fn with_addition(output: &Path, addition: &str) -> PathBuf {
         return output.to_owned();
     }
     let plain = |c: char| match c {
-        '/' | '\\' | ':' | '\0' => '_',
+        '/' | '\\' | ':' => '_',
+        c if !prints(c) => '_',
         c => c,
     };
     let addition: String = addition.chars().map(plain).collect();

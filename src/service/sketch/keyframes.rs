@@ -36,6 +36,9 @@ pub(super) struct Motion {
 /// Keyframes of each second of an estimated flight among which is chosen.
 const PER_SECOND: f64 = 1000.0;
 
+/// Most keyframes of all estimated flights among which is chosen.
+const LIMIT: f64 = 5e5;
+
 impl Motion {
     /// What was acted, flight by flight: parted by the streams of an edited sketch, else by the
     /// marks.
@@ -98,6 +101,13 @@ impl Motion {
         let estimate = &outcome.estimate;
         if estimate.verdict == Verdict::Failed {
             bail!("no motion is found; `replay` says why");
+        }
+        let spans_s = estimate.arcs.iter().map(|arc| arc.end_s - arc.start_s);
+        let span_s: f64 = spans_s.sum();
+        // Not so of what is not finite either.
+        let is_sane = span_s * PER_SECOND <= LIMIT;
+        if !is_sane {
+            bail!("the motion lasts {span_s} s: too long for a sketch");
         }
         let scene = &outcome.scene;
         let is_edited = scene.timing == Timing::Edited;
@@ -165,7 +175,7 @@ impl Motion {
             let zero = if is_edited { *first } else { zero };
             for index in chosen(&flight.keyframes, density) {
                 let (stamp, keyframe) = &flight.keyframes[index];
-                let stamp = Stamp(stamp.0 - zero.0);
+                let stamp = Stamp(stamp.0.saturating_sub(zero.0));
                 let keyframe = Keyframe {
                     time: keyframe.time.since(zero),
                     ..keyframe.clone()
@@ -179,7 +189,7 @@ impl Motion {
             }
         }
         for mark in self.marks {
-            let stamp = Stamp(mark.stamp.0 - zero.0);
+            let stamp = Stamp(mark.stamp.0.saturating_sub(zero.0));
             rows.push(((0, stamp), SketchRow::Mark(Mark { stamp, ..mark })));
         }
         rows.sort_by_key(|(key, _)| *key);
@@ -210,9 +220,19 @@ fn chosen(keyframes: &[(Stamp, Keyframe)], density: Density) -> Vec<usize> {
         Density::PerFlight(count) => (0..count)
             .map(|index| span_s * (index as f64 + 0.5) / count as f64)
             .collect(),
-        Density::PerSecond(rate_hz) => (0..=(span_s * rate_hz) as usize)
-            .map(|index| index as f64 / rate_hz)
-            .collect(),
+        // Of all times those beside keyframes: whichever keyframe is nearest to any is to one of them,
+        // and years may lie between two.
+        Density::PerSecond(rate_hz) => {
+            let last = (span_s * rate_hz).floor();
+            let beside = keyframes.iter().flat_map(|(at, _)| {
+                let index = at.seconds_since(*first) * rate_hz;
+                [index.floor(), index.ceil()]
+            });
+            let mut indices: Vec<f64> = beside.filter(|index| *index <= last).collect();
+            indices.sort_by(f64::total_cmp);
+            indices.dedup();
+            indices.into_iter().map(|index| index / rate_hz).collect()
+        }
     };
     let nearest = times_s.iter().map(|time_s| {
         let after = keyframes.partition_point(|(at, _)| at.seconds_since(*first) < *time_s);

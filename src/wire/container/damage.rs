@@ -16,8 +16,42 @@ pub enum Damage {
         /// Number of bytes from there to the end of the file.
         bytes: usize,
     },
-    /// Bytes that are no records, before further records.
-    #[error("bytes {at} to {end} are no records and are left out")]
+    /// Chunks unpack to more than is read of a file of that size.
+    #[error(
+        "reading ends at byte {at}, {bytes} bytes were not read: the chunks unpack to more than 64 times the file's size and 64 MiB"
+    )]
+    Unpacked {
+        /// Offset of the chunk that would be too much.
+        at: usize,
+        /// Number of bytes from there to the end of the file.
+        bytes: usize,
+    },
+    /// The search for the next record that can be verified was given up.
+    #[error(
+        "the search for records that can be verified ends at byte {at} after too much work in vain, {bytes} bytes were not read"
+    )]
+    Searched {
+        /// Offset of the first byte that was not read.
+        at: usize,
+        /// Number of bytes from there to the end of the file.
+        bytes: usize,
+    },
+    /// The time for reading was over.
+    #[error("the time limit was reached at byte {at}, {bytes} bytes were not read")]
+    Late {
+        /// Offset of the first byte that was not read.
+        at: usize,
+        /// Number of bytes from there to the end of the file.
+        bytes: usize,
+    },
+    /// A definition beyond what is kept of a file of that size.
+    #[error("channel {id} is left out: the definitions are longer than 4 times the file and 4 MiB")]
+    Definitions {
+        /// Its id.
+        id: u16,
+    },
+    /// Bytes in which nothing can be verified, before further records.
+    #[error("nothing in bytes {at} to {end} can be verified: they are left out")]
     Gap {
         /// Offset of the first byte.
         at: usize,
@@ -90,8 +124,13 @@ pub enum Damage {
         id: u16,
     },
     /// The data section fails its checksum.
-    #[error("checksum of the data section is {calculated:#010x}, the file says {saved:#010x}")]
+    #[error(
+        "checksum of the data section is {calculated:#010x}, the file says {saved:#010x}: {}",
+        unchecked(*messages)
+    )]
     Checksum {
+        /// Number of messages that no other checksum verifies.
+        messages: u64,
         /// As calculated.
         calculated: u32,
         /// As stored.
@@ -106,7 +145,13 @@ impl Damage {
     /// The bytes of the file that were not read.
     pub fn unread(&self) -> Option<Range<usize>> {
         match *self {
-            Damage::Cut { at, bytes } | Damage::Record { at, bytes, .. } if bytes > 0 => {
+            Damage::Cut { at, bytes }
+            | Damage::Unpacked { at, bytes }
+            | Damage::Searched { at, bytes }
+            | Damage::Late { at, bytes }
+            | Damage::Record { at, bytes, .. }
+                if bytes > 0 =>
+            {
                 Some(at..at + bytes)
             }
             Damage::Gap { at, end } | Damage::Chunk { at, end, .. } => Some(at..end),
@@ -114,9 +159,26 @@ impl Damage {
         }
     }
 
+    /// Whether reading ended with it.
+    fn is_end(&self) -> bool {
+        use Damage::{Cut, Late, NoEnd, Searched, Unpacked};
+        matches!(
+            self,
+            Cut { .. } | Late { .. } | Searched { .. } | Unpacked { .. } | NoEnd
+        )
+    }
+
     /// Whether all data of the file were read in spite of it.
     pub fn is_harmless(&self) -> bool {
         matches!(self, Damage::NoEnd | Damage::Frame { .. })
+    }
+}
+
+/// What the failed checksum of a data section says of the messages that have no other.
+fn unchecked(messages: u64) -> String {
+    match messages {
+        0 => "all messages have passed one of their own".to_owned(),
+        _ => format!("any of the {messages} messages without one of their own may be wrong"),
     }
 }
 
@@ -174,8 +236,8 @@ impl Damages {
                 _ => self.unread.push(range),
             }
         }
-        // A missing end is always kept, however many damages came before it.
-        if self.first.len() < KEPT || matches!(damage, Damage::Cut { .. } | Damage::NoEnd) {
+        // Why reading ended is always kept, however many damages came before it.
+        if self.first.len() < KEPT || damage.is_end() {
             self.first.push(damage);
         }
     }

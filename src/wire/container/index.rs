@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
 use mcap::MAGIC;
 use thiserror::Error;
@@ -89,9 +90,23 @@ pub struct Container {
     log_times: Option<(u64, u64)>,
     is_sorted: bool,
     damages: Damages,
-    /// Whether it is read as a journal.
-    is_journal: bool,
+    reading: Reading,
 }
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading {
+    /// As a journal of a live take, all of whose data are in records with checksums: no other record
+    /// is believed, and its bytes are said not to have been read.
+    pub is_journal: bool,
+    /// When reading ends, wherever it is; what was not read is then a damage ([`Damage::Late`]).
+    pub deadline: Option<Instant>,
+}
+
+/// Limit of the lengths of all definitions of channels that are kept: this multiple of the file's
+/// size plus [`DEFINED_BYTES`].
+const DEFINED_SHARE: usize = 4;
+const DEFINED_BYTES: usize = 4 << 20;
 
 /// What is known of the messages of a channel, defined or not.
 #[derive(Clone, Copy)]
@@ -104,13 +119,48 @@ struct Tally {
 }
 
 /// What a walk gathers before it is known what is defined.
-#[derive(Default)]
 struct Gathered {
     tallies: BTreeMap<u16, Tally>,
-    /// Channels whose schema did not come before them.
-    waiting: Vec<mcap::records::Channel>,
-    redefined: Vec<Damage>,
+    /// Channels whose schema did not come before them, the first of each id.
+    waiting: BTreeMap<u16, mcap::records::Channel>,
+    /// What is defined twice, differently: `channel` or `schema`, and its id.
+    redefined: BTreeSet<(&'static str, u16)>,
+    /// Channels for which there is no place.
+    refused: BTreeSet<u16>,
+    /// How long definitions of channels may still be.
+    defined_left: usize,
     last_log_time: u64,
+}
+
+impl Gathered {
+    fn new(bytes: usize) -> Self {
+        Self {
+            tallies: BTreeMap::new(),
+            waiting: BTreeMap::new(),
+            redefined: BTreeSet::new(),
+            refused: BTreeSet::new(),
+            defined_left: bytes
+                .saturating_mul(DEFINED_SHARE)
+                .saturating_add(DEFINED_BYTES),
+            last_log_time: 0,
+        }
+    }
+
+    /// Whether there is a place for a channel that is not known yet.
+    fn has_place(&mut self, channel: &mcap::records::Channel) -> bool {
+        let pairs = channel.metadata.iter();
+        let length = channel.topic.len()
+            + channel.message_encoding.len()
+            + pairs
+                .map(|(key, value)| 8 + key.len() + value.len())
+                .sum::<usize>();
+        let left = self.defined_left.checked_sub(length);
+        self.defined_left = left.unwrap_or(self.defined_left);
+        if left.is_none() {
+            self.refused.insert(channel.id);
+        }
+        left.is_some()
+    }
 }
 
 impl Container {
@@ -122,16 +172,23 @@ impl Container {
     /// Walks through the bytes of a file. Damage is no error: what can be read is there, and
     /// [`Container::damages`] says what cannot.
     pub fn new(bytes: Vec<u8>) -> Result<Self, ContainerError> {
-        Self::read(bytes, false)
+        Self::read(bytes, Reading::default())
     }
 
-    /// The same of a journal of a live take, all of whose data are in records with checksums: no
-    /// other record is believed, and its bytes are said not to have been read.
+    /// The same of a journal of a live take ([`Reading::is_journal`]).
     pub fn of_journal(bytes: Vec<u8>) -> Result<Self, ContainerError> {
-        Self::read(bytes, true)
+        let is_journal = true;
+        Self::read(
+            bytes,
+            Reading {
+                is_journal,
+                ..Reading::default()
+            },
+        )
     }
 
-    fn read(bytes: Vec<u8>, is_journal: bool) -> Result<Self, ContainerError> {
+    /// The same, read in a way that is given.
+    pub fn read(bytes: Vec<u8>, reading: Reading) -> Result<Self, ContainerError> {
         if bytes.is_empty() {
             return Err(ContainerError::Empty);
         }
@@ -148,10 +205,10 @@ impl Container {
             log_times: None,
             is_sorted: true,
             damages: Damages::default(),
-            is_journal,
+            reading,
         };
-        let mut walk = Walk::verifying(Arc::clone(&bytes), is_journal);
-        let mut gathered = Gathered::default();
+        let mut walk = Walk::verifying(Arc::clone(&bytes), reading);
+        let mut gathered = Gathered::new(bytes.len());
         let mut is_anything = false;
         while let Some((_, content)) = walk.next_content() {
             is_anything = true;
@@ -161,7 +218,7 @@ impl Container {
             return Err(ContainerError::NotMcap);
         }
         // Of other files than journals, what is there and cannot be read is damage.
-        let has_nothing = is_journal || bytes.len() == MAGIC.len();
+        let has_nothing = reading.is_journal || bytes.len() == MAGIC.len();
         if !is_anything && !walk.is_ended_whole() && has_nothing {
             return Err(ContainerError::NoRecord);
         }
@@ -172,7 +229,7 @@ impl Container {
 
     /// The messages, from the first on.
     pub fn walk(&self) -> Walk {
-        Walk::new(Arc::clone(&self.bytes), self.is_journal)
+        Walk::new(Arc::clone(&self.bytes), self.reading)
     }
 
     /// The profile in the header.
@@ -252,8 +309,9 @@ impl Container {
                     encoding: header.encoding,
                     data,
                 };
-                let redefined = define(&mut self.schemas, "schema", header.id, schema);
-                gathered.redefined.extend(redefined);
+                if !define(&mut self.schemas, header.id, schema) {
+                    gathered.redefined.insert(("schema", header.id));
+                }
             }
             Content::Channel(channel) => self.note_channel(channel, gathered),
             Content::Message { header, .. } => {
@@ -292,8 +350,13 @@ impl Container {
 
     fn note_channel(&mut self, record: mcap::records::Channel, gathered: &mut Gathered) {
         let schema_id = (record.schema_id != 0).then_some(record.schema_id);
+        let id = record.id;
+        let is_new = !self.channels.contains_key(&id) && !gathered.waiting.contains_key(&id);
+        if gathered.refused.contains(&id) || (is_new && !gathered.has_place(&record)) {
+            return;
+        }
         if schema_id.is_some_and(|schema| !self.schemas.contains_key(&schema)) {
-            gathered.waiting.push(record);
+            gathered.waiting.entry(id).or_insert(record);
             return;
         }
         let channel = Channel {
@@ -303,8 +366,9 @@ impl Container {
             metadata: record.metadata,
             messages: 0,
         };
-        let redefined = define(&mut self.channels, "channel", record.id, channel);
-        gathered.redefined.extend(redefined);
+        if !define(&mut self.channels, id, channel) {
+            gathered.redefined.insert(("channel", id));
+        }
     }
 
     /// Ends the walk: takes definitions that are still missing from the summary, and counts
@@ -316,14 +380,21 @@ impl Container {
                 self.note(content, 0, &mut gathered);
             }
         }
-        for channel in std::mem::take(&mut gathered.waiting) {
+        let waiting = std::mem::take(&mut gathered.waiting);
+        let has_schema = |channel: &mcap::records::Channel| {
+            channel.schema_id == 0 || self.schemas.contains_key(&channel.schema_id)
+        };
+        let (found, lost): (Vec<_>, Vec<_>) = waiting.into_values().partition(has_schema);
+        for channel in found {
             self.note_channel(channel, &mut gathered);
         }
-        gathered
-            .redefined
-            .into_iter()
-            .for_each(|damage| self.damages.push(damage));
-        for channel in gathered.waiting {
+        for (what, id) in gathered.redefined {
+            self.damages.push(Damage::Redefined { what, id });
+        }
+        for id in gathered.refused {
+            self.damages.push(Damage::Definitions { id });
+        }
+        for channel in lost {
             let (id, schema) = (channel.id, channel.schema_id);
             if !self.channels.contains_key(&id) {
                 self.damages.push(Damage::NoSchema { id, schema });
@@ -347,19 +418,10 @@ impl Container {
     }
 }
 
-/// Enters a definition; writers may repeat one, but not change it.
-fn define<T: PartialEq>(
-    known: &mut BTreeMap<u16, T>,
-    what: &'static str,
-    id: u16,
-    value: T,
-) -> Option<Damage> {
+/// Enters a definition; writers may repeat one, but not change it. Whether they do.
+fn define<T: PartialEq>(known: &mut BTreeMap<u16, T>, id: u16, value: T) -> bool {
     match known.get(&id) {
-        None => {
-            known.insert(id, value);
-            None
-        }
-        Some(first) if *first == value => None,
-        Some(_) => Some(Damage::Redefined { what, id }),
+        None => known.insert(id, value).is_none(),
+        Some(first) => *first == value,
     }
 }

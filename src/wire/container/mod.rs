@@ -10,9 +10,16 @@
 //!
 //! After damage the walk continues at the next record that can be verified. Type and length of a
 //! record have no checksum, so a chunk is recognised by its own header and checksum instead.
-//! In a file without chunks nothing after damage can be verified. Every byte that was not read is
-//! in [`Damages::unread`].
+//! Records outside of chunks with checksums are believed as long as each record leads to the next,
+//! from the first on; once the next had to be searched for, what has no checksum is not, for a
+//! search may end inside of something else. So in a file without chunks nothing after damage is
+//! read. Where the checksum of the whole data section fails, the damage says how many messages no
+//! other verifies. Every byte that was not read is in [`Damages::unread`].
+//!
+//! What reading costs is bounded (`budget`): chunks unpack to at most 64 times the file's size and
+//! 64 MiB, and a search that finds nothing is given up. [`Reading`] may set a deadline as well.
 
+mod budget;
 mod damage;
 mod index;
 mod record;
@@ -21,6 +28,6 @@ mod summary;
 pub mod walk;
 
 pub use damage::{Damage, Damages};
-pub use index::{Attachment, Channel, Container, ContainerError, Metadata, Schema};
+pub use index::{Attachment, Channel, Container, ContainerError, Metadata, Reading, Schema};
 pub use record::{REPEATED, REPEATS};
 pub use walk::{Message, Walk};

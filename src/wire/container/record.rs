@@ -1,23 +1,33 @@
 //! Single records: their frames and their contents.
 //!
-//! Parsed here, decompressed by the crate `mcap`. The crate's parser allocates the length that a
+//! Parsed here, not by the crate `mcap`. The crate's parser allocates the length that a
 //! string claims before it checks whether the bytes exist, up to 4 GB for one flipped bit; it
 //! slices out of bounds where an attachment is too short for its checksum; its linear reader counts
 //! below zero where a record reaches out of an uncompressed chunk.
 
 use std::collections::BTreeMap;
+use std::io::{self, ErrorKind, Read};
 use std::ops::Range;
 
 use mcap::McapError;
 use mcap::records::{Channel, MessageHeader, Metadata, SchemaHeader, op};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// Bytes of a record's opcode and length.
 pub(super) const FRAME_BYTES: usize = 1 + 8;
 
-/// Largest chunk, decompressed, and largest record in it. A file's own figure is not trusted:
-/// a flipped bit would make the reader allocate hundreds of gigabytes.
-const RECORD_LIMIT_BYTES: usize = 64 << 20;
+/// Largest chunk, decompressed. A file's own figure is not trusted: a flipped bit would make the
+/// reader allocate hundreds of gigabytes.
+const CHUNK_LIMIT_BYTES: usize = 64 << 20;
+
+/// Largest window of a chunk compressed by zstd, as a power of two: what its decoder allocates. The
+/// default writes 2 MiB, the highest level 128 MiB.
+const ZSTD_WINDOW_LOG: u32 = 26;
+
+/// Longest name of a topic, schema or encoding: there may be 65,535 of each, and each is listed.
+const NAME_LIMIT_BYTES: usize = 1024;
+
+/// Longest definition of a channel: in memory its pairs are ten times as long.
+const CHANNEL_LIMIT_BYTES: usize = 1 << 20;
 
 /// Bytes before a message's data: channel, sequence number and two times.
 const MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
@@ -122,12 +132,18 @@ pub(super) fn parse(opcode: u8, bytes: &[u8], range: Range<usize>) -> Result<Con
     }
 }
 
+/// Whether records of that type may be in chunks: definitions, messages, and private ones. The data
+/// of others would be ranges of the file.
+pub(super) fn belongs_into_chunk(opcode: u8) -> bool {
+    matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | PRIVATE..)
+}
+
 fn schema(body: &[u8]) -> Result<Content, McapError> {
     let mut at = 0;
     let header = SchemaHeader {
         id: u16::from_le_bytes(take(body, &mut at)?),
-        name: text(body, &mut at)?,
-        encoding: text(body, &mut at)?,
+        name: name(body, &mut at)?,
+        encoding: name(body, &mut at)?,
     };
     if header.id == 0 {
         return Err(McapError::InvalidSchemaId);
@@ -137,12 +153,18 @@ fn schema(body: &[u8]) -> Result<Content, McapError> {
 }
 
 fn channel(body: &[u8]) -> Result<Content, McapError> {
+    if body.len() > CHANNEL_LIMIT_BYTES {
+        return Err(refused(format!(
+            "a channel of {} bytes, at most {CHANNEL_LIMIT_BYTES} are read",
+            body.len()
+        )));
+    }
     let mut at = 0;
     Ok(Content::Channel(Channel {
         id: u16::from_le_bytes(take(body, &mut at)?),
         schema_id: u16::from_le_bytes(take(body, &mut at)?),
-        topic: text(body, &mut at)?,
-        message_encoding: text(body, &mut at)?,
+        topic: name(body, &mut at)?,
+        message_encoding: name(body, &mut at)?,
         metadata: pairs(body, &mut at)?,
     }))
 }
@@ -204,6 +226,30 @@ fn text(body: &[u8], at: &mut usize) -> Result<String, McapError> {
     })
 }
 
+/// A text of at most [`NAME_LIMIT_BYTES`].
+fn name(body: &[u8], at: &mut usize) -> Result<String, McapError> {
+    let length = prefixed(body, &mut at.clone())?.len();
+    if length > NAME_LIMIT_BYTES {
+        return Err(refused(format!(
+            "a name of {length} bytes, at most {NAME_LIMIT_BYTES} are read"
+        )));
+    }
+    text(body, at)
+}
+
+/// What is wrong, in words: of an error of I/O the crate says only that there is one.
+pub(super) fn words(error: &McapError) -> String {
+    match error {
+        McapError::Io(error) => error.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// What is valid MCAP and is not read.
+pub(super) fn refused(reason: String) -> McapError {
+    McapError::Io(io::Error::new(ErrorKind::InvalidData, reason))
+}
+
 fn pairs(body: &[u8], at: &mut usize) -> Result<BTreeMap<String, String>, McapError> {
     let inside = prefixed(body, at)?;
     let mut pairs = BTreeMap::new();
@@ -244,10 +290,9 @@ pub(super) fn attachment_of(bytes: &[u8], at: usize) -> Option<(usize, Range<usi
     prefixed(body, &mut from).ok()?;
     prefixed(body, &mut from).ok()?;
     let length = usize::try_from(u64::from_le_bytes(take(body, &mut from).ok()?)).ok()?;
-    let mut end = from.checked_add(length)?;
-    let checked = start..start + end;
-    let saved: [u8; 4] = take(body, &mut end).ok()?;
-    (saved != [0; 4]).then_some((start + end, checked))
+    let end = from.checked_add(length)?;
+    let saved: [u8; 4] = take(body, &mut end.clone()).ok()?;
+    (saved != [0; 4]).then_some((start + end + saved.len(), start..start + end))
 }
 
 /// A chunk's own header, which identifies it without its record's opcode and length.
@@ -285,62 +330,88 @@ pub(super) fn chunk_header(bytes: &[u8], at: usize) -> Option<ChunkHeader> {
     })
 }
 
-/// Unpacks the chunk in `bytes[at..end]` into `records`, which holds whole verified records
-/// afterwards, or nothing. Its record's opcode and length are ignored.
+/// Unpacks the chunk in `bytes[record]` into `records`, which holds whole verified records
+/// afterwards, or nothing. Its record's opcode and length are ignored. Fails where it unpacks to
+/// more than `limit` bytes, and says in any case how many it unpacked.
 pub(super) fn unpack_chunk(
     bytes: &[u8],
-    at: usize,
-    end: usize,
+    record: Range<usize>,
+    limit: usize,
     records: &mut Vec<u8>,
-) -> Result<(), McapError> {
+) -> (usize, Result<(), McapError>) {
     records.clear();
-    let result = unpack(&bytes[at..end], records);
+    let result = unpack(&bytes[record], limit, records);
+    let work = records.len();
     if result.is_err() {
         records.clear();
     }
-    result
+    (work, result)
 }
 
-fn unpack(record: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
+fn unpack(record: &[u8], limit: usize, records: &mut Vec<u8>) -> Result<(), McapError> {
     let mut at = FRAME_BYTES + CHUNK_TIMES_BYTES;
     let size = u64::from_le_bytes(take(record, &mut at)?);
     let saved = u32::from_le_bytes(take(record, &mut at)?);
     let compression = prefixed(record, &mut at)?;
     let packed_size = u64::from_le_bytes(take(record, &mut at)?);
-    if size > RECORD_LIMIT_BYTES as u64 {
+    let wanted = usize::try_from(size).ok();
+    let Some(wanted) = wanted.filter(|wanted| *wanted <= CHUNK_LIMIT_BYTES) else {
         return Err(McapError::ChunkTooLarge(size));
-    }
+    };
     // A header of zeros looks like that of an empty chunk; its record then holds more than it
     // claims.
     let is_short = compression.is_empty() && packed_size != (record.len() - at) as u64;
     if is_short || (size == 0 && at < record.len()) {
         return Err(McapError::UnexpectedEoc);
     }
-    if !compression.is_empty() {
-        decompress(&record[FRAME_BYTES..], records)?;
-        return check(records, size, saved);
-    }
-    let plain = usize::try_from(packed_size)
+    let packed = usize::try_from(packed_size)
         .ok()
         .and_then(|length| record.get(at..at.checked_add(length)?))
         .ok_or(McapError::UnexpectedEoc)?;
-    check(plain, size, saved)?;
-    if !are_records(plain) {
-        return Err(McapError::UnexpectedEoc);
+    // One byte more shows that there is more than was claimed.
+    let most = (wanted + 1).min(limit.saturating_add(1)) as u64;
+    match compression {
+        b"" => records.extend_from_slice(&packed[..packed.len().min(most as usize)]),
+        b"zstd" => {
+            let mut decoder = zstd::stream::read::Decoder::with_buffer(packed)?;
+            decoder.window_log_max(ZSTD_WINDOW_LOG)?;
+            decoder.take(most).read_to_end(records)?;
+        }
+        b"lz4" => unpack_lz4(packed, most, records)?,
+        other => {
+            let name = String::from_utf8_lossy(other).chars().take(32).collect();
+            return Err(McapError::UnsupportedCompression(name));
+        }
     }
-    records.extend_from_slice(plain);
-    Ok(())
-}
-
-/// Fails unless a chunk's records have the stated size and checksum. For a compressed stream that
-/// ends in zeros the crate returns no data and no error.
-fn check(records: &[u8], size: u64, saved: u32) -> Result<(), McapError> {
-    if records.len() as u64 != size {
+    if records.len() > limit {
+        return Err(refused(format!(
+            "unpacks to more than the {limit} bytes that are left of the limit for this file"
+        )));
+    }
+    if records.len() != wanted {
         return Err(McapError::UnexpectedEoc);
     }
     let calculated = crc32fast::hash(records);
     if saved != 0 && saved != calculated {
         return Err(McapError::BadChunkCrc { saved, calculated });
+    }
+    if !are_records(records) {
+        return Err(McapError::UnexpectedEoc);
+    }
+    Ok(())
+}
+
+/// Unpacks frames of lz4, one after the other, up to `most` bytes in all.
+fn unpack_lz4(mut packed: &[u8], most: u64, records: &mut Vec<u8>) -> io::Result<()> {
+    while !packed.is_empty() && (records.len() as u64) < most {
+        let before = (packed.len(), records.len());
+        let left = most - records.len() as u64;
+        lz4::Decoder::new(&mut packed)?
+            .take(left)
+            .read_to_end(records)?;
+        if before == (packed.len(), records.len()) {
+            return Err(ErrorKind::UnexpectedEof.into());
+        }
     }
     Ok(())
 }
@@ -361,38 +432,4 @@ fn are_records(bytes: &[u8]) -> bool {
         at = range.end;
     }
     true
-}
-
-/// Decompresses a chunk; its checksum is verified before the first record is returned. `body` is
-/// the chunk's record without opcode and length.
-fn decompress(body: &[u8], records: &mut Vec<u8>) -> Result<(), McapError> {
-    let mut reader = LinearReader::new_with_options(
-        LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_record_length_limit(RECORD_LIMIT_BYTES)
-            .with_prevalidate_chunk_crcs(true),
-    );
-    let mut opening = vec![op::CHUNK];
-    opening.extend_from_slice(&(body.len() as u64).to_le_bytes());
-    let (mut rest, mut after) = (&opening[..], body);
-    while let Some(event) = reader.next_event() {
-        match event? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                if rest.is_empty() {
-                    rest = std::mem::take(&mut after);
-                }
-                let (given, left) = rest.split_at(wanted.min(rest.len()));
-                reader.insert(given.len()).copy_from_slice(given);
-                reader.notify_read(given.len());
-                rest = left;
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                records.push(opcode);
-                records.extend_from_slice(&(data.len() as u64).to_le_bytes());
-                records.extend_from_slice(data);
-            }
-        }
-    }
-    Ok(())
 }

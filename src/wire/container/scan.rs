@@ -8,60 +8,79 @@ use std::ops::Range;
 
 use mcap::records::op;
 
-use super::record::{self, FRAME_BYTES, PRIVATE};
-
-/// Limit of the bytes that are unpacked without success: this multiple of the file's size plus
-/// [`VAIN_BYTES`]. A file can be made to hold a plausible beginning of a chunk at every fifty
-/// bytes.
-const VAIN_SHARE: usize = 8;
-const VAIN_BYTES: usize = 64 << 20;
+use super::budget::{ATTEMPT_BYTES, Budget};
+use super::record::{self, ChunkHeader, FRAME_BYTES, PRIVATE};
 
 /// A search for records that pass their checksum. It gives up after too much work without success.
 pub(super) struct Scan {
-    left: usize,
+    pub(super) budget: Budget,
     records: Vec<u8>,
+    /// From here to the end of the file there is nothing to be found.
+    nothing_from: usize,
 }
 
 impl Scan {
-    /// A search in a file of the given size.
-    pub(super) fn new(bytes: usize) -> Self {
+    /// A search in a file, at most at this cost.
+    pub(super) fn new(budget: Budget) -> Self {
         Self {
-            left: bytes.saturating_mul(VAIN_SHARE).saturating_add(VAIN_BYTES),
+            budget,
             records: Vec::new(),
+            nothing_from: usize::MAX,
         }
     }
 
     /// The first offset in a range at which a verified chunk or attachment begins.
     pub(super) fn find(&mut self, bytes: &[u8], range: Range<usize>) -> Option<usize> {
-        for at in range {
-            let wasted = if let Some(chunk) = record::chunk_header(bytes, at)
-                && chunk.is_checked
-            {
-                if record::unpack_chunk(bytes, at, chunk.end, &mut self.records).is_ok() {
-                    return Some(at);
-                }
-                chunk.packed
-            } else {
-                if self.attachment_end(bytes, at).is_some() {
-                    return Some(at);
-                }
-                0
+        if range.start >= self.nothing_from {
+            return None;
+        }
+        for at in range.clone() {
+            if self.budget.step() || self.budget.is_spent() {
+                return None;
+            }
+            let is_found = match record::chunk_header(bytes, at).filter(|chunk| chunk.is_checked) {
+                Some(chunk) => self.passes(bytes, at, chunk),
+                None => self.attachment_end(bytes, at).is_some(),
             };
-            self.left = self.left.checked_sub(wasted)?;
+            if is_found {
+                return Some(at);
+            }
+        }
+        if range.end == bytes.len() {
+            self.nothing_from = range.start;
         }
         None
+    }
+
+    /// Whether the chunk at `at` can be unpacked and passes its checksum.
+    pub(super) fn passes(&mut self, bytes: &[u8], at: usize, chunk: ChunkHeader) -> bool {
+        let cost = chunk.packed.saturating_add(ATTEMPT_BYTES);
+        if !self.budget.may_hash(cost) {
+            return false;
+        }
+        let limit = self.budget.unpacked_left();
+        let (work, result) = record::unpack_chunk(bytes, at..chunk.end, limit, &mut self.records);
+        match result {
+            Ok(()) => self.budget.was_worth(cost),
+            Err(_) => {
+                self.budget.may_hash(work);
+            }
+        }
+        result.is_ok()
     }
 
     /// Where an attachment at `at` ends that passes its checksum, whatever its record's type and
     /// length are. `None` too after too much work without success.
     pub(super) fn attachment_end(&mut self, bytes: &[u8], at: usize) -> Option<usize> {
         let (end, checked) = record::attachment_of(bytes, at)?;
-        self.left = self.left.checked_sub(checked.len())?;
+        if !self.budget.may_hash(checked.len()) {
+            return None;
+        }
         let saved = bytes[checked.end..end].try_into().ok()?;
         if crc32fast::hash(&bytes[checked.clone()]) != u32::from_le_bytes(saved) {
             return None;
         }
-        self.left += checked.len();
+        self.budget.was_worth(checked.len());
         Some(end)
     }
 }

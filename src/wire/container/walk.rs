@@ -1,13 +1,16 @@
 //! The records of a file's data section, one by one, in file order.
 
 use std::collections::BTreeMap;
+use std::hash::{BuildHasher, RandomState};
 use std::ops::Range;
 use std::sync::Arc;
 
 use mcap::MAGIC;
 use mcap::records::op;
 
+use super::budget::Budget;
 use super::damage::{Damage, Damages};
+use super::index::Reading;
 use super::record::{self, ChunkHeader, Content, FRAME_BYTES};
 use super::scan::{self, Scan};
 
@@ -47,12 +50,20 @@ pub struct Walk {
     /// The open chunk's records, complete and verified.
     chunk: Vec<u8>,
     chunk_at: usize,
-    /// Offsets of the chunks read so far, by length and checksum of their records in the file.
-    chunks: BTreeMap<(usize, u32), Vec<usize>>,
+    /// Whether its checksum was verified.
+    chunk_is_checked: bool,
+    /// Offsets of the chunks read so far, by length and hash of their records in the file. Nobody
+    /// can make different chunks of one hash, which would all have to be compared.
+    chunks: BTreeMap<(usize, u64), Vec<usize>>,
+    hasher: RandomState,
     scan: Scan,
     verifies_data_section: bool,
-    /// Whether records without a checksum are not believed: see [`record::is_of_journal`].
-    is_journal: bool,
+    /// Whether records without a checksum are not believed: see [`record::is_of_journal`]. Those of
+    /// a journal never are; those of other files are as long as each record leads to the next,
+    /// from the first on, and are not once a search found where to go on.
+    is_strict: bool,
+    /// Messages that were believed without a checksum of their own.
+    unchecked: u64,
     ended: bool,
     ended_whole: bool,
     damages: Damages,
@@ -60,7 +71,7 @@ pub struct Walk {
 
 impl Walk {
     /// A walk that does not verify the data section's checksum: an earlier walk did.
-    pub(super) fn new(bytes: Arc<Vec<u8>>, is_journal: bool) -> Self {
+    pub(super) fn new(bytes: Arc<Vec<u8>>, reading: Reading) -> Self {
         Self {
             // A file without the magic bytes is damaged from its first byte on.
             at: if bytes.starts_with(MAGIC) {
@@ -68,14 +79,18 @@ impl Walk {
             } else {
                 0
             },
-            scan: Scan::new(bytes.len()),
+            scan: Scan::new(Budget::new(bytes.len(), reading.deadline)),
             chunks: BTreeMap::new(),
+            hasher: RandomState::new(),
+            // Where its beginning is damaged nothing leads to its first record.
+            is_strict: reading.is_journal || !bytes.starts_with(MAGIC),
+            unchecked: 0,
             bytes,
             offset: 0,
             chunk: Vec::new(),
             chunk_at: 0,
+            chunk_is_checked: false,
             verifies_data_section: false,
-            is_journal,
             ended: false,
             ended_whole: false,
             damages: Damages::default(),
@@ -83,10 +98,10 @@ impl Walk {
     }
 
     /// A walk that also checks the data section as a whole.
-    pub(super) fn verifying(bytes: Arc<Vec<u8>>, is_journal: bool) -> Self {
+    pub(super) fn verifying(bytes: Arc<Vec<u8>>, reading: Reading) -> Self {
         Self {
             verifies_data_section: true,
-            ..Self::new(bytes, is_journal)
+            ..Self::new(bytes, reading)
         }
     }
 
@@ -110,8 +125,19 @@ impl Walk {
     pub(super) fn next_content(&mut self) -> Option<(Place, Content)> {
         loop {
             let (place, opcode, range) = self.next_frame()?;
-            match record::parse(opcode, self.bytes_of(place), range) {
-                Ok(content) => return Some((place, content)),
+            let parsed = match place {
+                Place::Chunk if !record::belongs_into_chunk(opcode) => Err(record::refused(
+                    "it does not belong into a chunk".to_owned(),
+                )),
+                _ => record::parse(opcode, self.bytes_of(place), range),
+            };
+            match parsed {
+                Ok(content) => {
+                    let is_checked = place == Place::Chunk && self.chunk_is_checked;
+                    let is_message = matches!(content, Content::Message { .. });
+                    self.unchecked += u64::from(is_message && !is_checked);
+                    return Some((place, content));
+                }
                 Err(error) => {
                     let damage = Damage::Record {
                         at: self.offset,
@@ -120,7 +146,7 @@ impl Walk {
                             Place::Chunk => 0,
                         },
                         opcode,
-                        reason: error.to_string(),
+                        reason: record::words(&error),
                     };
                     self.damages.push(damage);
                 }
@@ -164,6 +190,10 @@ impl Walk {
             if self.ended {
                 return None;
             }
+            if self.scan.budget.step() {
+                self.end_unread(self.at);
+                return None;
+            }
             self.offset = self.at;
             if let Some((opcode, range)) = self.next_in_file() {
                 return Some((Place::File, opcode, range));
@@ -186,7 +216,7 @@ impl Walk {
         // Bytes with a chunk's header are a chunk even where opcode or length differ.
         if let Some(chunk) = record::chunk_header(&self.bytes, self.at) {
             let is_framed = frame == Some((op::CHUNK, self.at + FRAME_BYTES..chunk.end));
-            let is_believed = is_framed && (chunk.is_checked || !self.is_journal);
+            let is_believed = is_framed && (chunk.is_checked || !self.is_strict);
             if is_believed || self.is_chunk(chunk) {
                 return self.open_chunk(chunk.end, is_framed);
             }
@@ -195,12 +225,13 @@ impl Walk {
             let (at, range) = (self.at, self.at + FRAME_BYTES..end);
             if frame != Some((op::ATTACHMENT, range.clone())) {
                 self.damages.push(Damage::Frame { at });
+                self.is_strict = true;
             }
             self.at = end;
             return Some((op::ATTACHMENT, range));
         }
         let is_believed = |opcode, range: &Range<usize>| {
-            !self.is_journal || record::is_of_journal(&self.bytes, opcode, range)
+            !self.is_strict || record::is_of_journal(&self.bytes, opcode, range)
         };
         let frame = frame.filter(|(opcode, range)| {
             *opcode != 0
@@ -236,34 +267,46 @@ impl Walk {
     /// Whether bytes with a chunk's header but not its opcode or length are a chunk. Another record
     /// may contain numbers that look like the header of an uncompressed chunk.
     fn is_chunk(&mut self, header: ChunkHeader) -> bool {
-        let (bytes, at) = (&self.bytes, self.at);
-        let mut passes = || record::unpack_chunk(bytes, at, header.end, &mut self.chunk).is_ok();
-        header.is_checked && (!header.is_plain || passes())
+        header.is_checked && (!header.is_plain || self.scan.passes(&self.bytes, self.at, header))
     }
 
     /// Unpacks the chunk from here to `end`; its records are returned only if all of it is valid.
     fn open_chunk(&mut self, end: usize, is_framed: bool) -> Option<(u8, Range<usize>)> {
         let at = self.at;
         self.chunk_at = 0;
-        match record::unpack_chunk(&self.bytes, at, end, &mut self.chunk) {
+        self.chunk.clear();
+        if let Some(first) = self.first_of(at..end) {
+            self.at = end;
+            self.damages.push(Damage::Repeated { at, first });
+            return None;
+        }
+        let limit = self.scan.budget.unpacked_left();
+        let (work, result) = record::unpack_chunk(&self.bytes, at..end, limit, &mut self.chunk);
+        self.scan.budget.take_unpacked(work);
+        match result {
             Ok(()) => {
                 self.at = end;
+                self.remember(at..end);
+                let header = record::chunk_header(&self.bytes, at);
+                self.chunk_is_checked = header.is_some_and(|header| header.is_checked);
                 if !is_framed {
                     self.damages.push(Damage::Frame { at });
+                    self.is_strict = true;
                     self.check_end(at);
                 }
-                if let Some(first) = self.first_of(at..end) {
-                    self.chunk.clear();
-                    self.damages.push(Damage::Repeated { at, first });
-                }
             }
+            Err(_) if work > limit => self.end(Damage::Unpacked {
+                at,
+                bytes: self.bytes.len() - at,
+            }),
             Err(error) => {
                 // If its length is damaged, another record may begin before `end`.
                 let is_end = scan::is_plausible(&self.bytes, end);
                 let limit = if is_end { end } else { self.bytes.len() };
                 let next = self.scan.find(&self.bytes, at + 1..limit);
+                self.is_strict |= next.is_some() || !is_end;
                 self.at = next.unwrap_or(limit);
-                let reason = error.to_string();
+                let reason = record::words(&error);
                 let end = self.at;
                 self.damages.push(Damage::Chunk { at, end, reason });
             }
@@ -289,18 +332,23 @@ impl Walk {
     }
 
     /// Offset of an identical chunk that was read before, if there is one.
-    fn first_of(&mut self, chunk: Range<usize>) -> Option<usize> {
-        let checksum = crc32fast::hash(&self.bytes[chunk.clone()]);
-        let same = self.chunks.entry((chunk.len(), checksum)).or_default();
+    fn first_of(&self, chunk: Range<usize>) -> Option<usize> {
+        let same = self.chunks.get(&self.key_of(chunk.clone()))?;
         let is_same = |first: &&usize| {
             let first = **first..**first + chunk.len();
             self.bytes[first] == self.bytes[chunk.clone()]
         };
-        let first = same.iter().find(is_same).copied();
-        if first.is_none() {
-            same.push(chunk.start);
-        }
-        first
+        same.iter().find(is_same).copied()
+    }
+
+    /// Keeps a chunk that was read for [`Walk::first_of`].
+    fn remember(&mut self, chunk: Range<usize>) {
+        let key = self.key_of(chunk.clone());
+        self.chunks.entry(key).or_default().push(chunk.start);
+    }
+
+    fn key_of(&self, chunk: Range<usize>) -> (usize, u64) {
+        (chunk.len(), self.hasher.hash_one(&self.bytes[chunk]))
     }
 
     /// Continues at the next record that can be verified, if there is one.
@@ -309,13 +357,24 @@ impl Walk {
         match self.scan.find(&self.bytes, at + 1..length) {
             Some(end) => {
                 self.at = end;
+                self.is_strict = true;
                 self.damages.push(Damage::Gap { at, end });
             }
-            None => self.end(Damage::Cut {
-                at,
-                bytes: length - at,
-            }),
+            None => self.end_unread(at),
         }
+    }
+
+    /// Ends the walk: nothing from `at` on is read.
+    fn end_unread(&mut self, at: usize) {
+        let bytes = self.bytes.len() - at;
+        let budget = &self.scan.budget;
+        self.end(if budget.is_late() {
+            Damage::Late { at, bytes }
+        } else if budget.is_spent() {
+            Damage::Searched { at, bytes }
+        } else {
+            Damage::Cut { at, bytes }
+        });
     }
 
     fn end(&mut self, damage: Damage) {
@@ -336,7 +395,11 @@ impl Walk {
         }
         let calculated = crc32fast::hash(&self.bytes[..self.at]);
         if saved != 0 && saved != calculated {
-            self.damages.push(Damage::Checksum { calculated, saved });
+            self.damages.push(Damage::Checksum {
+                messages: self.unchecked,
+                calculated,
+                saved,
+            });
         }
         if !self.bytes[self.at..].ends_with(MAGIC) {
             self.damages.push(Damage::NoEnd);

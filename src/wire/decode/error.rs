@@ -5,6 +5,14 @@ use thiserror::Error;
 /// Why a message cannot be decoded.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum DecodeError {
+    /// It is longer than messages of its kind are.
+    #[error("{length} bytes, at most {limit} are read")]
+    Long {
+        /// Its length.
+        length: usize,
+        /// The longest that is read.
+        limit: usize,
+    },
     /// Not a protobuf of its schema.
     #[error("not a protobuf message: {0}")]
     Protobuf(String),

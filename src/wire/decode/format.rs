@@ -36,6 +36,20 @@ pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransfo
 /// The schemas that [`MarkFormat::of`] accepts, for error messages.
 pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";
 
+/// Longest message of poses or marks that is read: two thousand transforms. Two bytes can stand for
+/// a pose, which takes half a kilobyte in memory.
+const MESSAGE_LIMIT_BYTES: usize = 256 << 10;
+
+fn check_length(data: &[u8]) -> Result<(), DecodeError> {
+    if data.len() > MESSAGE_LIMIT_BYTES {
+        return Err(DecodeError::Long {
+            length: data.len(),
+            limit: MESSAGE_LIMIT_BYTES,
+        });
+    }
+    Ok(())
+}
+
 impl PoseFormat {
     /// The format of messages of this encoding with a schema of this name.
     pub fn of(schema_name: &str, message_encoding: &str) -> Option<Self> {
@@ -72,11 +86,11 @@ impl PoseFormat {
     /// Appends the poses of a message to `poses`; appends none where it fails.
     pub fn decode(self, data: &[u8], poses: &mut Vec<FramedPose>) -> Result<(), DecodeError> {
         let before = poses.len();
-        let result = match self.0 {
+        let result = check_length(data).and_then(|()| match self.0 {
             Poses::Protobuf(message) => protobuf::poses(message, data, poses),
             Poses::Json(message) => json::poses(message, data, poses),
             Poses::Cdr(message) => cdr::poses(message, data, poses),
-        };
+        });
         if result.is_err() {
             poses.truncate(before);
         }
@@ -97,6 +111,7 @@ impl MarkFormat {
 
     /// The mark of a message. A ROS header's frame id, if not empty, names the event.
     pub fn decode(self, data: &[u8]) -> Result<StampedMark, DecodeError> {
+        check_length(data)?;
         match self.0 {
             Marks::ProtobufEvent => protobuf::mark(data),
             Marks::JsonEvent => json::mark(data),

@@ -1,0 +1,68 @@
+//! How long a job may take.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::bail;
+
+/// The end of the time that a job was given, if it was.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deadline {
+    limit: Option<Duration>,
+    begun: Instant,
+}
+
+impl Deadline {
+    /// The time begins now.
+    pub(super) fn begin(limit: Option<Duration>) -> Self {
+        Self {
+            limit,
+            begun: Instant::now(),
+        }
+    }
+
+    /// When it is over; `None` if never.
+    pub(super) fn instant(&self) -> Option<Instant> {
+        self.begun.checked_add(self.limit?)
+    }
+
+    /// Whether it is over.
+    pub(super) fn is_over(&self) -> bool {
+        self.limit
+            .is_some_and(|limit| self.begun.elapsed() >= limit)
+    }
+
+    /// Fails where it is over before all of a recording was read.
+    pub(super) fn check(&self, path: &Path) -> anyhow::Result<()> {
+        if self.is_over() {
+            bail!(
+                "{}: the deadline of {} was over before all of it was read; nothing was \
+                 written, give it more by --deadline",
+                path.display(),
+                humantime::format_duration(self.limit.unwrap_or_default())
+            );
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_limit_it_is_never_over_and_with_none_left_at_once() {
+        let path = Path::new("a.mcap");
+        let none = Deadline::begin(None);
+        assert!(!none.is_over() && none.instant().is_none() && none.check(path).is_ok());
+        let over = Deadline::begin(Some(Duration::ZERO));
+        assert!(over.is_over() && over.instant().is_some_and(|at| at <= Instant::now()));
+        let error = over.check(path).expect_err("over").to_string();
+        assert!(
+            error.starts_with("a.mcap: the deadline of 0s"),
+            "{error}"
+        );
+        // A limit longer than the clock counts is none.
+        assert!(!Deadline::begin(Some(Duration::MAX)).is_over());
+    }
+}
