@@ -10,6 +10,7 @@ use checks::checks;
 use tables::{events, held, parameters, segments};
 use units::{deviation_ms, duration, for_people, seconds};
 
+use super::output::printable;
 use crate::report::{EstimateReport, RecordingReport, SuspectLine};
 
 /// How an account looks.
@@ -23,10 +24,11 @@ pub(super) struct Style {
 pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     let estimate = &report.estimate;
     let mut grave = estimate.doubts.iter().filter(|doubt| doubt.is_grave());
-    let gravest = grave.next().map(|doubt| format!(": {}", doubt.text));
+    let gravest = grave.next();
+    let gravest = gravest.map(|doubt| format!(": {}", printable(&doubt.text)));
     let mut text = format!(
         "{}: {}, {}, {}{}\n",
-        report.recording,
+        printable(&report.recording),
         coloured(estimate.verdict, style),
         fit_words(estimate),
         if estimate.determined {
@@ -38,7 +40,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     );
     let mut line = |words: String| {
         text.push_str("  ");
-        text.push_str(words.trim_end());
+        text.push_str(&printable(words.trim_end()));
         text.push('\n');
     };
     for diagnosis in &estimate.diagnoses {

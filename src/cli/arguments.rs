@@ -73,7 +73,7 @@ pub(super) struct CaptureArguments {
     /// `capture.viewer_port` of the scene, or not at all]
     #[arg(long, value_name = "PORT")]
     pub(super) viewer_port: Option<u16>,
-    /// Serve /health and /metrics by HTTP on this port, 0 for any [default:
+    /// Serve the operator's page, /health and /metrics by HTTP on this port, 0 for any [default:
     /// `capture.metrics_port` of the scene, or not at all]
     #[arg(long, value_name = "PORT")]
     pub(super) metrics_port: Option<u16>,
@@ -87,34 +87,56 @@ pub(super) struct CaptureArguments {
 
 /// Arguments of `take`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 done, 1 refused or not recorded, 3 done, but something speaks against it: \
+                  of `status` a tracker that fell silent or a full disk, of `stop --wait` the estimate."
+)]
 pub(super) struct TakeArguments {
     /// What is wanted
-    #[arg(value_enum)]
+    #[command(subcommand)]
     pub(super) wanted: Wanted,
-    /// Event of the scene that `mark` stands for [default: the next one]
-    #[arg(long, value_name = "NAME")]
-    pub(super) event: Option<String>,
-    /// Topic of marks: `marks_topic` of the scene
-    #[arg(long, value_name = "TOPIC", default_value = "/marks")]
-    pub(super) topic: String,
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", global = true)]
     pub(super) iceoryx2: Option<PathBuf>,
 }
 
 /// What may be wanted of a take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Subcommand)]
 pub(super) enum Wanted {
     /// Begin one
     Start,
     /// End it and estimate it
-    Stop,
+    Stop(StopArguments),
     /// End it and remove it
     Discard,
     /// An event happens now
-    Mark,
-    /// Say how it stands
+    Mark {
+        /// Event of the scene that it stands for [default: the next one]
+        #[arg(long, value_name = "NAME")]
+        event: Option<String>,
+        /// Topic of marks: `marks_topic` of the scene
+        #[arg(long, value_name = "TOPIC", default_value = "/marks")]
+        topic: String,
+    },
+    /// Say how the take and the trackers stand
     Status,
+}
+
+/// Arguments of `take stop`.
+#[derive(Debug, Args)]
+pub(super) struct StopArguments {
+    /// Wait for the estimate, and say its verdict and file
+    #[arg(long)]
+    pub(super) wait: bool,
+    /// Name of the take, for the recording
+    #[arg(long, value_name = "TEXT", value_parser = text_of::<NAME_BYTES>)]
+    pub(super) name: Option<String>,
+    /// A note on the take, for the recording
+    #[arg(long, value_name = "TEXT", value_parser = text_of::<NOTE_BYTES>)]
+    pub(super) note: Option<String>,
+    /// Rating of the take, 1 (bad) to 5 (good)
+    #[arg(long, value_name = "1-5", value_parser = clap::value_parser!(u32).range(1..=5))]
+    pub(super) rating: Option<u32>,
 }
 
 /// Arguments of `recover`.
@@ -325,6 +347,18 @@ pub(super) enum Format {
 pub(super) enum Free {
     /// Whatever explains a misfit and is told from everything else that might
     Auto,
+}
+
+/// Longest name and note of a take \[bytes\].
+const NAME_BYTES: usize = 256;
+const NOTE_BYTES: usize = 1024;
+
+fn text_of<const N: usize>(text: &str) -> Result<String, String> {
+    match text.len() {
+        0 => Err("expected a text".into()),
+        length if length > N => Err(format!("{length} bytes long, at most {N}")),
+        _ => Ok(text.to_owned()),
+    }
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -2,7 +2,7 @@
 
 use super::arguments::{DoctorArguments, Format};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use crate::service::{DoctorJob, Health, doctor};
 
 pub(super) fn run(arguments: DoctorArguments) -> anyhow::Result<Exit> {
@@ -21,7 +21,8 @@ pub(super) fn run(arguments: DoctorArguments) -> anyhow::Result<Exit> {
                     Health::Poor => "poor",
                     Health::Bad => "BAD ",
                 };
-                output::print(&format!("{mark}  {}: {}\n", finding.subject, finding.text))?;
+                let (subject, text) = (printable(&finding.subject), printable(&finding.text));
+                output::print(&format!("{mark}  {subject}: {text}\n"))?;
             }
         }
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::arguments::{ExportArguments, Format, Target};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use crate::service::{self, ExportFormat, ExportJob, ExportTo, Exported};
 
@@ -73,16 +73,16 @@ fn text(exported: &Exported) -> String {
         keys,
         ..
     } = exported;
-    let mut text = format!("{input}: {scene}, {verdict}\n");
+    let mut text = format!("{}: {}, {verdict}\n", printable(input), printable(scene));
     for loss in &exported.lost {
-        text += &format!("  lost: {loss}\n");
+        text += &format!("  lost: {}\n", printable(loss));
     }
     for warning in &exported.warnings {
-        text += &format!("  note: {warning}\n");
+        text += &format!("  note: {}\n", printable(warning));
     }
     text += &format!("  bodies {bodies}, keys {keys}\n");
     for output in &exported.outputs {
-        text += &format!("  written   {output}\n");
+        text += &format!("  written   {}\n", printable(output));
     }
     text
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::arguments::{Format, InspectArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{self, Inspection};
@@ -32,7 +32,7 @@ pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
 fn text(inspection: &Inspection) -> String {
     let mut text = format!(
         "{}: {} bytes, {} messages, {:.3} s{}{}\n",
-        inspection.recording,
+        printable(&inspection.recording),
         inspection.bytes,
         inspection.messages,
         inspection.duration_s,
@@ -49,20 +49,21 @@ fn text(inspection: &Inspection) -> String {
     );
     // Writing to a String cannot fail.
     let _ = match &inspection.scene {
-        Some(scene) => writeln!(text, "  scene: {scene}"),
+        Some(scene) => writeln!(text, "  scene: {}", printable(scene)),
         None => Ok(()),
     };
     if let Some(complaint) = &inspection.complaint {
-        let _ = writeln!(text, "  scene: {complaint}");
+        let _ = writeln!(text, "  scene: {}", printable(complaint));
     }
     for loss in &inspection.lost {
-        let _ = writeln!(text, "  lost: {loss}");
+        let _ = writeln!(text, "  lost: {}", printable(loss));
     }
     for warning in &inspection.warnings {
-        let _ = writeln!(text, "  note: {warning}");
+        let _ = writeln!(text, "  note: {}", printable(warning));
     }
     if !inspection.attachments.is_empty() {
-        let _ = writeln!(text, "  attached: {}", inspection.attachments.join(", "));
+        let names = inspection.attachments.join(", ");
+        let _ = writeln!(text, "  attached: {}", printable(&names));
     }
     if !inspection.topics.is_empty() {
         text.push('\n');

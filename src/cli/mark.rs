@@ -2,7 +2,7 @@
 
 use super::arguments::{Format, MarkArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{self, MarkJob, Marked};
@@ -34,12 +34,16 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(marked: &Marked) -> String {
-    let mut text = format!("{}: {}\n", marked.recording, marked.scene);
+    let mut text = format!(
+        "{}: {}\n",
+        printable(&marked.recording),
+        printable(&marked.scene)
+    );
     for loss in &marked.lost {
-        text += &format!("  lost: {loss}\n");
+        text += &format!("  lost: {}\n", printable(loss));
     }
     for warning in &marked.warnings {
-        text += &format!("  note: {warning}\n");
+        text += &format!("  note: {}\n", printable(warning));
     }
     let or_dash = |word: &Option<String>| word.clone().unwrap_or_else(|| "-".into());
     let rows: Vec<Vec<String>> = marked
@@ -59,7 +63,7 @@ fn text(marked: &Marked) -> String {
     text.push('\n');
     text += &table("  ", &["event", "time", "score", "body"], &rows);
     if let Some(output) = &marked.output {
-        text += &format!("  written   {output}\n");
+        text += &format!("  written   {}\n", printable(output));
     }
     text
 }

@@ -4,9 +4,13 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use serde::Serialize;
 
-/// Writes a text. A reader that has closed the pipe is no error.
+pub(super) use crate::report::printable;
+use crate::report::printable_lines;
+
+/// Writes an account; control characters in it but line feeds and our own colours, which may be in
+/// names from files and from the wire, are escaped. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    print_bytes(text.as_bytes())
+    print_bytes(printable_lines(text).as_bytes())
 }
 
 /// [`print`] of what is not text.
@@ -23,17 +27,23 @@ pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
 pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     let mut line = serde_json::to_string(value)?;
     line.push('\n');
-    Ok(print(&line)?)
+    // JSON escapes what is not printable itself.
+    Ok(print_bytes(line.as_bytes())?)
 }
 
 /// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    let _ = writeln!(io::stderr(), "error: {}", printable_lines(error));
+}
+
+/// Prints a warning on stderr; a closed stderr is ignored.
+pub(super) fn print_warning(warning: &str) {
+    let _ = writeln!(io::stderr(), "warning: {}", printable(warning));
 }
 
 /// Prints a note on stderr, where stdout has another use.
 pub(super) fn print_note(note: &str) {
-    let _ = writeln!(io::stderr(), "note: {note}");
+    let _ = writeln!(io::stderr(), "note: {}", printable(note));
 }
 
 /// Whether colours are wanted on stdout.

@@ -2,7 +2,7 @@
 
 use super::arguments::{Format, RecoverArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use crate::service::{RecoveredLine, recover_all};
 
@@ -40,16 +40,19 @@ pub(super) fn run(arguments: RecoverArguments) -> anyhow::Result<Exit> {
 fn text(line: &RecoveredLine) -> String {
     let mut text = format!(
         "{}: {} messages, {:.3} s, in {}\n",
-        line.journal, line.messages, line.duration_s, line.recording
+        printable(&line.journal),
+        line.messages,
+        line.duration_s,
+        printable(&line.recording)
     );
     for (topic, messages) in &line.topics {
-        text.push_str(&format!("  {topic}: {messages}\n"));
+        text.push_str(&format!("  {}: {messages}\n", printable(topic)));
     }
     for lost in &line.lost {
-        text.push_str(&format!("  lost: {lost}\n"));
+        text.push_str(&format!("  lost: {}\n", printable(lost)));
     }
     for note in &line.notes {
-        text.push_str(&format!("  note: {note}\n"));
+        text.push_str(&format!("  note: {}\n", printable(note)));
     }
     if line.unread_bytes > 0 {
         let shown = line.unread.iter().take(SHOWN);
@@ -64,6 +67,9 @@ fn text(line: &RecoveredLine) -> String {
             ranges.join(", ")
         ));
     }
-    text.push_str(&format!("  the journal is kept as {}\n", line.kept));
+    text.push_str(&format!(
+        "  the journal is kept as {}\n",
+        printable(&line.kept)
+    ));
     text
 }

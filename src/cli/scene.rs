@@ -2,7 +2,7 @@
 
 use super::arguments::{Format, FromUrdfArguments, SceneCommand};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use crate::service::{self, FromUrdfJob, UrdfImported};
 
@@ -37,16 +37,22 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(imported: &UrdfImported) -> String {
-    let mut text = format!("{}: {}\n", imported.input, imported.scene);
+    let mut text = format!(
+        "{}: {}\n",
+        printable(&imported.input),
+        printable(&imported.scene)
+    );
     for loss in &imported.lost {
-        text += &format!("  lost: {loss}\n");
+        text += &format!("  lost: {}\n", printable(loss));
     }
     for warning in &imported.warnings {
-        text += &format!("  note: {warning}\n");
+        text += &format!("  note: {}\n", printable(warning));
     }
     text += &format!(
         "  bodies {}, joints {}\n  written   {}\n",
-        imported.bodies, imported.joints, imported.output
+        imported.bodies,
+        imported.joints,
+        printable(&imported.output)
     );
     text
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::{Format, SketchArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, printable};
 use super::process::print_failure;
 use crate::service::{self, Density, SketchJob, Sketched};
 
@@ -39,16 +39,22 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
 }
 
 fn text(sketched: &Sketched) -> String {
-    let mut text = format!("{}: {}\n", sketched.input, sketched.scene);
+    let mut text = format!(
+        "{}: {}\n",
+        printable(&sketched.input),
+        printable(&sketched.scene)
+    );
     for loss in &sketched.lost {
-        text += &format!("  lost: {loss}\n");
+        text += &format!("  lost: {}\n", printable(loss));
     }
     for warning in &sketched.warnings {
-        text += &format!("  note: {warning}\n");
+        text += &format!("  note: {}\n", printable(warning));
     }
     text += &format!(
         "  keyframes {}, marks {}\n  written   {}\n",
-        sketched.keyframes, sketched.marks, sketched.output
+        sketched.keyframes,
+        sketched.marks,
+        printable(&sketched.output)
     );
     text
 }

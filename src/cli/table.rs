@@ -1,9 +1,14 @@
 //! Aligned columns.
 
+use super::output::printable;
+
 /// Lines of cells under a head: first column aligned left, numbers aligned right, two spaces
 /// between columns, `indent` before each line and no space at its end.
 pub(super) fn table(indent: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let head: Vec<String> = head.iter().map(|cell| (*cell).to_owned()).collect();
+    // Names in cells may hold anything.
+    let printable = |row: &Vec<String>| row.iter().map(|cell| printable(cell).into()).collect();
+    let rows: &[Vec<String>] = &rows.iter().map(printable).collect::<Vec<_>>();
     let all: Vec<&Vec<String>> = std::iter::once(&head).chain(rows).collect();
     let columns = all.iter().map(|row| row.len()).max().unwrap_or(0);
     let width = |column: usize| {

@@ -126,9 +126,10 @@
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
 //! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
 //! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
-//! in the last `chunk_ms + sync_ms`. Takes begin and end on command; samples between
-//! takes are counted and not kept, and no key changes that. `viewer_port` serves viewers,
-//! `metrics_port` health and metrics, both at the address `listen`.
+//! in the last `chunk_ms + sync_ms`. Takes begin and end on command; with
+//! `pre_roll_s` a take begins with what came in so many seconds before its start. `viewer_port` serves
+//! viewers, `metrics_port` the operator's page, health and metrics, both at the address `listen`;
+//! pages in browsers from elsewhere may watch if they are among `origins`.
 //!
 //! # Defaults
 //!
@@ -141,6 +142,8 @@
 //! | `capture.chunk_ms`, `capture.sync_ms` | 100 ms, 1000 ms |
 //! | `capture.viewer_port`, `capture.metrics_port` | not served |
 //! | `capture.listen` | `"127.0.0.1"` |
+//! | `capture.origins` | none: pages of this machine and of known viewers may watch |
+//! | `capture.pre_roll_s` | 0: a take begins at its start |
 //! | `capture.tracker.stamps` | `"sample"` if the first valid sample has that time, else `"device"` if it has that, else `"receipt"` |
 //! | `settle_s` | the motion ends where the performance does |
 //! | `timing.tempo_sd_per_sqrt_s` | 0.5 |

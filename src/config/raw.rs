@@ -278,6 +278,8 @@ pub(super) struct RawCapture {
     pub(super) listen: Option<Text>,
     pub(super) viewer_port: Option<Number>,
     pub(super) metrics_port: Option<Number>,
+    pub(super) origins: Option<Vec<Text>>,
+    pub(super) pre_roll_s: Option<Number>,
     #[serde(default)]
     pub(super) tracker: Vec<RawTrackerClock>,
 }

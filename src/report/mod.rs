@@ -7,6 +7,8 @@
 //! [`DoubtLine`] what speaks against its motion, [`DiagnosisLine`] what is likely mistaken in the scene or the
 //! stream.
 //!
+//! Names are as they are in files and on the wire; who prints them does so through [`printable()`].
+//!
 //! Numbers are SI unless a name says otherwise. Numbers that are not finite (a bound that does not
 //! bind, a deviation that nothing determines) are `null` in JSON.
 
@@ -19,6 +21,7 @@ pub mod goals;
 pub mod held;
 pub mod message;
 pub mod motion;
+mod printable;
 pub mod reason;
 pub mod recording;
 pub mod reported;
@@ -37,6 +40,7 @@ pub use goals::GoalLine;
 pub use held::HeldLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
+pub use printable::{printable, printable_lines};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};
 pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;

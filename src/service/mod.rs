@@ -32,7 +32,7 @@ mod stopwatch;
 mod words;
 
 #[cfg(feature = "live")]
-pub use direct::{Answer, DirectJob, Direction, direct};
+pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
@@ -47,6 +47,3 @@ pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
 pub use words::words;
-
-#[cfg(feature = "live")]
-pub use crate::ingest::live::TakeState;

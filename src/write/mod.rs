@@ -41,7 +41,7 @@ pub use estimate::{
 pub use journal::Journal;
 pub use keyframes::{csv_of_sketch, toml_of_sketch};
 #[cfg(feature = "live")]
-pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
+pub use live::{EstimatePublisher, LabelPublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
 pub use recording::RecordingWriter;
 pub use recover::{Recovered, abandoned, recover};

@@ -80,23 +80,34 @@
 //! existing ones.
 
 mod daemon;
+mod director;
 mod estimator;
 mod event;
+mod gate;
+mod health;
+mod history;
 mod http;
+mod label;
 mod latency;
 mod listen;
 mod metrics;
 mod naming;
 mod notice;
 mod notify;
+mod origin;
+mod preroll;
+mod presence;
 mod previewer;
 mod publisher;
 mod recorder;
+mod seldom;
 mod syncer;
 mod take;
 mod viewer;
 
 pub use daemon::{CaptureJob, capture};
-pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
+pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine, TrackerState};
+pub use label::TakeLabel;
 pub use latency::LatencyLine;
+pub use presence::Presence;
 pub(super) use take::now_ns;
