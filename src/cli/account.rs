@@ -212,6 +212,6 @@ fn summary(report: &RecordingReport, style: Style) -> String {
     }
     text.push('\n');
     text.push_str(&checks(estimate));
-    let _ = writeln!(text, "  written   {}", report.output);
+    let _ = writeln!(text, "  written   {}", printable(&report.output));
     text
 }

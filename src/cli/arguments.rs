@@ -120,6 +120,15 @@ pub(super) enum Wanted {
     },
     /// Say how the take and the trackers stand
     Status,
+    /// List the takes in a folder, with what was said of them
+    List {
+        /// The folder
+        #[arg(value_name = "DIR", default_value = "takes")]
+        folder: PathBuf,
+        /// How the list on stdout is written
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
 }
 
 /// Arguments of `take stop`.

@@ -1,13 +1,14 @@
 //! `take`: directs a running daemon and prints its answer.
 
+use std::path::Path;
 use std::time::Duration;
 
-use super::arguments::{TakeArguments, Wanted};
+use super::arguments::{Format, TakeArguments, Wanted};
 use super::exit::Exit;
 use super::output;
 use super::table::table;
 use crate::service::capture::{Presence, TrackerState};
-use crate::service::{DaemonAnswer, DirectJob, Direction, Label, direct};
+use crate::service::{DaemonAnswer, DirectJob, Direction, Label, TakeEntry, direct, takes};
 
 /// A daemon answers within milliseconds; a busy machine is given time.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -25,6 +26,7 @@ pub(super) fn run(arguments: TakeArguments) -> anyhow::Result<Exit> {
             },
             waits: stop.wait,
         },
+        Wanted::List { folder, format } => return list(&folder, format),
         Wanted::Discard => Direction::Discard,
         Wanted::Status => Direction::Ask,
         Wanted::Mark { event, topic } => {
@@ -126,6 +128,47 @@ fn account(answer: &DaemonAnswer, is_status: bool) -> (String, Exit) {
         }
         DaemonAnswer::Other => ("an answer that is not understood\n".to_owned(), Exit::Error),
     }
+}
+
+/// Prints the takes in a folder; done but not whole where one cannot be read.
+fn list(folder: &Path, format: Format) -> anyhow::Result<Exit> {
+    let takes = takes(folder)?;
+    match format {
+        Format::Text => output::print(&of_takes(&takes))?,
+        Format::Ndjson => takes.iter().try_for_each(output::print_json)?,
+    }
+    let is_whole = takes.iter().all(|take| take.error.is_none());
+    Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
+}
+
+fn of_takes(takes: &[TakeEntry]) -> String {
+    let dash = || "-".to_owned();
+    let rows: Vec<Vec<String>> = takes
+        .iter()
+        .map(|take| {
+            let note = take.note.clone().unwrap_or_default();
+            vec![
+                take.number.map_or_else(dash, |number| number.to_string()),
+                take.name.clone().unwrap_or_else(dash),
+                take.rating
+                    .map_or_else(dash, |rating| format!("{rating} of 5")),
+                take.messages.to_string(),
+                take.estimate.as_ref().map_or("no", |_| "yes").to_owned(),
+                take.recording.clone(),
+                take.error.clone().unwrap_or(note),
+            ]
+        })
+        .collect();
+    let head = [
+        "take",
+        "name",
+        "rating",
+        "messages",
+        "estimated",
+        "file",
+        "note",
+    ];
+    table("", &head, &rows)
 }
 
 fn of_trackers(trackers: &[TrackerState]) -> String {

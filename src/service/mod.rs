@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -29,6 +29,8 @@ mod refusal;
 mod replay;
 mod sketch;
 mod stopwatch;
+#[cfg(feature = "live")]
+mod takes;
 mod words;
 
 #[cfg(feature = "live")]
@@ -46,4 +48,6 @@ pub use recover::{RecoveredLine, recover_all};
 pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
+#[cfg(feature = "live")]
+pub use takes::{TakeEntry, takes};
 pub use words::words;

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::units::{angle, length, seconds};
+use crate::cli::output::printable;
 use crate::report::{EstimateReport, LieLine};
 
 /// What independent checks found, and how the motion goes on.
@@ -19,7 +20,7 @@ pub(super) fn checks(report: &EstimateReport) -> String {
             ),
             None => format!("no overlap beyond {}", length(checked.tolerance_m)),
         };
-        let _ = write!(text, "  checked   {overlap}");
+        let _ = write!(text, "  checked   {}", printable(&overlap));
         for wrong in &checked.wrong_features {
             let _ = write!(
                 text,
@@ -64,7 +65,7 @@ pub(super) fn checks(report: &EstimateReport) -> String {
     }
     if let Some(rest) = &report.rest {
         for lie in &rest.goals {
-            let _ = writeln!(text, "  rest      {}", lying(lie));
+            let _ = writeln!(text, "  rest      {}", printable(&lying(lie)));
         }
         if rest.tried > 0 {
             let _ = writeln!(

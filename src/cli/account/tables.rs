@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::units::{angle, bound, decimals, deviation_ms, for_people, length, seconds};
+use crate::cli::output::printable;
 use crate::cli::table::table;
 use crate::report::{EstimateReport, EventLine};
 
@@ -40,12 +41,12 @@ fn goals(report: &EstimateReport) -> String {
         let body = goal
             .body
             .as_ref()
-            .map_or_else(String::new, |body| format!("{body}, "));
+            .map_or_else(String::new, |body| format!("{}, ", printable(body)));
         let _ = writeln!(
             text,
             "  goal      {}: {body}{} {:.3} {unit} off{weight}",
-            goal.event,
-            goal.what,
+            printable(&goal.event),
+            printable(&goal.what),
             factor * goal.distance
         );
     }
@@ -75,7 +76,7 @@ fn inferred(report: &EstimateReport) -> String {
     if words.is_empty() {
         return String::new();
     }
-    format!("  inferred  {}\n", words.join(", "))
+    format!("  inferred  {}\n", printable(&words.join(", ")))
 }
 
 /// The largest gap of each kind, with the event where it is.
@@ -99,7 +100,7 @@ fn largest_gaps(report: &EstimateReport) -> String {
             });
         }
     }
-    format!("  largest gaps  {}\n", words.join(", "))
+    format!("  largest gaps  {}\n", printable(&words.join(", ")))
 }
 
 pub(super) fn segments(report: &EstimateReport) -> String {
@@ -202,7 +203,7 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
         let _ = writeln!(
             text,
             "  not determined by the performance: {}",
-            report.undetermined.join(", ")
+            printable(&report.undetermined.join(", "))
         );
     }
     text

@@ -22,7 +22,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{Semaphore, mpsc, watch};
 use typed_index_collections::TiVec;
@@ -46,6 +46,12 @@ use websocket::Server;
 
 /// Greatest number of live samples in the queue.
 const FEED: usize = 256;
+
+/// The system's buffer for what is sent to a viewer, which it doubles.
+const SEND_BYTES: u32 = 128 << 10;
+
+/// Connections that wait to be accepted.
+const BACKLOG: u32 = 1024;
 
 /// Interval of frames of the motion, and least interval of a tracker's poses.
 const FRAME: Duration = Duration::from_micros(16_667);
@@ -136,7 +142,7 @@ pub(super) async fn serve(
     (estimates, status): (watch::Receiver<Shown>, watch::Receiver<Status>),
     metrics: Arc<Metrics>,
 ) -> std::io::Result<(Feed, SocketAddr)> {
-    let listener = TcpListener::bind(address).await?;
+    let listener = listen(address)?;
     let address = listener.local_addr()?;
     let mut hub = Hub::new(format!("enact: {}", scene.name), &metrics);
     let channels = ViewerChannels::new(&mut hub, scene, streams);
@@ -170,6 +176,18 @@ pub(super) async fn serve(
         metrics,
     };
     Ok((feed, address))
+}
+
+/// Listens with small buffers: what a viewer does not read must not fill the system's memory.
+fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = match address {
+        SocketAddr::V4(_) => TcpSocket::new_v4()?,
+        SocketAddr::V6(_) => TcpSocket::new_v6()?,
+    };
+    socket.set_reuseaddr(true)?;
+    socket.set_send_buffer_size(SEND_BYTES)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }
 
 impl ViewerChannels {
