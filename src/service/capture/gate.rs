@@ -32,6 +32,8 @@ pub(super) struct Places {
     pub(super) waiting: usize,
     /// Viewers.
     pub(super) viewers: usize,
+    /// Peers that take their answer.
+    pub(super) answered: usize,
 }
 
 impl Places {
@@ -54,11 +56,12 @@ impl Places {
     }
 
     fn of_limit(descriptors: usize) -> Self {
-        // Two ports with peers that wait, and the viewers: five equal shares.
-        let share = descriptors.saturating_sub(RESERVED) / 5;
+        // Two ports with peers that wait, two shares each; viewers; peers that are answered.
+        let share = descriptors.saturating_sub(RESERVED) / 6;
         Self {
             waiting: (2 * share).clamp(8, 128),
             viewers: share.clamp(2, 32),
+            answered: share.clamp(2, 32),
         }
     }
 }
@@ -150,13 +153,13 @@ mod tests {
     fn recording_keeps_its_descriptors_whatever_the_limit() {
         for (limit, waiting, viewers) in [
             (64, 8, 2),
-            (400, 56, 28),
+            (400, 48, 24),
             (1024, 128, 32),
             (usize::MAX, 128, 32),
         ] {
             let places = Places::of_limit(limit);
             assert_eq!((places.waiting, places.viewers), (waiting, viewers));
-            let all = 2 * places.waiting + places.viewers;
+            let all = 2 * places.waiting + places.viewers + places.answered;
             assert!(limit <= RESERVED || all + RESERVED <= limit, "{places:?}");
         }
     }

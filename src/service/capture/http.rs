@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 use super::director::{Director, Order};
 use super::event::Status;
@@ -32,6 +32,7 @@ use super::origin::Origins;
 const HEAD_BYTES: usize = 8 << 10;
 const BODY_BYTES: usize = 8 << 10;
 const HEADERS: usize = 64;
+const SHORT_BYTES: usize = 4 << 10;
 const PATIENCE: Duration = Duration::from_secs(2);
 
 const PAGE: &str = include_str!("operator.html");
@@ -59,11 +60,13 @@ pub(super) async fn serve(
     let listener = TcpListener::bind(address).await?;
     let address = listener.local_addr()?;
     let pages = Arc::new(pages);
+    let answered = Arc::new(Semaphore::new(places.answered));
     let gate = Gate::new("metrics", places.waiting, &pages.metrics);
     let serve = move |stream, waiting| {
-        let pages = Arc::clone(&pages);
+        let (pages, answered) = (Arc::clone(&pages), Arc::clone(&answered));
         async move {
-            let answer = tokio::time::timeout(PATIENCE, pages.answer(stream, waiting)).await;
+            let answer = pages.answer(stream, waiting, &answered);
+            let answer = tokio::time::timeout(PATIENCE, answer).await;
             if !matches!(answer, Ok(Ok(()))) {
                 pages.metrics.requests_refused.add();
             }
@@ -99,7 +102,12 @@ impl Reply {
 }
 
 impl Pages {
-    async fn answer(&self, mut stream: TcpStream, waiting: Waiting) -> std::io::Result<()> {
+    async fn answer(
+        &self,
+        mut stream: TcpStream,
+        waiting: Waiting,
+        answered: &Semaphore,
+    ) -> std::io::Result<()> {
         let mut request = Vec::new();
         let reply = loop {
             if let Some(reply) = self.reply(&request) {
@@ -111,7 +119,12 @@ impl Pages {
                 length => request.extend_from_slice(&part[..length]),
             }
         };
-        // What is sent now fits into the system's buffer, or is cut off when its time is over.
+        // A short reply fits into the system's buffer whether the peer reads or not. Of the peers
+        // that are sent long ones only so many can hold a connection.
+        let _place = match reply.body.len() > SHORT_BYTES {
+            true => answered.acquire().await.ok(),
+            false => None,
+        };
         drop(waiting);
         let is_error = reply.status.starts_with('4');
         if is_error {
