@@ -211,6 +211,7 @@ fn figures() {
         most as f64 / 1048576.0,
         begun.elapsed().as_secs_f64()
     );
+    daemon.wait_for("closed");
     let closed = daemon.wait_for("closed");
     println!("the take: {}", closed["counts"]);
     assert!(ended(tracker).status.success());

@@ -74,8 +74,10 @@ fn a_take_is_directed_from_the_page_and_from_no_other() {
     assert_eq!(over["takes"][0]["is_good"], true);
     assert_eq!(over["takes"][0]["label"]["rating"], 4);
     assert_eq!(over["takes"][0]["label"]["name"], "Wurf <b>ü</b>");
-    let received = &over["status"]["totals"]["trackers"][0]["counts"]["received"];
-    assert_eq!(*received, sent["poses"]);
+    // The recorder's counts are renewed five times a second.
+    wait(&url, "all samples are counted", |now| {
+        now["status"]["totals"]["trackers"][0]["counts"]["received"] == sent["poses"]
+    });
     daemon.end();
 }
 

@@ -39,7 +39,7 @@ const PAGE: &str = include_str!("operator.html");
 
 /// What a browser may do with the page: nothing but what is in it, and talk to this server.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
-                      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+                      connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// The contents of the pages.
 pub(super) struct Pages {

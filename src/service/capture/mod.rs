@@ -82,11 +82,9 @@
 //! Nothing that happens at the ports reaches recording. There may be 128 connections at each port that have
 //! not said yet what they want, the oldest of which makes room for one more, and 32 viewers; fewer
 //! where the process may have fewer than about 550 descriptors, of which 256 are left for trackers and
-//! takes. All viewers together take at most 64 MiB; one that does not read for ten seconds is sent
-//! away. What others can make the daemon log is logged every ten seconds at most, with how often it
+//! takes. All viewers together take at most 64 MiB; one that takes ten seconds for a message, or answers
+//! no ping for twenty, is sent away. What others can make the daemon log is logged every ten seconds at most, with how often it
 //! happened.
-//!
-//! Measured with 2 processors, shared with other builds, in a debug build: see `docs/live.md`.
 //!
 //! `/health` is 200 while a take could be begun and written, else 503 with the reasons: the last take
 //! could not be recorded, less than 1 MiB is free, no file can be made in the folder or no descriptor be

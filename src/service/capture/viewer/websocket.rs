@@ -34,8 +34,8 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// How long a viewer may take for one message.
 const STALL: Duration = Duration::from_secs(10);
 
-/// Interval of pings; a viewer that answers none of two has gone.
-const PING: Duration = Duration::from_secs(15);
+/// Interval of pings; a viewer that has answered none of two when the third is due has gone.
+const PING: Duration = Duration::from_secs(10);
 
 /// Greatest message of a viewer: a subscription to some hundred channels.
 const RECEIVED_BYTES: usize = 8 << 10;
