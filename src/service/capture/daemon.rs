@@ -73,7 +73,7 @@ pub struct CaptureJob {
 /// a take is in its file. `each` is called with every event, `show` with the status at intervals, both
 /// on a thread of their own: where they wait, for a terminal or a pipe that nobody reads, nothing else
 /// does. At the end the running take is closed, all estimates are completed, and what is left to say is
-/// said within [`LAST_WORDS`]; a second signal does not wait for estimates.
+/// said within two seconds; a second signal does not wait for estimates.
 ///
 /// Fails before it listens where the scene is wrong, the folder cannot be made or the services
 /// cannot be opened, by another daemon for example.

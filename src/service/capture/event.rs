@@ -1,10 +1,10 @@
 //! Events and status of the daemon, for the terminal, the log and iceoryx2.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::label::TakeLabel;
 use super::latency::{Latencies, LatencyLine};
-use super::presence::Presence;
+use super::presence::TrackerState;
 use crate::ingest::clock::ClockQuality;
 use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
@@ -162,21 +162,6 @@ pub struct TrackerLine {
     pub counts: TallyCounts,
     /// How good its stamps are.
     pub clock: ClockQuality,
-}
-
-/// How a tracker stands, take or no take.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrackerState {
-    /// Its topic.
-    pub topic: String,
-    /// Whether it sends.
-    pub state: Presence,
-    /// Rate of the last second, or of a slow tracker \[Hz\].
-    pub rate_hz: f64,
-    /// Share of the samples of the last second that are valid, if there are any.
-    pub valid_share: Option<f64>,
-    /// Time since the last sample, if there was one \[s\].
-    pub seen_s: Option<f64>,
 }
 
 /// Counts of marks.

@@ -5,11 +5,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use super::event::{CaptureEvent, Status, TrackerLine, TrackerState};
+use super::event::{CaptureEvent, Status, TrackerLine};
 use super::health::Health;
 use super::history::History;
 use super::latency::Latencies;
-use super::presence::Presence;
+use super::presence::{Presence, TrackerState};
 
 /// Upper ends of the bins of histograms \[s\].
 pub(super) const BOUNDS_S: [f64; 13] = [

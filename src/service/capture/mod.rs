@@ -137,9 +137,9 @@ mod take;
 mod viewer;
 
 pub use daemon::{CaptureJob, capture};
-pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine, TrackerState};
+pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
 pub(super) use label::METADATA;
 pub use label::TakeLabel;
 pub use latency::LatencyLine;
-pub use presence::Presence;
+pub use presence::{Presence, TrackerState};
 pub(super) use take::now_ns;

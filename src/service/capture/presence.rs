@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::event::TrackerState;
 use crate::ingest::live::PoseRecord;
 
 /// Width and number of the bins that rates are counted in.
@@ -43,6 +42,21 @@ impl Presence {
             Self::Silent => "silent",
         }
     }
+}
+
+/// How a tracker stands, take or no take.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackerState {
+    /// Its topic.
+    pub topic: String,
+    /// Whether it sends.
+    pub state: Presence,
+    /// Rate of the last second, or of a slow tracker \[Hz\].
+    pub rate_hz: f64,
+    /// Share of the samples of the last second that are valid, if there are any.
+    pub valid_share: Option<f64>,
+    /// Time since the last sample, if there was one \[s\].
+    pub seen_s: Option<f64>,
 }
 
 /// The pulse of one tracker.
