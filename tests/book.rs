@@ -18,7 +18,9 @@ fn root() -> &'static Path {
 fn pages() -> Vec<PathBuf> {
     let docs = fs::read_dir(root().join("docs")).expect("docs");
     let docs = docs.map(|entry| entry.expect("entry").path());
-    let mut pages: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|of| of == "md")).collect();
+    let mut pages: Vec<PathBuf> = docs
+        .filter(|path| path.extension().is_some_and(|of| of == "md"))
+        .collect();
     pages.push(root().join("README.md"));
     pages.sort();
     pages
@@ -84,7 +86,10 @@ fn commands_in_documents_run() {
             for command in commands(&lines) {
                 assert!(command.starts_with("enact "), "{page:?}: {command}");
                 let program = PathBuf::from(env!("CARGO_BIN_EXE_enact"));
-                let line = format!("PATH=\"{}:$PATH\"; {command}", program.parent().expect("a folder").display());
+                let line = format!(
+                    "PATH=\"{}:$PATH\"; {command}",
+                    program.parent().expect("a folder").display()
+                );
                 let ran = Command::new("sh")
                     .args(["-c", &line])
                     .current_dir(folder.path())
@@ -111,7 +116,10 @@ fn links_lead_to_files_and_every_page_is_listed() {
                 continue;
             }
             let file = target.split('#').next().expect("a file");
-            assert!(folder.join(file).exists(), "{page:?}: {target} is not there");
+            assert!(
+                folder.join(file).exists(),
+                "{page:?}: {target} is not there"
+            );
             if page.ends_with("SUMMARY.md") {
                 listed.insert(folder.join(file));
             }

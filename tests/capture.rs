@@ -23,6 +23,10 @@ mod kills;
 mod peers;
 #[path = "capture/stamping.rs"]
 mod stamping;
+#[path = "capture/state.rs"]
+mod state;
+#[path = "capture/told.rs"]
+mod told;
 
 use harness::{Daemon, House, Patience, bytes, enact, ended};
 
@@ -461,7 +465,7 @@ fn a_take_is_directed_from_the_command_line() {
         );
         said
     };
-    assert_eq!(take(&["status"], 0), "no take runs\n");
+    assert!(take(&["status"], 0).starts_with("no take runs\n"));
     assert_eq!(take(&["stop"], 1), "refused: no take runs\n");
     assert_eq!(take(&["start"], 0), "take 1 begins\n");
     let sent = house.tracker(&["recordings/pencil_tip.mcap", "--rate", "0"]);
@@ -471,10 +475,8 @@ fn a_take_is_directed_from_the_command_line() {
         format!("take 1: {} samples and marks\n", all + 1)
     );
     take(&["mark", "--event", "landing"], 0);
-    assert_eq!(
-        take(&["stop"], 0),
-        format!("take 1 is over: {} samples and marks\n", all + 2)
-    );
+    let over = format!("take 1 is over: {} samples and marks\n", all + 2);
+    assert!(take(&["stop"], 0).starts_with(&over));
     let closed = daemon.wait_for("closed");
     daemon.end();
     let taken = events(&house.path(closed["recording"].as_str().expect("path")));
@@ -594,8 +596,9 @@ fn garbage_on_every_service_is_refused_and_counted() {
     for what in ["malformed", "invalid", "duplicated", "late", "restarts"] {
         assert!(counts[what].as_u64() > Some(0), "{what}: {counts}");
     }
-    // Of garbage there is no estimate, or one that is not physical; the daemon ends properly.
-    assert_eq!(daemon.finished(), Some(3));
+    // Of garbage there is no estimate, or one that is not physical; the daemon ends properly, and
+    // all that came is in the file.
+    assert_eq!(daemon.finished(), Some(0));
     let take = house.path(closed["recording"].as_str().expect("path"));
     assert_eq!(raw_messages(&take), 660);
 }
@@ -646,7 +649,8 @@ fn what_a_full_buffer_drops_is_counted_as_overflow() {
 #[test]
 fn a_full_disk_ends_the_recording_and_not_the_daemon() {
     let house = House::new();
-    let Some(mut daemon) = Daemon::start_on_small_disk(&house, "config/pencil_tip.toml", "300k")
+    let Some(mut daemon) =
+        Daemon::start_on_small_disk(&house, "config/pencil_tip.toml", "300k", "")
     else {
         return peers::skip(
             "a_full_disk_ends_the_recording_and_not_the_daemon",

@@ -469,11 +469,7 @@ fn a_deadline_ends_reading_and_estimating() {
         .flat_map(|k| message(1, k * 1_000_000, &pose(k * 1_000_000)))
         .collect();
     let bytes = file(&[&beginning(), &poses]);
-    let found = cost(
-        "take.mcap",
-        &bytes,
-        &["inspect", "IN", "--deadline", "1ms"],
-    );
+    let found = cost("take.mcap", &bytes, &["inspect", "IN", "--deadline", "1ms"]);
     assert_eq!(found.code, Some(3), "{}", found.stdout);
     assert!(found.stdout.contains("the time limit"), "{}", found.stdout);
     let command = ["process", "IN", "-o", "OUT", "--deadline", "1ms"];

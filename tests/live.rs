@@ -5,14 +5,22 @@ use std::collections::{BTreeMap, BTreeSet};
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 
+#[path = "live/crowd.rs"]
+mod crowd;
 #[allow(dead_code)]
 #[path = "capture/harness.rs"]
 mod harness;
+#[path = "live/health.rs"]
+mod health;
+#[path = "live/page.rs"]
+mod page;
+#[path = "support/skip.rs"]
+mod skip;
 #[path = "live/socket.rs"]
 mod socket;
 
 use harness::{Daemon, House, Patience, ended};
-use socket::{Viewer, connect, exchange, get, status, upgrade};
+use socket::{Viewer, connect, exchange, get, status, upgrade, upgrade_for};
 
 const RECORDING: &str = "recordings/pencil_tip.mcap";
 const SCENE: &str = "config/pencil_tip.toml";
@@ -137,6 +145,15 @@ fn viewers_see_the_tracker_the_motion_and_its_ghost_whatever_others_send() {
     }
     let answer = exchange(&url, b"\x00\xff\x00\xffgarbage\r\n\r\n");
     assert_ne!(status(&answer), 101, "{answer}");
+    for origin in [
+        "http://evil.example",
+        "null",
+        "http://localhost.evil.example:8080",
+    ] {
+        let request = upgrade_for(origin, Some("foxglove.sdk.v1"));
+        let answer = exchange(&url, request.as_bytes());
+        assert_eq!(status(&answer), 403, "{origin}: {answer}");
+    }
 
     let expected = [
         "/estimate/pencil/pose",

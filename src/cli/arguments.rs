@@ -100,7 +100,7 @@ pub(super) struct CaptureArguments {
     /// `capture.viewer_port` of the scene, or not at all]
     #[arg(long, value_name = "PORT")]
     pub(super) viewer_port: Option<u16>,
-    /// Serve /health and /metrics by HTTP on this port, 0 for any [default:
+    /// Serve the operator's page, /health and /metrics by HTTP on this port, 0 for any [default:
     /// `capture.metrics_port` of the scene, or not at all]
     #[arg(long, value_name = "PORT")]
     pub(super) metrics_port: Option<u16>,
@@ -117,35 +117,64 @@ pub(super) struct CaptureArguments {
 #[command(after_help = "Examples:\n\
              \x20 enact take start\n\
              \x20 enact take mark --event bounce\n\
-             \x20 enact take stop")]
+             \x20 enact take stop --wait\n\
+             Exit codes: 0 done, 1 refused or not recorded, 3 done, but something speaks against it: \
+             of `status` a tracker that fell silent or a full disk, of `stop --wait` the estimate.")]
 pub(super) struct TakeArguments {
     /// What is wanted
-    #[arg(value_enum)]
+    #[command(subcommand)]
     pub(super) wanted: Wanted,
-    /// Event of the scene that `mark` stands for [default: the next one]
-    #[arg(long, value_name = "NAME")]
-    pub(super) event: Option<String>,
-    /// Topic of marks: `marks_topic` of the scene
-    #[arg(long, value_name = "TOPIC", default_value = "/marks")]
-    pub(super) topic: String,
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", global = true)]
     pub(super) iceoryx2: Option<PathBuf>,
 }
 
 /// What may be wanted of a take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Subcommand)]
 pub(super) enum Wanted {
     /// Begin one
     Start,
     /// End it and estimate it
-    Stop,
+    Stop(StopArguments),
     /// End it and remove it
     Discard,
     /// An event happens now
-    Mark,
-    /// Say how it stands
+    Mark {
+        /// Event of the scene that it stands for [default: the next one]
+        #[arg(long, value_name = "NAME")]
+        event: Option<String>,
+        /// Topic of marks: `marks_topic` of the scene
+        #[arg(long, value_name = "TOPIC", default_value = "/marks")]
+        topic: String,
+    },
+    /// Say how the take and the trackers stand
     Status,
+    /// List the takes in a folder, with what was said of them
+    List {
+        /// The folder
+        #[arg(value_name = "DIR", default_value = "takes")]
+        folder: PathBuf,
+        /// How the list on stdout is written
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
+}
+
+/// Arguments of `take stop`.
+#[derive(Debug, Args)]
+pub(super) struct StopArguments {
+    /// Wait for the estimate, and say its verdict and file
+    #[arg(long)]
+    pub(super) wait: bool,
+    /// Name of the take, for the recording
+    #[arg(long, value_name = "TEXT", value_parser = text_of::<NAME_BYTES>)]
+    pub(super) name: Option<String>,
+    /// A note on the take, for the recording
+    #[arg(long, value_name = "TEXT", value_parser = text_of::<NOTE_BYTES>)]
+    pub(super) note: Option<String>,
+    /// Rating of the take, 1 (bad) to 5 (good)
+    #[arg(long, value_name = "1-5", value_parser = clap::value_parser!(u32).range(1..=5))]
+    pub(super) rating: Option<u32>,
 }
 
 /// Arguments of `recover`.
@@ -524,14 +553,30 @@ pub(super) enum Free {
 
 fn triple(text: &str) -> Result<[f64; 3], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    let numbers = numbers
+        .ok()
+        .and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     let finite = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
     finite.ok_or_else(|| "expected three numbers such as 12,-5,40".into())
 }
 
 fn time(text: &str) -> Result<Duration, String> {
-    let time = humantime::parse_duration(text).ok().filter(|time| !time.is_zero());
+    let time = humantime::parse_duration(text)
+        .ok()
+        .filter(|time| !time.is_zero());
     time.ok_or_else(|| "expected a time such as 50ms or 2s".into())
+}
+
+/// Longest name and note of a take \[bytes\].
+const NAME_BYTES: usize = 256;
+const NOTE_BYTES: usize = 1024;
+
+fn text_of<const N: usize>(text: &str) -> Result<String, String> {
+    match text.len() {
+        0 => Err("expected a text".into()),
+        length if length > N => Err(format!("{length} bytes long, at most {N}")),
+        _ => Ok(text.to_owned()),
+    }
 }
 
 #[cfg(test)]

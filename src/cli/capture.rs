@@ -6,7 +6,10 @@ use super::account::{Style, account};
 use super::arguments::{CaptureArguments, Format};
 use super::exit::Exit;
 use super::output;
-use crate::service::capture::{CaptureEvent, CaptureJob, CountsLine, Status, capture};
+use crate::report::plain;
+use crate::service::capture::{
+    CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState, capture,
+};
 
 pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = CaptureJob {
@@ -23,29 +26,26 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
         verbose,
     };
     let shows = format == Format::Text && std::io::stderr().is_terminal();
-    let mut exit = Exit::Done;
-    capture(
-        &job,
-        |said| {
-            if !said.is_whole() {
-                exit = Exit::NotWhole;
-            }
-            if shows {
-                // What follows is a line of its own.
-                let _ = write!(std::io::stderr(), "\r\x1b[K");
-            }
-            match format {
-                Format::Ndjson => output::print_json("enact.capture/1", said),
-                Format::Text => Ok(output::print(&text(said, style))?),
-            }
-        },
-        |status| {
-            if shows {
-                show(status);
-            }
-        },
-    )?;
-    Ok(exit)
+    let each = move |said: &CaptureEvent| {
+        if shows {
+            // What follows is a line of its own.
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+        match format {
+            Format::Ndjson => output::print_json("enact.capture/1", said),
+            Format::Text => Ok(output::print(&text(said, style))?),
+        }
+    };
+    let show = move |status: &Status| {
+        if shows {
+            show(status);
+        }
+    };
+    Ok(if capture(&job, each, show)? {
+        Exit::Done
+    } else {
+        Exit::NotWhole
+    })
 }
 
 fn text(said: &CaptureEvent, style: Style) -> String {
@@ -57,29 +57,59 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             viewer,
             metrics,
         } => {
-            let mut text = format!("ready: {}\n", topics.join(", "));
+            let mut text = format!("ready: {}\n", plain(&topics.join(", ")));
             if let Some(viewer) = viewer {
                 text.push_str(&format!("  shown at {viewer}\n"));
             }
             if let Some(metrics) = metrics {
-                text.push_str(&format!("  health and metrics at {metrics}\n"));
+                text.push_str(&format!(
+                    "  operator's page, /health and /metrics at {metrics}\n"
+                ));
             }
             for shortcoming in shortcomings {
-                text.push_str(&format!("  note: {shortcoming}\n"));
+                text.push_str(&format!("  note: {}\n", plain(shortcoming)));
             }
             for journal in abandoned {
+                let journal = plain(journal);
                 text.push_str(&format!("  note: cut short: enact recover {journal}\n"));
             }
             text
         }
-        CaptureEvent::Started { take, recording } => format!("take {take}: records {recording}\n"),
+        CaptureEvent::Started {
+            take,
+            recording,
+            unheard,
+            before,
+        } => {
+            let mut text = format!("take {take}: records {}\n", plain(recording));
+            if *before > 0 {
+                text.push_str(&format!("  with {before} samples and marks from before\n"));
+            }
+            for topic in unheard {
+                text.push_str(&format!("  warning: nothing comes on {}\n", plain(topic)));
+            }
+            text
+        }
+        CaptureEvent::Heard { topic, .. } => format!("{}: sends\n", plain(topic)),
+        CaptureEvent::Silent {
+            topic,
+            take,
+            seen_s,
+        } => {
+            let take = take.map_or(String::new(), |take| format!(" in take {take}"));
+            let topic = plain(topic);
+            format!("{topic}: SILENT{take}: its last sample came {seen_s:.1} s ago\n")
+        }
         CaptureEvent::Closed {
             take,
             recording,
             messages,
             counts,
+            label,
         } => format!(
-            "take {take}: {messages} samples and marks in {recording}\n{}",
+            "take {take}: {messages} samples and marks in {}\n{}{}",
+            plain(recording),
+            label_text(label),
             counts_text(counts)
         ),
         CaptureEvent::Discarded { take } => format!("take {take}: discarded\n"),
@@ -89,7 +119,9 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             error,
             ..
         } => format!(
-            "take {take}: recording stopped: {error}\n  what came before is in {recording}\n"
+            "take {take}: recording stopped: {}\n  what came before is in {}\n",
+            plain(error),
+            plain(recording)
         ),
         CaptureEvent::SoFar {
             take,
@@ -109,14 +141,14 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             format!("take {take}: {}", account(report, style))
         }
         CaptureEvent::NotEstimated { take, error, .. } => {
-            format!("take {take}: not estimated: {error}\n")
+            format!("take {take}: not estimated: {}\n", plain(error))
         }
         // An answer to a machine.
         CaptureEvent::Asked { .. } => String::new(),
         CaptureEvent::Refused { command, reason } => {
-            format!("command {command} refused: {reason}\n")
+            format!("command {command} refused: {}\n", plain(reason))
         }
-        CaptureEvent::Warning { text } => format!("warning: {text}\n"),
+        CaptureEvent::Warning { text } => format!("warning: {}\n", plain(text)),
     }
 }
 
@@ -125,7 +157,7 @@ fn counts_text(counts: &CountsLine) -> String {
     let mut text = String::new();
     for tracker in &counts.trackers {
         let (of, clock) = (&tracker.counts, &tracker.clock);
-        let mut line = format!("  {}: {}", tracker.topic, of.received);
+        let mut line = format!("  {}: {}", plain(&tracker.topic), of.received);
         if let Some(source) = clock.source {
             line.push_str(&format!(
                 ", stamps by {source}, delay {:.2} ± {:.2} ms",
@@ -152,26 +184,50 @@ fn counts_text(counts: &CountsLine) -> String {
     text
 }
 
+/// What was said of a take, if anything was.
+fn label_text(label: &TakeLabel) -> String {
+    let rating = label.rating.map(|rating| format!("{rating} of 5"));
+    let said = [&label.name, &rating, &label.note].into_iter().flatten();
+    let said: Vec<_> = said.map(|text| plain(text)).collect();
+    match said.is_empty() {
+        true => String::new(),
+        false => format!("  {}\n", said.join(", ")),
+    }
+}
+
 /// Prints the status as one line that replaces itself.
 fn show(status: &Status) {
-    let line = match status.take {
+    let mut parts = vec![match status.take {
         None => format!("no take; {} samples came by", status.outside),
-        Some(take) => {
-            let trackers = status.counts.trackers.iter();
-            let streams: Vec<String> = trackers
-                .map(|tracker| {
-                    let of = &tracker.counts;
-                    let wrong = of.missing + of.invalid + of.duplicated + of.frozen;
-                    let name = tracker.topic.trim_start_matches("/tracker/");
-                    match wrong {
-                        0 => format!("{name} {}", of.received),
-                        _ => format!("{name} {} ({wrong} wrong)", of.received),
-                    }
-                })
-                .collect();
-            let marks = status.counts.marks.received;
-            format!("take {take}: {}, {marks} marks", streams.join(", "))
-        }
-    };
-    let _ = write!(std::io::stderr(), "\r\x1b[K{line}");
+        Some(take) => format!("take {take}: {} marks", status.counts.marks.received),
+    }];
+    for tracker in &status.trackers {
+        let name = plain(tracker.topic.trim_start_matches("/tracker/"));
+        parts.push(match (tracker.state, tracker.seen_s) {
+            (Presence::Silent, Some(seen_s)) => format!("{name} SILENT for {seen_s:.0} s"),
+            (Presence::Sending, _) => {
+                format!("{name} {:.0} Hz{}", tracker.rate_hz, wrong(tracker, status))
+            }
+            _ => format!("{name} unheard"),
+        });
+    }
+    let _ = write!(std::io::stderr(), "\r\x1b[K{}", parts.join(", "));
+}
+
+/// What is wrong with a tracker's samples, if anything is.
+fn wrong(tracker: &TrackerState, status: &Status) -> String {
+    let mut said = Vec::new();
+    if let Some(share) = tracker.valid_share.filter(|share| *share < 0.995) {
+        said.push(format!("{:.0} % valid", 100.0 * share));
+    }
+    let mut lines = status.counts.trackers.iter();
+    if let Some(line) = lines.find(|line| line.topic == tracker.topic) {
+        let of = &line.counts;
+        let wrong = of.missing + of.invalid + of.duplicated + of.frozen;
+        said.extend((wrong > 0).then(|| format!("{wrong} wrong")));
+    }
+    match said.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", said.join(", ")),
+    }
 }

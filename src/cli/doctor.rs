@@ -3,6 +3,7 @@
 use super::arguments::{DoctorArguments, Format};
 use super::exit::Exit;
 use super::output;
+use crate::report::plain;
 use crate::service::{DoctorJob, Health, doctor};
 
 pub(super) fn run(arguments: DoctorArguments) -> anyhow::Result<Exit> {
@@ -21,7 +22,8 @@ pub(super) fn run(arguments: DoctorArguments) -> anyhow::Result<Exit> {
                     Health::Poor => "poor",
                     Health::Bad => "BAD ",
                 };
-                output::print(&format!("{mark}  {}: {}\n", finding.subject, finding.text))?;
+                let (subject, text) = (plain(&finding.subject), plain(&finding.text));
+                output::print(&format!("{mark}  {subject}: {text}\n"))?;
             }
         }
     }

@@ -71,6 +71,12 @@ pub(super) fn print_error(error: &str) {
     let _ = writeln!(io::stderr(), "error: {}", plain(error));
 }
 
+/// Prints a warning on stderr; a closed stderr is ignored.
+#[cfg(feature = "live")]
+pub(super) fn print_warning(warning: &str) {
+    let _ = writeln!(io::stderr(), "warning: {}", plain(warning));
+}
+
 /// Prints a note on stderr, where stdout has another use.
 pub(super) fn print_note(note: &str) {
     let _ = writeln!(io::stderr(), "note: {}", plain(note));

@@ -7,12 +7,12 @@ use tracing_subscriber::EnvFilter;
 
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
+use super::{
+    calibrate, completion, export, inspect, interrupt, manual, mark, output, process, recover,
+    replay, report, scene, sketch,
+};
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{
-    calibrate, completion, export, inspect, interrupt, manual, mark, output, process, recover, replay, report,
-    scene, sketch,
-};
 use crate::service;
 
 /// Runs the command that the process was started with.

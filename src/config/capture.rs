@@ -8,7 +8,7 @@ use typed_index_collections::TiVec;
 
 use super::error::{Fault, fault};
 use super::number::{finite, index_of, positive, unique};
-use super::raw::{Number, RawCapture, RawScene, RawTrackerClock};
+use super::raw::{Number, RawCapture, RawScene, RawTrackerClock, Text};
 use crate::motion::{Scene, StampSource, TrackIndex};
 
 const FOLDER: &str = "takes";
@@ -17,6 +17,9 @@ const SYNC_MS: f64 = 1000.0;
 
 /// Longest period \[ms\]: it bounds what a crash may lose.
 const PERIOD_LIMIT_MS: f64 = 60_000.0;
+
+/// Longest pre-roll \[s\]: it is kept in memory.
+const PRE_ROLL_LIMIT_S: f64 = 30.0;
 
 /// Accepted rates of trackers \[Hz\].
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=1e5;
@@ -36,6 +39,11 @@ pub struct CaptureSettings {
     pub viewer_port: Option<u16>,
     /// Port of health and metrics; 0: any free port, `None`: not served.
     pub metrics_port: Option<u16>,
+    /// Pages in browsers that may watch and direct besides those of this machine and of known viewers:
+    /// `https://viewer.example`, or `*` for watching.
+    pub origins: Vec<String>,
+    /// How much of what came before its start a take begins with.
+    pub pre_roll: Duration,
     /// Source of the stamps, track by track; `None`: the first valid sample decides.
     pub stamps: TiVec<TrackIndex, Option<StampSource>>,
 }
@@ -82,8 +90,40 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         listen,
         viewer_port: port("viewer_port", raw.viewer_port.as_ref())?,
         metrics_port: port("metrics_port", raw.metrics_port.as_ref())?,
+        origins: origins(raw.origins.as_deref().unwrap_or_default())?,
+        pre_roll: pre_roll(raw.pre_roll_s.as_ref())?,
         stamps,
     })
+}
+
+fn origins(given: &[Text]) -> Result<Vec<String>, Fault> {
+    let is_origin = |text: &str| {
+        let host = text.split_once("://").map(|(_, host)| host);
+        text == "*" || host.is_some_and(|host| !host.is_empty() && !host.contains('/'))
+    };
+    let checked = given.iter().map(|text| {
+        let origin = text.get_ref();
+        if is_origin(origin) {
+            return Ok(origin.clone());
+        }
+        let expected = "expected \"https://viewer.example\", without a path, or \"*\"";
+        fault(text.span(), format!("origin {origin:?}: {expected}"))
+    });
+    checked.collect()
+}
+
+fn pre_roll(given: Option<&Number>) -> Result<Duration, Fault> {
+    let Some(number) = given else {
+        return Ok(Duration::ZERO);
+    };
+    let span_s = finite("pre_roll_s", number)?;
+    if !(0.0..=PRE_ROLL_LIMIT_S).contains(&span_s) {
+        return fault(
+            number.span(),
+            format!("pre_roll_s is {span_s}, expected 0 to {PRE_ROLL_LIMIT_S}"),
+        );
+    }
+    Ok(Duration::from_secs_f64(span_s))
 }
 
 fn stamp_source(raw: &RawTrackerClock) -> Result<StampSource, Fault> {
@@ -187,6 +227,12 @@ mass_g = 6.0
             (Some(8765), Some(0))
         );
         assert!(given.listen.is_loopback());
+        assert!(given.origins.is_empty() && given.pre_roll.is_zero());
+        let more =
+            settings("[capture]\norigins = [\"https://a.example\", \"*\"]\npre_roll_s = 2\n");
+        let more = more.expect("valid");
+        assert_eq!(more.origins, ["https://a.example", "*"]);
+        assert_eq!(more.pre_roll, Duration::from_secs(2));
         let asked = settings(&format!("{ports}listen = \"0.0.0.0\"\n")).expect("valid");
         assert!(asked.listen.is_unspecified());
     }
@@ -228,6 +274,14 @@ mass_g = 6.0
                 "scene:9:16: metrics_port is 0.5",
             ),
             ("[capture]\nfolder = \"\"\n", "scene:9:10: folder is empty"),
+            (
+                "[capture]\norigins = [\"viewer.example\"]\n",
+                "scene:9:12: origin \"viewer.example\"",
+            ),
+            (
+                "[capture]\npre_roll_s = 31\n",
+                "scene:9:14: pre_roll_s is 31, expected 0 to 30",
+            ),
             (
                 "[[capture.tracker]]\nbody = \"bal\"\nstamps = \"device\"\n",
                 "scene:9:8: unknown body \"bal\"",

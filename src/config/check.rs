@@ -91,7 +91,10 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
     for (link, of) in scene.links.iter_enumerated() {
         let is_met = scene.events.iter().any(|event| concerns(&event.kind, link));
         if !is_met && !scene.is_held(link) && scene.events.len() > 1 {
-            open.push(format!("{:?} takes part in no collision: it only flies", of.name));
+            open.push(format!(
+                "{:?} takes part in no collision: it only flies",
+                of.name
+            ));
         }
         let mut tracks = scene.tracks.iter().filter(|track| track.link == link);
         let at_origin = |track: &Track| {
@@ -115,7 +118,10 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         open.push("no end: the motion ends with the last sample".into());
     }
     let used = |surface: usize| {
-        let collisions = scene.events.iter().filter_map(|event| event.kind.collision());
+        let collisions = scene
+            .events
+            .iter()
+            .filter_map(|event| event.kind.collision());
         let mut worlds = collisions.filter(|of| of.partner == Partner::World);
         worlds.any(|of| {
             let mut contacts = of.contacts.iter();
@@ -214,9 +220,7 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
     let (what, marks) = match &event.kind {
         EventKind::Start => ("the motion begins".to_owned(), [1, 1]),
         EventKind::End => ("the motion ends".to_owned(), [1, 1]),
-        EventKind::Waypoint(link) => {
-            (format!("{} flies by", scene.links[*link].name), [1, 1])
-        }
+        EventKind::Waypoint(link) => (format!("{} flies by", scene.links[*link].name), [1, 1]),
         EventKind::Collision(of) => (collision(scene, of), [1, 1]),
         EventKind::Collisions { each, least, most } => (collision(scene, each), [*least, *most]),
     };
@@ -224,7 +228,11 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
         name: event.name.clone(),
         kind: event.kind.as_str(),
         means: format!("{what}; {time}"),
-        marks: if scene.timing == Timing::Edited { [0, 0] } else { marks },
+        marks: if scene.timing == Timing::Edited {
+            [0, 0]
+        } else {
+            marks
+        },
         goals: scene.goals.iter().filter(|goal| goal.event == at).count(),
     }
 }

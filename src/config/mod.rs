@@ -138,9 +138,10 @@
 //! `body`, `stamps` (`"sample"`, `"device"`, `"sequence"`, `"receipt"`) and, for `"sequence"`,
 //! `rate_hz`: see [`CaptureSettings`] and [`StampSource`](crate::motion::StampSource). A process
 //! that is killed loses at most what came in the last `chunk_ms`, a machine that fails what came
-//! in the last `chunk_ms + sync_ms`. Takes begin and end on command; samples between
-//! takes are counted and not kept, and no key changes that. `viewer_port` serves viewers,
-//! `metrics_port` health and metrics, both at the address `listen`.
+//! in the last `chunk_ms + sync_ms`. Takes begin and end on command; with
+//! `pre_roll_s` a take begins with what came in so many seconds before its start. `viewer_port` serves
+//! viewers, `metrics_port` the operator's page, health and metrics, both at the address `listen`;
+//! pages in browsers from elsewhere may watch if they are among `origins`.
 #![doc = "\n"]
 #![doc = include_str!("../../docs/scene.md")]
 

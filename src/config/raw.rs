@@ -712,6 +712,10 @@ pub(super) struct RawCapture {
     pub(super) viewer_port: Option<Number>,
     /// Port for health and metrics, 0 for any. Default: not served.
     pub(super) metrics_port: Option<Number>,
+    /// Pages in browsers that may watch from elsewhere. Default: those of this machine and of known viewers.
+    pub(super) origins: Option<Vec<Text>>,
+    /// So much of what came in before its start a take begins with. Default: 0.
+    pub(super) pre_roll_s: Option<Number>,
     /// Whose stamps are not chosen by what its first sample has.
     #[serde(default)]
     pub(super) tracker: Vec<RawTrackerClock>,

@@ -7,6 +7,8 @@
 //! [`DoubtLine`] what speaks against its motion, [`DiagnosisLine`] what is likely mistaken in the scene or the
 //! stream.
 //!
+//! Names are as they are in files and on the wire; who prints them does so through [`plain()`].
+//!
 //! Numbers are SI unless a name says otherwise. Numbers that are not finite (a bound that does not
 //! bind, a deviation that nothing determines) are `null` in JSON.
 

@@ -58,10 +58,7 @@ mod tests {
         let over = Deadline::begin(Some(Duration::ZERO));
         assert!(over.is_over() && over.instant().is_some_and(|at| at <= Instant::now()));
         let error = over.check(path).expect_err("over").to_string();
-        assert!(
-            error.starts_with("a.mcap: the deadline of 0s"),
-            "{error}"
-        );
+        assert!(error.starts_with("a.mcap: the deadline of 0s"), "{error}");
         // A limit longer than the clock counts is none.
         assert!(!Deadline::begin(Some(Duration::MAX)).is_over());
     }

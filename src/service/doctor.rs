@@ -7,7 +7,8 @@ use serde::Serialize;
 use crate::config::capture_from_toml;
 use crate::ingest::live::census::{Census, HiddenService, Liveness, ServiceEntry, census};
 use crate::ingest::live::{
-    CONTROL_SERVICE, ESTIMATE_SERVICE, TAKE_SERVICE, service_name, stream_topics,
+    ANSWER_SERVICE, CONTROL_SERVICE, ESTIMATE_SERVICE, LABEL_SERVICE, TAKE_SERVICE, running_daemon,
+    service_name, stream_topics, topic_of_service,
 };
 use crate::motion::Scene;
 use crate::write::{abandoned, topics};
@@ -64,7 +65,10 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     };
     let found = census(job.iceoryx2.as_deref());
     match &found {
-        Ok(found) => look_at_iceoryx2(found, &mut say),
+        Ok(found) => {
+            look_at_iceoryx2(found, &mut say);
+            look_for_daemon(job, &mut say);
+        }
         Err(error) => {
             let advice = "are its files another user's? Run all as one user";
             say("iceoryx2", Health::Bad, format!("{error}; {advice}"));
@@ -78,10 +82,61 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
         let (scene, settings) = capture_from_toml(&text).map_err(in_file)?;
         if let Ok(found) = &found {
             look_for_services(&scene, found, &mut say);
+            look_for_strangers(&scene, found, &mut say);
         }
         look_at_folder(&settings.folder, &mut say);
     }
     Ok(findings)
+}
+
+/// Says which daemon runs.
+fn look_for_daemon(job: &DoctorJob, say: &mut impl FnMut(&str, Health, String)) {
+    match running_daemon(job.iceoryx2.as_deref()) {
+        Ok(Some(daemon)) => say(
+            "daemon",
+            Health::Well,
+            format!(
+                "process {} records scene {:?}",
+                daemon.process, daemon.scene
+            ),
+        ),
+        Ok(None) => say(
+            "daemon",
+            Health::Poor,
+            "no daemon runs: start `enact capture SCENE`".into(),
+        ),
+        Err(error) => say("daemon", Health::Poor, error.to_string()),
+    }
+}
+
+/// Looks for trackers of bodies that the scene does not have, and for performers on other topics.
+fn look_for_strangers(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, Health, String)) {
+    let known = services_of(scene);
+    for service in &found.services {
+        let (what, wanted) = match service.payload.as_str() {
+            "enact.Pose.1" => (
+                "poses",
+                stream_topics(scene)
+                    .into_iter()
+                    .map(|of| of.topic)
+                    .collect(),
+            ),
+            "enact.Mark.1" => ("marks", vec![scene.marks_topic.clone()]),
+            _ => continue,
+        };
+        let is_known = known.iter().any(|(name, _)| *name == service.name);
+        let is_published = service.ports.is_some_and(|(publishers, _)| publishers > 0);
+        if is_known || !is_published {
+            continue;
+        }
+        let topic = topic_of_service(&service.name).unwrap_or_else(|| service.name.clone());
+        let text = format!(
+            "somebody publishes {what} on {topic:?}, which scene {:?} does not have; it has {}",
+            scene.name,
+            wanted.join(", ")
+        );
+        say(&service.name, Health::Poor, text);
+    }
 }
 
 /// Checks whether the services of the scene exist or can be made.
@@ -117,6 +172,8 @@ fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
     services.push((service_name(&scene.marks_topic), "enact.Mark.1"));
     services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
     services.push((TAKE_SERVICE.to_owned(), "enact.Take.1"));
+    services.push((LABEL_SERVICE.to_owned(), "enact.Label.1"));
+    services.push((ANSWER_SERVICE.to_owned(), "enact.Answer.1"));
     services.push((ESTIMATE_SERVICE.to_owned(), "enact.Estimate.1"));
     services.extend(scene.links.iter().map(|body| {
         let topic = topics::estimate_pose(&body.name);
@@ -178,16 +235,29 @@ fn of_hidden(service: &HiddenService) -> String {
 }
 
 fn of_service(service: &ServiceEntry) -> (Health, String) {
+    let present = |of: fn((usize, usize)) -> usize| {
+        let count = service.ports.map(|ports| of(ports).to_string());
+        count.unwrap_or_else(|| "?".to_owned())
+    };
     let mut text = format!(
-        "{} of {} bytes, buffer {}, {} publishers, {} subscribers, {} processes",
+        "{} of {} bytes, buffer {}, {} of {} publishers, {} of {} subscribers, {} processes",
         service.payload,
         service.payload_bytes,
         service.buffer,
+        present(|(publishers, _)| publishers),
         service.publishers,
+        present(|(_, subscribers)| subscribers),
         service.subscribers,
         service.nodes
     );
     let mut health = Health::Well;
+    let is_full = service.ports.is_some_and(|(publishers, subscribers)| {
+        publishers >= service.publishers || subscribers >= service.subscribers
+    });
+    if is_full {
+        health = Health::Poor;
+        text.push_str(", no place is left");
+    }
     if service.dead_nodes > 0 {
         health = Health::Poor;
         text.push_str(&format!(", {} of them killed", service.dead_nodes));

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
+//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -36,15 +36,19 @@ mod report;
 mod scene;
 mod sketch;
 mod stopwatch;
+#[cfg(feature = "live")]
+mod takes;
 mod words;
 
+pub use crate::page::View;
+pub use crate::wire::is_pipe;
+pub use crate::write::remove_unfinished;
 pub use calibrate::{
     CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated, SceneCalibrated,
     TouchingPoint, calibrate, calibrate_scene,
 };
-pub use crate::page::View;
 #[cfg(feature = "live")]
-pub use direct::{Answer, DirectJob, Direction, direct};
+pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
@@ -61,9 +65,6 @@ pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{ReportJob, ReportMade, report};
 pub use scene::{NewSceneJob, NewSceneMade, look_at_scene, make_scene};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
-pub use words::words;
-
 #[cfg(feature = "live")]
-pub use crate::ingest::live::TakeState;
-pub use crate::wire::is_pipe;
-pub use crate::write::remove_unfinished;
+pub use takes::{TakeEntry, takes};
+pub use words::words;

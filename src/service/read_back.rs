@@ -26,7 +26,9 @@ pub(super) struct ReadBack {
 impl ReadBack {
     /// Reads all of it. Fails where there is no estimate, or where some of it cannot be read.
     pub(super) fn open(input: &Path) -> anyhow::Result<Self> {
-        with_recording(input, Deadline::begin(None), |recording| Self::of(input, recording))
+        with_recording(input, Deadline::begin(None), |recording| {
+            Self::of(input, recording)
+        })
     }
 
     fn of(input: &Path, recording: Recording) -> anyhow::Result<Self> {

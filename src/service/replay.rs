@@ -49,7 +49,11 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
     check_distinct(&job.input, &output)?;
     let deadline = Deadline::begin(job.deadline);
     with_recording(&job.input, deadline, |recording| {
-        replayed(job, opened(recording, job.scene.as_deref(), deadline)?, &output)
+        replayed(
+            job,
+            opened(recording, job.scene.as_deref(), deadline)?,
+            &output,
+        )
     })
 }
 

@@ -24,7 +24,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
 use super::atomic::rename_to_new;
@@ -213,6 +213,17 @@ impl Journal {
         self.file
             .try_clone()
             .map_err(WriteError::io(&self.part, "open again"))
+    }
+
+    /// Notes something of the take itself under that name, in a metadata record.
+    pub fn note(&mut self, name: &str, pairs: BTreeMap<String, String>) -> Result<(), WriteError> {
+        let name = name.to_owned();
+        let metadata = Metadata {
+            name,
+            metadata: pairs,
+        };
+        let written = self.writer.write_metadata(&metadata);
+        written.map_err(WriteError::mcap(&self.part))
     }
 
     /// Writes the end, makes the file durable and gives it its name. Where something else has come

@@ -8,9 +8,9 @@ use super::estimate::DEFAULT_FRAME_RATE_HZ;
 use crate::motion::{Estimate, Scene, Sketch, Verdict};
 use crate::sampling::{estimate_frames, zero};
 use crate::wire::live::{
-    CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, EstimateRecord, EstimatedPoseRecord,
-    LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord,
-    service_name,
+    ANSWER_SERVICE, AnswerRecord, CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE,
+    EstimateRecord, EstimatedPoseRecord, LABEL_SERVICE, LabelRecord, LiveError, LiveService,
+    MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, service_name,
 };
 
 /// One publisher.
@@ -98,17 +98,54 @@ impl TrackerPublisher {
     }
 }
 
-/// Publishes what becomes of takes.
+/// Publishes what directors say of takes.
+pub struct LabelPublisher {
+    port: PublisherPort<LabelRecord>,
+}
+
+impl LabelPublisher {
+    /// Opens `enact/label`.
+    pub fn open(node: &Node) -> Result<Self, LiveError> {
+        Ok(Self {
+            port: PublisherPort::open(node, LABEL_SERVICE, Quality::NOTES)?,
+        })
+    }
+
+    /// Sends; to how many.
+    pub fn send(&self, record: LabelRecord) -> Result<usize, LiveError> {
+        self.port.send(record)
+    }
+}
+
+/// Publishes what becomes of takes, and what the daemon says in words.
 pub struct TakePublisher {
     port: PublisherPort<TakeRecord>,
+    answers: PublisherPort<AnswerRecord>,
+    answered: u64,
 }
 
 impl TakePublisher {
-    /// Opens `enact/take`.
+    /// Opens `enact/take` and `enact/answer`.
     pub fn open(node: &Node) -> Result<Self, LiveError> {
         Ok(Self {
             port: PublisherPort::open(node, TAKE_SERVICE, Quality::NOTES)?,
+            answers: PublisherPort::open(node, ANSWER_SERVICE, Quality::TEXTS)?,
+            answered: 0,
         })
+    }
+
+    /// Sends a JSON object, with the session and sequence number of the command that it answers.
+    pub fn answer(
+        &mut self,
+        now_ns: i64,
+        asked: Option<(u32, u64)>,
+        json: &str,
+    ) -> Result<(), LiveError> {
+        self.answered += 1;
+        for part in AnswerRecord::parts(self.answered, now_ns, asked, json) {
+            self.answers.send(part)?;
+        }
+        Ok(())
     }
 
     /// Sends; to how many.

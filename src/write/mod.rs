@@ -43,7 +43,7 @@ pub use estimate::{
 pub use journal::Journal;
 pub use keyframes::{csv_of_sketch, toml_of_sketch};
 #[cfg(feature = "live")]
-pub use live::{EstimatePublisher, TakePublisher, TrackerPublisher};
+pub use live::{EstimatePublisher, LabelPublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
 pub use merge::has_estimate;
 pub use recording::RecordingWriter;

@@ -67,6 +67,12 @@ pub fn ended(child: Child) -> Output {
     )
 }
 
+/// Kills a process without a word.
+pub fn kill(mut child: Child) {
+    child.kill().expect("kill");
+    child.wait().expect("wait");
+}
+
 /// Runs a process to its end.
 fn run(mut command: Command) -> std::io::Result<Output> {
     let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -159,6 +165,23 @@ impl House {
     pub fn spawn_enact(&self, arguments: &[&str]) -> Child {
         let mut command = self.command(arguments);
         command.stdout(Stdio::null()).spawn().expect("enact")
+    }
+
+    /// Runs `enact`; its output, whatever its end.
+    pub fn enact(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command.args(arguments);
+        run(command).expect("enact")
+    }
+
+    /// Directs the daemon; its exit code, and what is said on stdout and on stderr.
+    pub fn take(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
+        let output = self.enact_with_iceoryx2(&[&["take"], arguments].concat());
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
     }
 
     pub fn enact_with_iceoryx2(&self, arguments: &[&str]) -> Output {
@@ -277,8 +300,47 @@ impl Daemon {
         Self::read(house, command)
     }
 
+    /// Starts one whose account nobody reads.
+    pub fn start_unread(house: &House, scene: &str) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command.args(["capture", scene, "-o", house.text(house.folder())]);
+        command.arg("--iceoryx2").arg(house.iceoryx2());
+        command.args(["--format", "ndjson"]);
+        let child = command.stdout(Stdio::piped()).spawn().expect("daemon");
+        let (_, said) = channel();
+        Self {
+            child,
+            said,
+            kept: Vec::new(),
+            house: (house.folder().to_owned(), house.iceoryx2().to_owned()),
+            ready: Value::Null,
+        }
+    }
+
+    /// The same with that many descriptors.
+    pub fn start_with_descriptors(
+        house: &House,
+        scene: &str,
+        arguments: &[&str],
+        descriptors: usize,
+    ) -> Self {
+        let mut command = Command::new("sh");
+        let script = format!("ulimit -n {descriptors} && exec \"$0\" \"$@\"");
+        command.args(["-c", &script, env!("CARGO_BIN_EXE_enact"), "capture", scene]);
+        command.arg("-o").arg(house.folder());
+        command.args(arguments);
+        command.arg("--iceoryx2").arg(house.iceoryx2());
+        command.args(["--format", "ndjson"]);
+        Self::read(house, command)
+    }
+
     /// The same with a file system of that size for its takes, if one may be mounted.
-    pub fn start_on_small_disk(house: &House, scene: &str, size: &str) -> Option<Self> {
+    pub fn start_on_small_disk(
+        house: &House,
+        scene: &str,
+        size: &str,
+        arguments: &str,
+    ) -> Option<Self> {
         let unshared = |script: &str| {
             let mut command = Command::new("unshare");
             command.args(["--user", "--map-root-user", "--mount", "sh", "-c", script]);
@@ -292,7 +354,7 @@ impl Daemon {
         }
         let enact = env!("CARGO_BIN_EXE_enact");
         let script = format!(
-            "{mount} && exec {enact} capture {scene} -o \"$1\" --iceoryx2 {} --format ndjson",
+            "{mount} && exec {enact} capture {scene} -o \"$1\" --iceoryx2 {} --format ndjson {arguments}",
             house.iceoryx2().display()
         );
         Some(Self::read(house, unshared(&script)))
@@ -452,6 +514,27 @@ impl Daemon {
         self.terminate();
         let code = self.finished();
         assert!(matches!(code, Some(0 | 3)), "{code:?}");
+    }
+
+    /// Its process id.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Where it sees a path.
+    pub fn seen(&self, path: &Path) -> PathBuf {
+        PathBuf::from(format!("/proc/{}/root{}", self.child.id(), path.display()))
+    }
+
+    /// Memory that it holds itself \[bytes\].
+    pub fn memory_bytes(&self) -> u64 {
+        let status = format!("/proc/{}/status", self.child.id());
+        let status = std::fs::read_to_string(status).expect("status");
+        let line = status
+            .lines()
+            .find_map(|line| line.strip_prefix("RssAnon:"));
+        let words = line.expect("RssAnon").split_whitespace().next();
+        1024 * words.expect("kB").parse::<u64>().expect("number")
     }
 
     /// Copies a file that only it can see.

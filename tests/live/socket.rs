@@ -51,6 +51,25 @@ pub fn status(answer: &str) -> u16 {
     word.parse().unwrap_or(0)
 }
 
+/// The beginning of a WebSocket that asks for that protocol, on behalf of that page.
+pub fn upgrade_for(origin: &str, protocol: Option<&str>) -> String {
+    let request = upgrade(protocol);
+    request.replacen("\r\n", &format!("\r\nOrigin: {origin}\r\n"), 1)
+}
+
+/// Status and body of the answer to a POST of JSON, on behalf of that page.
+pub fn post(url: &str, path: &str, origin: Option<&str>, json: &str) -> (u16, String) {
+    let host = url.split("//").nth(1).expect("an address");
+    let origin = origin.map_or(String::new(), |origin| format!("Origin: {origin}\r\n"));
+    let length = json.len();
+    let request = format!(
+        "POST {path} HTTP/1.1\r\nHost: {host}\r\n{origin}Content-Length: {length}\r\n\r\n{json}"
+    );
+    let answer = exchange(url, request.as_bytes());
+    let (head, body) = answer.split_once("\r\n\r\n").expect("a head");
+    (status(head), body.to_owned())
+}
+
 /// The beginning of a WebSocket that asks for that protocol.
 pub fn upgrade(protocol: Option<&str>) -> String {
     let protocol = protocol.map_or(String::new(), |protocol| {
@@ -78,6 +97,11 @@ pub struct Message {
 impl Viewer {
     /// Connects and waits until that many topics are advertised.
     pub fn new(url: &str, topics: usize) -> Self {
+        Self::open(url, topics).unwrap_or_else(|head| panic!("{head}"))
+    }
+
+    /// The same where it may be refused: with that head.
+    pub fn open(url: &str, topics: usize) -> Result<Self, String> {
         let mut stream = connect(url);
         let request = upgrade(Some("foxglove.sdk.v1"));
         stream.write_all(request.as_bytes()).expect("write");
@@ -86,11 +110,15 @@ impl Viewer {
         while !head.ends_with(b"\r\n\r\n") {
             patience.check("a head");
             let mut byte = [0];
-            stream.read_exact(&mut byte).expect("read");
+            if let Err(error) = stream.read_exact(&mut byte) {
+                return Err(error.to_string());
+            }
             head.push(byte[0]);
         }
         let head = String::from_utf8_lossy(&head).into_owned();
-        assert_eq!(status(&head), 101, "{head}");
+        if status(&head) != 101 {
+            return Err(head);
+        }
         // The key of RFC 6455, section 1.3.
         assert!(head.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{head}");
         let mut viewer = Self {
@@ -112,7 +140,7 @@ impl Viewer {
                 }
             }
         }
-        viewer
+        Ok(viewer)
     }
 
     /// Subscribes to everything, each topic by the number of its channel.
@@ -157,8 +185,34 @@ impl Viewer {
         }
     }
 
-    /// A frame of a server: not masked.
+    /// The next frame that is no ping; pings are answered, as they must be.
     fn frame(&mut self) -> (u8, Vec<u8>) {
+        loop {
+            let (opcode, data) = self.any_frame();
+            if opcode != 9 {
+                return (opcode, data);
+            }
+            self.send(10, &data);
+        }
+    }
+
+    /// A text of the protocol with that `op`.
+    pub fn text(&mut self, op: &str) -> Value {
+        let patience = Patience::new();
+        loop {
+            patience.check(op);
+            let (opcode, data) = self.frame();
+            if opcode == 1 {
+                let said: Value = serde_json::from_slice(&data).expect("json");
+                if said["op"] == op {
+                    return said;
+                }
+            }
+        }
+    }
+
+    /// A frame of a server: not masked.
+    fn any_frame(&mut self) -> (u8, Vec<u8>) {
         let mut head = [0; 2];
         self.stream.read_exact(&mut head).expect("read");
         let length = match head[1] {

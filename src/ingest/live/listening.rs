@@ -7,8 +7,9 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::motion::{Scene, TrackIndex};
 use crate::wire::live::{
-    CONTROL_SERVICE, ControlRecord, LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality,
-    TAKE_SERVICE, TakeRecord, service_name,
+    ANSWER_SERVICE, AnswerRecord, CONTROL_SERVICE, ControlRecord, LABEL_SERVICE, LabelRecord,
+    LiveError, LiveService, MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord,
+    service_name,
 };
 
 /// Greatest number of samples taken from one service at a time: the rest stays in its buffer until
@@ -29,6 +30,8 @@ pub enum Arrived {
     },
     /// A mark.
     Mark(MarkRecord),
+    /// What a director says of the take.
+    Label(LabelRecord),
     /// A command.
     Control(ControlRecord),
 }
@@ -79,6 +82,7 @@ struct SubscriberPort<T: core::fmt::Debug + ZeroCopySend + 'static> {
 pub struct Listening {
     poses: Vec<SubscriberPort<PoseRecord>>,
     marks: SubscriberPort<MarkRecord>,
+    labels: SubscriberPort<LabelRecord>,
     control: SubscriberPort<ControlRecord>,
     shortcomings: Vec<String>,
 }
@@ -96,6 +100,7 @@ impl Listening {
         Ok(Self {
             poses,
             marks: port(node, &marks, Quality::NOTES, &mut shortcomings)?,
+            labels: port(node, LABEL_SERVICE, Quality::NOTES, &mut shortcomings)?,
             control: port(node, CONTROL_SERVICE, Quality::NOTES, &mut shortcomings)?,
             shortcomings,
         })
@@ -106,7 +111,7 @@ impl Listening {
         &self.shortcomings
     }
 
-    /// Takes the poses and marks that have arrived. Those of one service are in order.
+    /// Takes the poses, marks and labels that have arrived. Those of one service are in order.
     pub fn take(&self, into: &mut Vec<Arrival>) -> Result<(), LiveError> {
         for (stream, port) in self.poses.iter().enumerate() {
             let before = into.len();
@@ -124,7 +129,8 @@ impl Listening {
                 }
             }
         }
-        self.marks.take(into, Arrived::Mark)
+        self.marks.take(into, Arrived::Mark)?;
+        self.labels.take(into, Arrived::Label)
     }
 
     /// Takes the commands that have arrived. Samples sent before a command have arrived when the
@@ -150,6 +156,63 @@ impl TakeListener {
     /// The next record, if there is one.
     pub fn next(&self) -> Result<Option<TakeRecord>, LiveError> {
         self.takes.next()
+    }
+}
+
+/// Subscriber to what a daemon says in words.
+pub struct AnswerListener {
+    answers: SubscriberPort<AnswerRecord>,
+    /// The parts so far of the answer that is being received.
+    parts: Vec<AnswerRecord>,
+}
+
+/// What a daemon said: the command it answers, as session and sequence number, and the JSON.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answered {
+    /// Session of the command, 0 where it answers none.
+    pub session: u32,
+    /// Its sequence number.
+    pub sequence: u64,
+    /// One JSON object.
+    pub json: String,
+}
+
+impl AnswerListener {
+    /// Subscribes to `enact/answer`.
+    pub fn open(node: &Node) -> Result<Self, LiveError> {
+        Ok(Self {
+            answers: port(node, ANSWER_SERVICE, Quality::TEXTS, &mut Vec::new())?,
+            parts: Vec::new(),
+        })
+    }
+
+    /// The next whole answer, if there is one. One of which a part was lost, or that is not UTF-8,
+    /// is left out.
+    pub fn next(&mut self) -> Result<Option<Answered>, LiveError> {
+        while let Some(record) = self.answers.next()? {
+            let is_next = self.parts.last().is_some_and(|last| {
+                last.sequence == record.sequence && last.part.checked_add(1) == Some(record.part)
+            });
+            if !is_next {
+                self.parts.clear();
+                if record.part != 0 {
+                    continue;
+                }
+            }
+            self.parts.push(record);
+            if record.part.saturating_add(1) < record.parts {
+                continue;
+            }
+            let bytes = self.parts.iter().flat_map(|part| part.bytes().to_vec());
+            if let Ok(json) = String::from_utf8(bytes.collect()) {
+                return Ok(Some(Answered {
+                    session: record.control_session,
+                    sequence: record.control_sequence,
+                    json,
+                }));
+            }
+        }
+        Ok(None)
     }
 }
 

@@ -8,12 +8,16 @@ mod listening;
 mod sequence_counts;
 mod stream;
 
-pub use listening::{Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics};
+pub use listening::{
+    AnswerListener, Answered, Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics,
+};
 pub use sequence_counts::{Fate, SequenceCounts, TallyCounts};
 pub use stream::{Stream, Streamed, stamp_mark};
 
 /// The contract, for the drivers of this module.
 pub use crate::wire::live::{
-    CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE, LiveError, MarkRecord, NO_TIME,
-    Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, TakeState, census, service_name,
+    ANSWER_SERVICE, CONTROL_SERVICE, Command, ControlRecord, DaemonLock, DaemonProcess,
+    ESTIMATE_SERVICE, LABEL_SERVICE, LabelRecord, LiveError, MarkRecord, NO_TIME, Node, PoseRecord,
+    Quality, TAKE_SERVICE, TakeRecord, TakeState, census, running_daemon, service_name,
+    topic_of_service,
 };

@@ -8,6 +8,10 @@ use crate::wire::live::PoseRecord;
 const WINDOW: u64 = 1024;
 const WORDS: usize = (WINDOW / 64) as usize;
 
+/// Longest hole that is believed: half an hour at 1 kHz. A number further ahead is a *leap*: the
+/// publisher is believed to count on from there only once its next sample does.
+const LEAP: u64 = 1 << 21;
+
 /// Number of publishers of one tracker that are told apart.
 const SESSIONS: usize = 4;
 
@@ -20,6 +24,10 @@ pub struct TallyCounts {
     pub gaps: u64,
     /// Sequence numbers that never arrived.
     pub missing: u64,
+    /// Sequence numbers that were missing at some time, also if they arrived later.
+    pub skipped: u64,
+    /// Samples with a number too far ahead to be believed, and publishers that went on there.
+    pub leaps: u64,
     /// Holes that an overflow of the subscriber's buffer likely caused.
     pub overflows: u64,
     /// Samples that arrived after one with a greater number.
@@ -40,7 +48,7 @@ pub struct TallyCounts {
 
 impl TallyCounts {
     /// The counts of what may be wrong with samples, by name.
-    pub fn troubles(&self) -> [(&'static str, u64); 9] {
+    pub fn troubles(&self) -> [(&'static str, u64); 10] {
         [
             ("missing", self.missing),
             ("overflows", self.overflows),
@@ -51,6 +59,7 @@ impl TallyCounts {
             ("unstampable", self.unstampable),
             ("frozen", self.frozen),
             ("restarts", self.restarts),
+            ("leaps", self.leaps),
         ]
     }
 
@@ -58,7 +67,9 @@ impl TallyCounts {
     pub fn add(&mut self, other: &Self) {
         self.received += other.received;
         self.gaps += other.gaps;
-        self.missing = self.missing.saturating_add(other.missing);
+        self.missing += other.missing;
+        self.skipped += other.skipped;
+        self.leaps += other.leaps;
         self.overflows += other.overflows;
         self.late += other.late;
         self.duplicated += other.duplicated;
@@ -93,7 +104,10 @@ pub struct SequenceCounts {
 #[derive(Clone, Debug)]
 struct Session {
     session: u32,
+    first: u64,
     greatest: u64,
+    /// The last number that was too far ahead.
+    leap: Option<u64>,
     /// Bit `k` of the whole stands for `greatest − k`.
     seen: [u64; WORDS],
 }
@@ -153,10 +167,21 @@ impl SequenceCounts {
         let session = &mut self.sessions[at];
         if record.sequence > session.greatest {
             let ahead = record.sequence - session.greatest;
+            if ahead > LEAP {
+                self.counts.leaps += 1;
+                let follows = |leap| record.sequence > leap && record.sequence - leap <= LEAP;
+                if session.leap.is_some_and(follows) {
+                    *session = Session::new(record.session, record.sequence);
+                } else {
+                    session.leap = Some(record.sequence);
+                }
+                return false;
+            }
             session.advance(ahead);
             if ahead > 1 {
                 self.counts.gaps += 1;
-                self.counts.missing = self.counts.missing.saturating_add(ahead - 1);
+                self.counts.missing += ahead - 1;
+                self.counts.skipped += ahead - 1;
                 self.counts.overflows += u64::from(is_overflow);
             }
             return false;
@@ -169,7 +194,10 @@ impl SequenceCounts {
             session.set(back);
         }
         self.counts.late += 1;
-        self.counts.missing = self.counts.missing.saturating_sub(1);
+        // What came before the first was never missed.
+        if record.sequence > session.first {
+            self.counts.missing = self.counts.missing.saturating_sub(1);
+        }
         false
     }
 }
@@ -180,7 +208,9 @@ impl Session {
         seen[0] = 1;
         Self {
             session,
+            first: greatest,
             greatest,
+            leap: None,
             seen,
         }
     }
@@ -196,6 +226,7 @@ impl Session {
     /// Raises the greatest number, which has arrived, by `ahead`.
     fn advance(&mut self, ahead: u64) {
         self.greatest += ahead;
+        self.leap = None;
         if ahead >= WINDOW {
             self.seen = [0; WORDS];
         } else {
@@ -265,8 +296,47 @@ mod tests {
     #[test]
     fn numbers_at_the_end_of_their_range_do_not_overflow() {
         let counts = counted(&[0, u64::MAX, 5, u64::MAX - 1, u64::MAX]);
-        assert_eq!((counts.late, counts.duplicated), (2, 1));
-        assert_eq!(counts.missing, u64::MAX - 3);
+        assert_eq!((counts.missing, counts.leaps), (4, 3));
+    }
+
+    #[test]
+    fn a_bogus_number_counts_as_one_and_what_follows_is_neither_late_nor_missing() {
+        for bogus in [u64::MAX, 1 << 63, LEAP + 3] {
+            let counts = counted(&[0, 1, 2, bogus, 3, 4, 5, 7]);
+            let found = (counts.leaps, counts.gaps, counts.missing, counts.late);
+            assert_eq!(found, (1, 1, 1, 0), "{bogus}");
+        }
+        // A publisher that counts on from there is followed.
+        let far = 1 << 40;
+        let counts = counted(&[0, 1, far, far + 1, far + 2, far + 4]);
+        let found = (counts.leaps, counts.missing, counts.late);
+        assert_eq!(found, (2, 1, 0));
+    }
+
+    proptest::proptest! {
+        /// Whatever numbers come: what is counted never falls, but for what was missing and came
+        /// late, and nothing that is missing was not skipped.
+        #[test]
+        fn counts_never_fall(
+            numbers in proptest::collection::vec(
+                proptest::prop_oneof![0..4000_u64, proptest::num::u64::ANY],
+                1..200,
+            ),
+        ) {
+            let mut tally = SequenceCounts::default();
+            let mut before = TallyCounts::default();
+            for number in numbers {
+                tally.count(&record(1, number), false);
+                let now = tally.counts();
+                let pairs = before.troubles().into_iter().zip(now.troubles());
+                for ((what, before), (_, now)) in pairs {
+                    proptest::prop_assert!(what == "missing" || before <= now, "{}", what);
+                }
+                proptest::prop_assert!(before.skipped <= now.skipped);
+                proptest::prop_assert!(now.missing <= now.skipped && now.skipped < 200 * LEAP);
+                before = now;
+            }
+        }
     }
 
     #[test]

@@ -70,8 +70,7 @@ impl Compound {
             compound_from_shape: frame_from_compound * part.compound_from_shape,
         });
         let features = self.features.iter();
-        let features =
-            features.map(|(name, of)| (name.clone(), of.placed(frame_from_compound)));
+        let features = features.map(|(name, of)| (name.clone(), of.placed(frame_from_compound)));
         Self {
             parts: parts.collect(),
             features: features.collect(),

@@ -49,7 +49,9 @@ impl TriangleMesh {
         check_hull(corners_m)?;
         let (lower, upper) = corners_m
             .iter()
-            .fold((corners_m[0], corners_m[0]), |(l, u), p| (l.inf(p), u.sup(p)));
+            .fold((corners_m[0], corners_m[0]), |(l, u), p| {
+                (l.inf(p), u.sup(p))
+            });
         let cell_m = WELD * (upper - lower).norm();
         let mut cells: BTreeMap<[i64; 3], u32> = BTreeMap::new();
         let mut welded: Vec<Vector3<f64>> = Vec::new();
@@ -121,7 +123,9 @@ impl TriangleMesh {
     }
 
     fn signed_volume_m3(&self) -> f64 {
-        self.faces().map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum()
+        self.faces()
+            .map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0)
+            .sum()
     }
 
     /// Its corners \[m\].
@@ -148,7 +152,9 @@ impl TriangleMesh {
     /// Fails where no piece has a volume.
     pub fn pieces(&self) -> Result<Compound, ShapeError> {
         let (hull, triangles) = hull_of(&self.corners_m)?;
-        let faces = triangles.iter().map(|of| of.map(|i| from_parry(hull[i as usize])));
+        let faces = triangles
+            .iter()
+            .map(|of| of.map(|i| from_parry(hull[i as usize])));
         let hull_m3 = MassDistribution::of_triangles(faces).map_or(0.0, |of| of.volume_m3);
         let is_convex = hull_m3 <= self.mass()?.volume_m3 * (1.0 + CONVEX);
         let hulls: Vec<Vec<Vector3<f64>>> = if is_convex {
@@ -280,14 +286,18 @@ mod tests {
             .iter()
             .flat_map(|[a, b, c]| [a, c, b].map(|i| corners[*i as usize]))
             .collect();
-        let numbers: Vec<[u32; 3]> =
-            (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let numbers: Vec<[u32; 3]> = (0..triangles.len() as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect();
         let mended = TriangleMesh::new(&loose, &numbers).unwrap();
         assert_eq!(mended.corners_m().len(), 12);
         let [a, b] = [&whole, &mended].map(|of| of.mass().unwrap());
         assert!((a.volume_m3 / b.volume_m3 - 1.0).abs() < 1e-12);
         let open = TriangleMesh::new(&corners, &triangles[1..]);
-        assert!(matches!(open, Err(ShapeError::Open { open: 3, .. })), "{open:?}");
+        assert!(
+            matches!(open, Err(ShapeError::Open { open: 3, .. })),
+            "{open:?}"
+        );
         let hull = TriangleMesh::hull(&corners).unwrap();
         assert!((hull.mass().unwrap().volume_m3 / a.volume_m3 - 3.5 / 3.0).abs() < 1e-9);
         let missing = TriangleMesh::new(&corners, &[[0, 1, 99]]);

@@ -19,7 +19,7 @@ pub use compound::{Compound, Part};
 pub use error::ShapeError;
 pub use hull::hull_triangles;
 pub use kind::Shape;
+pub use mass::{MOMENT_TOLERANCE, MassDistribution, UniformMass, equalise};
 pub use mesh::TriangleMesh;
 pub use revolution::Revolution;
-pub use mass::{MOMENT_TOLERANCE, MassDistribution, UniformMass, equalise};
 pub use solid::{Closest, Solid};

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, SyncSender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -12,20 +12,24 @@ use anyhow::{Context, bail};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
+use super::director::Director;
 use super::estimator::finals;
 use super::event::{CaptureEvent, Status};
+use super::gate::Places;
 use super::http::{self, Pages};
 use super::listen::Listen;
 use super::metrics::Metrics;
 use super::notice::{self, Notice, Shown, Speaker};
 use super::notify::tell;
+use super::origin::Origins;
 use super::previewer::{PreviewInput, Previewer};
 use super::publisher::Publisher;
 use super::recorder::Recorder;
+use super::seldom::Seldom;
 use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
-use crate::ingest::live::{StreamTopic, stream_topics};
+use crate::ingest::live::{Arrival, StreamTopic, stream_topics};
 use crate::motion::Scene;
 use crate::write::abandoned;
 
@@ -36,8 +40,17 @@ const SO_FAR: usize = 1;
 const FINALS: usize = 8;
 const SAID: usize = 1024;
 
-/// Interval of showing the status.
+/// Interval of showing the status while nothing happens.
 const SHOWN: Duration = Duration::from_millis(500);
+
+/// Interval of looking whether all threads have ended.
+const CHECKED: Duration = Duration::from_millis(20);
+
+/// How long the end waits for whoever reads the account.
+const LAST_WORDS: Duration = Duration::from_secs(2);
+
+/// Bound of the queue of what the operator's page directs.
+const ORDERS: usize = 64;
 
 /// The input of [`capture`].
 #[derive(Clone, Debug)]
@@ -56,50 +69,35 @@ pub struct CaptureJob {
     pub metrics_port: Option<u16>,
 }
 
-/// Captures until SIGTERM or SIGINT, or until `each` fails. `each` is called with every event,
-/// `show` with the status at intervals. At the end the running take is closed and all estimates are
-/// completed; a second signal does not wait for them.
+/// Captures until SIGTERM or SIGINT, or until `each` fails; returns whether everything that came in
+/// a take is in its file. `each` is called with every event, `show` with the status at intervals, both
+/// on a thread of their own: where they wait, for a terminal or a pipe that nobody reads, nothing else
+/// does. At the end the running take is closed, all estimates are completed, and what is left to say is
+/// said within two seconds; a second signal does not wait for estimates.
 ///
 /// Fails before it listens where the scene is wrong, the folder cannot be made or the services
-/// cannot be opened.
+/// cannot be opened, by another daemon for example.
 pub fn capture(
     job: &CaptureJob,
-    mut each: impl FnMut(&CaptureEvent) -> anyhow::Result<()>,
-    mut show: impl FnMut(&Status),
-) -> anyhow::Result<()> {
+    each: impl FnMut(&CaptureEvent) -> anyhow::Result<()> + Send + 'static,
+    show: impl FnMut(&Status) + Send + 'static,
+) -> anyhow::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(1)
+        .worker_threads(2)
         .enable_all()
         .build()
         .context("no tokio runtime")?;
-    runtime.block_on(async {
+    let result = runtime.block_on(async {
         // Before anything is opened, so that no signal is missed.
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut running = Running::start(job).await?;
+        let mut account = Account::begin(&mut running, each, show)?;
         tell("READY=1");
-        let mut ticks = tokio::time::interval(SHOWN);
-        let mut result = Ok(());
+        let mut checks = tokio::time::interval(CHECKED);
         loop {
             let is_signal = tokio::select! {
-                said = running.said.recv() => match said {
-                    Some(said) => {
-                        if result.is_ok() {
-                            result = each(&said);
-                        }
-                        // The reader of the account has gone, so nothing that follows would be
-                        // seen.
-                        if result.is_err() {
-                            running.stop.store(true, Ordering::Relaxed);
-                        }
-                        false
-                    }
-                    None => break,
-                },
-                _ = ticks.tick() => {
-                    show(&running.status.borrow());
-                    false
-                }
+                _ = checks.tick() => false,
                 _ = terminate.recv() => true,
                 _ = interrupt.recv() => true,
             };
@@ -109,15 +107,72 @@ pub fn capture(
                     bail!("ended by a second signal: some estimates were not waited for");
                 }
             }
+            if running.threads.iter().all(JoinHandle::is_finished) {
+                break;
+            }
         }
         running.join()?;
-        result
-    })
+        account.end().await
+    });
+    // A task that waits for a peer is not waited for.
+    runtime.shutdown_background();
+    result
+}
+
+/// The thread that says what happens.
+struct Account {
+    said: tokio::sync::oneshot::Receiver<anyhow::Result<bool>>,
+}
+
+impl Account {
+    fn begin(
+        running: &mut Running,
+        mut each: impl FnMut(&CaptureEvent) -> anyhow::Result<()> + Send + 'static,
+        mut show: impl FnMut(&Status) + Send + 'static,
+    ) -> anyhow::Result<Self> {
+        let events = running.said.take().context("the account begins twice")?;
+        let (status, stop) = (running.status.clone(), Arc::clone(&running.stop));
+        let (sender, said) = tokio::sync::oneshot::channel();
+        // Not joined: it may wait for somebody who never reads.
+        spawn("account", move || {
+            let mut result = Ok(true);
+            loop {
+                match events.recv_timeout(SHOWN) {
+                    Ok(event) => {
+                        if let Ok(is_whole) = &mut result {
+                            *is_whole &= !event.is_loss();
+                            if let Err(error) = each(&event) {
+                                // The reader of the account has gone, so nothing that follows would
+                                // be seen.
+                                result = Err(error);
+                                stop.store(true, Ordering::Relaxed);
+                            }
+                        }
+                    }
+                    Err(RecvTimeoutError::Timeout) => show(&status.borrow()),
+                    Err(RecvTimeoutError::Disconnected) => break,
+                }
+            }
+            let _ = sender.send(result);
+        })?;
+        Ok(Self { said })
+    }
+
+    /// Waits for the last words, if somebody reads them.
+    async fn end(&mut self) -> anyhow::Result<bool> {
+        match tokio::time::timeout(LAST_WORDS, &mut self.said).await {
+            Ok(said) => said.context("the account panicked, which is a bug")?,
+            Err(_) => {
+                tracing::error!("nobody reads what is said on stdout: the rest is not waited for");
+                Ok(false)
+            }
+        }
+    }
 }
 
 /// The threads, and the daemon's ends of their queues.
 struct Running {
-    said: tokio::sync::mpsc::Receiver<CaptureEvent>,
+    said: Option<Receiver<CaptureEvent>>,
     status: watch::Receiver<Status>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -136,7 +191,7 @@ impl Running {
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
         let left = abandoned(folder)?;
         let (batches, batch_queue) = mpsc::sync_channel(BATCHES);
-        let (tellers, said) = tokio::sync::mpsc::channel(SAID);
+        let (tellers, said) = mpsc::sync_channel(SAID);
         let stop = Arc::new(AtomicBool::new(false));
         let mut threads = Vec::new();
         let metrics = Arc::new(Metrics::default());
@@ -145,6 +200,7 @@ impl Running {
         let (opened, is_open) = mpsc::channel();
         let listen = Listen {
             scene: scene.clone(),
+            scene_file: std::path::absolute(&job.scene).unwrap_or_else(|_| job.scene.clone()),
             iceoryx2: job.iceoryx2.clone(),
             queue: batches,
             metrics: Arc::clone(&metrics),
@@ -159,6 +215,7 @@ impl Running {
             iceoryx2: job.iceoryx2.clone(),
             said: tellers,
             metrics: Arc::clone(&metrics),
+            complaint: Seldom::default(),
             opened,
         };
         threads.push(spawn("publisher", move || publisher.run(&notices))?);
@@ -170,7 +227,10 @@ impl Running {
         let topics = stream_topics(&scene);
         let (status_sender, status) = watch::channel(Status::default());
         let (shown_sender, shown) = watch::channel(None);
+        let (order_sender, orders) = mpsc::sync_channel(ORDERS);
         let doors = Doors {
+            places: Places::of_process(),
+            origins: Origins::new(&settings.origins),
             scene: &scene,
             settings: &settings,
             topics: &topics,
@@ -178,7 +238,7 @@ impl Running {
             stop: &stop,
         };
         // Nothing has started yet except threads that wait on their queues.
-        let served = match doors.open(status.clone(), shown).await {
+        let served = match doors.open(status.clone(), shown, order_sender).await {
             Ok(served) => served,
             Err(error) => {
                 stop.store(true, Ordering::Relaxed);
@@ -210,13 +270,21 @@ impl Running {
             status: status_sender,
             metrics,
             feed: served.feed,
+            orders,
         };
+        let (watched, to_watch) = (
+            Arc::clone(&recorder.metrics),
+            recorder.settings.folder.clone(),
+        );
+        let until = Arc::clone(&stop);
+        // Not joined: a file system that does not answer would hold it up.
+        spawn("watch", move || watched.health.watch(&to_watch, &until))?;
         let start_now = job.start_now;
         threads.push(spawn("record", move || {
             recorder.run(&batch_queue, start_now)
         })?);
         Ok(Self {
-            said,
+            said: Some(said),
             status,
             stop,
             threads,
@@ -242,6 +310,8 @@ struct Doors<'a> {
     topics: &'a [StreamTopic],
     metrics: &'a Arc<Metrics>,
     stop: &'a Arc<AtomicBool>,
+    places: Places,
+    origins: Origins,
 }
 
 /// Addresses of the servers, and the recorder's end of the viewers' queue.
@@ -257,6 +327,7 @@ impl Doors<'_> {
         &self,
         status: watch::Receiver<Status>,
         shown: watch::Receiver<Shown>,
+        orders: SyncSender<Arrival>,
     ) -> anyhow::Result<Servers> {
         let at = |port: u16| SocketAddr::new(self.settings.listen, port);
         let mut served = Servers {
@@ -267,17 +338,20 @@ impl Doors<'_> {
         if let Some(address) = self.settings.metrics_port.map(at) {
             let pages = Pages {
                 metrics: Arc::clone(self.metrics),
-                status,
+                status: status.clone(),
                 stop: Arc::clone(self.stop),
+                director: Director::new(self.scene, orders, status.clone()),
+                origins: self.origins.clone(),
             };
-            let opened = http::serve(address, pages).await;
+            let opened = http::serve(address, self.places, pages).await;
             let address = opened.with_context(|| format!("{address}: no metrics"))?;
             served.metrics = Some(format!("http://{address}"));
         }
         if let Some(address) = self.settings.viewer_port.map(at) {
             let what = (self.scene, self.topics);
             let metrics = Arc::clone(self.metrics);
-            let opened = viewer::serve(address, what, shown, metrics).await;
+            let rules = (self.places, self.origins.clone());
+            let opened = viewer::serve(address, what, rules, (shown, status), metrics).await;
             let (feed, address) = opened.with_context(|| format!("{address}: no viewers"))?;
             served.viewer = Some(format!("ws://{address}"));
             served.feed = Some(feed);

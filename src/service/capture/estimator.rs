@@ -68,13 +68,7 @@ fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Out
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;
-    let (report, outcome) = finished(
-        &opened,
-        &pipeline,
-        &take.report,
-        &output,
-        Progress::Hidden,
-    )?;
+    let (report, outcome) = finished(&opened, &pipeline, &take.report, &output, Progress::Hidden)?;
     Ok((report, outcome, pipeline.marks() as u64))
 }
 

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use super::label::TakeLabel;
 use super::latency::{Latencies, LatencyLine};
+use super::presence::TrackerState;
 use crate::ingest::clock::ClockQuality;
 use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
@@ -31,6 +33,26 @@ pub enum CaptureEvent {
         take: u64,
         /// File of the take.
         recording: String,
+        /// Topics on which nothing comes.
+        unheard: Vec<String>,
+        /// Samples and marks from before the start: see `pre_roll_s` of the scene.
+        before: u64,
+    },
+    /// A tracker sends: its first sample came, or one after it was silent.
+    Heard {
+        /// Its topic.
+        topic: String,
+        /// Number of the running take, if there is one.
+        take: Option<u64>,
+    },
+    /// A tracker that sent sends no more.
+    Silent {
+        /// Its topic.
+        topic: String,
+        /// Number of the running take, if there is one.
+        take: Option<u64>,
+        /// Time since its last sample \[s\].
+        seen_s: f64,
     },
     /// A take is over and its file has its final name.
     Closed {
@@ -42,6 +64,8 @@ pub enum CaptureEvent {
         messages: u64,
         /// Counts of its samples and marks.
         counts: CountsLine,
+        /// What was said of it.
+        label: TakeLabel,
     },
     /// A take was discarded.
     Discarded {
@@ -95,6 +119,14 @@ pub enum CaptureEvent {
         take: Option<u64>,
         /// Samples and marks in it.
         messages: u64,
+        /// The daemon's scene.
+        scene: String,
+        /// Names of the events of the scene.
+        events: Vec<String>,
+        /// How the trackers stand.
+        trackers: Vec<TrackerState>,
+        /// What keeps takes from being written.
+        troubles: Vec<String>,
     },
     /// A control message was refused.
     Refused {
@@ -177,7 +209,10 @@ pub struct Status {
     pub messages: u64,
     /// Counts of its samples and marks.
     pub counts: CountsLine,
-    /// Samples and marks that came while no take ran, since the start; they are not kept.
+    /// How the trackers stand.
+    pub trackers: Vec<TrackerState>,
+    /// Samples and marks that came while no take ran, since the start; those of the last
+    /// `pre_roll_s` are kept for a take that starts.
     pub outside: u64,
     /// Counts of all takes since the start, including the running one, whose clock qualities are
     /// used.
@@ -198,6 +233,31 @@ impl CaptureEvent {
         }
     }
 
+    /// True if it reports that samples that came are not in a file as they should be.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, CaptureEvent::Broken { .. })
+    }
+
+    /// The event as JSON for `enact/answer`; of an estimate it has what a director needs.
+    pub(super) fn answer(&self) -> Option<String> {
+        let CaptureEvent::Estimated { take, report } = self else {
+            return serde_json::to_string(self).ok();
+        };
+        let of = &report.estimate;
+        let json = serde_json::json!({
+            "what": "estimated",
+            "take": take,
+            "recording": report.recording,
+            "output": report.output,
+            "verdict": of.verdict,
+            "fits": of.fits,
+            "is_good": of.is_good(),
+            "reason": of.reason,
+            "doubts": of.doubts.iter().map(|doubt| &doubt.text).collect::<Vec<_>>(),
+        });
+        Some(json.to_string())
+    }
+
     /// The event as a record for `enact/take`; `None` where it has none.
     pub(super) fn record(
         &self,
@@ -216,10 +276,14 @@ impl CaptureEvent {
             CaptureEvent::Asked {
                 take: Some(take),
                 messages,
+                ..
             } => (*take, *messages, TakeState::Recording),
             CaptureEvent::Asked { take: None, .. } => (0, 0, TakeState::Ready),
             CaptureEvent::Refused { .. } => (0, 0, TakeState::Refused),
-            CaptureEvent::SoFar { .. } | CaptureEvent::Warning { .. } => return None,
+            CaptureEvent::SoFar { .. }
+            | CaptureEvent::Warning { .. }
+            | CaptureEvent::Heard { .. }
+            | CaptureEvent::Silent { .. } => return None,
         };
         let (control_session, control_sequence) = asked.unwrap_or((0, 0));
         Some(TakeRecord {

@@ -1,30 +1,45 @@
-//! Health and metrics by HTTP/1: two pages, one request per connection.
+//! The operator's page, health and metrics by HTTP/1, one request per connection.
 //!
 //! | path | answer |
 //! |---|---|
-//! | `/health` | 200 `ready`, or 503 `draining` once the daemon is told to end |
+//! | `/` | the operator's page, which needs nothing but this server |
+//! | `/state` | 200, what the page shows, as JSON |
+//! | `POST /take` | 202 for an order in JSON that is handed on, 409 and why for one that cannot be obeyed |
+//! | `/health` | 200 `ready`; 503 and what keeps takes from being written, or `draining` once the daemon is told to end |
 //! | `/metrics` | 200, the text that Prometheus reads |
 //!
 //! Anything else is refused: another path with 404, another method with 405, a malformed request
-//! with 400, more than 8 KiB of head with 431. A peer has two seconds for its request; at most 32
-//! connections are open at a time, further ones wait to be accepted.
+//! with 400, more than 8 KiB of head or of body with 431 or 413, an order that does not come from this
+//! server's own page with 403 ([`Origins::may_direct`]). A peer has two seconds for its request; where
+//! more than there are [`Places`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
 
+use super::director::{Director, Order};
 use super::event::Status;
+use super::gate::{Gate, Places, Waiting};
 use super::metrics::Metrics;
+use super::origin::Origins;
 
 const HEAD_BYTES: usize = 8 << 10;
+const BODY_BYTES: usize = 8 << 10;
 const HEADERS: usize = 64;
+const SHORT_BYTES: usize = 4 << 10;
 const PATIENCE: Duration = Duration::from_secs(2);
-const CONNECTIONS: usize = 32;
+
+const PAGE: &str = include_str!("operator.html");
+
+/// What a browser may do with the page: nothing but what is in it, and talk to this server.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                      connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// The contents of the pages.
 pub(super) struct Pages {
@@ -32,111 +47,191 @@ pub(super) struct Pages {
     pub(super) status: watch::Receiver<Status>,
     /// Set once the daemon is told to end.
     pub(super) stop: Arc<AtomicBool>,
+    pub(super) director: Director,
+    pub(super) origins: Origins,
 }
 
-/// Listens on an address and answers in a task of its own; returns the bound address.
-pub(super) async fn serve(address: SocketAddr, pages: Pages) -> std::io::Result<SocketAddr> {
+/// Listens on an address and answers in tasks of its own; returns the bound address.
+pub(super) async fn serve(
+    address: SocketAddr,
+    places: Places,
+    pages: Pages,
+) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind(address).await?;
     let address = listener.local_addr()?;
-    tokio::spawn(async move {
-        let pages = Arc::new(pages);
-        let places = Arc::new(Semaphore::new(CONNECTIONS));
-        loop {
-            let Ok(place) = Arc::clone(&places).acquire_owned().await else {
-                return;
-            };
-            match listener.accept().await {
-                Ok((stream, _)) => {
-                    let pages = Arc::clone(&pages);
-                    tokio::spawn(async move {
-                        let answer = tokio::time::timeout(PATIENCE, pages.answer(stream)).await;
-                        if !matches!(answer, Ok(Ok(()))) {
-                            pages.metrics.requests_refused.add();
-                        }
-                        drop(place);
-                    });
-                }
-                // A temporary error, such as too many open files.
-                Err(error) => {
-                    tracing::warn!(%error, "a connection was not accepted");
-                    tokio::time::sleep(Duration::from_millis(100)).await;
-                }
+    let pages = Arc::new(pages);
+    let answered = Arc::new(Semaphore::new(places.answered));
+    let gate = Gate::new("metrics", places.waiting, &pages.metrics);
+    let serve = move |stream, waiting| {
+        let (pages, answered) = (Arc::clone(&pages), Arc::clone(&answered));
+        async move {
+            let answer = pages.answer(stream, waiting, &answered);
+            let answer = tokio::time::timeout(PATIENCE, answer).await;
+            if !matches!(answer, Ok(Ok(()))) {
+                pages.metrics.requests_refused.add();
             }
         }
-    });
+    };
+    tokio::spawn(gate.keep(listener, serve));
     Ok(address)
 }
 
 /// The reply to a request.
 struct Reply {
     status: &'static str,
+    kind: &'static str,
     body: String,
 }
 
+impl Reply {
+    fn text(status: &'static str, body: String) -> Self {
+        Self {
+            status,
+            kind: "text/plain; version=0.0.4; charset=utf-8",
+            body,
+        }
+    }
+
+    fn ok(kind: &'static str, body: String) -> Self {
+        Self {
+            status: "200 OK",
+            kind,
+            body,
+        }
+    }
+}
+
 impl Pages {
-    async fn answer(&self, mut stream: TcpStream) -> std::io::Result<()> {
-        let mut head = Vec::new();
+    async fn answer(
+        &self,
+        mut stream: TcpStream,
+        waiting: Waiting,
+        answered: &Semaphore,
+    ) -> std::io::Result<()> {
+        let mut request = Vec::new();
         let reply = loop {
-            if let Some(reply) = self.reply(&head) {
+            if let Some(reply) = self.reply(&request) {
                 break reply;
             }
             let mut part = [0; 1024];
             match stream.read(&mut part).await? {
                 0 => break refusal("400 Bad Request"),
-                length => head.extend_from_slice(&part[..length]),
+                length => request.extend_from_slice(&part[..length]),
             }
         };
-        if !reply.status.starts_with("200") && !reply.status.starts_with("503") {
+        // A short reply fits into the system's buffer whether the peer reads or not. Of the peers
+        // that are sent long ones only so many can hold a connection.
+        let _place = match reply.body.len() > SHORT_BYTES {
+            true => answered.acquire().await.ok(),
+            false => None,
+        };
+        drop(waiting);
+        let is_error = reply.status.starts_with('4');
+        if is_error {
             self.metrics.requests_refused.add();
         }
-        let Reply { status, body } = reply;
+        let Reply { status, kind, body } = reply;
         let length = body.len();
         let head = format!(
-            "HTTP/1.1 {status}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n\
-             Content-Length: {length}\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n"
+            "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
+             Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
+             Content-Security-Policy: {POLICY}\r\nConnection: close\r\n\r\n"
         );
         stream.write_all(head.as_bytes()).await?;
         stream.write_all(body.as_bytes()).await?;
         stream.shutdown().await
     }
 
-    /// The reply to a request; `None` while its head is incomplete.
-    fn reply(&self, head: &[u8]) -> Option<Reply> {
+    /// The reply to a request; `None` while it is incomplete.
+    fn reply(&self, bytes: &[u8]) -> Option<Reply> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
-        match request.parse(head) {
-            Ok(httparse::Status::Complete(_)) => {}
-            Ok(httparse::Status::Partial) if head.len() < HEAD_BYTES => return None,
+        let head = match request.parse(bytes) {
+            Ok(httparse::Status::Complete(length)) => length,
+            Ok(httparse::Status::Partial) if bytes.len() < HEAD_BYTES => return None,
             Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
                 return Some(refusal("431 Request Header Fields Too Large"));
             }
             Err(_) => return Some(refusal("400 Bad Request")),
-        }
+        };
         let path = request.path.unwrap_or_default();
         let path = path.split('?').next().unwrap_or_default();
         let is_get = request.method == Some("GET");
         Some(match path {
-            "/health" | "/metrics" if !is_get => refusal("405 Method Not Allowed"),
-            "/health" if self.stop.load(Ordering::Relaxed) => Reply {
-                status: "503 Service Unavailable",
-                body: "draining\n".to_owned(),
-            },
-            "/health" => Reply {
-                status: "200 OK",
-                body: "ready\n".to_owned(),
-            },
-            "/metrics" => Reply {
-                status: "200 OK",
-                body: self.metrics.text(&self.status.borrow()),
-            },
+            "/take" if request.method == Some("POST") => {
+                return self.take(request.headers, &bytes[head..]);
+            }
+            "/" | "/state" | "/take" | "/health" | "/metrics" if !is_get || path == "/take" => {
+                refusal("405 Method Not Allowed")
+            }
+            "/" => Reply::ok("text/html; charset=utf-8", PAGE.to_owned()),
+            "/state" => Reply::ok("application/json", self.state()),
+            "/health" => self.health(),
+            "/metrics" => Reply::text("200 OK", self.metrics.text(&self.status.borrow())),
             _ => refusal("404 Not Found"),
+        })
+    }
+
+    fn health(&self) -> Reply {
+        const BAD: &str = "503 Service Unavailable";
+        if self.stop.load(Ordering::Relaxed) {
+            return Reply::text(BAD, "draining\n".to_owned());
+        }
+        let troubles = self.metrics.health.troubles(Instant::now());
+        if troubles.is_empty() {
+            return Reply::text("200 OK", "ready\n".to_owned());
+        }
+        Reply::text(BAD, format!("{}\n", troubles.join("\n")))
+    }
+
+    /// Everything that the page shows.
+    fn state(&self) -> String {
+        let status = self.status.borrow();
+        json!({
+            "status": &*status,
+            "troubles": self.metrics.health.troubles(Instant::now()),
+            "events": self.director.events(),
+            "takes": self.metrics.history.takes(),
+            "free_bytes": self.metrics.health.free_bytes(),
+        })
+        .to_string()
+    }
+
+    /// The reply to an order; `None` while its body is incomplete.
+    fn take(&self, headers: &[httparse::Header], body: &[u8]) -> Option<Reply> {
+        let header = |name: &str| {
+            let found = headers
+                .iter()
+                .find(|header| header.name.eq_ignore_ascii_case(name));
+            found.map(|header| std::str::from_utf8(header.value).unwrap_or("?"))
+        };
+        if !self.origins.may_direct(header("origin"), header("host")) {
+            return Some(refusal("403 Forbidden"));
+        }
+        let length = header("content-length").map(str::parse);
+        let Some(Ok(length)) = length else {
+            return Some(refusal("411 Length Required"));
+        };
+        if length > BODY_BYTES {
+            return Some(refusal("413 Content Too Large"));
+        }
+        let body = body.get(..length)?;
+        let order: Order = match serde_json::from_slice(body) {
+            Ok(order) => order,
+            Err(error) => {
+                return Some(Reply::text(
+                    "400 Bad Request",
+                    format!("no order: {error}\n"),
+                ));
+            }
+        };
+        Some(match self.director.order(&order) {
+            Ok(()) => Reply::text("202 Accepted", "handed on\n".to_owned()),
+            Err(why) => Reply::text("409 Conflict", format!("{why}\n")),
         })
     }
 }
 
 fn refusal(status: &'static str) -> Reply {
-    Reply {
-        status,
-        body: format!("{status}\n"),
-    }
+    Reply::text(status, format!("{status}\n"))
 }

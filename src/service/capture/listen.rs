@@ -7,15 +7,20 @@ use std::sync::mpsc::{Sender, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::health::Part;
 use super::metrics::Metrics;
+use super::seldom::Seldom;
 use crate::ingest::live::{Arrival, Arrived, Listening};
-use crate::ingest::live::{Command, LiveError, Node};
+use crate::ingest::live::{Command, DaemonLock, LiveError, Node};
 use crate::motion::Scene;
 
 /// Polling intervals while samples come, and after none came for [`IDLE_AFTER`].
 const POLL: Duration = Duration::from_millis(1);
 const POLL_IDLE: Duration = Duration::from_millis(5);
 const IDLE_AFTER: Duration = Duration::from_secs(1);
+
+/// Interval of saying that it polls.
+const BEAT: Duration = Duration::from_millis(200);
 
 /// The inputs of the thread.
 pub(super) struct Listen {
@@ -26,6 +31,8 @@ pub(super) struct Listen {
     pub(super) metrics: Arc<Metrics>,
     /// Set to end.
     pub(super) stop: Arc<AtomicBool>,
+    /// The scene file, for those who find the daemon's lock taken.
+    pub(super) scene_file: PathBuf,
     /// Receives once whether the services are open, with their shortcomings.
     pub(super) opened: Sender<Result<Vec<String>, LiveError>>,
 }
@@ -36,15 +43,16 @@ impl Listen {
     pub(super) fn run(self) {
         let open = || {
             let node = Node::join("enact capture", self.iceoryx2.as_deref())?;
+            let lock = DaemonLock::take(&node, &self.scene_file)?;
             let listening = Listening::open(&node, &self.scene)?;
-            Ok((node, listening))
+            Ok((node, lock, listening))
         };
         // Where sending fails the daemon has given up already.
-        let (_node, listening) = match open() {
-            Ok((node, listening)) => {
+        let (_node, _lock, listening) = match open() {
+            Ok((node, lock, listening)) => {
                 let shortcomings = listening.shortcomings().to_vec();
                 let _ = self.opened.send(Ok(shortcomings));
-                (node, listening)
+                (node, lock, listening)
             }
             Err(error) => {
                 let _ = self.opened.send(Err(error));
@@ -52,14 +60,21 @@ impl Listen {
             }
         };
         let mut heard = Instant::now();
-        let mut complained = false;
+        let complaint = Seldom::default();
+        let (mut beaten, mut trouble) = (None, None);
         loop {
             let is_last = self.stop.load(Ordering::Relaxed);
             let (batch, result) = poll(&listening);
-            if let Err(error) = result
-                && !std::mem::replace(&mut complained, true)
-            {
-                tracing::error!(%error, "said once");
+            let now = Instant::now();
+            if let Err(error) = result {
+                if let Some(more) = complaint.due(now) {
+                    tracing::error!(%error, more, "not received");
+                }
+                trouble = Some(error.to_string());
+            }
+            if beaten.is_none_or(|at| now.duration_since(at) > BEAT) {
+                self.metrics.health.say(Part::Listening, trouble.take());
+                beaten = Some(now);
             }
             if !batch.is_empty() {
                 heard = Instant::now();

@@ -3,10 +3,13 @@
 use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::event::{CaptureEvent, Status, TrackerLine};
+use super::health::Health;
+use super::history::History;
 use super::latency::Latencies;
+use super::presence::{Presence, TrackerState};
 
 /// Upper ends of the bins of histograms \[s\].
 pub(super) const BOUNDS_S: [f64; 13] = [
@@ -19,7 +22,11 @@ pub(super) struct Count(AtomicU64);
 
 impl Count {
     pub(super) fn add(&self) {
-        self.0.fetch_add(1, Ordering::Relaxed);
+        self.add_many(1);
+    }
+
+    pub(super) fn add_many(&self, count: u64) {
+        self.0.fetch_add(count, Ordering::Relaxed);
     }
 
     fn get(&self) -> u64 {
@@ -83,6 +90,17 @@ pub(super) struct Metrics {
     /// Samples dropped because the viewers' queue was full.
     pub(super) not_shown: Count,
     pub(super) requests_refused: Count,
+    /// Connections closed because more came before they had said what they want.
+    pub(super) connections_closed: Count,
+    /// Viewers that are there.
+    pub(super) viewers: Depth,
+    pub(super) viewers_refused: Count,
+    /// Viewers sent away because they did not read.
+    pub(super) viewers_stalled: Count,
+    /// Messages that viewers missed.
+    pub(super) viewers_missed: Count,
+    pub(super) health: Health,
+    pub(super) history: History,
     /// Takes by their outcome: see [`TAKES`].
     takes: [Count; TAKES.len()],
     not_previewed: Count,
@@ -139,7 +157,29 @@ impl Metrics {
     pub(super) fn text(&self, status: &Status) -> String {
         let mut text = String::new();
         trackers(&mut text, &status.totals.trackers);
+        presence(&mut text, &status.trackers);
         let page = &mut text;
+        let troubles = self.health.troubles(Instant::now());
+        for (name, help, value) in [
+            (
+                "enact_healthy",
+                "whether a take could be begun and written",
+                u64::from(troubles.is_empty()),
+            ),
+            (
+                "enact_folder_free_bytes",
+                "free space in the folder of the takes",
+                self.health.free_bytes(),
+            ),
+            (
+                "enact_viewers",
+                "viewers that are there",
+                self.viewers.get().unsigned_abs(),
+            ),
+        ] {
+            head(page, name, "gauge", help);
+            let _ = writeln!(page, "{name} {value}");
+        }
         let marks = &status.totals.marks;
         head(
             page,
@@ -227,6 +267,26 @@ impl Metrics {
                 "HTTP requests refused",
                 &self.requests_refused,
             ),
+            (
+                "enact_connections_closed_total",
+                "connections closed because more came before they had said anything",
+                &self.connections_closed,
+            ),
+            (
+                "enact_viewers_refused_total",
+                "viewers refused: no place, no permission, no handshake",
+                &self.viewers_refused,
+            ),
+            (
+                "enact_viewers_stalled_total",
+                "viewers sent away because they did not read",
+                &self.viewers_stalled,
+            ),
+            (
+                "enact_viewers_missed_total",
+                "messages that viewers were too slow for",
+                &self.viewers_missed,
+            ),
         ] {
             head(page, name, "counter", help);
             let _ = writeln!(page, "{name} {}", count.get());
@@ -252,8 +312,15 @@ fn trackers(text: &mut String, trackers: &[TrackerLine]) {
         let topic = escaped(&line.topic);
         let of = &line.counts;
         let received = [("received", of.received)].into_iter();
-        let others = [("gaps", of.gaps), ("clock_steps", line.clock.steps)];
-        for (fate, count) in received.chain(of.troubles()).chain(others) {
+        let others = [
+            ("gaps", of.gaps),
+            ("skipped", of.skipped),
+            ("clock_steps", line.clock.steps),
+        ];
+        // A number that comes late is no longer missing, and a counter must not fall.
+        let troubles = of.troubles().into_iter();
+        let troubles = troubles.filter(|(fate, _)| *fate != "missing");
+        for (fate, count) in received.chain(troubles).chain(others) {
             let _ = writeln!(text, "{name}{{topic=\"{topic}\",fate=\"{fate}\"}} {count}");
         }
     }
@@ -271,6 +338,42 @@ fn trackers(text: &mut String, trackers: &[TrackerLine]) {
             "{name}{{topic=\"{}\"}} {delay_s}",
             escaped(&line.topic)
         );
+    }
+}
+
+/// What is known of every tracker, take or no take.
+fn presence(text: &mut String, trackers: &[TrackerState]) {
+    type Gauge = (&'static str, &'static str, fn(&TrackerState) -> Option<f64>);
+    let gauges: [Gauge; 4] = [
+        (
+            "enact_tracker_rate_hertz",
+            "samples of the last second",
+            |of| Some(of.rate_hz),
+        ),
+        (
+            "enact_tracker_seen_seconds",
+            "time since the last sample, if one came",
+            |of| of.seen_s,
+        ),
+        (
+            "enact_tracker_valid_ratio",
+            "share of valid samples in the last second, if any came",
+            |of| of.valid_share,
+        ),
+        (
+            "enact_tracker_silent",
+            "whether a tracker fell silent",
+            |of| Some(f64::from(u8::from(of.state == Presence::Silent))),
+        ),
+    ];
+    for (name, help, value) in gauges {
+        head(text, name, "gauge", help);
+        for of in trackers {
+            if let Some(value) = value(of) {
+                let topic = escaped(&of.topic);
+                let _ = writeln!(text, "{name}{{topic=\"{topic}\"}} {value}");
+            }
+        }
     }
 }
 

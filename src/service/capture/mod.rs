@@ -21,14 +21,31 @@
 //! | record → finals | 8 takes | the take is not estimated, and the account says so |
 //! | record → viewers | 256 poses, 60 a second and stream | not shown, and counted |
 //! | preview, finals → viewers | 1 estimate | the newest replaces it |
-//! | server → one viewer | 1024 messages | the oldest are dropped |
+//! | server → all viewers | 512 messages, and 4 great ones | who is slower than that misses the oldest, and they are counted |
+//! | page → record | 64 orders | refused |
 //! | → publisher | 256 | recorder: dropped and logged; estimators wait |
 //! | publisher → account | 1024 | dropped and logged |
 //!
-//! Samples that come while no take runs are counted ([`Status::outside`]) and not kept. A take
+//! Samples that come while no take runs are counted ([`Status::outside`]); those of the last
+//! `pre_roll_s` are kept in memory, and a take begins with them. Without that key a take
 //! begins with the samples of the same poll as its start, at most 1 ms before it while samples
-//! come, and ends with those sent before its stop. There is no pre-roll: to record what leads up to
-//! a motion, start the take before it, and discard the take if nothing follows.
+//! come. It ends with those sent before its stop.
+//!
+//! # What the daemon knows
+//!
+//! Of every tracker, take or no take: its rate, when its last sample came, and how much of it is valid
+//! ([`TrackerState`]). One that sent at least three samples and then none for five of its mean intervals,
+//! and for half a second, is silent: that is an event ([`CaptureEvent::Silent`]), in the line of the
+//! terminal, in `enact take status`, in `/metrics`, and a warning in viewers.
+//!
+//! There is one daemon per iceoryx2: it holds a lock beside iceoryx2's files, and a second one refuses
+//! and names the first. Takes are numbered through the life of their folder, and their files carry the
+//! number: `take-0012-20261121T171000Z.mcap`. Name, note and rating of a take are the metadata record
+//! `take` of its recording, and of its estimate.
+//!
+//! The account is written on a thread of its own: where nobody reads it nothing waits but the account.
+//! At the end two seconds are left for it. A daemon that is told to end does so with exit code 0, or
+//! with 3 where a take could not be recorded or the account not be written.
 //!
 //! A process that is killed loses at most what came in the last `chunk_ms`, a machine that fails what
 //! came in the last `chunk_ms + sync_ms`. The journal being written is left as `….mcap.part`;
@@ -50,15 +67,29 @@
 //! ```toml
 //! [capture]
 //! viewer_port = 8765     # Foxglove and Lichtblick: ws://127.0.0.1:8765; 0: any free port
-//! metrics_port = 9464    # /health and /metrics
+//! metrics_port = 9464    # http://127.0.0.1:9464: the operator's page, /health, /metrics
 //! listen = "127.0.0.1"   # the default; others only reach what is opened to them here
+//! origins = ["https://viewer.example"]   # further pages that may watch; "*": all
 //! ```
 //!
-//! There is neither encryption nor a password. Off loopback, everybody who reaches the port sees
-//! the performance; on loopback, every page in a browser on this machine does, since no origin is
-//! refused. Clients can only read. A port that is in use is an error at the start. Lichtblick
-//! supports `foxglove.sdk.v1` since the end of 2025 (its pull request 819); earlier versions are
-//! refused.
+//! There is neither encryption nor a password. Off loopback, everybody who reaches the ports sees
+//! the performance and may direct takes. Pages in browsers say where they are from: those of this
+//! machine and of known viewers may watch, and others that are listed in `origins`; only the daemon's
+//! own page, opened by an address in numbers or as `localhost`, may direct. A port that is in use is an
+//! error at the start. Lichtblick supports `foxglove.sdk.v1` since the end of 2025 (its pull request
+//! 819); earlier versions are refused.
+//!
+//! Nothing that happens at the ports reaches recording. There may be 128 connections at each port that have
+//! not said yet what they want, the oldest of which makes room for one more, and 32 viewers; fewer
+//! where the process may have fewer than about 550 descriptors, of which 256 are left for trackers and
+//! takes. All viewers together take at most 64 MiB; one that takes ten seconds for a message, or answers
+//! no ping for twenty, is sent away. What others can make the daemon log is logged every ten seconds at most, with how often it
+//! happened.
+//!
+//! `/health` is 200 while a take could be begun and written, else 503 with the reasons: the last take
+//! could not be recorded, less than 1 MiB is free, no file can be made in the folder or no descriptor be
+//! had (looked at twice a second), the services' files are gone (every second), or a thread has not
+//! moved for 1.5 s.
 //!
 //! # As a service
 //!
@@ -80,23 +111,35 @@
 //! existing ones.
 
 mod daemon;
+mod director;
 mod estimator;
 mod event;
+mod gate;
+mod health;
+mod history;
 mod http;
+mod label;
 mod latency;
 mod listen;
 mod metrics;
 mod naming;
 mod notice;
 mod notify;
+mod origin;
+mod preroll;
+mod presence;
 mod previewer;
 mod publisher;
 mod recorder;
+mod seldom;
 mod syncer;
 mod take;
 mod viewer;
 
 pub use daemon::{CaptureJob, capture};
 pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
+pub(super) use label::METADATA;
+pub use label::TakeLabel;
 pub use latency::LatencyLine;
+pub use presence::{Presence, TrackerState};
 pub(super) use take::now_ns;

@@ -4,13 +4,28 @@ use std::path::{Path, PathBuf};
 
 use crate::write::recover::PART_SUFFIX;
 
+/// Longer ones are dates, or somebody else's.
+const MOST_DIGITS: usize = 7;
+
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 const SECONDS_PER_DAY: i64 = 86_400;
 
-/// `take-20261121T171000Z.mcap` in the folder, with `-2`, `-3`, … where a recording or a journal
+/// The greatest number of a take in the folder, 0 where there is none: numbers go on over restarts.
+pub(super) fn last_number(folder: &Path) -> u64 {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let numbers = entries.filter_map(|entry| {
+        let name = entry.file_name();
+        let (number, rest) = name.to_str()?.strip_prefix("take-")?.split_once('-')?;
+        let is_ours = rest.contains(".mcap") && number.len() <= MOST_DIGITS;
+        is_ours.then(|| number.parse().ok())?
+    });
+    numbers.max().unwrap_or(0)
+}
+
+/// `take-0012-20261121T171000Z.mcap` in the folder, with `-2`, `-3`, … where a recording or a journal
 /// of that name exists.
-pub(super) fn take_path(folder: &Path, now_ns: i64) -> PathBuf {
-    let stem = format!("take-{}", utc(now_ns));
+pub(super) fn take_path(folder: &Path, number: u64, now_ns: i64) -> PathBuf {
+    let stem = format!("take-{number:04}-{}", utc(now_ns));
     let names = std::iter::once(format!("{stem}.mcap"))
         .chain((2..).map(|count| format!("{stem}-{count}.mcap")));
     let is_free = |name: &String| {
@@ -71,16 +86,39 @@ mod tests {
     }
 
     #[test]
+    fn numbers_go_on_and_other_files_do_not_count() {
+        let folder = tempfile::tempdir().expect("folder");
+        assert_eq!(last_number(folder.path()), 0);
+        for name in [
+            "take-0003-20261121T171000Z.mcap",
+            "take-0007-20261121T171000Z.mcap.part.recovered",
+            "take-0005-20261121T171000Z.estimate.mcap",
+            "take-20261121T171000Z-2.mcap",
+            "take-99-notes.txt",
+            "take-x-1.mcap",
+            "other-9-1.mcap",
+        ] {
+            std::fs::write(folder.path().join(name), b"").expect("write");
+        }
+        assert_eq!(last_number(folder.path()), 7);
+        assert_eq!(last_number(&folder.path().join("gone")), 0);
+    }
+
+    #[test]
     fn no_two_takes_have_one_name() {
         let folder = tempfile::tempdir().expect("folder");
-        let first = take_path(folder.path(), 0);
+        let first = take_path(folder.path(), 12, 0);
         std::fs::write(format!("{}{PART_SUFFIX}", first.display()), b"").expect("write");
-        let second = take_path(folder.path(), 0);
+        let second = take_path(folder.path(), 12, 0);
         std::fs::write(&second, b"").expect("write");
-        let third = take_path(folder.path(), 0);
+        let third = take_path(folder.path(), 12, 0);
         let names = [first, second, third].map(|path| path.display().to_string());
         for (name, end) in names.iter().zip(["0Z.mcap", "0Z-2.mcap", "0Z-3.mcap"]) {
-            assert!(name.ends_with(end), "{name}");
+            assert!(
+                name.contains("/take-0012-1970") && name.ends_with(end),
+                "{name}"
+            );
         }
+        assert_eq!(last_number(folder.path()), 12);
     }
 }

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::time::Instant;
 
 use super::event::CaptureEvent;
 use super::metrics::Metrics;
+use super::seldom::Seldom;
 use crate::ingest::live::ControlRecord;
 use crate::pipeline::Outcome;
 use crate::write::live::EstimateOccasion;
@@ -60,13 +62,20 @@ impl Notice {
 pub(super) struct Speaker {
     queue: SyncSender<Notice>,
     metrics: Arc<Metrics>,
+    complaint: Arc<Seldom>,
 }
 
 /// A queue to the publisher.
 pub(super) fn queue(metrics: &Arc<Metrics>) -> (Speaker, Receiver<Notice>) {
     let (queue, notices) = sync_channel(NOTICES);
     let metrics = Arc::clone(metrics);
-    (Speaker { queue, metrics }, notices)
+    let complaint = Arc::default();
+    let speaker = Speaker {
+        queue,
+        metrics,
+        complaint,
+    };
+    (speaker, notices)
 }
 
 impl Speaker {
@@ -82,7 +91,10 @@ impl Speaker {
         match self.queue.try_send(notice) {
             Ok(()) => self.metrics.notices_waiting.put(),
             Err(TrySendError::Full(notice) | TrySendError::Disconnected(notice)) => {
-                tracing::error!(lost = ?notice.said, "nobody listens to what is said");
+                if let Some(more) = self.complaint.due(Instant::now()) {
+                    let lost = &notice.said;
+                    tracing::error!(?lost, more, "nobody listens to what is said");
+                }
             }
         }
     }

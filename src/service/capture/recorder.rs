@@ -11,11 +11,15 @@ use tokio::sync::watch;
 
 use super::estimator::Finished;
 use super::event::{CaptureEvent, CountsLine, Status};
+use super::health::Part;
 use super::latency::Latencies;
 use super::metrics::Metrics;
-use super::naming::take_path;
+use super::naming::{last_number, take_path};
 use super::notice::{Notice, Speaker};
+use super::preroll::Preroll;
+use super::presence::{Presence, Pulse};
 use super::previewer::PreviewInput;
+use super::seldom::Seldom;
 use super::take::{Take, now_ns};
 use super::viewer::Feed;
 use crate::config::CaptureSettings;
@@ -34,6 +38,9 @@ const SO_FAR_EVENTS: usize = 200_000;
 /// larger ones.
 const FINAL_MESSAGES: u64 = 2_000_000;
 
+/// Interval of looking whether trackers are silent.
+const LISTEN: Duration = Duration::from_millis(100);
+
 /// Number of commands whose answers are kept to be repeated.
 const ANSWERS: usize = 16;
 
@@ -51,6 +58,8 @@ pub(super) struct Recorder {
     pub(super) metrics: Arc<Metrics>,
     /// Queue to the viewers, if they are served.
     pub(super) feed: Option<Feed>,
+    /// What the operator's page directs.
+    pub(super) orders: Receiver<Arrival>,
 }
 
 /// The state of the thread.
@@ -66,13 +75,19 @@ struct RecorderState {
     answered: VecDeque<(ControlRecord, CaptureEvent)>,
     /// Sums over the takes that are over.
     totals: (CountsLine, Latencies),
+    /// The trackers, stream by stream.
+    pulses: Vec<Pulse>,
+    /// What came in the last seconds, while no take runs.
+    preroll: Preroll,
     said: Instant,
+    listened: Instant,
+    slow_disk: Seldom,
 }
 
 impl Recorder {
     /// Journals arrivals until the queue is closed, then closes the take.
     pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
-        let mut state = RecorderState::new();
+        let mut state = RecorderState::new(&self);
         if start_now {
             self.start(&mut state, None);
         }
@@ -88,6 +103,10 @@ impl Recorder {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
+            }
+            while let Ok(order) = self.orders.try_recv() {
+                self.take_in(&mut state, &order);
+                self.show(&order);
             }
             self.tick(&mut state, Instant::now());
         }
@@ -108,31 +127,35 @@ impl Recorder {
                     feed.mark(mark);
                 }
             }
-            Arrived::Control(_) => {}
+            Arrived::Label(_) | Arrived::Control(_) => {}
         }
     }
 
     fn take_in(&self, state: &mut RecorderState, arrival: &Arrival) {
-        let result = match (&arrival.what, &mut state.take) {
-            (Arrived::Control(record), _) => {
-                self.control(state, record);
-                Ok(())
+        match &arrival.what {
+            Arrived::Control(record) => return self.control(state, record),
+            Arrived::Label(record) => {
+                let taken = match &mut state.take {
+                    Some(take) => take.label.take(record),
+                    None => Err("no take runs".to_owned()),
+                };
+                if let Err(why) = taken {
+                    let text = format!("a label was refused: {why}");
+                    let warning = CaptureEvent::Warning { text };
+                    self.publisher.say_at_once(Notice::of(warning));
+                }
+                return;
             }
-            (_, None) => {
-                state.outside += 1;
-                Ok(())
+            Arrived::Pose { stream, record, .. } => {
+                state.pulses[*stream].sample(arrival.at, record);
             }
-            (Arrived::Mark(record), Some(take)) => take.mark(arrival.at, record),
-            (
-                Arrived::Pose {
-                    stream,
-                    record,
-                    is_overflow,
-                },
-                Some(take),
-            ) => take.pose(arrival.at, *stream, record, *is_overflow),
+            Arrived::Mark(_) => {}
+        }
+        let Some(take) = &mut state.take else {
+            state.outside += 1;
+            return state.preroll.keep(*arrival);
         };
-        if let Err(error) = result {
+        if let Err(error) = journal(take, arrival) {
             self.give_up(state, &error);
         }
     }
@@ -159,11 +182,7 @@ impl Recorder {
             Some(Command::Stop) if runs => self.stop(state, asked),
             Some(Command::Discard) if runs => self.discard(state, asked),
             Some(Command::Ask) => {
-                let take = state.take.as_ref();
-                let said = CaptureEvent::Asked {
-                    take: take.map(|take| take.number),
-                    messages: take.map_or(0, |take| take.journal.messages()),
-                };
+                let said = self.asked(state);
                 self.publisher.say_at_once(Notice::asked(said, asked));
             }
             command => {
@@ -180,9 +199,27 @@ impl Recorder {
         }
     }
 
+    /// How everything stands.
+    fn asked(&self, state: &mut RecorderState) -> CaptureEvent {
+        let now = Instant::now();
+        let take = state.take.as_ref();
+        CaptureEvent::Asked {
+            take: take.map(|take| take.number),
+            messages: take.map_or(0, |take| take.journal.messages()),
+            scene: self.scene.name.clone(),
+            events: event_names(&self.scene),
+            trackers: state
+                .pulses
+                .iter_mut()
+                .map(|pulse| pulse.state(now))
+                .collect(),
+            troubles: self.metrics.health.troubles(now),
+        }
+    }
+
     fn start(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
         state.takes += 1;
-        let path = take_path(&self.settings.folder, now_ns());
+        let path = take_path(&self.settings.folder, state.takes, now_ns());
         let (scene, toml) = (&self.scene, &self.scene_toml);
         match Take::begin(
             state.takes,
@@ -192,16 +229,31 @@ impl Recorder {
             &self.topics,
             &self.settings,
         ) {
-            Ok(take) => {
+            Ok(mut take) => {
                 (state.followed, state.is_over) = (Some(0), false);
+                let kept = state.preroll.take(Instant::now());
+                let pulses = state.pulses.iter();
+                let unheard = pulses.filter(|pulse| !pulse.is_sending());
                 let said = CaptureEvent::Started {
                     take: state.takes,
                     recording: path.display().to_string(),
+                    unheard: unheard.map(|pulse| pulse.topic().to_owned()).collect(),
+                    before: kept.len() as u64,
                 };
+                self.metrics.health.say(Part::Take, None);
                 self.answer(state, said, asked);
+                take.is_catching_up = true;
+                let caught_up = kept
+                    .iter()
+                    .try_for_each(|arrival| journal(&mut take, arrival));
+                take.is_catching_up = false;
                 state.take = Some(take);
+                if let Err(error) = caught_up {
+                    self.give_up(state, &error);
+                }
             }
             Err(error) => {
+                self.is_broken(state.takes, &error.to_string());
                 let said = CaptureEvent::Broken {
                     take: state.takes,
                     recording: path.display().to_string(),
@@ -218,17 +270,19 @@ impl Recorder {
             return;
         };
         self.follow(state, &mut take);
-        if let Err(error) = take.note_counts() {
+        if let Err(error) = take.note_end() {
             state.take = Some(take);
             return self.give_up(state, &error);
         }
         state.end_of(&take);
         let (number, messages, counts) = (take.number, take.journal.messages(), take.counts());
+        let label = take.label.clone();
         let path = take.journal.path().to_owned();
         let part = take.journal.part().to_owned();
         let recording = path.display().to_string();
         if let Err(error) = take.journal.finish() {
             let error = error.to_string();
+            self.is_broken(number, &error);
             // Its own name may be that of another file, which came meanwhile.
             let left = if part.exists() { &part } else { &path };
             let said = CaptureEvent::Broken {
@@ -244,6 +298,7 @@ impl Recorder {
             recording: recording.clone(),
             messages,
             counts,
+            label,
         };
         self.answer(state, said, asked);
         let reason = if messages > FINAL_MESSAGES {
@@ -299,6 +354,7 @@ impl Recorder {
             Ok(()) => (path, error.to_string()),
             Err(worse) => (part, format!("{error}; then {worse}")),
         };
+        self.is_broken(number, &error);
         self.publisher.say_at_once(Notice::of(CaptureEvent::Broken {
             take: number,
             recording: recording.display().to_string(),
@@ -307,12 +363,43 @@ impl Recorder {
         }));
     }
 
+    /// Health is bad until a take begins.
+    fn is_broken(&self, take: u64, error: &str) {
+        let trouble = format!("take {take} could not be recorded: {error}");
+        self.metrics.health.say(Part::Take, Some(trouble));
+    }
+
+    /// Says which trackers have fallen silent, and which are there again.
+    fn listen(&self, state: &mut RecorderState, now: Instant) {
+        let take = state.take.as_ref().map(|take| take.number);
+        for pulse in &mut state.pulses {
+            let Some((presence, seen_s)) = pulse.changed(now) else {
+                continue;
+            };
+            let topic = pulse.topic().to_owned();
+            let said = match presence {
+                Presence::Silent => CaptureEvent::Silent {
+                    topic,
+                    take,
+                    seen_s,
+                },
+                Presence::Sending | Presence::Unheard => CaptureEvent::Heard { topic, take },
+            };
+            self.publisher.say_at_once(Notice::of(said));
+        }
+    }
+
     /// Everything that is done at intervals.
     fn tick(&self, state: &mut RecorderState, now: Instant) {
+        if now.duration_since(state.listened) >= LISTEN {
+            state.listened = now;
+            self.metrics.health.say(Part::Recorder, None);
+            self.listen(state, now);
+        }
         if let Some(mut take) = state.take.take() {
             let ticked = take.tick(now, &self.settings);
             if ticked.is_ok() {
-                self.sync(&mut take, now);
+                self.sync(&mut take, now, &state.slow_disk);
                 self.follow(state, &mut take);
             }
             state.take = Some(take);
@@ -326,23 +413,29 @@ impl Recorder {
         }
         if now.duration_since(state.said) >= STATUS {
             state.said = now;
-            self.status.send_replace(status(state));
+            self.status.send_replace(status(state, now));
         }
     }
 
     /// Asks the syncer to sync the journal, unless a sync is still waiting.
-    fn sync(&self, take: &mut Take, now: Instant) {
+    fn sync(&self, take: &mut Take, now: Instant, slow: &Seldom) {
         if now.duration_since(take.synced) < self.settings.sync {
             return;
         }
         take.synced = now;
         match take.journal.sync_handle() {
             Ok(file) => {
-                if let Err(TrySendError::Full(_)) = self.syncer.try_send(file) {
-                    tracing::warn!("the disk takes longer than sync_ms to sync");
+                if let Err(TrySendError::Full(_)) = self.syncer.try_send(file)
+                    && let Some(more) = slow.due(now)
+                {
+                    tracing::warn!(more, "the disk takes longer than sync_ms to sync");
                 }
             }
-            Err(error) => tracing::warn!(%error, "not synced"),
+            Err(error) => {
+                if let Some(more) = slow.due(now) {
+                    tracing::warn!(%error, more, "not synced");
+                }
+            }
         }
     }
 
@@ -379,16 +472,22 @@ impl Recorder {
 
 impl RecorderState {
     /// No take yet.
-    fn new() -> Self {
+    fn new(of: &Recorder) -> Self {
+        let now = Instant::now();
+        let pulses = of.topics.iter().map(|topic| Pulse::new(&topic.topic, now));
         Self {
             take: None,
-            takes: 0,
+            takes: last_number(&of.settings.folder),
+            pulses: pulses.collect(),
+            preroll: Preroll::new(of.settings.pre_roll),
+            listened: now,
+            slow_disk: Seldom::default(),
             outside: 0,
             followed: None,
             is_over: false,
             answered: VecDeque::new(),
             totals: Default::default(),
-            said: Instant::now(),
+            said: now,
         }
     }
 
@@ -405,7 +504,31 @@ impl RecorderState {
     }
 }
 
-fn status(state: &RecorderState) -> Status {
+/// Names that marks may have.
+pub(super) fn event_names(scene: &Scene) -> Vec<String> {
+    scene
+        .events
+        .iter()
+        .map(|event| event.name.clone())
+        .collect()
+}
+
+/// Journals a sample or a mark.
+fn journal(take: &mut Take, arrival: &Arrival) -> Result<(), WriteError> {
+    match &arrival.what {
+        Arrived::Pose {
+            stream,
+            record,
+            is_overflow,
+        } => take.pose(arrival.at, *stream, record, *is_overflow),
+        Arrived::Mark(record) => take.mark(arrival.at, record),
+        Arrived::Label(_) | Arrived::Control(_) => Ok(()),
+    }
+}
+
+fn status(state: &mut RecorderState, now: Instant) -> Status {
+    let trackers = state.pulses.iter_mut().map(|pulse| pulse.state(now));
+    let trackers = trackers.collect();
     let take = state.take.as_ref();
     let (mut totals, mut latency) = state.totals.clone();
     if let Some(take) = take {
@@ -417,6 +540,7 @@ fn status(state: &RecorderState) -> Status {
         recording: take.map(|take| take.journal.path().display().to_string()),
         messages: take.map_or(0, |take| take.journal.messages()),
         counts: take.map(Take::counts).unwrap_or_default(),
+        trackers,
         outside: state.outside,
         totals,
         latency,

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use super::event::{CountsLine, MarkCounts, TrackerLine};
+use super::label::{METADATA, TakeLabel};
 use super::latency::Latencies;
 use crate::config::CaptureSettings;
 use crate::ingest::live::{MarkRecord, PoseRecord};
@@ -57,6 +58,9 @@ pub(super) struct Take {
     topics: Vec<StreamTopic>,
     streams: Vec<Stream>,
     marks: MarkCounts,
+    pub(super) label: TakeLabel,
+    /// Whether what comes was kept from before the take.
+    pub(super) is_catching_up: bool,
     pub(super) latencies: Latencies,
     /// Events that were not yet handed to the previewer.
     pub(super) pending: Vec<TakeEvent>,
@@ -87,6 +91,8 @@ impl Take {
             topics: topics.to_vec(),
             streams: topics.iter().map(stream).collect(),
             marks: MarkCounts::default(),
+            label: TakeLabel::default(),
+            is_catching_up: false,
             latencies: Latencies::default(),
             pending: Vec::new(),
             chunk_begun: anchor.at,
@@ -112,7 +118,7 @@ impl Take {
         };
         self.journal
             .pose(stream, receipt, record, sample.as_ref())?;
-        self.latencies.add(at.elapsed());
+        self.late_by(at);
         let topic = &self.topics[stream];
         self.pending.extend(sample.map(|sample| TakeEvent::Pose {
             track: topic.track,
@@ -129,9 +135,16 @@ impl Take {
         self.marks.received += 1;
         self.marks.refused += u64::from(mark.is_none());
         self.journal.mark(receipt, record, mark.as_ref())?;
-        self.latencies.add(at.elapsed());
+        self.late_by(at);
         self.pending.extend(mark.map(TakeEvent::Mark));
         Ok(())
+    }
+
+    /// Counts the latency of what has just been journalled, unless it was kept from before the take.
+    fn late_by(&mut self, at: Instant) {
+        if !self.is_catching_up {
+            self.latencies.add(at.elapsed());
+        }
     }
 
     /// Arrival on the take's clock.
@@ -162,6 +175,13 @@ impl Take {
     pub(super) fn note_counts(&mut self) -> Result<(), WriteError> {
         let json = serde_json::to_vec(&self.counts()).expect("names and numbers are JSON");
         self.journal.counts(self.anchor.stamp(self.latest), &json)
+    }
+
+    /// Writes the counts and what was said of the take, at its end.
+    pub(super) fn note_end(&mut self) -> Result<(), WriteError> {
+        self.note_counts()?;
+        let pairs = self.label.pairs(self.number);
+        self.journal.note(METADATA, pairs)
     }
 
     /// Number of accepted marks.

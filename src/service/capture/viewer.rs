@@ -9,21 +9,30 @@
 //! | `/scene` | bodies, ghosts, the static world; again every second, for late viewers |
 //! | `/estimate/report`, `/estimate/time_map` | the last estimate in numbers; again every second |
 //!
-//! The protocol is that of the `foxglove` crate, which serves `foxglove.sdk.v1` and `v1.1`, refuses
-//! clients that ask for neither, and keeps a queue of 1024 messages for every client, of which the
-//! oldest are dropped first. Clients can only read: no capability is offered.
+//! While a tracker is silent that was not, viewers show a warning.
+//!
+//! Viewers can only read, and cannot touch recording: their number is bounded ([`gate`](super::gate)),
+//! and so is the memory of all together ([`hub`]). A page in a browser must be one that may watch
+//! ([`Origins`]). The protocol is in [`websocket`].
+
+mod hub;
+mod websocket;
 
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use foxglove::{Context, RawChannel, Schema};
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::mpsc::error::TrySendError;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::{Semaphore, mpsc, watch};
 use typed_index_collections::TiVec;
 
+use super::event::Status;
+use super::gate::{Gate, Places};
 use super::metrics::Metrics;
 use super::notice::Shown;
+use super::origin::Origins;
+use super::presence::Presence;
 use super::take::now_ns;
 use crate::ingest::live::{PoseRecord, StreamTopic};
 use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, Verdict};
@@ -32,9 +41,17 @@ use crate::report::Reported;
 use crate::service::finish::reported;
 use crate::write::show::{self, Showing, ShownTopic};
 use crate::write::topics;
+use hub::{ChannelNumber, Hub};
+use websocket::Server;
 
 /// Greatest number of live samples in the queue.
 const FEED: usize = 256;
+
+/// The system's buffer for what is sent to a viewer, which it doubles.
+const SEND_BYTES: u32 = 128 << 10;
+
+/// Connections that wait to be accepted.
+const BACKLOG: u32 = 1024;
 
 /// Interval of frames of the motion, and least interval of a tracker's poses.
 const FRAME: Duration = Duration::from_micros(16_667);
@@ -97,6 +114,8 @@ pub(super) struct Viewer {
     streams: Vec<StreamTopic>,
     feed: mpsc::Receiver<Live>,
     estimates: watch::Receiver<Shown>,
+    status: watch::Receiver<Status>,
+    hub: Arc<Hub>,
     channels: ViewerChannels,
     /// The estimate that is played, and its start.
     showing: Option<Showing>,
@@ -104,46 +123,53 @@ pub(super) struct Viewer {
 }
 
 struct ViewerChannels {
-    trackers: Vec<Arc<RawChannel>>,
-    marks: Arc<RawChannel>,
-    /// ViewerChannels of the estimate and of the sketch, link by link.
-    links: TiVec<LinkIndex, [Arc<RawChannel>; 2]>,
-    transforms: Arc<RawChannel>,
-    scene: Arc<RawChannel>,
-    report: Arc<RawChannel>,
-    time_map: Arc<RawChannel>,
+    trackers: Vec<ChannelNumber>,
+    marks: ChannelNumber,
+    /// Channels of the estimate and of the sketch, link by link.
+    links: TiVec<LinkIndex, [ChannelNumber; 2]>,
+    transforms: ChannelNumber,
+    scene: ChannelNumber,
+    report: ChannelNumber,
+    time_map: ChannelNumber,
 }
 
-/// Serves viewers on an address, in a task of its own; returns the recorder's end of the queue and
+/// Serves viewers on an address, in tasks of its own; returns the recorder's end of the queue and
 /// the bound address.
 pub(super) async fn serve(
     address: SocketAddr,
     (scene, streams): (&Scene, &[StreamTopic]),
-    estimates: watch::Receiver<Shown>,
+    (places, origins): (Places, Origins),
+    (estimates, status): (watch::Receiver<Shown>, watch::Receiver<Status>),
     metrics: Arc<Metrics>,
-) -> anyhow::Result<(Feed, SocketAddr)> {
-    let context = Context::new();
-    let server = context
-        .websocket_server()
-        .name(format!("enact: {}", scene.name))
-        .bind(address.ip().to_string(), address.port());
+) -> std::io::Result<(Feed, SocketAddr)> {
+    let listener = listen(address)?;
+    let address = listener.local_addr()?;
+    let mut hub = Hub::new(format!("enact: {}", scene.name), &metrics);
+    let channels = ViewerChannels::new(&mut hub, scene, streams);
+    let hub = Arc::new(hub);
     let (sender, feed) = mpsc::channel(FEED);
     let viewer = Viewer {
-        channels: ViewerChannels::new(&context, scene, streams)?,
+        channels,
         scene: scene.clone(),
         streams: streams.to_vec(),
         feed,
         estimates,
+        status,
+        hub: Arc::clone(&hub),
         showing: None,
         begun: Instant::now(),
     };
-    let handle = server.start().await?;
-    let address = SocketAddr::new(address.ip(), handle.port());
-    tokio::spawn(async move {
-        // The server holds its channels weakly; this keeps them alive.
-        let _context = context;
-        viewer.run().await
+    let gate = Gate::new("viewers", places.waiting, &metrics);
+    let server = Arc::new(Server {
+        hub,
+        gate: Arc::clone(&gate),
+        places: Arc::new(Semaphore::new(places.viewers)),
+        origins,
     });
+    tokio::spawn(gate.keep(listener, move |stream, waiting| {
+        Arc::clone(&server).serve(stream, waiting)
+    }));
+    tokio::spawn(viewer.run());
     let feed = Feed {
         sender,
         shown: Vec::new(),
@@ -152,46 +178,42 @@ pub(super) async fn serve(
     Ok((feed, address))
 }
 
-impl ViewerChannels {
-    fn new(context: &Arc<Context>, scene: &Scene, streams: &[StreamTopic]) -> anyhow::Result<Self> {
-        let open = |topic: ShownTopic| {
-            let schema = topic.schema;
-            let channel = context
-                .channel_builder(topic.topic)
-                .message_encoding(topic.encoding)
-                .schema(Schema::new(schema.name, schema.encoding, schema.data));
-            channel.build_raw()
-        };
-        let poses = |topic: &str| open(ShownTopic::poses(topic));
-        let link = |name: &str| {
-            let estimate = poses(&topics::estimate_pose(name))?;
-            Ok([estimate, poses(&topics::sketch_pose(name))?])
-        };
-        let trackers = streams.iter().map(|stream| poses(&stream.topic));
-        let links = scene.links.iter().map(|of| link(&of.name));
-        Ok(Self {
-            trackers: trackers.collect::<Result<_, _>>()?,
-            marks: open(ShownTopic::marks(&scene.marks_topic))?,
-            links: links.collect::<Result<_, foxglove::FoxgloveError>>()?,
-            transforms: open(ShownTopic::transforms())?,
-            scene: open(ShownTopic::scene())?,
-            report: open(ShownTopic::report())?,
-            time_map: open(ShownTopic::time_map())?,
-        })
-    }
-
-    /// Whether a client has subscribed to a topic of the estimate.
-    fn are_watched(&self) -> bool {
-        let alone = [&self.transforms, &self.report, &self.time_map];
-        let all = alone.into_iter().chain(self.links.iter().flatten());
-        all.into_iter().any(|channel| channel.has_sinks())
-    }
+/// Listens with small buffers: what a viewer does not read must not fill the system's memory.
+fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = match address {
+        SocketAddr::V4(_) => TcpSocket::new_v4()?,
+        SocketAddr::V6(_) => TcpSocket::new_v6()?,
+    };
+    socket.set_reuseaddr(true)?;
+    socket.set_send_buffer_size(SEND_BYTES)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }
 
-fn log(channel: &RawChannel, message: Option<Vec<u8>>) {
-    // Stamps before 1970 or after 2106 cannot be encoded.
-    if let Some(message) = message {
-        channel.log(&message);
+impl ViewerChannels {
+    fn new(hub: &mut Hub, scene: &Scene, streams: &[StreamTopic]) -> Self {
+        let mut poses = |topic: &str| hub.open(ShownTopic::poses(topic));
+        let trackers = streams.iter().map(|stream| poses(&stream.topic)).collect();
+        let links = scene.links.iter().map(|link| {
+            let estimate = poses(&topics::estimate_pose(&link.name));
+            [estimate, poses(&topics::sketch_pose(&link.name))]
+        });
+        Self {
+            trackers,
+            links: links.collect(),
+            marks: hub.open(ShownTopic::marks(&scene.marks_topic)),
+            transforms: hub.open(ShownTopic::transforms()),
+            scene: hub.open(ShownTopic::scene()),
+            report: hub.open(ShownTopic::report()),
+            time_map: hub.open(ShownTopic::time_map()),
+        }
+    }
+
+    /// Whether a viewer has subscribed to a topic of the estimate.
+    fn are_watched(&self, hub: &Hub) -> bool {
+        let alone = [&self.transforms, &self.report, &self.time_map];
+        let all = alone.into_iter().chain(self.links.iter().flatten());
+        all.into_iter().any(|channel| hub.has_subscribers(*channel))
     }
 }
 
@@ -215,16 +237,23 @@ impl Viewer {
         match live {
             Live::Pose(stream, sample) => {
                 let track = self.streams[stream].track;
-                log(&self.channels.trackers[stream], show::pose(&sample));
+                self.log(self.channels.trackers[stream], show::pose(&sample));
                 if let Some(sample) = show::given_pose(&self.scene, track, &sample) {
                     let frames = [(
                         topics::live_frame(&self.scene.link_seen_by(track).name),
                         sample,
                     )];
-                    log(&self.channels.transforms, show::transforms(&frames));
+                    self.log(self.channels.transforms, show::transforms(&frames));
                 }
             }
-            Live::Mark(mark) => log(&self.channels.marks, show::mark(&mark)),
+            Live::Mark(mark) => self.log(self.channels.marks, show::mark(&mark)),
+        }
+    }
+
+    fn log(&self, channel: ChannelNumber, message: Option<Vec<u8>>) {
+        // Stamps before 1970 or after 2106 cannot be encoded.
+        if let Some(message) = message {
+            self.hub.log(channel, message);
         }
     }
 
@@ -246,8 +275,9 @@ impl Viewer {
         });
         match showing {
             Ok(showing) => {
-                self.channels.report.log(&showing.report);
-                self.channels.time_map.log(&showing.time_map);
+                self.hub.log(self.channels.report, showing.report.clone());
+                self.hub
+                    .log(self.channels.time_map, showing.time_map.clone());
                 self.showing = Some(showing);
             }
             Err(error) => tracing::debug!(%error, "not shown"),
@@ -256,7 +286,7 @@ impl Viewer {
 
     /// Sends the current frame of the motion, if a client watches.
     fn frame(&mut self) {
-        if !self.channels.are_watched() {
+        if !self.channels.are_watched(&self.hub) {
             return;
         }
         self.estimate();
@@ -279,23 +309,27 @@ impl Viewer {
                 .zip(&self.channels.links[index])
             {
                 let Some(sample) = sample else { continue };
-                log(channel, show::pose(&sample));
+                self.log(*channel, show::pose(&sample));
                 frames.push((name, sample));
             }
         }
-        log(&self.channels.transforms, show::transforms(&frames));
+        self.log(self.channels.transforms, show::transforms(&frames));
     }
 
     fn again(&self) {
-        if self.channels.scene.has_sinks() {
-            log(
-                &self.channels.scene,
-                show::scene(&self.scene, Stamp(now_ns())),
-            );
+        for tracker in &self.status.borrow().trackers {
+            let is_silent = tracker.state == Presence::Silent;
+            let warning = is_silent.then(|| format!("{}: its tracker fell silent", tracker.topic));
+            self.hub.warn(&tracker.topic, warning.as_deref());
+        }
+        if self.hub.has_subscribers(self.channels.scene) {
+            let scene = show::scene(&self.scene, Stamp(now_ns()));
+            self.log(self.channels.scene, scene);
         }
         if let Some(showing) = &self.showing {
-            self.channels.report.log(&showing.report);
-            self.channels.time_map.log(&showing.time_map);
+            self.hub.log(self.channels.report, showing.report.clone());
+            self.hub
+                .log(self.channels.time_map, showing.time_map.clone());
         }
     }
 }

@@ -6,8 +6,8 @@ use anyhow::{anyhow, bail};
 
 use super::super::finish::{beside, check_distinct};
 use super::super::output::write_file;
-use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use super::super::read_back::ReadBack;
+use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
 use crate::report::{ExportProvenance, prints};
 use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
 

@@ -8,7 +8,11 @@ use iceoryx2::prelude::{CallbackProgression, Service as _};
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern;
 
 use super::error::LiveError;
-use super::node::{CONTRACT, LiveService, config, shortcomings};
+use super::node::{CONTRACT, LiveService, Node, config, shortcomings};
+use super::payload::{
+    AnswerRecord, ControlRecord, EstimateRecord, EstimatedPoseRecord, LabelRecord, MarkRecord,
+    PoseRecord, TakeRecord,
+};
 
 /// Nodes and services found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,6 +82,8 @@ pub struct ServiceEntry {
     pub publishers: usize,
     /// Greatest number of subscribers at a time.
     pub subscribers: usize,
+    /// Publishers and subscribers that are there; `None` where it cannot be opened.
+    pub ports: Option<(usize, usize)>,
     /// Where its quality is less than the contract requires for its payload, in words with figures.
     pub shortcomings: Vec<String>,
     /// Number of nodes that use it.
@@ -86,7 +92,7 @@ pub struct ServiceEntry {
     pub dead_nodes: usize,
 }
 
-/// Lists nodes and services without changing any. Fails where the lists cannot be read.
+/// Lists nodes and services without changing any; joins them for a moment to count their ports. Fails where the lists cannot be read.
 pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
     let config = config(config_file)?;
     let root = PathBuf::from(config.global.root_path().to_string());
@@ -132,6 +138,7 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
             buffer: quality.subscriber_max_buffer_size(),
             publishers: quality.max_publishers(),
             subscribers: quality.max_subscribers(),
+            ports: None,
             shortcomings: wanted.map_or(Vec::new(), |wanted| shortcomings(quality, wanted)),
             nodes: nodes.len(),
             dead_nodes: nodes.iter().filter(is_dead).count(),
@@ -140,8 +147,32 @@ pub fn census(config_file: Option<&Path>) -> Result<Census, LiveError> {
     })
     .map_err(|reason| error(format!("services cannot be listed: {reason:?}")))?;
     census.services.sort_by(|a, b| a.name.cmp(&b.name));
+    // Joined after the nodes are listed: it is none of those that were there.
+    if !census.services.is_empty()
+        && let Ok(node) = Node::join("enact doctor", config_file)
+    {
+        for service in &mut census.services {
+            service.ports = ports(&node, service);
+        }
+    }
     census.hidden = hidden(&config, &shown).map_err(|reason| error(reason.to_string()))?;
     Ok(census)
+}
+
+/// Publishers and subscribers of a service of the contract.
+fn ports(node: &Node, service: &ServiceEntry) -> Option<(usize, usize)> {
+    let name = service.name.as_str();
+    match service.payload.as_str() {
+        "enact.Pose.1" => node.ports::<PoseRecord>(name),
+        "enact.Mark.1" => node.ports::<MarkRecord>(name),
+        "enact.Control.1" => node.ports::<ControlRecord>(name),
+        "enact.Take.1" => node.ports::<TakeRecord>(name),
+        "enact.Label.1" => node.ports::<LabelRecord>(name),
+        "enact.Answer.1" => node.ports::<AnswerRecord>(name),
+        "enact.Estimate.1" => node.ports::<EstimateRecord>(name),
+        "enact.EstimatedPose.1" => node.ports::<EstimatedPoseRecord>(name),
+        _ => None,
+    }
 }
 
 /// Services with a file that are not among those listed.

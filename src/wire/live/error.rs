@@ -2,7 +2,17 @@
 
 use std::path::PathBuf;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+/// A daemon that runs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DaemonProcess {
+    /// Its process id.
+    pub process: u32,
+    /// Its scene file.
+    pub scene: String,
+}
 
 /// Why a live operation failed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -22,6 +32,12 @@ pub enum LiveError {
         root: String,
         /// What iceoryx2 says.
         reason: String,
+    },
+    /// Another daemon runs on the same services.
+    #[error("another capture runs on these services: {}; stop it, or give one of them an iceoryx2 of its own (--iceoryx2)", named(daemon.as_ref()))]
+    Taken {
+        /// Which, if it says so.
+        daemon: Option<DaemonProcess>,
     },
     /// A topic gives no valid name of a service.
     #[error("{name:?} is no name of a service: {reason}")]
@@ -63,4 +79,10 @@ pub enum LiveError {
         /// What iceoryx2 says.
         reason: String,
     },
+}
+
+fn named(daemon: Option<&DaemonProcess>) -> String {
+    daemon.map_or("it does not say which".to_owned(), |daemon| {
+        format!("process {}, scene {:?}", daemon.process, daemon.scene)
+    })
 }

@@ -10,8 +10,12 @@
 //! | `enact<marks_topic>`, as in `enact/marks` | [`MarkRecord`] `enact.Mark.1` | a foot pedal, a key | an event happens now |
 //! | `enact/control` | [`ControlRecord`] `enact.Control.1` | a remote control | start, stop or discard a take, ask how it stands |
 //! | `enact/take` | [`TakeRecord`] `enact.Take.1` | `enact capture` | what became of the takes |
+//! | `enact/label` | [`LabelRecord`] `enact.Label.1` | a remote control | name, note and rating of the take that runs |
+//! | `enact/answer` | [`AnswerRecord`] `enact.Answer.1` | `enact capture` | what it says, as JSON in parts: answers to commands, trackers that fall silent, verdicts |
 //! | `enact/estimate` | [`EstimateRecord`] `enact.Estimate.1` | `enact capture`, `enact replay` | verdict and numbers of an estimate |
 //! | `enact/estimate/<body>/pose` | [`EstimatedPoseRecord`] `enact.EstimatedPose.1` | the same | its motion, frame by frame, after its `enact/estimate` |
+//!
+//! Names are ASCII: other bytes of a topic, and `%`, are written as `%C3` and so on ([`service_name`]).
 //!
 //! The process that creates a service fixes its quality of service ([`Quality`], [`CONTRACT`]);
 //! start the daemon first. Nothing blocks: where a subscriber is too slow the oldest sample is
@@ -28,16 +32,18 @@
 //! [`Node`]; [`census`] lists nodes and services for `enact doctor`.
 
 pub mod census;
+mod daemon_lock;
 mod error;
 mod node;
 pub mod payload;
 
-pub use error::LiveError;
+pub use daemon_lock::{DaemonLock, running_daemon};
+pub use error::{DaemonProcess, LiveError};
 pub use node::{
-    CONTRACT, CONTROL_SERVICE, ESTIMATE_SERVICE, LiveService, Node, Quality, Served, TAKE_SERVICE,
-    service_name,
+    ANSWER_SERVICE, CONTRACT, CONTROL_SERVICE, ESTIMATE_SERVICE, LABEL_SERVICE, LiveService, Node,
+    Quality, Served, TAKE_SERVICE, service_name, topic_of_service,
 };
 pub use payload::{
-    Command, ControlRecord, EstimateRecord, EstimatedPoseRecord, MarkRecord, NO_TIME, PoseRecord,
-    TakeRecord, TakeState,
+    AnswerRecord, Command, ControlRecord, EstimateRecord, EstimatedPoseRecord, LabelRecord,
+    MarkRecord, NO_TIME, PoseRecord, TakeRecord, TakeState,
 };

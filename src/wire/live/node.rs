@@ -55,16 +55,25 @@ impl Quality {
         subscribers: 8,
         history: 0,
     };
+    /// For answers in words, which are long.
+    pub const TEXTS: Self = Self {
+        buffer: 64,
+        publishers: 4,
+        subscribers: 16,
+        history: 0,
+    };
 }
 
 /// The payloads of the contract, with the quality of the services that carry them.
-pub const CONTRACT: [(&str, Quality); 6] = [
+pub const CONTRACT: [(&str, Quality); 8] = [
     ("enact.Pose.1", Quality::POSES),
     ("enact.Mark.1", Quality::NOTES),
     ("enact.Control.1", Quality::NOTES),
     ("enact.Take.1", Quality::NOTES),
     ("enact.Estimate.1", Quality::NOTES),
     ("enact.EstimatedPose.1", Quality::FRAMES),
+    ("enact.Label.1", Quality::NOTES),
+    ("enact.Answer.1", Quality::TEXTS),
 ];
 
 /// Greatest number of nodes on one service at a time.
@@ -79,15 +88,51 @@ pub const TAKE_SERVICE: &str = "enact/take";
 /// Service of estimates.
 pub const ESTIMATE_SERVICE: &str = "enact/estimate";
 
-/// The name of the service that carries a topic of the scene.
+/// Service of what directors say of takes.
+pub const LABEL_SERVICE: &str = "enact/label";
+
+/// Service of answers in words.
+pub const ANSWER_SERVICE: &str = "enact/answer";
+
+/// The name of the service that carries a topic of the scene. iceoryx2 has names in ASCII only: every
+/// other byte of a topic in UTF-8, and `%`, is written as `%` and two hexadecimal digits.
 pub fn service_name(topic: &str) -> String {
     let separator = if topic.starts_with('/') { "" } else { "/" };
-    format!("enact{separator}{topic}")
+    let mut name = format!("enact{separator}");
+    for byte in topic.bytes() {
+        match byte {
+            b'%' | 0..=31 | 127.. => name.push_str(&format!("%{byte:02X}")),
+            _ => name.push(char::from(byte)),
+        }
+    }
+    name
+}
+
+/// The topic of a service of that name: [`service_name`] backwards.
+pub fn topic_of_service(name: &str) -> Option<String> {
+    let topic = name.strip_prefix("enact")?;
+    let mut bytes = Vec::with_capacity(topic.len());
+    let mut rest = topic.as_bytes();
+    while let [first, others @ ..] = rest {
+        let digit = |at: usize| char::from(*others.get(at)?).to_digit(16);
+        match (first, digit(0), digit(1)) {
+            (b'%', Some(high), Some(low)) => {
+                bytes.push((16 * high + low) as u8);
+                rest = &others[2..];
+            }
+            _ => {
+                bytes.push(*first);
+                rest = others;
+            }
+        }
+    }
+    String::from_utf8(bytes).ok()
 }
 
 /// A node of iceoryx2: this process as its user.
 pub struct Node {
     node: iceoryx2::node::Node<LiveService>,
+    config: Config,
 }
 
 /// An open service, and where its quality is less than was asked for.
@@ -115,6 +160,12 @@ pub(super) fn config(file: Option<&Path>) -> Result<Config, LiveError> {
     Config::from_file(&name).map_err(|reason| error(format!("{reason:?}")))
 }
 
+/// Where iceoryx2's files are, and the beginning of their names.
+pub(super) fn place(config: &Config) -> (std::path::PathBuf, String) {
+    let root = config.global.root_path().to_string();
+    (root.into(), config.global.prefix.to_string())
+}
+
 impl Node {
     /// Joins iceoryx2 under a name that others see. Does not change how the process handles
     /// signals.
@@ -134,7 +185,7 @@ impl Node {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<LiveService>()
             .map_err(|reason| error(format!("{reason:?}; `enact doctor` says more")))?;
-        Ok(Self { node })
+        Ok(Self { node, config })
     }
 
     /// Makes the service with the wanted quality, or opens the existing one and lists where its
@@ -181,6 +232,41 @@ impl Node {
             service: name.to_owned(),
             reason,
         })
+    }
+
+    /// The services among these that are no longer there for others to find: somebody has removed
+    /// their files.
+    pub fn gone<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+        use iceoryx2::prelude::{MessagingPattern, Service as _};
+        let is_gone = |name: &&str| {
+            ServiceName::new(name).is_ok_and(|name| {
+                let pattern = MessagingPattern::PublishSubscribe;
+                !matches!(
+                    LiveService::does_exist(&name, &self.config, pattern),
+                    Ok(true)
+                )
+            })
+        };
+        let gone = names.into_iter().filter(is_gone);
+        gone.map(str::to_owned).collect()
+    }
+
+    /// Publishers and subscribers of a service that is there and carries `T`.
+    pub fn ports<T>(&self, name: &str) -> Option<(usize, usize)>
+    where
+        T: core::fmt::Debug + ZeroCopySend + 'static,
+    {
+        use iceoryx2::service::port_factory::PortFactory as _;
+        let name = ServiceName::new(name).ok()?;
+        let builder = self.node.service_builder(&name).publish_subscribe::<T>();
+        let factory = builder.open().ok()?;
+        let found = factory.dynamic_config();
+        Some((found.number_of_publishers(), found.number_of_subscribers()))
+    }
+
+    /// Where iceoryx2's files are, and the beginning of their names.
+    pub fn place(&self) -> (std::path::PathBuf, String) {
+        place(&self.config)
     }
 
     /// Removes the resources that killed processes left on services. Returns how many such
@@ -231,5 +317,37 @@ impl<T: core::fmt::Debug + ZeroCopySend + 'static> Served<T> {
     pub fn buffer(&self) -> usize {
         use iceoryx2::service::port_factory::PortFactory as _;
         self.factory.static_config().subscriber_max_buffer_size()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{service_name, topic_of_service};
+
+    #[test]
+    fn every_topic_has_a_name_of_its_own_in_ascii() {
+        for (topic, name) in [
+            ("/tracker/mug/pose", "enact/tracker/mug/pose"),
+            ("marks", "enact/marks"),
+            ("/tracker/Stift ü/pose", "enact/tracker/Stift %C3%BC/pose"),
+            ("/100%", "enact/100%25"),
+            ("/a\nb", "enact/a%0Ab"),
+        ] {
+            assert_eq!(service_name(topic), name);
+            let back = topic_of_service(name).expect("UTF-8");
+            assert_eq!(back.trim_start_matches('/'), topic.trim_start_matches('/'));
+        }
+        assert_eq!(topic_of_service("other"), None);
+        assert_eq!(topic_of_service("enact/%FF"), None);
+        assert_eq!(topic_of_service("enact/%F"), Some("/%F".to_owned()));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn names_lead_back_to_topics(topic in "/.{0,40}") {
+            let name = service_name(&topic);
+            proptest::prop_assert!(name.is_ascii());
+            proptest::prop_assert_eq!(topic_of_service(&name), Some(topic));
+        }
     }
 }

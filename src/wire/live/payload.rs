@@ -16,6 +16,12 @@ pub const VALID: u32 = 1;
 /// Bytes for a name: 64 characters of any script.
 pub const NAME_BYTES: usize = 256;
 
+/// Bytes for a note.
+pub const NOTE_BYTES: usize = 1024;
+
+/// Bytes of a part of an answer.
+pub const PART_BYTES: usize = 4000;
+
 /// One reading of one tracker: `enact.Pose.1`, 96 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
@@ -76,6 +82,53 @@ pub struct ControlRecord {
     pub command: u32,
     /// As [`PoseRecord::session`].
     pub session: u32,
+}
+
+/// What a director says of the take that runs: `enact.Label.1`, 1304 bytes. Of several the later
+/// one holds, but for what it leaves empty.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Label.1")]
+pub struct LabelRecord {
+    /// As [`PoseRecord::sequence`].
+    pub sequence: u64,
+    /// As [`PoseRecord::available_ns`].
+    pub available_ns: i64,
+    /// A name in UTF-8, zeros after it; all zero: none.
+    pub name: [u8; NAME_BYTES],
+    /// A note in UTF-8, zeros after it; all zero: none.
+    pub note: [u8; NOTE_BYTES],
+    /// 1 (bad) to 5 (good); 0: none.
+    pub rating: u32,
+    /// As [`PoseRecord::session`].
+    pub session: u32,
+}
+
+/// A part of what the daemon says, in words: `enact.Answer.1`, 4048 bytes. The text of all parts is
+/// one JSON object, a line of `enact capture --format ndjson`; of `estimated` it has the verdict and
+/// the files.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
+#[type_name("enact.Answer.1")]
+pub struct AnswerRecord {
+    /// Counts the answers of this daemon; the same in all parts of one.
+    pub sequence: u64,
+    /// When it was published \[ns since 1970\].
+    pub available_ns: i64,
+    /// Sequence number of the control message that this answers.
+    pub control_sequence: u64,
+    /// Session of that message; 0: it answers none.
+    pub control_session: u32,
+    /// Number of the part, from 0.
+    pub part: u32,
+    /// Number of parts.
+    pub parts: u32,
+    /// Bytes of `text` that are used.
+    pub length: u32,
+    /// A part of the text in UTF-8; a character may go on in the next part.
+    pub text: [u8; PART_BYTES],
+    /// Zero.
+    pub reserved: u64,
 }
 
 /// Commands to the daemon.
@@ -217,10 +270,8 @@ impl PoseRecord {
 impl MarkRecord {
     /// The mark with the given stamp; `None` where the name is not UTF-8 or contains a zero.
     pub fn mark(&self, stamp: Stamp) -> Option<Mark> {
-        let length = self.event.iter().rposition(|byte| *byte != 0);
-        let name = std::str::from_utf8(&self.event[..length.map_or(0, |last| last + 1)]).ok()?;
-        // A message cannot hold a zero inside a name.
-        (!name.contains('\0')).then(|| Mark {
+        let name = unpadded(&self.event)?;
+        Some(Mark {
             stamp,
             event: (!name.is_empty()).then(|| name.to_owned()),
         })
@@ -228,13 +279,7 @@ impl MarkRecord {
 
     /// A name as zero-padded bytes; a longer one is cut after a whole character.
     pub fn event_bytes(name: &str) -> [u8; NAME_BYTES] {
-        let mut end = name.len().min(NAME_BYTES);
-        while !name.is_char_boundary(end) {
-            end -= 1;
-        }
-        let mut bytes = [0; NAME_BYTES];
-        bytes[..end].copy_from_slice(&name.as_bytes()[..end]);
-        bytes
+        padded(name)
     }
 
     /// The words in their order, little-endian: what a journal keeps.
@@ -248,6 +293,78 @@ impl MarkRecord {
         bytes.extend(self.event);
         tail(bytes, self.flags, self.session)
     }
+}
+
+impl LabelRecord {
+    /// A label; texts that are too long are cut after a whole character.
+    pub fn new(session: u32, now_ns: i64, name: &str, note: &str, rating: u32) -> Self {
+        Self {
+            sequence: 0,
+            available_ns: now_ns,
+            name: padded(name),
+            note: padded(note),
+            rating,
+            session,
+        }
+    }
+
+    /// Name and note; `None` where they are not UTF-8 or contain a zero.
+    pub fn texts(&self) -> Option<(&str, &str)> {
+        Some((unpadded(&self.name)?, unpadded(&self.note)?))
+    }
+}
+
+impl AnswerRecord {
+    /// A text in as many parts as it needs.
+    pub fn parts(
+        sequence: u64,
+        now_ns: i64,
+        asked: Option<(u32, u64)>,
+        text: &str,
+    ) -> impl Iterator<Item = Self> {
+        let (control_session, control_sequence) = asked.unwrap_or((0, 0));
+        let parts = text.len().div_ceil(PART_BYTES) as u32;
+        let pieces = text.as_bytes().chunks(PART_BYTES);
+        pieces.zip(0..).map(move |(piece, part)| {
+            let mut text = [0; PART_BYTES];
+            text[..piece.len()].copy_from_slice(piece);
+            Self {
+                sequence,
+                available_ns: now_ns,
+                control_sequence,
+                control_session,
+                part,
+                parts,
+                length: piece.len() as u32,
+                text,
+                reserved: 0,
+            }
+        })
+    }
+
+    /// The bytes of the part.
+    pub fn bytes(&self) -> &[u8] {
+        &self.text[..(self.length as usize).min(PART_BYTES)]
+    }
+}
+
+/// A text as zero-padded bytes; a longer one is cut after a whole character.
+fn padded<const N: usize>(text: &str) -> [u8; N] {
+    let mut end = text.len().min(N);
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    let mut bytes = [0; N];
+    bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
+    bytes
+}
+
+/// The text of zero-padded bytes; `None` where it is not UTF-8 or contains a zero, which no message
+/// can hold inside a text.
+fn unpadded(bytes: &[u8]) -> Option<&str> {
+    let length = bytes.iter().rposition(|byte| *byte != 0);
+    let text = std::str::from_utf8(&bytes[..length.map_or(0, |last| last + 1)]).ok()?;
+    (!text.contains('\0')).then_some(text)
 }
 
 fn head(sequence: u64, available_ns: i64, sample_ns: i64, device_ns: i64) -> Vec<u8> {
@@ -352,6 +469,8 @@ mod tests {
         assert_eq!(size_of::<TakeRecord>(), 48);
         assert_eq!(size_of::<EstimateRecord>(), 96);
         assert_eq!(size_of::<EstimatedPoseRecord>(), 96);
+        assert_eq!(size_of::<LabelRecord>(), 8 + 8 + 256 + 1024 + 8);
+        assert_eq!(size_of::<AnswerRecord>(), 3 * 8 + 4 * 4 + 4000 + 8);
     }
 
     #[test]
@@ -363,6 +482,21 @@ mod tests {
         assert_eq!(bytes[32..40], 0.5_f64.to_le_bytes());
         assert_eq!(bytes[80..88], 1_f64.to_le_bytes());
         assert_eq!(bytes[88..], [1, 0, 0, 0, 9, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_long_answer_goes_there_and_back_in_parts() {
+        for length in [0, 1, PART_BYTES, PART_BYTES + 1, 3 * PART_BYTES] {
+            let text: String = "aü€".chars().cycle().take(length).collect();
+            let parts: Vec<AnswerRecord> = AnswerRecord::parts(7, 0, Some((3, 4)), &text).collect();
+            let bytes: Vec<u8> = parts
+                .iter()
+                .flat_map(|part| part.bytes().to_vec())
+                .collect();
+            assert_eq!(String::from_utf8(bytes).as_ref(), Ok(&text));
+            assert!(parts.iter().zip(0..).all(|(part, k)| part.part == k));
+            assert!(parts.iter().all(|part| part.parts as usize == parts.len()));
+        }
     }
 
     #[test]

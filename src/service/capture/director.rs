@@ -1,0 +1,129 @@
+//! What the operator's page directs: the same commands, marks and labels that come over iceoryx2.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::time::Instant;
+
+use serde::Deserialize;
+use tokio::sync::watch;
+
+use super::event::Status;
+use super::recorder::event_names;
+use super::take::now_ns;
+use crate::ingest::live::{
+    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME,
+};
+use crate::motion::Scene;
+
+/// An order, as the page sends it.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Order {
+    /// Begin a take.
+    Start,
+    /// End the take and estimate it.
+    Stop {
+        /// Its name.
+        #[serde(default)]
+        name: String,
+        /// A note on it.
+        #[serde(default)]
+        note: String,
+        /// Its rating, 1 to 5; 0: none.
+        #[serde(default)]
+        rating: u32,
+    },
+    /// End the take and remove it.
+    Discard,
+    /// An event happens now: this one, or the next one in order.
+    Mark {
+        /// Its name.
+        #[serde(default)]
+        event: String,
+    },
+}
+
+/// The page's end of the queue to the recorder.
+pub(super) struct Director {
+    events: Vec<String>,
+    orders: SyncSender<Arrival>,
+    status: watch::Receiver<Status>,
+    sequence: AtomicU64,
+}
+
+impl Director {
+    pub(super) fn new(
+        scene: &Scene,
+        orders: SyncSender<Arrival>,
+        status: watch::Receiver<Status>,
+    ) -> Self {
+        Self {
+            events: event_names(scene),
+            orders,
+            status,
+            sequence: AtomicU64::new(0),
+        }
+    }
+
+    /// Names of the scene's events.
+    pub(super) fn events(&self) -> &[String] {
+        &self.events
+    }
+
+    /// Hands an order on. Fails, in words, where it cannot be obeyed.
+    pub(super) fn order(&self, order: &Order) -> Result<(), String> {
+        let runs = self.status.borrow().take.is_some();
+        if runs == matches!(order, Order::Start) {
+            let why = if runs { "a take runs" } else { "no take runs" };
+            return Err(why.to_owned());
+        }
+        match order {
+            Order::Start => self.command(Command::Start),
+            Order::Discard => self.command(Command::Discard),
+            Order::Stop { name, note, rating } => {
+                if *rating > 5 {
+                    return Err(format!("the rating is {rating}, expected 1 to 5"));
+                }
+                let label = LabelRecord::new(0, now_ns(), name, note, *rating);
+                self.send(Arrived::Label(label))?;
+                self.command(Command::Stop)
+            }
+            Order::Mark { event } => {
+                if !event.is_empty() && !self.events.contains(event) {
+                    let known = self.events.join(", ");
+                    return Err(format!(
+                        "no event {event:?} in the scene, which has {known}"
+                    ));
+                }
+                self.send(Arrived::Mark(MarkRecord {
+                    sequence: self.next(),
+                    available_ns: now_ns(),
+                    sample_ns: NO_TIME,
+                    device_ns: NO_TIME,
+                    event: MarkRecord::event_bytes(event),
+                    flags: 0,
+                    session: 0,
+                }))
+            }
+        }
+    }
+
+    fn command(&self, command: Command) -> Result<(), String> {
+        self.send(Arrived::Control(ControlRecord {
+            sequence: self.next(),
+            available_ns: now_ns(),
+            command: command.number(),
+            session: 0,
+        }))
+    }
+
+    fn next(&self) -> u64 {
+        self.sequence.fetch_add(1, Ordering::Relaxed)
+    }
+
+    fn send(&self, what: Arrived) -> Result<(), String> {
+        let at = Instant::now();
+        let sent = self.orders.try_send(Arrival { at, what });
+        sent.map_err(|_| "the recorder does not keep up".to_owned())
+    }
+}

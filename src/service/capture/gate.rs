@@ -1,0 +1,194 @@
+//! Accepts connections of others so that they cannot take what recording needs.
+//!
+//! Everybody who connects is accepted at once. Until a peer has said what it wants it is *waiting*;
+//! only so many may wait, and where one more comes the one that has waited longest is closed: a
+//! thousand peers that say nothing do not keep out the next one that speaks. Together with the
+//! limits on those who have spoken this bounds the descriptors that others can make the daemon hold;
+//! the rest of the process's limit stays for trackers and takes ([`Places`]).
+
+use std::collections::VecDeque;
+use std::future::Future;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::AbortHandle;
+
+use super::metrics::Metrics;
+use super::seldom::Seldom;
+
+/// Descriptors that connections never get: iceoryx2 takes a few for every service and peer, a take
+/// three, an estimate two.
+const RESERVED: usize = 256;
+
+/// Pause after a connection that could not be accepted.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// How many connections there may be at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Places {
+    /// Peers of one port that have not said yet what they want.
+    pub(super) waiting: usize,
+    /// Viewers.
+    pub(super) viewers: usize,
+    /// Peers that take their answer.
+    pub(super) answered: usize,
+}
+
+impl Places {
+    /// As many as are wanted, or as the process may have descriptors for after the reserve. Raises
+    /// the process's limit as far as it may.
+    pub(super) fn of_process() -> Self {
+        let limit = getrlimit(Resource::Nofile);
+        let raised = Rlimit {
+            current: limit.maximum,
+            maximum: limit.maximum,
+        };
+        let limit = match setrlimit(Resource::Nofile, raised) {
+            Ok(()) => limit.maximum,
+            Err(_) => limit.current,
+        };
+        let limit = limit.map_or(usize::MAX, |limit| {
+            usize::try_from(limit).unwrap_or(usize::MAX)
+        });
+        Self::of_limit(limit)
+    }
+
+    fn of_limit(descriptors: usize) -> Self {
+        // Two ports with peers that wait, two shares each; viewers; peers that are answered.
+        let share = descriptors.saturating_sub(RESERVED) / 6;
+        Self {
+            waiting: (2 * share).clamp(8, 128),
+            viewers: share.clamp(2, 32),
+            answered: share.clamp(2, 32),
+        }
+    }
+}
+
+/// One port.
+#[derive(Debug)]
+pub(super) struct Gate {
+    name: &'static str,
+    places: usize,
+    waiting: Mutex<VecDeque<(u64, AbortHandle)>>,
+    metrics: Arc<Metrics>,
+    complaint: Seldom,
+}
+
+/// A peer that waits, until this is dropped.
+pub(super) struct Waiting {
+    gate: Arc<Gate>,
+    number: u64,
+}
+
+impl Gate {
+    pub(super) fn new(name: &'static str, places: usize, metrics: &Arc<Metrics>) -> Arc<Self> {
+        Arc::new(Self {
+            name,
+            places,
+            waiting: Mutex::default(),
+            metrics: Arc::clone(metrics),
+            complaint: Seldom::default(),
+        })
+    }
+
+    /// Accepts connections for ever and serves each in a task of its own, which drops its
+    /// [`Waiting`] as soon as the peer has said what it wants.
+    pub(super) async fn keep<F>(
+        self: Arc<Self>,
+        listener: TcpListener,
+        serve: impl Fn(TcpStream, Waiting) -> F,
+    ) where
+        F: Future<Output = ()> + Send + 'static,
+    {
+        let mut number = 0;
+        loop {
+            let stream = match listener.accept().await {
+                Ok((stream, _)) => stream,
+                Err(error) => {
+                    self.complain("a connection was not accepted", &error.to_string());
+                    tokio::time::sleep(PAUSE).await;
+                    continue;
+                }
+            };
+            number += 1;
+            let gate = Arc::clone(&self);
+            let Ok(mut waiting) = self.waiting.lock() else {
+                return;
+            };
+            while waiting.len() >= self.places
+                && let Some((_, oldest)) = waiting.pop_front()
+            {
+                oldest.abort();
+                self.metrics.connections_closed.add();
+            }
+            // Under the lock: it cannot leave the queue before it is in it.
+            let task = tokio::spawn(serve(stream, Waiting { gate, number }));
+            waiting.push_back((number, task.abort_handle()));
+        }
+    }
+
+    /// Logs what peers can cause, seldom.
+    pub(super) fn complain(&self, what: &str, why: &str) {
+        if let Some(more) = self.complaint.due(Instant::now()) {
+            tracing::warn!(port = self.name, why = ?why, more, "{what}");
+        }
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        if let Ok(mut waiting) = self.gate.waiting.lock() {
+            waiting.retain(|(number, _)| *number != self.number);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recording_keeps_its_descriptors_whatever_the_limit() {
+        for (limit, waiting, viewers) in [
+            (64, 8, 2),
+            (400, 48, 24),
+            (1024, 128, 32),
+            (usize::MAX, 128, 32),
+        ] {
+            let places = Places::of_limit(limit);
+            assert_eq!((places.waiting, places.viewers), (waiting, viewers));
+            let all = 2 * places.waiting + places.viewers + places.answered;
+            assert!(limit <= RESERVED || all + RESERVED <= limit, "{places:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn who_waits_longest_makes_room() {
+        use tokio::io::{AsyncReadExt, AsyncWriteExt};
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("bind");
+        let address = listener.local_addr().expect("address");
+        let metrics = Arc::new(Metrics::default());
+        let gate = Gate::new("test", 4, &metrics);
+        let task = tokio::spawn(gate.keep(listener, |mut stream, waiting| async move {
+            let mut word = [0];
+            if stream.read_exact(&mut word).await.is_ok() {
+                drop(waiting);
+                let _ = stream.write_all(b"!").await;
+            }
+        }));
+        let mut silent = Vec::new();
+        for _ in 0..20 {
+            silent.push(TcpStream::connect(address).await.expect("connect"));
+        }
+        let mut last = TcpStream::connect(address).await.expect("connect");
+        last.write_all(b"?").await.expect("write");
+        let mut answer = [0];
+        last.read_exact(&mut answer).await.expect("an answer");
+        assert_eq!(&answer, b"!");
+        // The first of them was closed.
+        assert_eq!(silent[0].read(&mut answer).await.ok(), Some(0));
+        task.abort();
+    }
+}
