@@ -7,10 +7,10 @@ use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
 use super::table::table;
-use crate::service::{self, Inspection};
+use crate::service::{self, Inspection, MarkLine};
 
 pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
-    let inspection = match service::inspect(&arguments.input) {
+    let inspection = match service::inspect(&arguments.input, arguments.scene.as_deref()) {
         Ok(inspection) => inspection,
         Err(error) => {
             let recording = arguments.input.display().to_string();
@@ -68,11 +68,46 @@ fn text(inspection: &Inspection) -> String {
         text.push('\n');
         text.push_str(&topics(inspection));
     }
+    if !inspection.poses.is_empty() {
+        text.push('\n');
+        text.push_str(&poses(inspection));
+    }
     if !inspection.marks.is_empty() {
         text.push('\n');
-        text.push_str(&marks(inspection));
+        text.push_str(&marks(&inspection.marks));
     }
     text
+}
+
+fn poses(inspection: &Inspection) -> String {
+    let rows: Vec<Vec<String>> = inspection
+        .poses
+        .iter()
+        .map(|of| {
+            let extent = |axis: usize| {
+                let shown = of.extent_m.map(|extent| range(extent[axis], 3));
+                shown.unwrap_or_else(|| "-".into())
+            };
+            let norms = of.norms.map(|norms| range(norms, 4));
+            let frames = of.frame_ids.join(", ");
+            vec![
+                of.topic.clone(),
+                extent(0),
+                extent(1),
+                extent(2),
+                norms.unwrap_or_else(|| "-".into()),
+                of.not_finite.to_string(),
+                if frames.is_empty() { "-".into() } else { frames },
+            ]
+        })
+        .collect();
+    let head = ["poses", "x [m]", "y [m]", "z [m]", "norm", "not finite", "frame"];
+    table("  ", &head, &rows)
+}
+
+/// From the least to the greatest.
+pub(super) fn range([least, greatest]: [f64; 2], decimals: usize) -> String {
+    format!("{least:.decimals$} to {greatest:.decimals$}")
 }
 
 fn topics(inspection: &Inspection) -> String {
@@ -100,9 +135,9 @@ fn topics(inspection: &Inspection) -> String {
     )
 }
 
-fn marks(inspection: &Inspection) -> String {
-    let rows: Vec<Vec<String>> = inspection
-        .marks
+/// The marks by number, as `mark` takes them.
+pub(super) fn marks(marks: &[MarkLine]) -> String {
+    let rows: Vec<Vec<String>> = marks
         .iter()
         .enumerate()
         .map(|(index, mark)| {

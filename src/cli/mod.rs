@@ -19,6 +19,7 @@ mod completion;
 mod doctor;
 mod exit;
 mod export;
+mod import;
 mod inspect;
 mod mark;
 mod output;

@@ -9,7 +9,7 @@ use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, export, inspect, mark, output, process, recover, replay, scene, sketch};
+use super::{completion, export, import, inspect, mark, output, process, recover, replay, scene, sketch};
 use crate::service;
 
 /// Runs the command that the process was started with.
@@ -29,6 +29,7 @@ pub fn run() -> ExitCode {
         Command::Capture(_) | Command::Take(_) | Command::Doctor(_) => Err(service::NotLive.into()),
         Command::Replay(arguments) => replay::run(arguments, verbose),
         Command::Process(arguments) => process::run(arguments, verbose),
+        Command::Import(arguments) => import::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),

@@ -211,7 +211,6 @@ fn recording(
         .flat_map(|(file, table)| {
             table.bodies.iter().map(|body| Named {
                 name: body.name.clone().unwrap_or_else(|| name_of_file(file)),
-                file: file.display().to_string(),
                 table,
                 body,
             })

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::finish::{attached_scene, lost, warnings};
+use super::finish::{attached_scene, lost, open, warnings};
 use super::words::words;
 use crate::ingest::Recording;
-use crate::motion::{Scene, Stamp, TakeEvent};
+use crate::motion::{Mark, Scene, Stamp, TakeEvent};
 
 /// An interval between messages longer than this many median ones is a gap.
 const GAP_RATIO: f64 = 2.5;
@@ -36,7 +36,9 @@ pub struct Inspection {
     pub topics: Vec<TopicLine>,
     /// Names of the attachments.
     pub attachments: Vec<String>,
-    /// Name of the attached scene, if it is valid.
+    /// What the poses of each topic and child are like.
+    pub poses: Vec<PoseLine>,
+    /// Name of the scene with which it was looked at, if it is valid.
     pub scene: Option<String>,
     /// Why there is no scene, or why the recording does not match it.
     pub complaint: Option<String>,
@@ -63,18 +65,48 @@ pub struct TopicLine {
     pub longest_gap_s: Option<f64>,
 }
 
+/// The poses of one child on a topic.
+#[derive(Clone, Debug, Serialize)]
+pub struct PoseLine {
+    /// The topic; with `#child` where its messages name one, as scenes write it.
+    pub topic: String,
+    /// How many.
+    pub poses: u64,
+    /// Least and greatest coordinate of each axis; `None` where no position is held.
+    pub extent_m: Option<[[f64; 2]; 3]>,
+    /// Least and greatest norm of the quaternions; `None` where none is held.
+    pub norms: Option<[f64; 2]>,
+    /// Poses with a number that is not finite.
+    pub not_finite: u64,
+    /// The frames in which they are given.
+    pub frame_ids: Vec<String>,
+}
+
 /// A mark.
 #[derive(Clone, Debug, Serialize)]
 pub struct MarkLine {
     /// Time since the first sample.
     pub time_s: f64,
+    /// Time on the clock of the samples.
+    pub stamp_ns: i64,
     /// The event it names.
     pub event: Option<String>,
 }
 
-/// Lists the contents of a recording. Damage or a missing scene is no error.
-pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
-    let recording = Recording::open(input)?;
+/// Lists the contents of a recording, with its own scene or that of a file. Damage or a missing scene is no
+/// error, but a file of a scene that cannot be used is.
+pub fn inspect(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Inspection> {
+    let (recording, scene) = match scene_file {
+        Some(_) => {
+            let opened = open(input, scene_file)?;
+            (opened.recording, Ok(opened.scene))
+        }
+        None => {
+            let recording = Recording::open(input)?;
+            let scene = attached_scene(&recording);
+            (recording, scene)
+        }
+    };
     let container = recording.container();
     let mut inspection = Inspection {
         recording: input.display().to_string(),
@@ -98,11 +130,12 @@ pub fn inspect(input: &Path) -> anyhow::Result<Inspection> {
             .iter()
             .map(|attachment| attachment.name.clone())
             .collect(),
+        poses: poses(&recording),
         scene: None,
         complaint: None,
         marks: Vec::new(),
     };
-    match attached_scene(&recording) {
+    match scene {
         Ok(scene) => {
             inspection.scene = Some(scene.name.clone());
             look_with(&recording, &scene, &mut inspection);
@@ -129,10 +162,8 @@ fn look_with(recording: &Recording, scene: &Scene, inspection: &mut Inspection) 
     let first = stamps.min();
     for event in &take.events {
         if let TakeEvent::Mark(mark) = event {
-            inspection.marks.push(MarkLine {
-                time_s: seconds(mark.stamp, first.unwrap_or(mark.stamp)),
-                event: mark.event.clone(),
-            });
+            let first = first.unwrap_or(mark.stamp);
+            inspection.marks.push(mark_line(mark, first));
         }
     }
     inspection
@@ -140,8 +171,29 @@ fn look_with(recording: &Recording, scene: &Scene, inspection: &mut Inspection) 
         .sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
 }
 
-fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
-    (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9
+/// A mark, counted from the first sample.
+pub(super) fn mark_line(mark: &Mark, first: Stamp) -> MarkLine {
+    MarkLine {
+        time_s: (i128::from(mark.stamp.0) - i128::from(first.0)) as f64 * 1e-9,
+        stamp_ns: mark.stamp.0,
+        event: mark.event.clone(),
+    }
+}
+
+fn poses(recording: &Recording) -> Vec<PoseLine> {
+    let all = recording.poses().into_iter();
+    all.map(|of| PoseLine {
+        topic: match of.child.as_str() {
+            "" => of.topic,
+            child => format!("{}#{child}", of.topic),
+        },
+        poses: of.count,
+        extent_m: of.extent_m,
+        norms: of.norms,
+        not_finite: of.not_finite,
+        frame_ids: of.frames.into_iter().collect(),
+    })
+    .collect()
 }
 
 fn topics(recording: &Recording) -> Vec<TopicLine> {

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
-//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
+//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] lists, proposes
+//! and changes marks, [`import()`] makes recordings of tables of poses, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -16,6 +16,7 @@ mod doctor;
 mod export;
 mod finish;
 mod from_urdf;
+mod import;
 mod inspect;
 mod mark;
 mod process;
@@ -37,8 +38,9 @@ pub use direct::{Answer, DirectJob, Direction, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
-pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
-pub use mark::{MarkJob, Marked, ProposalLine, mark};
+pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
+pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
+pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
 pub use process::{Failure, ProcessJob, process};
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;
@@ -50,3 +52,8 @@ pub use words::words;
 
 #[cfg(feature = "live")]
 pub use crate::ingest::live::TakeState;
+
+pub use crate::ingest::table::{
+    PRESETS, Preset, QuaternionOrder, TableOptions, TimeUnit, Turn, length_unit,
+};
+pub use crate::ingest::{ListedMark, MarkTime};

@@ -73,7 +73,7 @@ pub(super) struct BodyColumns {
 }
 
 /// What a table's head says.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// What wrote it, in words.
     pub(super) kind: String,

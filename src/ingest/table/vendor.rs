@@ -5,7 +5,6 @@ use super::layout::{
 };
 use super::text::{Line, Lines, number};
 use super::units::{TimeUnit, length_unit};
-use crate::motion::LengthUnit;
 
 /// Sections of Vicon's files that have poses.
 const SECTIONS: [&str; 2] = ["Objects", "Segments"];

@@ -11,7 +11,6 @@ use crate::motion::{Scene, Timing};
 pub(super) struct Named<'a> {
     /// Its name in the file, or the file's.
     pub(super) name: String,
-    pub(super) file: String,
     pub(super) table: &'a PoseTable,
     pub(super) body: &'a BodyPoses,
 }

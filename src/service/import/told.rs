@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::names::Named;
-use crate::ingest::table::{PRESETS, Preset};
+use crate::ingest::table::PRESETS;
 use crate::motion::{Fall, LengthUnit, PoseSample, falls};
 
 /// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.

@@ -216,11 +216,8 @@ pub(in crate::service) fn stamp_of(time: MarkTime, first: Stamp) -> anyhow::Resu
 /// Fails for the name of an event that the scene does not have.
 pub(in crate::service) fn check_event(event: &str, scene: &Scene) -> anyhow::Result<()> {
     let names: Vec<&str> = scene.events.iter().map(|of| of.name.as_str()).collect();
-    // `bounce 2` of the repeated event `bounce`.
-    let stem = event.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
-    let is_repeat = scene.has_repeats() && stem.len() < event.len() && names.contains(&stem);
     ensure!(
-        names.contains(&event) || is_repeat,
+        scene.has_event_named(event),
         "no event {event:?} in the scene, which has {}",
         names.join(", ")
     );
