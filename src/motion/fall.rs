@@ -14,14 +14,16 @@ use nalgebra::{Matrix3, Vector3};
 /// [`SEED_RELATIVE_SD`] at each place \[samples\].
 const SEED_SAMPLES: [usize; 8] = [7, 10, 14, 20, 28, 40, 80, 160];
 const SEED_RELATIVE_SD: f64 = 0.1;
-/// The quantile of Fisher's distribution, about one in ten thousand, at infinitely many degrees of freedom,
-const F_LIMIT: f64 = 7.0;
-/// and by how much more over their number it is greater.
+/// Limits of `F` at infinitely many degrees of freedom, the first that makes a flight: the quantile of Fisher's
+/// distribution to one in ten thousand is the second, four times as much lets a flight drift by drag or a
+/// tracker's distortion, and is still far less than an impact makes of it.
+const F_LIMITS: [f64; 2] = [30.0, 7.0];
+/// By how much more over the number of degrees of freedom they are greater.
 const F_FEW: f64 = 12.0;
 /// Least scatter, over what the acceleration bends the path by: of paths without any, what rounding leaves.
 const SCATTER_MIN: f64 = 1e-4;
 /// Flights are as exact as the most exact one, up to this factor; what is less is no flight.
-const SCATTER_RATIO: f64 = 4.0;
+const SCATTER_RATIO: f64 = 8.0;
 
 /// A stretch that is a free flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,20 +64,30 @@ pub fn falls(
         if is_used[seed.clone()].iter().any(|used| *used) {
             continue;
         }
-        let grown = path.grown(seed, &is_used);
-        let Some(fall) = path.parabola(grown).map(|parabola| parabola.fall()) else {
-            continue;
-        };
-        let is_exact = found
-            .first()
-            .is_none_or(|best| fall.scatter <= SCATTER_RATIO * best.scatter);
-        if is_exact && is_wanted(&fall.acceleration, fall.acceleration_sd) {
+        let limit = found.first().map_or(f64::INFINITY, |best| best.scatter);
+        let grown = F_LIMITS.iter().filter_map(|f_limit| {
+            let grown = path.grown(seed.clone(), &is_used, *f_limit);
+            Some(path.parabola(grown)?.fall())
+        });
+        let fall = { grown }.find(|fall| {
+            fall.scatter <= SCATTER_RATIO * limit
+                && is_wanted(&fall.acceleration, fall.acceleration_sd)
+        });
+        if let Some(fall) = fall {
             is_used[fall.samples.clone()].fill(true);
             found.push(fall);
         }
     }
     found.sort_by_key(|fall| fall.samples.start);
     found
+}
+
+/// The acceleration of the parabola through a path, and the standard deviation of each component [unit of the
+/// path over s²]; `None` for fewer than four samples.
+pub fn acceleration(times_s: &[f64], points: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64)> {
+    let path = Path { times_s, points };
+    let fall = path.parabola(0..times_s.len().min(points.len()))?.fall();
+    Some((fall.acceleration, fall.acceleration_sd))
 }
 
 #[derive(Clone, Copy)]
@@ -152,17 +164,17 @@ impl Path<'_> {
     }
 
     /// The stretch about a window up to where samples leave its parabola, or are used.
-    fn grown(self, seed: Range<usize>, is_used: &[bool]) -> Range<usize> {
+    fn grown(self, seed: Range<usize>, is_used: &[bool], f_limit: f64) -> Range<usize> {
         let mut range = seed;
         loop {
             let next = range.end;
-            if next >= self.times_s.len() || is_used[next] || !self.belongs(&range, next) {
+            if next >= self.times_s.len() || is_used[next] || !self.belongs(&range, next, f_limit) {
                 break;
             }
             range.end = next + 1;
         }
         while let Some(next) = range.start.checked_sub(1) {
-            if is_used[next] || !self.belongs(&range, next) {
+            if is_used[next] || !self.belongs(&range, next, f_limit) {
                 break;
             }
             range.start = next;
@@ -170,10 +182,10 @@ impl Path<'_> {
         range
     }
 
-    fn belongs(self, range: &Range<usize>, next: usize) -> bool {
+    fn belongs(self, range: &Range<usize>, next: usize, f_limit: f64) -> bool {
         self.parabola(range.clone()).is_some_and(|parabola| {
             let (time_s, point) = (self.times_s[next], self.points[next]);
-            parabola.expects(time_s, &point)
+            parabola.expects(time_s, &point, f_limit)
         })
     }
 }
@@ -185,13 +197,13 @@ impl Parabola {
     }
 
     /// Whether a sample beyond the ends is where the others let expect it.
-    fn expects(&self, time_s: f64, point: &Vector3<f64>) -> bool {
+    fn expects(&self, time_s: f64, point: &Vector3<f64>, f_limit: f64) -> bool {
         let powers = self.powers(time_s);
         let terms = self.coefficients.iter().zip(powers.iter());
         let at: Vector3<f64> = terms.map(|(c, power)| c * *power).sum();
         let leverage = (powers.transpose() * self.covariance * powers)[0];
         let freedom = 3.0 * (self.samples.len() as f64 - 3.0);
-        let limit = F_LIMIT * (1.0 + F_FEW / freedom);
+        let limit = f_limit * (1.0 + F_FEW / freedom);
         let off = (point - at).norm_squared();
         off <= 3.0 * self.scatter.powi(2) * (1.0 + leverage) * limit
     }

@@ -42,7 +42,7 @@ pub use estimate::{
     ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
     ParameterEstimate, SegmentResidual, Undetermined,
 };
-pub use fall::{Fall, falls};
+pub use fall::{Fall, acceleration, falls};
 pub use fit::{EventFit, Fit, Fits, Tested, WholeFit};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};

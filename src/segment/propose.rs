@@ -97,7 +97,8 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         let Some(cuts) = cuts else {
             continue;
         };
-        let scores = stream.scores(&cuts, 1);
+        let shown = flown.as_ref().map_or(0, |flown| flown.impacts.len());
+        let scores = stream.scores_past(shown, &cuts, 1);
         for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
             let is_of_first = event
                 .and_then(|event| scene.events[event].kind.collision())
@@ -122,7 +123,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
 /// What flies of a toss, from its release on.
 struct Flown {
     track: TrackSketch,
-    /// Where flights end by an impact.
+    /// Where flights end by impacts: as many as are seen of those that are wanted.
     impacts: Vec<usize>,
 }
 
@@ -130,14 +131,16 @@ impl Flown {
     fn new(track: &TrackSketch, toss: &Toss, collisions: usize) -> Self {
         let begin = toss.flights[0].start;
         let impacts = toss.flights.iter().map(|flight| flight.end - begin);
-        let impacts: Vec<usize> = impacts.take(collisions).collect();
-        // Up to the end of the flight after the last, or for as many as are not seen up to the rest.
+        // The last of several flights need not end by one.
+        let seen = toss.flights.len().saturating_sub(1).max(1);
+        let impacts: Vec<usize> = impacts.take(collisions.min(seen)).collect();
+        // Up to the end of the flight after the last; to the end of all where not all are seen.
         let end = match (toss.flights.get(collisions), impacts.last()) {
             (Some(flight), _) => flight.end,
             (None, Some(last)) if impacts.len() == collisions => {
                 begin + last + 2 * KEEP_SAMPLES
             }
-            (None, _) => toss.rest,
+            (None, _) => track.samples.len(),
         };
         let end = end.clamp(begin, track.samples.len());
         Self {
@@ -363,6 +366,12 @@ impl<'a> Stream<'a> {
 
     /// [`Proposal::score`] of each cut; superfluous cuts are tried at every `stride`-th place.
     pub(super) fn scores(&self, cuts: &[usize], stride: usize) -> Vec<f64> {
+        self.scores_past(0, cuts, stride)
+    }
+
+    /// The same where the path itself shows a jump of the velocity at the first so many: nothing smooth
+    /// explains those.
+    fn scores_past(&self, shown: usize, cuts: &[usize], stride: usize) -> Vec<f64> {
         let spared = |before: usize, cut: usize, after: usize| {
             // One flight through the whole stretch, with the same samples left out.
             let whole = self.between(before, after);
@@ -389,7 +398,7 @@ impl<'a> Stream<'a> {
                 } else {
                     0.0
                 };
-                if tried < PLACES_MIN {
+                if tried < PLACES_MIN && index >= shown {
                     score.min(self.sharpness(before, cuts[index], after))
                 } else {
                     score

@@ -1,23 +1,25 @@
 //! Whole tosses: an object that is held, thrown, bounces and rests in one stream.
 //!
 //! The cuts of least cost (`propose.rs`) suppose that all of a stream is flights. A hand before them and a
-//! body that rests after them fit no flight at all, and take the cuts to where they explain most of that. So
-//! where times are physical and the stream begins or ends at rest, what flies is looked for first
-//! ([`falls`]): stretches that fall as the scene's gravity lets its body, as exactly as the tracker sees. A
-//! flight ends by an impact where the velocity jumps there.
+//! body that tumbles and rests after them fit no flight at all, and take the cuts to where they explain most
+//! of that. So where times are physical and the stream does not fall where it begins or where it ends, what
+//! flies is looked for first ([`falls`]): stretches that fall as the scene's gravity lets its body, as exactly
+//! as the tracker sees. A flight ends by an impact where the velocity jumps there.
+
+use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::motion::{Fall, Scene, Sketch, Timing, TrackIndex, TrackSketch, falls};
+use crate::motion::{Fall, Scene, Sketch, Timing, TrackIndex, TrackSketch, acceleration, falls};
 
 /// Accelerations of flights are the scene's up to this share: trackers' lengths and floors are off.
 const PULL_SHARE: f64 = 0.15;
-/// A stream rests where it stays so long \[s\]
-const REST_S: [f64; 3] = [0.1, 0.2, 0.4];
-/// within this share of what a fall would bend it by.
-const REST_SHARE: f64 = 0.05;
-/// Least number of samples of a rest.
-const REST_SAMPLES: usize = 5;
+/// What is off by this share is no fall.
+const NO_FALL_SHARE: f64 = 0.5;
+/// At an end of a stream it is told by two windows of so long \[s\], which one impact cannot both spoil,
+const WINDOW_S: f64 = 0.1;
+/// and of so many samples at least.
+const WINDOW_SAMPLES: usize = 5;
 /// An impact changes the velocity by this share of it, or of what gravity changes it by in the flight.
 const KINK_SHARE: f64 = 0.2;
 /// Samples after a flight that tell the velocity there.
@@ -28,11 +30,9 @@ const BETWEEN_SAMPLES: usize = 4;
 /// The flights of a toss.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Toss {
-    /// Flights that end by an impact, one after the other, as ranges of samples; at least one. The first is
-    /// the first of the stream, and after a gap there are none.
-    pub(super) flights: Vec<std::ops::Range<usize>>,
-    /// Where a rest at the end begins, or the end of the stream.
-    pub(super) rest: usize,
+    /// The first flight that ends by an impact, and those that follow each other from there on; the last may
+    /// have no impact. Ranges of samples.
+    pub(super) flights: Vec<Range<usize>>,
 }
 
 /// The toss in a stream; `None` where it is none, or where all that is seen may be flights.
@@ -54,34 +54,39 @@ pub(super) fn toss(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Opt
         times_s.push(time_s);
         points.push(point);
     }
-    let rest = rest_at_end(&times_s, &points, size);
-    let is_still = rest.is_some() || rests_at_begin(&times_s, &points, size);
-    if !(size > 0.0) || !is_still {
+    if !(size > 0.0) || !does_not_fall_at_an_end(&times_s, &points, &pull) {
         return None;
     }
     let is_flight =
         |of: &Vector3<f64>, sd: f64| (of - pull).norm() <= PULL_SHARE * size + 3.0 * sd;
     let found = falls(&times_s, &points, is_flight);
-    let hits = |fall: &&Fall| kinks(fall, &times_s, &points);
-    let first = found.iter().position(|fall| hits(&fall))?;
-    let mut flights: Vec<&Fall> = vec![&found[first]];
-    for next in &found[first + 1..] {
-        let last = flights.last().map_or(0, |fall| fall.samples.end);
-        if next.samples.start > last + BETWEEN_SAMPLES {
+    // Stretches that follow each other without an impact are one flight.
+    let mut flights: Vec<Range<usize>> = Vec::new();
+    let mut open: Option<Range<usize>> = None;
+    let mut last_end = 0;
+    for fall in &found {
+        let follows = fall.samples.start <= last_end + BETWEEN_SAMPLES;
+        if !follows && !flights.is_empty() {
             break;
         }
-        flights.push(next);
-        if !kinks(next, &times_s, &points) {
-            break;
+        let begin = open.take().filter(|_| follows);
+        let begin = begin.map_or(fall.samples.start, |open| open.start);
+        let whole = begin..fall.samples.end;
+        if kinks(fall, &times_s, &points) {
+            flights.push(whole);
+        } else {
+            open = Some(whole);
         }
+        last_end = fall.samples.end;
     }
-    let place = |index: usize| places.get(index).copied().unwrap_or(track.samples.len());
+    if flights.is_empty() {
+        return None;
+    }
+    flights.extend(open);
+    let end = |index: usize| places[index - 1] + 1;
+    let flights = flights.into_iter();
     Some(Toss {
-        flights: flights
-            .iter()
-            .map(|fall| place(fall.samples.start)..places[fall.samples.end - 1] + 1)
-            .collect(),
-        rest: place(rest.unwrap_or(times_s.len())),
+        flights: flights.map(|of| places[of.start]..end(of.end)).collect(),
     })
 }
 
@@ -102,7 +107,7 @@ pub(super) fn ends_s(scene: &Scene, sketch: &Sketch) -> Option<[f64; 2]> {
         let begin_s = time_s(toss.flights[0].start);
         let end_s = match toss.flights.get(collisions) {
             Some(flight) => time_s(flight.end - 1),
-            None => time_s(toss.rest.min(track.samples.len() - 1)),
+            None => time_s(track.samples.len() - 1),
         };
         let [first_s, last_s] = ends.unwrap_or([begin_s, end_s]);
         ends = Some([first_s.min(begin_s), last_s.max(end_s)]);
@@ -110,46 +115,34 @@ pub(super) fn ends_s(scene: &Scene, sketch: &Sketch) -> Option<[f64; 2]> {
     ends
 }
 
-/// Where the stream begins to stay, if it does until its end.
-fn rest_at_end(times_s: &[f64], points: &[Vector3<f64>], pull_m_s2: f64) -> Option<usize> {
-    let last_s = *times_s.last()?;
-    let begin = REST_S.iter().find_map(|rest_s| {
-        let begin = times_s.partition_point(|time_s| *time_s < last_s - rest_s);
-        (begin > 0 && stays(&points[begin..], *rest_s, pull_m_s2)).then_some((begin, *rest_s))
-    });
-    let (mut begin, rest_s) = begin?;
-    // It rests as long before as it is where it ends.
-    let at = mean(&points[begin..]);
-    let limit_m = limit_m(rest_s, pull_m_s2);
-    while begin > 0 && (points[begin - 1] - at).norm() <= limit_m {
-        begin -= 1;
-    }
-    Some(begin)
-}
-
-fn rests_at_begin(times_s: &[f64], points: &[Vector3<f64>], pull_m_s2: f64) -> bool {
-    let Some(first_s) = times_s.first() else {
-        return false;
+/// Whether a stream begins or ends with what is no fall.
+fn does_not_fall_at_an_end(times_s: &[f64], points: &[Vector3<f64>], pull: &Vector3<f64>) -> bool {
+    let count = times_s.len();
+    let is_no_fall = |window: Range<usize>| {
+        let told = acceleration(&times_s[window.clone()], &points[window]);
+        told.is_some_and(|(of, sd)| (of - pull).norm() > NO_FALL_SHARE * pull.norm() + 3.0 * sd)
     };
-    REST_S.iter().any(|rest_s| {
-        let end = times_s.partition_point(|time_s| *time_s <= first_s + rest_s);
-        end < points.len() && stays(&points[..end], *rest_s, pull_m_s2)
-    })
-}
-
-/// What a fall is away from a straight line by, in its middle, and a share of that.
-fn limit_m(rest_s: f64, pull_m_s2: f64) -> f64 {
-    REST_SHARE * pull_m_s2 * rest_s.powi(2) / 8.0
-}
-
-fn stays(points: &[Vector3<f64>], rest_s: f64, pull_m_s2: f64) -> bool {
-    let at = mean(points);
-    let limit_m = limit_m(rest_s, pull_m_s2);
-    points.len() >= REST_SAMPLES && points.iter().all(|point| (point - at).norm() <= limit_m)
-}
-
-fn mean(points: &[Vector3<f64>]) -> Vector3<f64> {
-    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
+    let end_of = |begin: usize| {
+        let after = times_s.partition_point(|time_s| *time_s <= times_s[begin] + WINDOW_S);
+        after.max(begin + WINDOW_SAMPLES)
+    };
+    let begin_of = |end: usize| {
+        let before = times_s.partition_point(|time_s| *time_s < times_s[end - 1] - WINDOW_S);
+        before.min(end.saturating_sub(WINDOW_SAMPLES))
+    };
+    if count < 2 * WINDOW_SAMPLES {
+        return false;
+    }
+    let (first, last) = (end_of(0), begin_of(count));
+    let is_begin = first < count && {
+        let second = end_of(first);
+        second <= count && is_no_fall(0..first) && is_no_fall(first..second)
+    };
+    let is_end = last > WINDOW_SAMPLES && {
+        let second = begin_of(last);
+        is_no_fall(last..count) && is_no_fall(second..last)
+    };
+    is_begin || is_end
 }
 
 /// Whether the velocity jumps at the end of a flight.

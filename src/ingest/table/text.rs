@@ -93,12 +93,14 @@ pub(super) fn is_absent(cell: &str) -> bool {
     cell.is_empty() || ["nan", "null", "none", "-"].contains(&cell.to_ascii_lowercase().as_str())
 }
 
-/// Whether a line is a row of numbers.
+/// Whether a line is a row of numbers: it begins with one, or with the name of a body and has more of them
+/// than of anything else. Identifiers above the columns of a head begin with empty cells.
 fn is_row(cells: &[String]) -> bool {
     let numbers = cells.iter().filter(|cell| number(cell).is_some()).count();
-    let is_first = cells.first().is_some_and(|cell| number(cell).is_some());
     let shown = cells.iter().filter(|cell| !is_absent(cell)).count();
-    numbers >= NUMBERS_MIN && (is_first || 2 * numbers > shown)
+    let begins = cells.first().is_some_and(|cell| !cell.is_empty());
+    let is_first = cells.first().is_some_and(|cell| number(cell).is_some());
+    numbers >= NUMBERS_MIN && begins && (is_first || 2 * numbers > shown)
 }
 
 /// The lines of a text, by the separator with which a row of numbers comes first, and of those the one with

@@ -6,9 +6,9 @@ use super::text::{Line, number};
 use super::units::TimeUnit;
 
 /// Units with the greatest interval between samples that they are taken for, in the unit itself: trackers
-/// give 2 to 5000 samples a second.
+/// give 5 to 2500 samples a second.
 const INTERVALS: [(TimeUnit, f64); 4] = [
-    (TimeUnit::Second, 0.5),
+    (TimeUnit::Second, 0.4),
     (TimeUnit::Millisecond, 200.0),
     (TimeUnit::Microsecond, 200_000.0),
     (TimeUnit::Nanosecond, f64::INFINITY),

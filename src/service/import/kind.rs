@@ -32,6 +32,7 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     }
     if bytes.starts_with(b"SQLite format 3\0") {
         let folder = path.parent().filter(|of| !of.as_os_str().is_empty());
+        let beside = folder.map_or(path.with_extension(""), Path::to_owned);
         let folder = folder.unwrap_or(Path::new("."));
         bail!(
             "{shown}: is the storage of a ROS 2 bag, expected a table of poses or MCAP; make MCAP of its \
@@ -40,7 +41,7 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
              rosbags-convert --src {} --dst {}_mcap --dst-storage mcap\n\
              and import the .mcap in that folder",
             folder.display(),
-            path.with_extension("").display()
+            beside.display()
         );
     }
     if bytes.starts_with(b"HIERARCHY") {
@@ -49,8 +50,8 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
              CSV with quaternions"
         );
     }
-    let is_c3d = bytes.get(1) == Some(&0x50) && std::str::from_utf8(&bytes).is_err();
-    if is_c3d {
+    // The number of the block of parameters, then the key of the format.
+    if matches!(bytes[..], [1..=31, 0x50, ..]) {
         bail!(
             "{shown}: is C3D, positions of markers, expected poses of rigid bodies: export those as CSV \
              with quaternions"

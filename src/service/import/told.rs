@@ -14,6 +14,8 @@ const NEAR: f64 = 0.06;
 const TILT_RAD: f64 = 0.2;
 /// A single flight tells something from so many samples on.
 const FLIGHT_SAMPLES: usize = 9;
+/// and speaks against axes from so many on.
+const AGAINST_SAMPLES: usize = 12;
 /// Rooms with trackers are between these \[m\].
 const SPAN_M: [f64; 2] = [0.005, 50.0];
 /// Greatest deviation of a quaternion's norm from 1 that rounding explains.
@@ -125,25 +127,21 @@ fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut T
     let along = down[axis].abs().clamp(0.0, 1.0).acos();
     let letter = ["x", "y", "z"][axis];
     let sign = if down[axis] < 0.0 { "−" } else { "+" };
-    if along > TILT_RAD {
-        told.against.push(format!(
-            "{flight} falls {:.0}° from −z, along no axis: is the tracker's world tilted?",
-            tilt_rad.to_degrees()
-        ));
-        return;
-    }
     let right = PRESETS[..3].iter().find(|other| {
         let own = preset.undone(down.into());
         Vector3::from(other.vector(own)).dot(&-Vector3::z()) > TILT_RAD.cos()
     });
-    let advice = match right {
-        Some(right) => format!("its world is {}: expected --from {}", right.about, right.name),
-        None => "its world is upside down, which no preset has".to_owned(),
-    };
-    told.against.push(format!(
-        "{flight} falls along {sign}{letter} as read with {}; {advice}",
-        preset.name
-    ));
+    match right.filter(|_| along <= TILT_RAD && samples >= AGAINST_SAMPLES) {
+        Some(right) => told.against.push(format!(
+            "{flight} falls along {sign}{letter} as read with {}; its world is {}: expected --from {}",
+            preset.name, right.about, right.name
+        )),
+        // Of a body that hangs on another, that a hand moves, or that the tracker smooths.
+        None => told.notes.push(format!(
+            "{flight} seems to fall {:.0}° from −z, which tells nothing of axes",
+            tilt_rad.to_degrees()
+        )),
+    }
 }
 
 /// What lengths alone tell.
@@ -178,8 +176,8 @@ fn rate(name: &str, samples: &[&PoseSample], told: &mut Told) {
     told.rate_hz = median_s.filter(|of| *of > 0.0).map(|of| 1.0 / of);
     let equal = intervals_s.iter().filter(|of| **of == 0.0).count();
     if equal > 0 {
-        told.against
-            .push(format!("{name}: {equal} poses have the time of another"));
+        told.notes
+            .push(format!("{name}: {equal} poses have the time of the one before"));
     }
 }
 
