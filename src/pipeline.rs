@@ -81,8 +81,8 @@ impl Pipeline {
     }
 
     /// Proposes marks for the take, in order of time and without use of its own marks: for every
-    /// collision of the scene, or `count` on each track, and its start and end at the first and the
-    /// last sample. Fails where there are too few samples or no clear proposals.
+    /// collision of the scene, or `count` on each track, and its start and end, at the first and the
+    /// last sample or where a whole toss flies. Fails where there are too few samples or no clear proposals.
     pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
         let marks = count.map_or(self.marks(), |count| {
             count + self.scene.events.len().max(1) - 1
@@ -99,17 +99,12 @@ impl Pipeline {
                 score: Some(proposal.score),
             })
             .collect();
-        let stamps = || {
-            sketch
-                .tracks
-                .iter()
-                .flat_map(|track| &track.samples)
-                .map(|s| s.stamp)
-        };
+        let ends_s = segment::ends_of_motion_s(scene, &sketch);
+        let at = |acted_s: f64| Stamp(sketch.origin.0 + (acted_s * 1e9).round() as i64);
         for (index, event) in scene.events.iter().enumerate() {
             let stamp = match event.kind {
-                EventKind::Start => stamps().min(),
-                EventKind::End => stamps().max(),
+                EventKind::Start => ends_s.map(|[start_s, _]| at(start_s)),
+                EventKind::End => ends_s.map(|[_, end_s]| at(end_s)),
                 EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => {
                     None
                 }

@@ -322,7 +322,11 @@ fn what_cannot_be_marked_is_refused_and_leaves_nothing() {
     let (folder, _) = bench();
     let folder = folder.path();
     for (arguments, code, message) in [
-        (vec!["mark", "take.mcap"], 2, "--propose"),
+        (
+            vec!["mark", "take.mcap", "-o", "x.mcap"],
+            1,
+            "nothing to write, expected --propose",
+        ),
         (
             vec!["mark", "--propose", "take.mcap", "-o", "take.mcap"],
             1,

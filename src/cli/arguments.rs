@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 use super::calibrate_arguments::{CalibrateCommand, SceneCalibratedArguments};
 pub(super) use super::values::Format;
 use super::values::rate;
-use crate::service::DEFAULT_EXPORT_RATE_HZ;
+use crate::service::{
+    DEFAULT_EXPORT_RATE_HZ, ListedMark, MarkTime, PRESETS, TimeUnit, length_unit,
+};
 
 /// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
 /// fits it best comes out.
@@ -40,9 +43,11 @@ pub(super) enum Command {
     Replay(ReplayArguments),
     /// Estimate many recordings, as fast as they come
     Process(ProcessArguments),
+    /// Make a recording of tables of poses, or of a part of a recording
+    Import(ImportArguments),
     /// Say what is in a recording
     Inspect(InspectArguments),
-    /// Say where the marks of a recording would be
+    /// List the marks of a recording, propose some, or change them
     Mark(MarkArguments),
     /// Make a recording of keyframes in a file, or a file of keyframes of a recording
     Sketch(SketchArguments),
@@ -269,6 +274,80 @@ pub(super) struct ProcessArguments {
     pub(super) format: Format,
 }
 
+/// Arguments of `import`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Tables of EuRoC, TUM, Motive, Vicon and others with named columns are recognised; what is guessed is \
+                  said. Several files, or several bodies in one, become several topics.\n\
+                  Example: enact import toss.csv --scene config/cube_toss.toml -o toss.mcap\n\
+                  Exit code 3: written, but what the data show speaks against how they were read, or some were lost."
+)]
+pub(super) struct ImportArguments {
+    /// Tables of poses (CSV and the like), or one recording (MCAP) of which a part is wanted
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) inputs: Vec<PathBuf>,
+    /// The recording, an MCAP file
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+    /// Scene file; it travels in the recording
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// Axes and units that are usual where the tables come from [default: what their heads say, else z-up]
+    #[arg(long, value_name = "PRESET", value_parser = presets())]
+    pub(super) from: Option<String>,
+    /// Names of the columns in order, parted by commas, - for one that is not read [default: those in the file]
+    #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
+    pub(super) columns: Option<String>,
+    /// Unit of times: s, ms, us, ns or frame [default: what the file says, else by the intervals]
+    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    pub(super) time_unit: Option<TimeUnit>,
+    /// Unit of positions: m, cm, mm, in or ft [default: what the file says, else that of the preset]
+    #[arg(long, value_name = "UNIT", value_parser = known_length_unit)]
+    pub(super) length_unit: Option<String>,
+    /// Rows a second, whatever their times say; frames a second, where times count frames
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(super) rate: Option<f64>,
+    /// Order of the numbers of quaternions, where names of columns do not say it
+    #[arg(long, value_enum, value_name = "ORDER")]
+    pub(super) quaternion: Option<Order>,
+    /// What three angles mean, where a file has those
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) rotation: Option<Rotation>,
+    /// Topic of a body, in order or by name [default: that of the scene's body, else /tracker/NAME/pose]
+    #[arg(long, value_name = "[NAME=]TOPIC")]
+    pub(super) topic: Vec<String>,
+    /// Add a mark, in seconds since the first pose of the files
+    #[arg(long, value_name = "TIME[:EVENT]", value_parser = listed_mark)]
+    pub(super) mark: Vec<ListedMark>,
+    /// Leave out what is before, in seconds since the first pose
+    #[arg(long, value_name = "SECONDS", value_parser = since_first)]
+    pub(super) start: Option<f64>,
+    /// Leave out what is after
+    #[arg(long, value_name = "SECONDS", value_parser = since_first)]
+    pub(super) end: Option<f64>,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
+}
+
+/// Order of a quaternion's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Order {
+    /// Scalar last
+    Xyzw,
+    /// Scalar first
+    Wxyz,
+}
+
+/// What three angles mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Rotation {
+    /// A rotation vector: axis times angle
+    Vector,
+    /// Turns about the body's x, then y, then z axis
+    EulerXyz,
+}
+
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n\
@@ -278,6 +357,9 @@ pub(super) struct InspectArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
+    /// Scene file [default: scene.toml attached to the recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
     #[command(flatten)]
     pub(super) limits: Limits,
     /// How the account on stdout is written
@@ -287,25 +369,51 @@ pub(super) struct InspectArguments {
 
 /// Arguments of `mark`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n\
-             \x20 enact mark --propose take.mcap -o marked.mcap")]
+#[command(
+    after_help = "Marks are listed where nothing is asked for. TIME is in seconds since the first pose, as listed, or \
+                  a stamp such as 1700000000410000000ns.\n\
+                  Examples:\n\
+                  \x20 enact mark in.mcap\n\
+                  \x20 enact mark in.mcap --move bounce=0.954 --add 1.2:landing -o out.mcap\n\
+                  \x20 enact mark in.mcap --propose -o out.mcap"
+)]
 pub(super) struct MarkArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// Propose marks where the streams have kinks
-    #[arg(long, required = true)]
+    #[arg(long, conflicts_with_all = ["add", "moves", "from", "from_topic"])]
     pub(super) propose: bool,
+    /// Add a mark
+    #[arg(long, value_name = "TIME[:EVENT]", value_parser = listed_mark, requires = "output")]
+    pub(super) add: Vec<ListedMark>,
+    /// Move a mark: its number, or the name of its event
+    #[arg(long = "move", id = "moves", value_name = "MARK=TIME", value_parser = moved_mark, requires = "output")]
+    pub(super) moves: Vec<(String, MarkTime)>,
+    /// Leave out a mark: its number, the name of its event, or all
+    #[arg(long, value_name = "MARK", requires = "output")]
+    pub(super) remove: Vec<String>,
+    /// Take the marks from a file, JSON or CSV, in place of those in the recording
+    #[arg(long, value_name = "FILE", requires = "output")]
+    pub(super) from: Option<PathBuf>,
+    /// Take them from the messages on a topic of the recording, such as a button's
+    #[arg(
+        long,
+        value_name = "TOPIC",
+        requires = "output",
+        conflicts_with = "from"
+    )]
+    pub(super) from_topic: Option<String>,
     /// Write a copy of the recording with the marks
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Collisions of each body [default: as many as the scene has]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "propose")]
     pub(super) count: Option<usize>,
     /// Scene file [default: scene.toml attached to the recording]
     #[arg(long, value_name = "FILE")]
     pub(super) scene: Option<PathBuf>,
-    /// How the proposals on stdout are written
+    /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(super) format: Format,
 }
@@ -577,6 +685,49 @@ fn text_of<const N: usize>(text: &str) -> Result<String, String> {
         length if length > N => Err(format!("{length} bytes long, at most {N}")),
         _ => Ok(text.to_owned()),
     }
+}
+
+fn since_first(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected seconds, 0 or more".into()),
+    }
+}
+
+fn mark_time(text: &str) -> Result<MarkTime, String> {
+    let expected = "expected seconds since the first pose, such as 0.41, or a stamp, such as 1700000000410000000ns";
+    MarkTime::parse(text).ok_or_else(|| expected.into())
+}
+
+fn listed_mark(text: &str) -> Result<ListedMark, String> {
+    match text.split_once(':') {
+        Some((time, event)) if !event.is_empty() => Ok((mark_time(time)?, Some(event.to_owned()))),
+        Some((time, _)) => Ok((mark_time(time)?, None)),
+        None => Ok((mark_time(text)?, None)),
+    }
+}
+
+fn moved_mark(text: &str) -> Result<(String, MarkTime), String> {
+    let Some((which, time)) = text.rsplit_once('=') else {
+        return Err("expected a mark and where it goes, such as bounce=0.41".into());
+    };
+    Ok((which.to_owned(), mark_time(time)?))
+}
+
+fn time_unit(text: &str) -> Result<TimeUnit, String> {
+    TimeUnit::of(text).ok_or_else(|| "expected s, ms, us, ns or frame".into())
+}
+
+fn known_length_unit(text: &str) -> Result<String, String> {
+    let known = length_unit(text).map(|_| text.to_owned());
+    known.ok_or_else(|| "expected m, cm, mm, in or ft".into())
+}
+
+fn presets() -> PossibleValuesParser {
+    let values = PRESETS
+        .iter()
+        .map(|preset| PossibleValue::new(preset.name).help(preset.about));
+    PossibleValuesParser::new(values)
 }
 
 #[cfg(test)]

@@ -137,16 +137,16 @@ fn text(found: &Calibrated) -> String {
         &rows,
     );
     for line in &found.lost {
-        text += &format!("  lost: {line}\n");
+        output::push_line(&mut text, format!("  lost: {line}"));
     }
     for line in &of.against {
-        text += &format!("  against: {line}\n");
+        output::push_line(&mut text, format!("  against: {line}"));
     }
     for line in &of.notes {
-        text += &format!("  note: {line}\n");
+        output::push_line(&mut text, format!("  note: {line}"));
     }
     if let Some(output) = &found.output {
-        text += &format!("  written   {output}\n");
+        output::push_line(&mut text, format!("  written   {output}"));
     }
     text
 }
@@ -193,15 +193,16 @@ pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit>
 }
 
 fn changes(made: &SceneCalibrated) -> String {
-    let mut text = format!("{}:\n", made.scene);
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{}:", made.scene));
     for change in &made.changes {
-        text += &format!("  {change}\n");
+        output::push_line(&mut text, format!("  {change}"));
     }
     for line in &made.against {
-        text += &format!("  against: {line}\n");
+        output::push_line(&mut text, format!("  against: {line}"));
     }
     if let Some(output) = &made.output {
-        text += &format!("  written   {output}\n");
+        output::push_line(&mut text, format!("  written   {output}"));
     }
     text
 }

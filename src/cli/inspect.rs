@@ -5,10 +5,11 @@ use super::exit::Exit;
 use super::output::{self, push_line, push_notes};
 use super::process::print_failure;
 use super::table::table;
-use crate::service::{self, Inspection};
+use crate::service::{self, Inspection, MarkLine};
 
 pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
-    let inspection = match service::inspect(&arguments.input, arguments.limits.deadline) {
+    let (scene, deadline) = (arguments.scene.as_deref(), arguments.limits.deadline);
+    let inspection = match service::inspect(&arguments.input, scene, deadline) {
         Ok(inspection) => inspection,
         Err(error) => {
             let recording = arguments.input.display().to_string();
@@ -65,11 +66,58 @@ fn text(inspection: &Inspection) -> String {
             push_line(&mut text, format!("  and {more} more topics"));
         }
     }
+    if !inspection.poses.is_empty() {
+        text.push('\n');
+        text.push_str(&poses(inspection));
+    }
     if !inspection.marks.is_empty() {
         text.push('\n');
-        text.push_str(&marks(inspection));
+        text.push_str(&marks(&inspection.marks));
     }
     text
+}
+
+fn poses(inspection: &Inspection) -> String {
+    let rows: Vec<Vec<String>> = inspection
+        .poses
+        .iter()
+        .map(|of| {
+            let extent = |axis: usize| {
+                let shown = of.extent_m.map(|extent| range(extent[axis], 3));
+                shown.unwrap_or_else(|| "-".into())
+            };
+            let norms = of.norms.map(|norms| range(norms, 4));
+            let frames = of.frame_ids.join(", ");
+            vec![
+                of.topic.clone(),
+                extent(0),
+                extent(1),
+                extent(2),
+                norms.unwrap_or_else(|| "-".into()),
+                of.not_finite.to_string(),
+                if frames.is_empty() {
+                    "-".into()
+                } else {
+                    frames
+                },
+            ]
+        })
+        .collect();
+    let head = [
+        "poses",
+        "x [m]",
+        "y [m]",
+        "z [m]",
+        "norm",
+        "not finite",
+        "frame",
+    ];
+    table("  ", &head, &rows)
+}
+
+/// From the least to the greatest.
+pub(super) fn range([least, greatest]: [f64; 2], decimals: usize) -> String {
+    format!("{least:.decimals$} to {greatest:.decimals$}")
 }
 
 fn topics(inspection: &Inspection) -> String {
@@ -97,9 +145,9 @@ fn topics(inspection: &Inspection) -> String {
     )
 }
 
-fn marks(inspection: &Inspection) -> String {
-    let rows: Vec<Vec<String>> = inspection
-        .marks
+/// The marks by number, as `mark` takes them.
+pub(super) fn marks(marks: &[MarkLine]) -> String {
+    let rows: Vec<Vec<String>> = marks
         .iter()
         .enumerate()
         .map(|(index, mark)| {

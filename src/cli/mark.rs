@@ -1,11 +1,12 @@
-//! `mark`: proposes marks for a recording.
+//! `mark`: lists, proposes and changes the marks of a recording.
 
 use super::arguments::{Format, MarkArguments};
 use super::exit::Exit;
+use super::inspect::marks;
 use super::output;
 use super::process::print_failure;
 use super::table::table;
-use crate::service::{self, MarkJob, Marked};
+use crate::service::{self, MarkEdits, MarkJob, Marked};
 
 pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
     let recording = arguments.input.display().to_string();
@@ -13,7 +14,15 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
         input: arguments.input,
         output: arguments.output,
         scene: arguments.scene,
+        is_proposing: arguments.propose,
         count: arguments.count,
+        edits: MarkEdits {
+            from_file: arguments.from,
+            from_topic: arguments.from_topic,
+            remove: arguments.remove,
+            moves: arguments.moves,
+            add: arguments.add,
+        },
     };
     let marked = match service::mark(&job) {
         Ok(marked) => marked,
@@ -52,8 +61,15 @@ fn text(marked: &Marked) -> String {
             ]
         })
         .collect();
-    text.push('\n');
-    text += &table("  ", &["event", "time", "score", "body"], &rows);
+    if !rows.is_empty() {
+        text.push('\n');
+        text += &table("  ", &["event", "time", "score", "body"], &rows);
+    } else if marked.marks.is_empty() {
+        text += "  no marks\n";
+    } else {
+        text.push('\n');
+        text += &marks(&marked.marks);
+    }
     if let Some(output) = &marked.output {
         output::push_line(&mut text, format!("  written   {output}"));
     }

@@ -21,6 +21,7 @@ mod completion;
 mod doctor;
 mod exit;
 mod export;
+mod import;
 mod inspect;
 mod interrupt;
 mod manual;

@@ -70,15 +70,12 @@ fn view(seen: Seen) -> View {
 }
 
 fn text(made: &ReportMade) -> String {
-    let mut text = format!("{}: {}, {}\n", made.input, made.scene, made.verdict);
-    for loss in &made.lost {
-        text += &format!("  lost: {loss}\n");
-    }
-    for warning in &made.warnings {
-        text += &format!("  note: {warning}\n");
-    }
-    for output in &made.outputs {
-        text += &format!("  written   {output}\n");
+    let mut text = String::new();
+    let (input, scene, verdict) = (&made.input, &made.scene, &made.verdict);
+    output::push_line(&mut text, format!("{input}: {scene}, {verdict}"));
+    output::push_notes(&mut text, &made.lost, &made.warnings);
+    for written in &made.outputs {
+        output::push_line(&mut text, format!("  written   {written}"));
     }
     text
 }

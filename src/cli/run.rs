@@ -8,8 +8,8 @@ use tracing_subscriber::EnvFilter;
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 use super::{
-    calibrate, completion, export, inspect, interrupt, manual, mark, output, process, recover,
-    replay, report, scene, sketch,
+    calibrate, completion, export, import, inspect, interrupt, manual, mark, output, process,
+    recover, replay, report, scene, sketch,
 };
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
@@ -37,6 +37,7 @@ pub fn run() -> ExitCode {
         Command::Capture(_) | Command::Take(_) | Command::Doctor(_) => Err(service::NotLive.into()),
         Command::Replay(arguments) => replay::run(arguments, verbose),
         Command::Process(arguments) => process::run(arguments, verbose),
+        Command::Import(arguments) => import::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),

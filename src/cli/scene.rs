@@ -75,9 +75,9 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
 fn text_of_made(made: &NewSceneMade) -> String {
     let mut text = format!("{}:\n{}", made.scene, text_of_body(&made.body));
     for note in &made.notes {
-        text += &format!("  note: {note}\n");
+        output::push_line(&mut text, format!("  note: {note}"));
     }
-    text += &format!("  written   {}\n", made.output);
+    output::push_line(&mut text, format!("  written   {}", made.output));
     text
 }
 
@@ -102,7 +102,8 @@ fn check(arguments: &CheckSceneArguments) -> anyhow::Result<Exit> {
 }
 
 fn text_of_check(path: &str, found: &SceneCheck) -> String {
-    let mut text = format!("{path}: {}, {} stamps\n", found.scene, found.stamps);
+    let mut text = String::new();
+    output::push_line(&mut text, format!("{path}: {}, {} stamps", found.scene, found.stamps));
     for body in &found.bodies {
         text += &text_of_body(body);
     }
@@ -110,7 +111,7 @@ fn text_of_check(path: &str, found: &SceneCheck) -> String {
     let widest = widest.unwrap_or(0);
     for (index, of) in found.topics.iter().enumerate() {
         let title = if index == 0 { "expected" } else { "" };
-        text += &format!("  {title:<9} {:<widest$}  {}\n", of.topic, of.carries);
+        output::push_line(&mut text, format!("  {title:<9} {:<widest$}  {}", of.topic, of.carries));
     }
     let mut number = 1;
     for of in &found.events {
@@ -126,16 +127,16 @@ fn text_of_check(path: &str, found: &SceneCheck) -> String {
             1 => ", 1 goal".into(),
             count => format!(", {count} goals"),
         };
-        text += &format!("  {marks:<9} {}: {}{goals}\n", of.name, of.means);
+        output::push_line(&mut text, format!("  {marks:<9} {}: {}{goals}", of.name, of.means));
     }
     if !found.free.is_empty() {
-        text += &format!("  free      {}\n", found.free.join(", "));
+        output::push_line(&mut text, format!("  free      {}", found.free.join(", ")));
     }
     for open in &found.open {
-        text += &format!("  open: {open}\n");
+        output::push_line(&mut text, format!("  open: {open}"));
     }
     for missing in &found.missing {
-        text += &format!("  missing: {missing}\n");
+        output::push_line(&mut text, format!("  missing: {missing}"));
     }
     text
 }

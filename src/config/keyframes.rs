@@ -103,15 +103,8 @@ fn mark(
         .iter()
         .map(|event| event.name.as_str())
         .collect();
-    let is_repeat = |name: &str| {
-        // `bounce 2` of the repeated event `bounce`.
-        let stem = name
-            .trim_end_matches(|c: char| c.is_ascii_digit())
-            .trim_end();
-        scene.has_repeats() && stem.len() < name.len() && names.contains(&stem)
-    };
     let name = event.value.as_str();
-    if !names.contains(&name) && !is_repeat(name) {
+    if !scene.has_event_named(name) {
         return unknown("event", event, &names);
     }
     if scene.timing == Timing::Edited {

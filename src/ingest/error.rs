@@ -19,6 +19,19 @@ pub enum IngestError {
         /// Error of the operating system.
         source: io::Error,
     },
+    /// A table that holds no poses, or a cell of it that is none.
+    #[error(
+        "{}{}: {message}",
+        path.display(), if *line > 0 { format!(":{line}") } else { String::new() }
+    )]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1; 0 for the whole.
+        line: usize,
+        /// What is wrong, and what was expected.
+        message: String,
+    },
     /// The file is not MCAP.
     #[error("{}: {source}", path.display())]
     Container {
@@ -38,6 +51,19 @@ pub enum IngestError {
         /// The body.
         body: String,
         /// What the scene says.
+        topic: String,
+        /// The topics that are there.
+        present: BTreeSet<String>,
+    },
+    /// A topic that is asked for is not in the recording.
+    #[error(
+        "{}: no topic {topic}; the recording has {}",
+        path.display(), listed(present)
+    )]
+    NoTopic {
+        /// The recording.
+        path: PathBuf,
+        /// What was asked for.
         topic: String,
         /// The topics that are there.
         present: BTreeSet<String>,

@@ -7,6 +7,7 @@
 pub mod diagnosis;
 pub mod doubt;
 pub mod estimate;
+pub mod fall;
 pub mod fit;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -41,6 +42,7 @@ pub use estimate::{
     ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
     ParameterEstimate, SegmentResidual, Undetermined,
 };
+pub use fall::{Fall, acceleration, falls};
 pub use fit::{EventFit, Fit, Fits, Tested, WholeFit};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};

@@ -128,6 +128,15 @@ impl Scene {
         Some(words.collect::<Option<Vec<_>>>()?.join(", "))
     }
 
+    /// Whether marks may name an event so: one of the scene's, or `bounce 2` of a repeated event `bounce`.
+    pub fn has_event_named(&self, name: &str) -> bool {
+        let has = |name: &str| self.events.iter().any(|event| event.name == name);
+        let stem = name
+            .trim_end_matches(|c: char| c.is_ascii_digit())
+            .trim_end();
+        has(name) || self.has_repeats() && stem.len() < name.len() && has(stem)
+    }
+
     /// Whether a collision stands for several.
     pub fn has_repeats(&self) -> bool {
         let is_repeat = |event: &Event| matches!(event.kind, EventKind::Collisions { .. });

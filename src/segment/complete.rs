@@ -2,7 +2,7 @@
 
 use super::error::SegmentError;
 use super::marks::seconds;
-use super::propose::{CLEAR_SCORE, Proposal, propose};
+use super::propose::{CLEAR_SCORE, Proposal, ends_of_motion_s, propose};
 use crate::motion::{EventKind, Mark, MarkChanges, Scene, Sketch, Stamp};
 
 /// Greatest distance of a mark without a name from the proposed place of its event \[s\].
@@ -60,17 +60,12 @@ fn places(
     sketch: &Sketch,
     (proposals, marks): (&[Proposal], &[Mark]),
 ) -> Option<Vec<Stamp>> {
-    let stamps = || {
-        sketch
-            .tracks
-            .iter()
-            .flat_map(|track| &track.samples)
-            .map(|s| s.stamp)
-    };
+    let ends_s = ends_of_motion_s(scene, sketch)?;
+    let stamp = |acted_s: f64| Stamp(sketch.origin.0 + (acted_s * 1e9).round() as i64);
     let places: Option<Vec<Stamp>> = (0..scene.events.len())
         .map(|event| match scene.events[event].kind {
-            EventKind::Start => stamps().min(),
-            EventKind::End => stamps().max(),
+            EventKind::Start => Some(stamp(ends_s[0])),
+            EventKind::End => Some(stamp(ends_s[1])),
             EventKind::Collision(_) | EventKind::Collisions { .. } => {
                 let proposal = proposals.iter().find(|p| p.event == Some(event))?;
                 Some(proposal.stamp(sketch))

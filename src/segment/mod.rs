@@ -24,11 +24,12 @@ pub mod refine;
 pub mod relocate;
 mod seen;
 pub mod smooth;
+mod toss;
 mod units;
 
 pub use cut::cut;
 pub use error::SegmentError;
 pub use hold::hold;
-pub use propose::{Proposal, propose};
+pub use propose::{Proposal, ends_of_motion_s, propose};
 pub use refine::{loosen, refine};
 pub use relocate::relocate_marks;

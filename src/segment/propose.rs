@@ -7,6 +7,7 @@
 //! places, then moved sample by sample.
 
 use super::prefix::PrefixSums;
+use super::toss::{Toss, ends_s, toss};
 use crate::motion::{
     Collision, Partner, Sample, Scene, Seen, Sketch, Stamp, TrackIndex, TrackSketch,
 };
@@ -55,6 +56,15 @@ impl Proposal {
     }
 }
 
+/// When the motion starts and ends [s since `Sketch::origin`]: at release and with the flight after the last
+/// collision of a whole toss, otherwise at the first and the last sample.
+pub fn ends_of_motion_s(scene: &Scene, sketch: &Sketch) -> Option<[f64; 2]> {
+    let samples = || sketch.tracks.iter().flat_map(|track| &track.samples);
+    let first_s = samples().map(|of| of.acted_s).min_by(f64::total_cmp)?;
+    let last_s = samples().map(|of| of.acted_s).max_by(f64::total_cmp)?;
+    Some(ends_s(scene, sketch).unwrap_or([first_s, last_s]))
+}
+
 /// Proposals for all collisions of the scene, in its order; for each track those that concern
 /// it. A collision of two tracks is proposed from the stream of its first. `count`, if given, is
 /// the number of collisions searched for on each track, in place of the scene's.
@@ -77,11 +87,18 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         } else {
             vec![None; count.unwrap_or(0)]
         };
-        let stream = Stream::new(scene, index, track);
-        let Some(cuts) = stream.best_cuts(&collisions) else {
+        let toss = toss(scene, index, track);
+        let flown = toss.map(|toss| Flown::new(track, &toss, collisions.len()));
+        let stream = Stream::new(scene, index, flown.as_ref().map_or(track, |of| &of.track));
+        let cuts = match &flown {
+            Some(flown) => flown.cuts(scene, index, &collisions),
+            None => stream.best_cuts(&collisions),
+        };
+        let Some(cuts) = cuts else {
             continue;
         };
-        let scores = stream.scores(&cuts, 1);
+        let shown = flown.as_ref().map_or(0, |flown| flown.impacts.len());
+        let scores = stream.scores_past(shown, &cuts, 1);
         for ((event, cut), score) in collisions.into_iter().zip(&cuts).zip(scores) {
             let is_of_first = event
                 .and_then(|event| scene.events[event].kind.collision())
@@ -101,6 +118,51 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         order.then(a.acted_s.total_cmp(&b.acted_s))
     });
     proposals
+}
+
+/// What flies of a toss, from its release on.
+struct Flown {
+    track: TrackSketch,
+    /// Where flights end by impacts: as many as are seen of those that are wanted.
+    impacts: Vec<usize>,
+}
+
+impl Flown {
+    fn new(track: &TrackSketch, toss: &Toss, collisions: usize) -> Self {
+        let begin = toss.flights[0].start;
+        let impacts = toss.flights.iter().map(|flight| flight.end - begin);
+        // The last of several flights need not end by one.
+        let seen = toss.flights.len().saturating_sub(1).max(1);
+        let impacts: Vec<usize> = impacts.take(collisions.min(seen)).collect();
+        // Up to the end of the flight after the last; to the end of all where not all are seen.
+        let end = match (toss.flights.get(collisions), impacts.last()) {
+            (Some(flight), _) => flight.end,
+            (None, Some(last)) if impacts.len() == collisions => begin + last + 2 * KEEP_SAMPLES,
+            (None, _) => track.samples.len(),
+        };
+        let end = end.clamp(begin, track.samples.len());
+        Self {
+            track: TrackSketch::new(track.samples[begin..end].to_vec()),
+            impacts,
+        }
+    }
+
+    /// The impacts, and those that follow them by least cost.
+    fn cuts(
+        &self,
+        scene: &Scene,
+        index: TrackIndex,
+        events: &[Option<usize>],
+    ) -> Option<Vec<usize>> {
+        let mut cuts = self.impacts.clone();
+        let from = cuts.last().copied().unwrap_or(0);
+        if cuts.len() < events.len() {
+            let rest = TrackSketch::new(self.track.samples[from..].to_vec());
+            let more = Stream::new(scene, index, &rest).best_cuts(&events[cuts.len()..])?;
+            cuts.extend(more.into_iter().map(|cut| from + cut));
+        }
+        Some(cuts)
+    }
 }
 
 /// One track's samples, with the costs of its stretches.
@@ -302,6 +364,12 @@ impl<'a> Stream<'a> {
 
     /// [`Proposal::score`] of each cut; superfluous cuts are tried at every `stride`-th place.
     pub(super) fn scores(&self, cuts: &[usize], stride: usize) -> Vec<f64> {
+        self.scores_past(0, cuts, stride)
+    }
+
+    /// The same where the path itself shows a jump of the velocity at the first so many: nothing smooth
+    /// explains those.
+    fn scores_past(&self, shown: usize, cuts: &[usize], stride: usize) -> Vec<f64> {
         let spared = |before: usize, cut: usize, after: usize| {
             // One flight through the whole stretch, with the same samples left out.
             let whole = self.between(before, after);
@@ -328,7 +396,7 @@ impl<'a> Stream<'a> {
                 } else {
                     0.0
                 };
-                if tried < PLACES_MIN {
+                if tried < PLACES_MIN && index >= shown {
                     score.min(self.sharpness(before, cuts[index], after))
                 } else {
                     score

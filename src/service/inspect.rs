@@ -7,10 +7,10 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::deadline::Deadline;
-use super::finish::{attached_scene, lost, warnings};
+use super::finish::{attached_scene, lost, opened, warnings};
 use super::words::words;
 use crate::ingest::Recording;
-use crate::motion::{Scene, Stamp, TakeEvent};
+use crate::motion::{Mark, Scene, Stamp, TakeEvent};
 
 /// Number of topics that are listed; a file may have 65,535.
 const LISTED: usize = 1000;
@@ -43,7 +43,9 @@ pub struct Inspection {
     pub topics: Vec<TopicLine>,
     /// Names of the attachments.
     pub attachments: Vec<String>,
-    /// Name of the attached scene, if it is valid.
+    /// What the poses of each topic and child are like.
+    pub poses: Vec<PoseLine>,
+    /// Name of the scene with which it was looked at, if it is valid.
     pub scene: Option<String>,
     /// Why there is no scene, or why the recording does not match it.
     pub complaint: Option<String>,
@@ -70,20 +72,53 @@ pub struct TopicLine {
     pub longest_gap_s: Option<f64>,
 }
 
+/// The poses of one child on a topic.
+#[derive(Clone, Debug, Serialize)]
+pub struct PoseLine {
+    /// The topic; with `#child` where its messages name one, as scenes write it.
+    pub topic: String,
+    /// How many.
+    pub poses: u64,
+    /// Least and greatest coordinate of each axis; `None` where no position is held.
+    pub extent_m: Option<[[f64; 2]; 3]>,
+    /// Least and greatest norm of the quaternions; `None` where none is held.
+    pub norms: Option<[f64; 2]>,
+    /// Poses with a number that is not finite.
+    pub not_finite: u64,
+    /// The frames in which they are given.
+    pub frame_ids: Vec<String>,
+}
+
 /// A mark.
 #[derive(Clone, Debug, Serialize)]
 pub struct MarkLine {
     /// Time since the first sample.
     pub time_s: f64,
+    /// Time on the clock of the samples.
+    pub stamp_ns: i64,
     /// The event it names.
     pub event: Option<String>,
 }
 
-/// Lists the contents of a recording, of what can be read of it within a time if one is given.
-/// Damage or a missing scene is no error.
-pub fn inspect(input: &Path, deadline_after: Option<Duration>) -> anyhow::Result<Inspection> {
+/// Lists the contents of a recording, of what can be read of it within a time if one is given, with its own scene or that
+/// of a file. Damage or a missing scene is no error, but a file of a scene that cannot be used is.
+pub fn inspect(
+    input: &Path,
+    scene_file: Option<&Path>,
+    deadline_after: Option<Duration>,
+) -> anyhow::Result<Inspection> {
     let deadline = Deadline::begin(deadline_after);
     let recording = Recording::open_until(input, deadline.instant())?;
+    let (recording, scene) = match scene_file {
+        Some(_) => {
+            let opened = opened(recording, scene_file, deadline)?;
+            (opened.recording, Ok(opened.scene))
+        }
+        None => {
+            let scene = attached_scene(&recording);
+            (recording, scene)
+        }
+    };
     let container = recording.container();
     let mut inspection = Inspection {
         recording: input.display().to_string(),
@@ -108,11 +143,12 @@ pub fn inspect(input: &Path, deadline_after: Option<Duration>) -> anyhow::Result
             .iter()
             .map(|attachment| attachment.name.clone())
             .collect(),
+        poses: poses(&recording),
         scene: None,
         complaint: None,
         marks: Vec::new(),
     };
-    match attached_scene(&recording) {
+    match scene {
         Ok(scene) => {
             inspection.scene = Some(scene.name.clone());
             look_with(&recording, &scene, &mut inspection);
@@ -145,10 +181,8 @@ fn look_with(recording: &Recording, scene: &Scene, inspection: &mut Inspection) 
     let first = stamps.min();
     for event in &take.events {
         if let TakeEvent::Mark(mark) = event {
-            inspection.marks.push(MarkLine {
-                time_s: seconds(mark.stamp, first.unwrap_or(mark.stamp)),
-                event: mark.event.clone(),
-            });
+            let first = first.unwrap_or(mark.stamp);
+            inspection.marks.push(mark_line(mark, first));
         }
     }
     inspection
@@ -156,8 +190,29 @@ fn look_with(recording: &Recording, scene: &Scene, inspection: &mut Inspection) 
         .sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
 }
 
-fn seconds(stamp: Stamp, origin: Stamp) -> f64 {
-    (i128::from(stamp.0) - i128::from(origin.0)) as f64 * 1e-9
+/// A mark, counted from the first sample.
+pub(super) fn mark_line(mark: &Mark, first: Stamp) -> MarkLine {
+    MarkLine {
+        time_s: (i128::from(mark.stamp.0) - i128::from(first.0)) as f64 * 1e-9,
+        stamp_ns: mark.stamp.0,
+        event: mark.event.clone(),
+    }
+}
+
+fn poses(recording: &Recording) -> Vec<PoseLine> {
+    let all = recording.poses().into_iter();
+    all.map(|of| PoseLine {
+        topic: match of.child.as_str() {
+            "" => of.topic,
+            child => format!("{}#{child}", of.topic),
+        },
+        poses: of.count,
+        extent_m: of.extent_m,
+        norms: of.norms,
+        not_finite: of.not_finite,
+        frame_ids: of.frames.into_iter().collect(),
+    })
+    .collect()
 }
 
 fn topics(recording: &Recording) -> Vec<TopicLine> {

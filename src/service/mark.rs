@@ -1,12 +1,20 @@
-//! Proposes marks for a recording from its streams.
+//! The marks of a recording: listed, proposed from its streams, changed.
+
+mod edit;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
-use super::finish::{check_distinct, lost, open, warnings};
-use crate::motion::{Mark, Stamp};
+pub use self::edit::MarkEdits;
+use self::edit::{Edited, edited, present};
+pub(super) use self::edit::{check_event, stamp_of};
+use super::deadline::Deadline;
+use super::finish::{Opened, check_distinct, lost, opened, warnings, with_recording};
+use super::inspect::{MarkLine, mark_line};
+use crate::ingest::Take;
+use crate::motion::{Mark, Stamp, TakeEvent};
 use crate::pipeline::{MarkProposal, Pipeline};
 use crate::write::write_marks;
 
@@ -19,8 +27,12 @@ pub struct MarkJob {
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// Collisions of each body; as many as the scene has by default.
+    /// Whether marks are proposed.
+    pub is_proposing: bool,
+    /// Collisions of each body that are proposed; as many as the scene has by default.
     pub count: Option<usize>,
+    /// What is changed.
+    pub edits: MarkEdits,
 }
 
 /// The result of [`mark`].
@@ -32,11 +44,11 @@ pub struct Marked {
     pub scene: String,
     /// Proposed marks in order of time.
     pub proposals: Vec<ProposalLine>,
-    /// Marks that were in the recording; the proposals do not depend on them.
-    pub marks: usize,
+    /// The marks, as they are with what was changed, in order of time; proposals do not depend on them.
+    pub marks: Vec<MarkLine>,
     /// Parts of the recording that could not be read.
     pub lost: Vec<String>,
-    /// Parts of it that were read with reservations.
+    /// Parts of it that were read with reservations, and what to know of the marks.
     pub warnings: Vec<String>,
     /// The file that was written.
     pub output: Option<String>,
@@ -57,20 +69,100 @@ pub struct ProposalLine {
     pub score: Option<f64>,
 }
 
-/// Proposes marks, and writes a copy of the recording with them.
+/// Lists the marks, proposes some or changes them, and writes a copy of the recording with the result.
 ///
 /// Fails where no proposal can be made, because a stream is too short or more are asked for than
-/// fit, and where a copy is wanted of a recording that already has marks.
+/// fit, where a copy with proposals is wanted of a recording that keeps marks of its own, and where what is
+/// to be changed is not there.
 pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     if let Some(output) = &job.output {
         check_distinct(&job.input, output)?;
     }
-    let opened = open(&job.input, job.scene.as_deref())?;
+    with_recording(&job.input, Deadline::begin(None), |recording| {
+        marked(job, opened(recording, job.scene.as_deref(), Deadline::begin(None))?)
+    })
+}
+
+fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
     let path = opened.recording.path().display().to_string();
     let take = opened.recording.take(&opened.scene)?;
-    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
-    let marks = pipeline.marks();
-    let proposals = pipeline.propose(job.count).with_context(|| path.clone())?;
+    let first = first_stamp(&take).with_context(|| format!("{path}: no poses, expected some"))?;
+    let edited = edited(
+        present(&opened)?,
+        &job.edits,
+        (&opened, first, take.report.log_offset_ns.unwrap_or(0)),
+    )
+    .with_context(|| path.clone())?;
+    let proposals = if job.is_proposing {
+        proposed(job, &opened, &take, &path)?
+    } else {
+        Vec::new()
+    };
+    if let Some(output) = &job.output {
+        write(job, output, (&opened, &take), &edited, &proposals)?;
+    }
+    let scene = &opened.scene;
+    let lines = proposals.iter().map(|proposal| ProposalLine {
+        time_s: proposal.time_s,
+        stamp_ns: proposal.stamp.0,
+        event: proposal.event.map(|event| scene.events[event].name.clone()),
+        body: proposal
+            .track
+            .map(|track| scene.link_seen_by(track).name.clone()),
+        score: proposal.score,
+    });
+    let mut notes = warnings(&take.report);
+    let last = stamps(&take).max().unwrap_or(first);
+    let outside = edited
+        .marks
+        .iter()
+        .filter(|of| !(first..=last).contains(&of.mark.stamp));
+    let outside = outside.count();
+    if outside > 0 {
+        notes.push(format!(
+            "{outside} of the marks are before the first pose or after the last"
+        ));
+    }
+    Ok(Marked {
+        recording: path,
+        scene: scene.name.clone(),
+        proposals: lines.collect(),
+        marks: edited
+            .marks
+            .iter()
+            .map(|of| mark_line(&of.mark, first))
+            .collect(),
+        lost: lost(&take.report),
+        warnings: notes,
+        output: job
+            .output
+            .as_ref()
+            .map(|output| output.display().to_string()),
+    })
+}
+
+fn stamps(take: &Take) -> impl Iterator<Item = Stamp> + '_ {
+    take.events.iter().filter_map(|event| match event {
+        TakeEvent::Pose { sample, .. } => Some(sample.stamp),
+        TakeEvent::Mark(_) => None,
+    })
+}
+
+/// The stamp from which times of marks are counted.
+fn first_stamp(take: &Take) -> Option<Stamp> {
+    stamps(take).min()
+}
+
+fn proposed(
+    job: &MarkJob,
+    opened: &Opened,
+    take: &Take,
+    path: &str,
+) -> anyhow::Result<Vec<MarkProposal>> {
+    let pipeline = Pipeline::of(opened.scene.clone(), take.events.clone());
+    let proposals = pipeline
+        .propose(job.count)
+        .with_context(|| path.to_owned())?;
     let found = proposals.iter().filter(|p| p.track.is_some()).count();
     let collisions = opened
         .scene
@@ -83,45 +175,42 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     if found < wanted {
         bail!("{path}: the streams are too short for {wanted} collisions, or they are too many");
     }
-    if let Some(output) = &job.output {
-        if marks > 0 {
-            bail!("{path}: has {marks} marks already, expected none to add the proposals to it");
-        }
-        let offset_ns = take.report.log_offset_ns.unwrap_or(0);
-        let timed = |proposal: &MarkProposal| {
-            let event = proposal
-                .event
-                .map(|event| opened.scene.events[event].name.clone());
-            let mark = Mark {
-                stamp: proposal.stamp,
-                event,
-            };
-            (Stamp(proposal.stamp.0.saturating_add(offset_ns)), mark)
-        };
-        let marks: Vec<(Stamp, Mark)> = proposals.iter().map(timed).collect();
-        let (container, topic) = (opened.recording.container(), &opened.scene.marks_topic);
-        write_marks(output, container, &job.input, topic, &marks)?;
+    Ok(proposals)
+}
+
+fn write(
+    job: &MarkJob,
+    output: &std::path::Path,
+    (opened, take): (&Opened, &Take),
+    edited: &Edited,
+    proposals: &[MarkProposal],
+) -> anyhow::Result<()> {
+    let path = opened.recording.path().display();
+    ensure!(
+        job.is_proposing || !job.edits.is_empty(),
+        "{path}: nothing to write, expected --propose, --add, --move, --remove, --from or --from-topic"
+    );
+    let kept = edited.marks.len();
+    if job.is_proposing && kept > 0 {
+        bail!(
+            "{path}: has {kept} marks already, expected none to add the proposals to it; `--remove all` \
+             leaves them out"
+        );
     }
-    let scene = &opened.scene;
-    let lines = proposals.iter().map(|proposal| ProposalLine {
-        time_s: proposal.time_s,
-        stamp_ns: proposal.stamp.0,
-        event: proposal.event.map(|event| scene.events[event].name.clone()),
-        body: proposal
-            .track
-            .map(|track| scene.link_seen_by(track).name.clone()),
-        score: proposal.score,
+    let offset_ns = take.report.log_offset_ns.unwrap_or(0);
+    let proposed = proposals.iter().map(|proposal| {
+        let event = proposal
+            .event
+            .map(|event| opened.scene.events[event].name.clone());
+        let mark = Mark {
+            stamp: proposal.stamp,
+            event,
+        };
+        (Stamp(proposal.stamp.0.saturating_add(offset_ns)), mark)
     });
-    Ok(Marked {
-        recording: path,
-        scene: scene.name.clone(),
-        proposals: lines.collect(),
-        marks,
-        lost: lost(&take.report),
-        warnings: warnings(&take.report),
-        output: job
-            .output
-            .as_ref()
-            .map(|output| output.display().to_string()),
-    })
+    let marks: Vec<(Stamp, Mark)> = edited.added().chain(proposed).collect();
+    let (container, topic) = (opened.recording.container(), &opened.scene.marks_topic);
+    let without = edited.without.clone();
+    write_marks(output, container, &job.input, topic, &marks, without)?;
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
-//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
+//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] lists, proposes
+//! and changes marks, [`import()`] makes recordings of tables of poses, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
@@ -18,6 +18,7 @@ mod doctor;
 mod export;
 mod finish;
 mod from_urdf;
+mod import;
 mod inspect;
 mod mark;
 mod output;
@@ -53,8 +54,9 @@ pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
-pub use inspect::{Inspection, MarkLine, TopicLine, inspect};
-pub use mark::{MarkJob, Marked, ProposalLine, mark};
+pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
+pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
+pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
 pub use output::Destination;
 pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]
@@ -68,3 +70,8 @@ pub use sketch::{Density, SketchJob, Sketched, sketch};
 #[cfg(feature = "live")]
 pub use takes::{TakeEntry, takes};
 pub use words::words;
+
+pub use crate::ingest::table::{
+    PRESETS, Preset, QuaternionOrder, TableOptions, TimeUnit, Turn, length_unit,
+};
+pub use crate::ingest::{ListedMark, MarkTime};

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapResult, Writer};
@@ -37,6 +38,24 @@ pub(super) struct Additions {
     pub(super) messages: Vec<OurMessage>,
     /// Name and content of an attachment, if there is one to add.
     pub(super) scene: Option<(&'static str, Vec<u8>)>,
+    /// Which of the input's messages stay.
+    pub(super) kept: Kept,
+}
+
+/// Which messages of an input stay; all of them by default.
+#[derive(Default)]
+pub(super) struct Kept {
+    /// Those logged then \[ns\].
+    pub(super) log_times: Option<RangeInclusive<u64>>,
+    /// All but those, by their place in the file, from 0.
+    pub(super) without: BTreeSet<u64>,
+}
+
+impl Kept {
+    fn has(&self, place: u64, log_time: u64) -> bool {
+        let times = self.log_times.as_ref();
+        times.is_none_or(|times| times.contains(&log_time)) && !self.without.contains(&place)
+    }
 }
 
 /// Channels of an earlier estimate: they are replaced, not doubled.
@@ -83,7 +102,7 @@ pub(super) fn write(
                 ours,
                 messages: additions.messages.into_iter().peekable(),
             };
-            let copied = merge.copy(input, &replaced)?;
+            let copied = merge.copy(input, &replaced, &additions.kept)?;
             merge.write_ours_before(None)?;
             merge.writer.finish()?;
             Ok((copied, merge.writer))
@@ -178,10 +197,18 @@ struct Merge {
 impl Merge {
     /// Copies the input's messages in order of log time, ours in between. An input that is not
     /// in order is sorted first, in memory; messages of one log time stay in their order.
-    fn copy(&mut self, input: &Container, replaced: &BTreeSet<u16>) -> McapResult<u64> {
-        let is_wanted = |message: &Message| {
+    fn copy(
+        &mut self,
+        input: &Container,
+        replaced: &BTreeSet<u16>,
+        kept: &Kept,
+    ) -> McapResult<u64> {
+        let mut place = 0;
+        let mut is_wanted = |message: &Message| {
+            place += 1;
             input.channels().contains_key(&message.channel_id)
                 && !replaced.contains(&message.channel_id)
+                && kept.has(place - 1, message.log_time)
         };
         let mut copied = 0;
         let mut walk = input.walk();

@@ -3,7 +3,7 @@
 //! Every file is written under a temporary name beside its final one ([`atomic`]) and renamed
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
-//! beside it, on the topics that [`topics`] lists; [`marks`] adds marks to a recording, [`keyframes`]
+//! beside it, on the topics that [`topics`] lists; [`marks`] changes the marks of a recording, [`part`] cuts a take out of one, [`keyframes`]
 //! writes sketches as text that people edit, [`export`] the motion for programs that do not read recordings.
 //! `journal` keeps a live take as it comes, and [`mod@recover`] makes a recording of what a crash
 //! left of it; `live` publishes on iceoryx2, and `show` has the messages for viewers. Poses are those of
@@ -25,6 +25,7 @@ pub mod live;
 pub mod marks;
 mod merge;
 mod options;
+pub mod part;
 pub mod recording;
 pub mod recover;
 #[cfg(feature = "live")]
@@ -46,6 +47,7 @@ pub use keyframes::{csv_of_sketch, toml_of_sketch};
 pub use live::{EstimatePublisher, LabelPublisher, TakePublisher, TrackerPublisher};
 pub use marks::write_marks;
 pub use merge::has_estimate;
+pub use part::write_part;
 pub use recording::RecordingWriter;
 pub use recover::{Recovered, abandoned, recover};
 pub use unfinished::remove_unfinished;

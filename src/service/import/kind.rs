@@ -1,0 +1,70 @@
+//! What a file is, by its first bytes.
+
+use std::path::Path;
+
+use anyhow::bail;
+
+/// A file that can be read.
+pub(super) enum Kind {
+    /// A text: a table.
+    Table(String),
+    /// MCAP.
+    Recording(Vec<u8>),
+}
+
+/// The kind of a file. Fails for what is neither, and says how to get there.
+pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
+    let shown = path.display();
+    if bytes.starts_with(b"\x89MCAP") {
+        return Ok(Kind::Recording(bytes));
+    }
+    let rosbags = |what: &str| {
+        format!(
+            "{shown}: is {what}, expected a table of poses or MCAP; make MCAP of it with\n  \
+             pip install rosbags==0.11.9\n  \
+             rosbags-convert --src {shown} --dst {}_mcap --dst-storage mcap\n\
+             and import the .mcap in that folder",
+            path.with_extension("").display()
+        )
+    };
+    if bytes.starts_with(b"#ROSBAG") {
+        bail!("{}", rosbags("a ROS 1 bag"));
+    }
+    if bytes.starts_with(b"SQLite format 3\0") {
+        let folder = path.parent().filter(|of| !of.as_os_str().is_empty());
+        let beside = folder.map_or(path.with_extension(""), Path::to_owned);
+        let folder = folder.unwrap_or(Path::new("."));
+        bail!(
+            "{shown}: is the storage of a ROS 2 bag, expected a table of poses or MCAP; make MCAP of its \
+             folder, where metadata.yaml is, with\n  \
+             pip install rosbags==0.11.9\n  \
+             rosbags-convert --src {} --dst {}_mcap --dst-storage mcap\n\
+             and import the .mcap in that folder",
+            folder.display(),
+            beside.display()
+        );
+    }
+    if bytes.starts_with(b"HIERARCHY") {
+        bail!(
+            "{shown}: is BVH, joint angles of a skeleton, expected poses of rigid bodies: export them as \
+             CSV with quaternions"
+        );
+    }
+    // The number of the block of parameters, then the key of the format.
+    if matches!(bytes[..], [1..=31, 0x50, ..]) {
+        bail!(
+            "{shown}: is C3D, positions of markers, expected poses of rigid bodies: export those as CSV \
+             with quaternions"
+        );
+    }
+    if bytes.is_empty() {
+        bail!("{shown}: is empty, expected a table of poses or MCAP");
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) if !text.contains('\0') => Ok(Kind::Table(text)),
+        _ => bail!(
+            "{shown}: is neither UTF-8 text nor MCAP, expected one of them: a table of poses, or a \
+             recording"
+        ),
+    }
+}

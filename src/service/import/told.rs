@@ -1,0 +1,228 @@
+//! What paths tell of how they were read: whether something falls down, at the right pace, and how large
+//! all is.
+
+use nalgebra::Vector3;
+
+use super::names::Named;
+use crate::ingest::table::PRESETS;
+use crate::motion::{Fall, LengthUnit, PoseSample, falls};
+
+/// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.
+const GRAVITY_M_S2: f64 = 9.81;
+const NEAR: f64 = 0.06;
+/// Down is an axis up to this angle; trackers' floors tilt.
+const TILT_RAD: f64 = 0.2;
+/// A single flight tells something from so many samples on.
+const FLIGHT_SAMPLES: usize = 9;
+/// and speaks against axes from so many on.
+const AGAINST_SAMPLES: usize = 12;
+/// Rooms with trackers are between these \[m\].
+const SPAN_M: [f64; 2] = [0.005, 50.0];
+/// Greatest deviation of a quaternion's norm from 1 that rounding explains.
+const NORM_LIMIT: f64 = 0.01;
+const UNITS: [LengthUnit; 5] = [
+    LengthUnit::Metre,
+    LengthUnit::Millimetre,
+    LengthUnit::Centimetre,
+    LengthUnit::Inch,
+    LengthUnit::Foot,
+];
+
+/// What the path of a body tells.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Told {
+    /// Its free flights, by index of sample.
+    pub(super) flights: Vec<Fall>,
+    /// Rate by the median interval.
+    pub(super) rate_hz: Option<f64>,
+    /// What speaks against how it was read.
+    pub(super) against: Vec<String>,
+    /// What is to be known.
+    pub(super) notes: Vec<String>,
+}
+
+impl Told {
+    /// Adds the sentences of another.
+    pub(super) fn add(&mut self, other: Self) {
+        self.against.extend(other.against);
+        self.notes.extend(other.notes);
+    }
+}
+
+/// What the samples of a body tell, which are in order of time.
+pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
+    let mut told = Told::default();
+    let name = &named.name;
+    rate(name, samples, &mut told);
+    norms(name, samples, &mut told);
+    let first = samples.first().map(|sample| sample.stamp);
+    let mut times_s: Vec<f64> = Vec::new();
+    let mut points: Vec<Vector3<f64>> = Vec::new();
+    let mut places: Vec<usize> = Vec::new();
+    for (place, sample) in samples.iter().enumerate() {
+        let time_s = first.map_or(0.0, |first| sample.stamp.seconds_since(first));
+        if times_s.last().is_none_or(|last| *last < time_s) {
+            times_s.push(time_s);
+            points.push(sample.position_m);
+            places.push(place);
+        }
+    }
+    // Were lengths in another unit, gravity would be as many times too great.
+    let taken = named.table.length;
+    let factor = |unit: LengthUnit| taken.length_m() / unit.length_m();
+    let unit_of = |acceleration: &Vector3<f64>, sd: f64| {
+        UNITS.into_iter().find(|unit| {
+            let expected = GRAVITY_M_S2 * factor(*unit);
+            // What is read too small says nothing: hands have small accelerations too.
+            factor(*unit) >= 1.0
+                && (acceleration.norm() - expected).abs() <= NEAR * expected + 3.0 * sd
+        })
+    };
+    let found = falls(&times_s, &points, |a, sd| unit_of(a, sd).is_some());
+    let longest = found.iter().max_by_key(|fall| fall.samples.len());
+    if let Some(longest) = longest.filter(|fall| fall.samples.len() >= FLIGHT_SAMPLES)
+        && let Some(unit) = unit_of(&longest.acceleration, longest.acceleration_sd)
+    {
+        fall(
+            named,
+            longest,
+            unit,
+            times_s[longest.samples.start],
+            &mut told,
+        );
+        let is_of_unit =
+            |fall: &Fall| unit_of(&fall.acceleration, fall.acceleration_sd) == Some(unit);
+        let of_unit = found.iter().filter(|fall| is_of_unit(fall));
+        told.flights = of_unit
+            .map(|fall| Fall {
+                samples: places[fall.samples.start]..places[fall.samples.end - 1] + 1,
+                ..fall.clone()
+            })
+            .collect();
+    } else {
+        size(named, &points, &mut told);
+    }
+    told
+}
+
+/// What a flight tells of axes and units.
+fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut Told) {
+    let (name, preset) = (&named.name, named.table.preset);
+    let down = fall.acceleration.normalize();
+    let size = fall.acceleration.norm();
+    let samples = fall.samples.len();
+    let flight = format!("{name}: a flight of {samples} samples from {begin_s:.3} s");
+    if unit != named.table.length {
+        told.against.push(format!(
+            "{flight} falls at {size:.4} m/s²: positions are in {}, not in {}; expected --length-unit {}",
+            word(unit),
+            word(named.table.length),
+            short(unit)
+        ));
+    }
+    let tilt_rad = down.dot(&-Vector3::z()).clamp(-1.0, 1.0).acos();
+    if tilt_rad <= TILT_RAD {
+        if unit == named.table.length {
+            told.notes.push(format!(
+                "{flight} falls down, at {size:.2} m/s², {:.1}° from −z: axes and units agree with it",
+                tilt_rad.to_degrees()
+            ));
+        }
+        return;
+    }
+    let axis = down.iamax();
+    let along = down[axis].abs().clamp(0.0, 1.0).acos();
+    let letter = ["x", "y", "z"][axis];
+    let sign = if down[axis] < 0.0 { "−" } else { "+" };
+    let right = PRESETS[..3].iter().find(|other| {
+        let own = preset.undone(down.into());
+        Vector3::from(other.vector(own)).dot(&-Vector3::z()) > TILT_RAD.cos()
+    });
+    match right.filter(|_| along <= TILT_RAD && samples >= AGAINST_SAMPLES) {
+        Some(right) => told.against.push(format!(
+            "{flight} falls along {sign}{letter} as read with {}; its world is {}: expected --from {}",
+            preset.name, right.about, right.name
+        )),
+        // Of a body that hangs on another, that a hand moves, or that the tracker smooths.
+        None => told.notes.push(format!(
+            "{flight} seems to fall {:.0}° from −z, which tells nothing of axes",
+            tilt_rad.to_degrees()
+        )),
+    }
+}
+
+/// What lengths alone tell.
+fn size(named: &Named, points: &[Vector3<f64>], told: &mut Told) {
+    let Some(first) = points.first() else {
+        return;
+    };
+    let (least, greatest) = points
+        .iter()
+        .fold((*first, *first), |(a, b), p| (a.inf(p), b.sup(p)));
+    let span_m = (greatest - least).max();
+    let (name, unit) = (&named.name, word(named.table.length));
+    if span_m > SPAN_M[1] {
+        told.against.push(format!(
+            "{name}: positions span {span_m:.0} m, taken in {unit}; expected a room: is it --length-unit mm?"
+        ));
+    } else if span_m < SPAN_M[0] && span_m > 0.0 && points.len() >= FLIGHT_SAMPLES {
+        told.notes.push(format!(
+            "{name}: positions span {:.2} mm, taken in {unit}; if it moves more than that, say --length-unit",
+            1e3 * span_m
+        ));
+    }
+}
+
+fn rate(name: &str, samples: &[&PoseSample], told: &mut Told) {
+    let intervals = samples.windows(2);
+    let mut intervals_s: Vec<f64> = intervals
+        .map(|pair| pair[1].stamp.seconds_since(pair[0].stamp))
+        .collect();
+    intervals_s.sort_by(f64::total_cmp);
+    let median_s = intervals_s.get(intervals_s.len() / 2).copied();
+    told.rate_hz = median_s.filter(|of| *of > 0.0).map(|of| 1.0 / of);
+    let equal = intervals_s.iter().filter(|of| **of == 0.0).count();
+    if equal > 0 {
+        told.notes.push(format!(
+            "{name}: {equal} poses have the time of the one before"
+        ));
+    }
+}
+
+fn norms(name: &str, samples: &[&PoseSample], told: &mut Told) {
+    let norms = samples.iter().map(|sample| {
+        let parts = sample.quaternion_xyzw.iter().map(|part| part * part);
+        parts.sum::<f64>().sqrt()
+    });
+    let off: Vec<f64> = norms
+        .filter(|norm| !((norm - 1.0).abs() <= NORM_LIMIT))
+        .collect();
+    if let Some(first) = off.first() {
+        told.against.push(format!(
+            "{name}: {} of {} quaternions have a norm other than 1, the first {first:.3}: is one of their \
+             columns another?",
+            off.len(),
+            samples.len()
+        ));
+    }
+}
+
+fn word(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Millimetre => "millimetres",
+        LengthUnit::Centimetre => "centimetres",
+        LengthUnit::Inch => "inches",
+        LengthUnit::Foot => "feet",
+        LengthUnit::Metre => "metres",
+    }
+}
+
+fn short(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Millimetre => "mm",
+        LengthUnit::Centimetre => "cm",
+        LengthUnit::Inch => "in",
+        LengthUnit::Foot => "ft",
+        LengthUnit::Metre => "m",
+    }
+}
