@@ -135,7 +135,9 @@ fn list(folder: &Path, format: Format) -> anyhow::Result<Exit> {
     let takes = takes(folder)?;
     match format {
         Format::Text => output::print(&of_takes(&takes))?,
-        Format::Ndjson => takes.iter().try_for_each(output::print_json)?,
+        Format::Ndjson => takes
+            .iter()
+            .try_for_each(|take| output::print_json("enact.take/1", take))?,
     }
     let is_whole = takes.iter().all(|take| take.error.is_none());
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })

@@ -39,10 +39,15 @@ impl Deadline {
                 "{}: the deadline of {} was over before all of it was read; nothing was \
                  written, give it more by --deadline",
                 path.display(),
-                humantime::format_duration(self.limit.unwrap_or_default())
+                self.words()
             );
         }
         Ok(())
+    }
+
+    /// How long it is.
+    pub(super) fn words(&self) -> String {
+        humantime::format_duration(self.limit.unwrap_or_default()).to_string()
     }
 }
 

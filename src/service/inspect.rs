@@ -157,8 +157,8 @@ pub fn inspect(
     }
     if deadline.is_over() {
         inspection.lost.push(format!(
-            "the time limit of {} s was reached: not everything was looked at",
-            deadline.seconds()
+            "the time limit of {} was reached: not everything was looked at",
+            deadline.words()
         ));
     }
     Ok(inspection)
