@@ -81,9 +81,15 @@ fn a_swing_about_one_axis_is_refused() {
         sample(time_s, PLACE_M - turn * TIP_M, &turn)
     });
     let refused = pivot(&stream(&samples.collect::<Vec<_>>())).unwrap_err();
-    assert!(matches!(refused, CalibrateError::NoSwing { .. }), "{refused}");
+    assert!(
+        matches!(refused, CalibrateError::NoSwing { .. }),
+        "{refused}"
+    );
     let few = pivot(&stream(&swing(1, Hand::None, 0.0, 0.2))).unwrap_err();
-    assert!(matches!(few, CalibrateError::TooFew { usable: 20, .. }), "{few}");
+    assert!(
+        matches!(few, CalibrateError::TooFew { usable: 20, .. }),
+        "{few}"
+    );
 }
 
 /// Touches of a tilted table, so many, each off by so much on its own.
@@ -146,7 +152,12 @@ fn touches_in_a_line_or_too_few_are_refused_and_one_that_is_none_is_left_out() {
         turn: Matrix3::identity(),
     };
     let fit = |touches: &[Touch]| plane(touches, &Vector3::zeros(), &Vector3::z());
-    let line = [at(0.0, 0.0, 0.0), at(0.1, 0.001, 0.0), at(0.2, 0.0, 0.0), at(0.3, 0.001, 0.0)];
+    let line = [
+        at(0.0, 0.0, 0.0),
+        at(0.1, 0.001, 0.0),
+        at(0.2, 0.0, 0.0),
+        at(0.3, 0.001, 0.0),
+    ];
     let refused = fit(&line).unwrap_err();
     let CalibrateError::Collinear { long_mm, wide_mm } = refused else {
         panic!("{refused}");
@@ -175,7 +186,11 @@ fn a_touch_is_where_the_tip_is_while_it_stays() {
 
 #[test]
 fn noise_at_rest_is_within_its_intervals() {
-    for (hand, hand_m) in [(Hand::None, 0.0), (Hand::Wanders(0.1), 3e-4), (Hand::Wanders(0.4), 3e-4)] {
+    for (hand, hand_m) in [
+        (Hand::None, 0.0),
+        (Hand::Wanders(0.1), 3e-4),
+        (Hand::Wanders(0.4), 3e-4),
+    ] {
         let hand_rad = 0.5 * hand_m;
         let truth_m = 1e-4_f64.hypot(hand_m);
         let truth_rad = 0.02_f64.to_radians().hypot(hand_rad);
@@ -187,7 +202,11 @@ fn noise_at_rest_is_within_its_intervals() {
                 axis.lower <= truth && truth <= axis.upper
             };
             covered.extend(fit.position_m.iter().map(|axis| covers(axis, truth_m)));
-            covered.extend(fit.orientation_rad.iter().map(|axis| covers(axis, truth_rad)));
+            covered.extend(
+                fit.orientation_rad
+                    .iter()
+                    .map(|axis| covers(axis, truth_rad)),
+            );
         }
         assert_honest(&covered, &format!("noise, {hand:?}"));
     }
@@ -229,8 +248,13 @@ fn gravity_of_many_flights_covers_how_they_differ() {
                 .map(|at| {
                     // Lengths are off by 0.5 % from place to place.
                     let scale = 1.0 + 0.005 * noise.white().x;
-                    let readings =
-                        flight(&mut noise, f64::from(at), 24, (3e-5, scale), &Vector3::zeros());
+                    let readings = flight(
+                        &mut noise,
+                        f64::from(at),
+                        24,
+                        (3e-5, scale),
+                        &Vector3::zeros(),
+                    );
                     Flight {
                         readings: stream(&readings).readings,
                     }
@@ -255,7 +279,11 @@ fn flights_are_found_among_rest_and_hand() {
     let still = |from_s: f64, count: usize, noise: &mut Noise| -> Vec<_> {
         let at = |at: usize| {
             let position_m = PLACE_M + noise.white() * 3e-5;
-            sample(from_s + at as f64 / 150.0, position_m, &exp(&Vector3::zeros()))
+            sample(
+                from_s + at as f64 / 150.0,
+                position_m,
+                &exp(&Vector3::zeros()),
+            )
         };
         (0..count).map(at).collect()
     };
@@ -277,14 +305,21 @@ fn flights_are_found_among_rest_and_hand() {
 
 #[test]
 fn clocks_are_within_their_intervals() {
-    for (hand, wobble_rad) in [(Hand::None, 0.0), (Hand::Wanders(0.2), 2e-3), (Hand::Vibrates(5.0), 1e-3)] {
+    for (hand, wobble_rad) in [
+        (Hand::None, 0.0),
+        (Hand::Wanders(0.2), 2e-3),
+        (Hand::Vibrates(5.0), 1e-3),
+    ] {
         let (mut offsets, mut rates) = (Vec::new(), Vec::new());
         for seed in SEEDS {
             let [first, second] = turned(seed, hand, wobble_rad, 15.0);
             let first = stream(&first);
             let second = Stream::of(&second, Some(first.origin), 2).unwrap();
             let fit = clock(&first, &second).expect("a motion");
-            assert!((fit.offset_s.value[0] - OFFSET_S).abs() < 5e-3, "{seed}: {fit:?}");
+            assert!(
+                (fit.offset_s.value[0] - OFFSET_S).abs() < 5e-3,
+                "{seed}: {fit:?}"
+            );
             offsets.extend(fit.offset_s.covers(&[OFFSET_S]));
             rates.extend(fit.rate.covers(&[RATE]));
         }
@@ -300,8 +335,14 @@ fn clocks_of_two_motions_are_refused() {
     let first = stream(&first);
     let other = Stream::of(&other, Some(first.origin), 2).unwrap();
     let refused = clock(&first, &other).unwrap_err();
-    assert!(matches!(refused, CalibrateError::NoAgreement(_)), "{refused}");
+    assert!(
+        matches!(refused, CalibrateError::NoAgreement(_)),
+        "{refused}"
+    );
     let short = Stream::of(&turned(1, Hand::None, 0.0, 1.0)[1], Some(first.origin), 2).unwrap();
     let refused = clock(&first, &short).unwrap_err();
-    assert!(matches!(refused, CalibrateError::NoOverlap { .. }), "{refused}");
+    assert!(
+        matches!(refused, CalibrateError::NoOverlap { .. }),
+        "{refused}"
+    );
 }

@@ -7,7 +7,7 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use super::calibrate_arguments::{CalibrateCommand, SceneCalibratedArguments};
 pub(super) use super::values::Format;
 use super::values::rate;
-use crate::service::DEFAULT_EXPORT_RATE_HZ;
+use crate::service::{DEFAULT_EXPORT_RATE_HZ, DEFAULT_PREDICTION_S};
 
 /// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
 /// fits it best comes out.
@@ -47,6 +47,8 @@ pub(super) enum Command {
     Sketch(SketchArguments),
     /// Make files for other programs of the motion that `replay` found
     Export(ExportArguments),
+    /// Continue a motion from its flight until it rests, without what was seen later
+    Predict(PredictArguments),
     /// Measure trackers and rooms: tip, table, noise, gravity, clocks
     Calibrate {
         /// What
@@ -297,6 +299,29 @@ pub(super) enum Target {
     Csv,
     /// Trajectories `t x y z qx qy qz qw`, a file per body
     Tum,
+}
+
+/// Arguments of `predict`.
+#[derive(Debug, Args)]
+pub(super) struct PredictArguments {
+    /// The recording, an MCAP file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Where the prediction goes [default: IN with .predicted.mcap in place of .mcap]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Scene file [default: scene.toml attached to the recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// The event of the scene at whose mark what was seen ends [default: the first collision, else the end]
+    #[arg(long, value_name = "EVENT")]
+    pub(super) until: Option<String>,
+    /// Predict for so many seconds at most
+    #[arg(long, value_name = "S", value_parser = rate, default_value_t = DEFAULT_PREDICTION_S)]
+    pub(super) limit: f64,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
 }
 
 /// The commands of `scene`.

@@ -24,6 +24,7 @@ mod export;
 mod inspect;
 mod mark;
 mod output;
+mod predict;
 mod process;
 mod recover;
 mod replay;

@@ -8,7 +8,8 @@ use tracing_subscriber::EnvFilter;
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 use super::{
-    calibrate, completion, export, inspect, mark, output, process, recover, replay, scene, sketch,
+    calibrate, completion, export, inspect, mark, output, predict, process, recover, replay, scene,
+    sketch,
 };
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
@@ -35,6 +36,7 @@ pub fn run() -> ExitCode {
         Command::Mark(arguments) => mark::run(arguments),
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Predict(arguments) => predict::run(arguments, verbose),
         Command::Calibrate { command } => calibrate::run(command),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
