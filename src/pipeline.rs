@@ -27,7 +27,7 @@ pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::motion::{
-    Diagnosis, End, EventKind, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+    Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
 };
 use crate::segment;
 use crate::verify::verify;
@@ -39,6 +39,8 @@ pub struct Pipeline {
     events: Vec<TakeEvent>,
     /// See [`Pipeline::with_free_auto`].
     is_free_auto: bool,
+    /// See [`Pipeline::predicting`].
+    is_predicting: bool,
 }
 
 impl Pipeline {
@@ -53,6 +55,7 @@ impl Pipeline {
             scene,
             events: events.into_iter().collect(),
             is_free_auto: false,
+            is_predicting: false,
         }
     }
 
@@ -68,6 +71,42 @@ impl Pipeline {
     /// Whether what explains a misfit is set free.
     pub fn is_free_auto(&self) -> bool {
         self.is_free_auto
+    }
+
+    /// Whether what follows the last event is predicted ([`Pipeline::predicting`]).
+    pub fn is_predicting(&self) -> bool {
+        self.is_predicting
+    }
+
+    /// The same take of another scene, such as one with as many collisions as it has marks.
+    pub fn in_scene(self, scene: Scene) -> Self {
+        Self { scene, ..self }
+    }
+
+    /// The same up to an event of the scene, by its index: nothing after its mark counts, and from there the motion is
+    /// predicted until it rests, for `limit_s` at most. `None` where there is no such event, or its mark is not there.
+    pub fn predicting(self, event: usize, limit_s: f64) -> Option<Self> {
+        let name = &self.scene.events.get(event)?.name;
+        let mut marks: Vec<&Mark> = self.events.iter().filter_map(TakeEvent::mark).collect();
+        marks.sort_by_key(|mark| mark.stamp);
+        let named = marks.iter().find(|mark| mark.event.as_ref() == Some(name));
+        // Marks without names stand for the events in order.
+        let in_order = || marks.get(event).filter(|mark| mark.event.is_none());
+        let last = named.or_else(in_order)?.stamp;
+        let mut scene = self.scene.until(event);
+        scene.settle_s = Some(limit_s);
+        let is_before = |of: &TakeEvent| of.stamp() <= last;
+        Some(Self {
+            scene,
+            events: self
+                .events
+                .iter()
+                .filter(|of| is_before(of))
+                .cloned()
+                .collect(),
+            is_predicting: true,
+            ..self
+        })
     }
 
     /// The scene as given.
@@ -126,7 +165,7 @@ impl Pipeline {
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         if let Some(mut outcome) = joined::outcome(&self.scene, &self.events, observer)? {
-            outcome.settle(observer);
+            outcome.settle(self.is_predicting, observer);
             observer.phase(Phase::Done);
             return Ok(outcome);
         }
@@ -149,7 +188,7 @@ impl Pipeline {
         if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {
             outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
         }
-        outcome.settle(observer);
+        outcome.settle(self.is_predicting, observer);
         if let Some(sought) = sought {
             outcome.lie(sought.work, sought.labels);
         }

@@ -29,7 +29,8 @@ fn share(covered: &[bool]) -> f64 {
 fn assert_honest(covered: &[bool], what: &str) {
     let share = share(covered);
     eprintln!("{what}: {:.1} % of {}", share * 100.0, covered.len());
-    assert!((0.90..=0.995).contains(&share), "{what}: {share}");
+    // Of 100 that are right 90 times, 88 is usual.
+    assert!((0.88..=0.995).contains(&share), "{what}: {share}");
 }
 
 const HANDS: [(Hand, f64); 4] = [

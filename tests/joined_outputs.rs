@@ -500,6 +500,7 @@ fn simulated(scene: &Scene, estimate: &Estimate, steps: usize) -> Settled {
             .map(|_| SettledLink { poses: Vec::new() })
             .collect(),
         at_rest: false,
+        is_predicted: false,
         largest_speed_m_s: 1.0,
     };
     for step in 0..=steps {

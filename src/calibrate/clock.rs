@@ -4,10 +4,11 @@ use nalgebra::{Matrix3, Matrix3xX, Rotation3, UnitQuaternion, Vector3};
 
 use super::error::CalibrateError;
 use super::regression::{Equation, Regression, regress};
+use super::rest::mean_turn;
 use super::spread::{Measured, Spread};
 use super::stream::{Reading, Stream};
 use super::turn_rate::turn_rate;
-use crate::math::so3::{exp, hat};
+use crate::math::so3::{exp, log, matrix};
 
 /// Least time in common \[s\].
 const OVERLAP_S: f64 = 2.0;
@@ -22,8 +23,15 @@ const HALF_INTERVALS: f64 = 3.0;
 /// Least correlation of two turnings that are the same.
 const AGREES: f64 = 0.6;
 
-/// Rounds of linearisation.
+/// Offset, drift, and the two rotations.
+const UNKNOWNS: usize = 8;
+
+/// Weight of rotations that do not change, beside that of a reading.
+const RIDGE: f64 = 1e-4;
+
+/// Rounds of linearisation at most; it ends when the offset changes by less than this share of its standard deviation.
 const ROUNDS: usize = 12;
+const CONVERGED: f64 = 1e-3;
 
 /// Offset and drift between two clocks.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +46,11 @@ pub struct ClockFit {
     pub rate: Measured,
     /// Rotation between the trackers: first from second.
     pub first_from_second: UnitQuaternion<f64>,
-    /// Root mean square difference of the angular velocities \[rad/s\].
-    pub residual_rad_s: f64,
+
+    /// Root mean square difference of the orientations \[rad\].
+    pub residual_rad: f64,
+    /// Root mean square turn from the mean orientation \[rad\].
+    pub turn_rad: f64,
     /// Root mean square angular velocity \[rad/s\].
     pub turning_rad_s: f64,
     /// Time in common \[s\].
@@ -48,9 +59,9 @@ pub struct ClockFit {
     pub spread: Spread,
 }
 
-/// Finds offset and drift by angular velocities `ω`, which two trackers on one object see alike but for a constant
-/// rotation `Q` between them: `Q ω₂(s) = (1 + d) ω₁(s + o + d (s − s̄))`. Where each is mounted does not matter.
-/// Both streams' times count from one origin.
+/// Finds offset and drift by orientations, which two trackers on one object see alike but for constant rotations between the
+/// trackers, `Q`, and between their worlds, `W`: `R₁(s + o + d (s − s̄)) = W R₂(s) Qᵀ`. Where each is mounted does not
+/// matter. Both streams' times count from one origin. The search begins where the speeds of turning are most alike.
 ///
 /// Fails where they have less than 2 s in common or do not turn alike at any offset.
 pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError> {
@@ -65,6 +76,7 @@ pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError
         rate: 0.0,
         middle_s: 0.0,
         turn: UnitQuaternion::identity(),
+        worlds: UnitQuaternion::identity(),
     };
     let overlap = common(first, second, coarse_s);
     let overlap_s = overlap[1] - overlap[0];
@@ -74,18 +86,32 @@ pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError
         .iter()
         .filter_map(|of| Some((of.time_s, turn_rate(&second.readings, of.time_s, half_s)?)))
         .collect();
+
     at.turn = at.turn_between(&first.readings, &rates, half_s);
+    let worlds: Vec<UnitQuaternion<f64>> = second
+        .readings
+        .iter()
+        .filter_map(|of| {
+            let here = turn_at(&first.readings, at.time_s(of.time_s), half_s)?;
+            Some(here * at.turn * of.world_from_tracker.rotation.inverse())
+        })
+        .collect();
+    at.worlds = mean_turn(&worlds);
+
     let too_little = CalibrateError::NoOverlap {
         overlap_s,
         least_s: OVERLAP_S,
     };
     let mut fit = at
-        .step(&first.readings, &rates, half_s)
+        .step(&first.readings, &second.readings, half_s)
         .ok_or(too_little.clone())?;
     for _ in 0..ROUNDS {
         at.apply(&fit);
+        if fit.unknowns[0].abs() < CONVERGED * fit.covariance[(0, 0)].max(0.0).sqrt() {
+            break;
+        }
         fit = at
-            .step(&first.readings, &rates, half_s)
+            .step(&first.readings, &second.readings, half_s)
             .ok_or(too_little.clone())?;
     }
     let freedom = (fit.spread.blocks - 1) as f64;
@@ -97,6 +123,17 @@ pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError
     let measured = |value: f64, variance: f64| {
         Measured::new(vec![value], vec![variance.max(0.0).sqrt()], freedom)
     };
+
+    let oriented: Vec<_> = second
+        .readings
+        .iter()
+        .map(|of| of.world_from_tracker.rotation)
+        .collect();
+    let mean = mean_turn(&oriented);
+    let turns: f64 = oriented
+        .iter()
+        .map(|turn| mean.angle_to(turn).powi(2))
+        .sum();
     let squares: f64 = rates.iter().map(|(_, rate)| rate.norm_squared()).sum();
     Ok(ClockFit {
         offset_s: measured(at.offset_s + at.rate * since_s, variance),
@@ -104,7 +141,9 @@ pub fn clock(first: &Stream, second: &Stream) -> Result<ClockFit, CalibrateError
         middle_s: at.middle_s,
         rate: measured(at.rate, covariance[(1, 1)]),
         first_from_second: at.turn,
-        residual_rad_s: fit.rms(),
+
+        residual_rad: fit.rms(),
+        turn_rad: (turns / second.readings.len() as f64).sqrt(),
         turning_rad_s: (squares / rates.len().max(1) as f64).sqrt(),
         overlap_s,
         spread: fit.spread,
@@ -116,7 +155,10 @@ struct Alignment {
     offset_s: f64,
     rate: f64,
     middle_s: f64,
+    /// First tracker from second.
     turn: UnitQuaternion<f64>,
+    /// The first's world from the second's.
+    worlds: UnitQuaternion<f64>,
 }
 
 impl Alignment {
@@ -144,35 +186,45 @@ impl Alignment {
         UnitQuaternion::from_rotation_matrix(&turn)
     }
 
-    /// The equations linearised here, solved for changes of offset, drift and rotation.
-    fn step(
-        &self,
-        first: &[Reading],
-        second: &[(f64, Vector3<f64>)],
-        half_s: f64,
-    ) -> Option<Regression> {
+    /// The equations linearised here, solved for changes of offset, drift and both rotations: with
+    /// `e = Log(Q R₂(s)ᵀ Wᵀ R₁(t))`, `ω₁ (δo + (s − s̄) δd) + θ_Q − R₁ᵀ θ_W = −e`.
+    fn step(&self, first: &[Reading], second: &[Reading], half_s: f64) -> Option<Regression> {
         let mut equations = Vec::new();
-        let beside_s = 0.5 * half_s;
-        for (stamp_s, rate) in second {
-            let time_s = self.time_s(*stamp_s);
-            let at = |time_s: f64| turn_rate(first, time_s, half_s);
-            let (Some(here), Some(before), Some(after)) =
-                (at(time_s), at(time_s - beside_s), at(time_s + beside_s))
-            else {
+        for reading in second {
+            let time_s = self.time_s(reading.time_s);
+            let (Some(here), Some(rate)) = (
+                turn_at(first, time_s, half_s),
+                turn_rate(first, time_s, half_s),
+            ) else {
                 continue;
             };
-            let scale = 1.0 + self.rate;
-            let change = (after - before) * (scale / (2.0 * beside_s));
-            let turned = self.turn * rate;
-            let mut coefficients = Matrix3xX::zeros(5);
-            coefficients.set_column(0, &change);
-            coefficients.set_column(1, &(change * (stamp_s - self.middle_s) + here));
+            let model = self.worlds * reading.world_from_tracker.rotation * self.turn.inverse();
+            let mut coefficients = Matrix3xX::zeros(UNKNOWNS);
+            coefficients.set_column(0, &rate);
+            coefficients.set_column(1, &(rate * (reading.time_s - self.middle_s)));
             coefficients
                 .fixed_columns_mut::<3>(2)
-                .copy_from(&hat(&turned));
+                .copy_from(&Matrix3::identity());
+            coefficients
+                .fixed_columns_mut::<3>(5)
+                .copy_from(&-matrix(&here.inverse()));
             equations.push(Equation {
                 coefficients,
-                observed: turned - here * scale,
+                observed: -log(&(model.inverse() * here)),
+            });
+        }
+        if equations.is_empty() {
+            return None;
+        }
+        // About one axis alone the two rotations are not told apart, and need not be.
+        for column in [2, 5] {
+            let mut coefficients = Matrix3xX::zeros(UNKNOWNS);
+            coefficients
+                .fixed_columns_mut::<3>(column)
+                .copy_from(&(Matrix3::identity() * RIDGE));
+            equations.push(Equation {
+                coefficients,
+                observed: Vector3::zeros(),
             });
         }
         regress(&equations)
@@ -183,7 +235,18 @@ impl Alignment {
         self.offset_s += x[0];
         self.rate += x[1];
         self.turn = exp(&Vector3::new(x[2], x[3], x[4])) * self.turn;
+        self.worlds = exp(&Vector3::new(x[5], x[6], x[7])) * self.worlds;
     }
+}
+
+/// The orientation at a time, between the two readings about it; `None` in a gap and beyond the ends.
+fn turn_at(readings: &[Reading], time_s: f64, gap_s: f64) -> Option<UnitQuaternion<f64>> {
+    let after = readings.partition_point(|of| of.time_s <= time_s);
+    let (before, after) = (readings.get(after.checked_sub(1)?)?, readings.get(after)?);
+    let interval_s = after.time_s - before.time_s;
+    let turn = before.world_from_tracker.rotation;
+    let change = log(&(turn.inverse() * after.world_from_tracker.rotation));
+    (interval_s <= gap_s).then(|| turn * exp(&(change * ((time_s - before.time_s) / interval_s))))
 }
 
 /// From when to when both are there, on the first clock, if so much is added to the second.

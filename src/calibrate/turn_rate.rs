@@ -5,15 +5,19 @@ use nalgebra::Vector3;
 use super::stream::Reading;
 use crate::math::so3::log;
 
+/// Share of the window that readings cover on both sides: of a part of it the slope is that of another time.
+const COVERED: f64 = 0.5;
+
 /// Angular velocity in tracker axes at a time \[rad/s\]: the slope of a line through the rotation vectors of
 /// readings within `half_s`, weighted by `(1 − (u/half)²)²`, so that it is smooth in time. `None` where there
-/// are fewer than three or all are on one side.
+/// are fewer than three, or none for half of one side of the window.
 pub(super) fn turn_rate(readings: &[Reading], time_s: f64, half_s: f64) -> Option<Vector3<f64>> {
     let from = readings.partition_point(|of| of.time_s <= time_s - half_s);
     let to = readings.partition_point(|of| of.time_s < time_s + half_s);
     let near = readings.get(from..to)?;
     let [first, last] = [near.first()?, near.last()?];
-    if near.len() < 3 || first.time_s > time_s || last.time_s < time_s {
+    let [begin_s, end_s] = [time_s - COVERED * half_s, time_s + COVERED * half_s];
+    if near.len() < 3 || first.time_s > begin_s || last.time_s < end_s {
         return None;
     }
     let reference = near[near.len() / 2].world_from_tracker.rotation.inverse();

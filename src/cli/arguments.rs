@@ -10,7 +10,8 @@ use super::calibrate_arguments::{CalibrateCommand, SceneCalibratedArguments};
 pub(super) use super::values::Format;
 use super::values::rate;
 use crate::service::{
-    DEFAULT_EXPORT_RATE_HZ, ListedMark, MarkTime, PRESETS, TimeUnit, length_unit,
+    DEFAULT_EXPORT_RATE_HZ, DEFAULT_PREDICTION_S, ListedMark, MarkTime, PRESETS, TimeUnit,
+    length_unit,
 };
 
 /// Acting capture: a performed motion goes in, the physically correct rigid-body motion that
@@ -55,6 +56,8 @@ pub(super) enum Command {
     Export(ExportArguments),
     /// Make a page to open, and a picture, of the motion that `replay` found
     Report(ReportArguments),
+    /// Continue a motion from its flight until it rests, without what was seen later
+    Predict(PredictArguments),
     /// Measure trackers and rooms: tip, table, noise, gravity, clocks
     Calibrate {
         /// What
@@ -527,6 +530,29 @@ pub(super) enum Seen {
     Top,
     /// From the front, above and beside
     ThreeQuarter,
+}
+
+/// Arguments of `predict`.
+#[derive(Debug, Args)]
+pub(super) struct PredictArguments {
+    /// The recording, an MCAP file
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Where the prediction goes [default: IN with .predicted.mcap in place of .mcap]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Scene file [default: scene.toml attached to the recording]
+    #[arg(long, value_name = "FILE")]
+    pub(super) scene: Option<PathBuf>,
+    /// The event of the scene at whose mark what was seen ends [default: the first collision, else the end]
+    #[arg(long, value_name = "EVENT")]
+    pub(super) until: Option<String>,
+    /// Predict for so many seconds at most
+    #[arg(long, value_name = "S", value_parser = rate, default_value_t = DEFAULT_PREDICTION_S)]
+    pub(super) limit: f64,
+    /// How the account on stdout is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(super) format: Format,
 }
 
 /// The commands of `scene`.

@@ -27,6 +27,7 @@ mod interrupt;
 mod manual;
 mod mark;
 mod output;
+mod predict;
 mod process;
 mod recover;
 mod replay;

@@ -8,8 +8,8 @@ use tracing_subscriber::EnvFilter;
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 use super::{
-    calibrate, completion, export, import, inspect, interrupt, manual, mark, output, process,
-    recover, replay, report, scene, sketch,
+    calibrate, completion, export, import, inspect, interrupt, manual, mark, output, predict,
+    process, recover, replay, report, scene, sketch,
 };
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
@@ -43,6 +43,7 @@ pub fn run() -> ExitCode {
         Command::Sketch(arguments) => sketch::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Report(arguments) => report::run(arguments),
+        Command::Predict(arguments) => predict::run(arguments, verbose),
         Command::Calibrate { command } => calibrate::run(command),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),

@@ -103,7 +103,10 @@ fn check(arguments: &CheckSceneArguments) -> anyhow::Result<Exit> {
 
 fn text_of_check(path: &str, found: &SceneCheck) -> String {
     let mut text = String::new();
-    output::push_line(&mut text, format!("{path}: {}, {} stamps", found.scene, found.stamps));
+    output::push_line(
+        &mut text,
+        format!("{path}: {}, {} stamps", found.scene, found.stamps),
+    );
     for body in &found.bodies {
         text += &text_of_body(body);
     }
@@ -111,7 +114,10 @@ fn text_of_check(path: &str, found: &SceneCheck) -> String {
     let widest = widest.unwrap_or(0);
     for (index, of) in found.topics.iter().enumerate() {
         let title = if index == 0 { "expected" } else { "" };
-        output::push_line(&mut text, format!("  {title:<9} {:<widest$}  {}", of.topic, of.carries));
+        output::push_line(
+            &mut text,
+            format!("  {title:<9} {:<widest$}  {}", of.topic, of.carries),
+        );
     }
     let mut number = 1;
     for of in &found.events {
@@ -127,7 +133,10 @@ fn text_of_check(path: &str, found: &SceneCheck) -> String {
             1 => ", 1 goal".into(),
             count => format!(", {count} goals"),
         };
-        output::push_line(&mut text, format!("  {marks:<9} {}: {}{goals}", of.name, of.means));
+        output::push_line(
+            &mut text,
+            format!("  {marks:<9} {}: {}{goals}", of.name, of.means),
+        );
     }
     if !found.free.is_empty() {
         output::push_line(&mut text, format!("  free      {}", found.free.join(", ")));

@@ -141,6 +141,24 @@ pub enum TakeEvent {
     Mark(Mark),
 }
 
+impl TakeEvent {
+    /// When it was.
+    pub fn stamp(&self) -> Stamp {
+        match self {
+            TakeEvent::Pose { sample, .. } => sample.stamp,
+            TakeEvent::Mark(mark) => mark.stamp,
+        }
+    }
+
+    /// The mark, if it is one.
+    pub fn mark(&self) -> Option<&Mark> {
+        match self {
+            TakeEvent::Pose { .. } => None,
+            TakeEvent::Mark(mark) => Some(mark),
+        }
+    }
+}
+
 /// The source of a live tracker's stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StampSource {

@@ -10,7 +10,7 @@ use crate::motion::{
     Settled, Sketch, Suspect, Verdict, Verification,
 };
 use crate::segment::SegmentError;
-use crate::settle::settle;
+use crate::settle::{Manner, predict, settle};
 use crate::verify::lies;
 
 /// The result of a take.
@@ -94,12 +94,17 @@ impl Outcome {
 
     /// Continues the motion until it rests, if the scene asks for that and the estimation did not
     /// fail.
-    pub(super) fn settle(&mut self, observer: &mut dyn Observer) {
+    pub(super) fn settle(&mut self, is_predicted: bool, observer: &mut dyn Observer) {
         if self.estimate.verdict != Verdict::Failed
             && let Some(limit_s) = self.scene.settle_s
         {
             observer.phase(Phase::Settle);
-            self.settled = settle(&self.scene, &self.estimate, limit_s);
+            self.settled = if is_predicted {
+                let scene = self.scene.as_estimated(&self.estimate);
+                predict(&scene, &self.estimate, limit_s, &Manner::PREDICTING)
+            } else {
+                settle(&self.scene, &self.estimate, limit_s)
+            };
         }
     }
 

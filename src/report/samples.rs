@@ -50,6 +50,9 @@ pub struct SettledLine {
     pub end_s: f64,
     /// Whether everything rests there.
     pub at_rest: bool,
+    /// Whether it is a prediction; left out where it is only a way to rest.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_predicted: bool,
     /// Largest speed of a centre of mass on the way.
     pub largest_speed_m_s: f64,
 }
@@ -61,6 +64,7 @@ impl SettledLine {
             from_s: settled.from_s,
             end_s: settled.end_s(),
             at_rest: settled.at_rest,
+            is_predicted: settled.is_predicted,
             largest_speed_m_s: settled.largest_speed_m_s,
         }
     }

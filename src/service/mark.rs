@@ -79,7 +79,10 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
         check_distinct(&job.input, output)?;
     }
     with_recording(&job.input, Deadline::begin(None), |recording| {
-        marked(job, opened(recording, job.scene.as_deref(), Deadline::begin(None))?)
+        marked(
+            job,
+            opened(recording, job.scene.as_deref(), Deadline::begin(None))?,
+        )
     })
 }
 

@@ -1,5 +1,5 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
-//! asked to, at the pace of the performance; [`process`] estimates many, as fast as possible. The
+//! asked to, at the pace of the performance; [`predict()`] one only up to an event, [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] lists, proposes
 //! and changes marks, [`import()`] makes recordings of tables of poses, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
@@ -22,6 +22,7 @@ mod import;
 mod inspect;
 mod mark;
 mod output;
+mod predict;
 mod process;
 mod provenance;
 #[cfg(feature = "live")]
@@ -58,6 +59,7 @@ pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
 pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
 pub use output::Destination;
+pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;

@@ -23,12 +23,18 @@ pub(super) fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// From what an estimate is made. The command is that of `replay`, by whatever it is made.
+/// From what an estimate is made. The command is that of `replay`, by whatever it is made, or of `predict`.
 pub(super) fn provenance(opened: &Opened, pipeline: &Pipeline) -> Provenance {
     let recording = file_name(opened.recording.path());
     let mut words = vec!["enact".to_owned(), "replay".to_owned(), recording.clone()];
     if let Some(scene) = &opened.scene_file {
         words.extend(["--scene".to_owned(), file_name(scene)]);
+    }
+    if let (true, Some(last)) = (pipeline.is_predicting(), pipeline.scene().events.last()) {
+        words[1] = "predict".to_owned();
+        words.extend(["--until".to_owned(), last.name.clone()]);
+        let limit_s = pipeline.scene().settle_s.iter();
+        words.extend(limit_s.flat_map(|limit_s| ["--limit".to_owned(), limit_s.to_string()]));
     }
     if pipeline.is_free_auto() {
         words.extend(["--free", "auto"].map(str::to_owned));

@@ -244,7 +244,10 @@ impl<'a> Composer<'a> {
             (estimate.time_s, event.name.as_str(), event.kind.as_str())
         });
         let settled = self.file.of.settled.iter();
-        let simulated = settled.map(|s| (s.from_s, "simulated from here", "simulation"));
+        let simulated = settled.map(|s| match s.is_predicted {
+            true => (s.from_s, "predicted from here", "prediction"),
+            false => (s.from_s, "simulated from here", "simulation"),
+        });
         for (time_s, name, kind) in events.chain(simulated) {
             let stamp = sampling::stamp(self.motion.zero, time_s);
             if stamp.0 < 0 {

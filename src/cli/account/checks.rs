@@ -50,16 +50,16 @@ pub(super) fn checks(report: &EstimateReport) -> String {
     }
     if let Some(settled) = &report.settled {
         let took = seconds(settled.end_s - settled.from_s);
-        let _ = if settled.at_rest {
-            writeln!(
+        let how = match settled.at_rest {
+            true => "at rest",
+            false => "still moving",
+        };
+        let _ = match settled.is_predicted {
+            true => writeln!(text, "  predicted {how} {took} after the last sample used"),
+            false => writeln!(
                 text,
-                "  settled   at rest {took} after the end, by simulation"
-            )
-        } else {
-            writeln!(
-                text,
-                "  settled   still moving {took} after the end, by simulation"
-            )
+                "  settled   {how} {took} after the end, by simulation"
+            ),
         };
     }
     if let Some(rest) = &report.rest {

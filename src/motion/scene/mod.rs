@@ -21,6 +21,7 @@ mod reach;
 mod rest;
 mod tree_touch;
 mod trees;
+mod until;
 mod untold;
 mod weights;
 mod whole;

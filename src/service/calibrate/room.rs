@@ -337,10 +337,11 @@ pub(super) fn clock(input: &Path, choice: &CalibrateChoice) -> anyhow::Result<Fo
         "deg",
         turn.as_slice(),
     ));
+
     found.quantity.push(plain(
-        "residual of the angular velocities, rms",
-        "rad/s",
-        &[fit.residual_rad_s],
+        "residual of the orientations, rms",
+        "deg",
+        &[fit.residual_rad.to_degrees()],
     ));
     found.quantity.push(plain(
         "angular velocity, rms",
@@ -351,7 +352,7 @@ pub(super) fn clock(input: &Path, choice: &CalibrateChoice) -> anyhow::Result<Fo
         .quantity
         .push(plain("time in common", "s", &[fit.overlap_s]));
     say_spread(&mut found, &fit.spread);
-    if fit.residual_rad_s > 0.5 * fit.turning_rad_s {
+    if fit.residual_rad > 0.5 * fit.turn_rad {
         found.against.push(
             "the trackers' turning differs by more than half of what it is: are both on one rigid object?".to_owned(),
         );

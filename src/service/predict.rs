@@ -1,0 +1,92 @@
+//! Continues the motion of a recording from its flight, without what was seen later.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+
+use super::finish::{beside, check_distinct, finish, open};
+use super::stopwatch::Progress;
+use crate::motion::{EventKind, Scene};
+use crate::pipeline::Pipeline;
+use crate::report::RecordingReport;
+
+/// How long is simulated at most, where nobody says otherwise \[s\].
+pub const DEFAULT_PREDICTION_S: f64 = 10.0;
+
+/// The input of [`predict`].
+#[derive(Clone, Debug)]
+pub struct PredictJob {
+    /// The recording.
+    pub input: PathBuf,
+    /// File of the prediction; IN with `.predicted.mcap` by default.
+    pub output: Option<PathBuf>,
+    /// Scene file; the recording's own scene by default.
+    pub scene: Option<PathBuf>,
+    /// The event at which what was seen ends; the first collision by default, else the end.
+    pub until: Option<String>,
+    /// How long is simulated at most \[s\].
+    pub limit_s: f64,
+}
+
+/// Estimates the motion up to an event, predicts it from there until it rests, and writes both as an estimate.
+///
+/// Fails where the scene has no such event or the recording no mark of it.
+pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
+    let output = match &job.output {
+        Some(output) => output.clone(),
+        None => beside(&job.input, "predicted.mcap")?,
+    };
+    check_distinct(&job.input, &output)?;
+    let mut opened = open(&job.input, job.scene.as_deref())?;
+    let path = job.input.display();
+    let take = opened.recording.take(&opened.scene)?;
+    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+    let scene = opened.scene.with_marks(pipeline.marks());
+    let event =
+        last(&scene, job.until.as_deref()).map_err(|error| error.context(path.to_string()))?;
+    let name = scene.events[event].name.clone();
+    let pipeline = pipeline.in_scene(scene).predicting(event, job.limit_s);
+    let Some(pipeline) = pipeline else {
+        bail!(
+            "{path}: no mark of {name:?}, expected one: the motion is predicted from there; `enact mark` proposes marks"
+        );
+    };
+    opened.scene = pipeline.scene().clone();
+    finish(&opened, &pipeline, &take.report, &output, Progress::Shown)
+}
+
+fn last(scene: &Scene, until: Option<&str>) -> anyhow::Result<usize> {
+    let mut events = scene.events.iter();
+    let found = match until {
+        Some(name) => events.position(|event| event.name == name),
+        None => events
+            .position(|event| event.kind.collision().is_some())
+            .or_else(|| {
+                scene
+                    .events
+                    .iter()
+                    .position(|event| event.kind == EventKind::End)
+            }),
+    };
+    match found {
+        Some(0) if scene.events[0].kind == EventKind::Start => {
+            bail!(
+                "nothing was seen before {:?}, expected a later event",
+                scene.events[0].name
+            )
+        }
+        Some(found) => Ok(found),
+        None => {
+            let names: Vec<&str> = scene
+                .events
+                .iter()
+                .map(|event| event.name.as_str())
+                .collect();
+            bail!(
+                "the scene has no event {:?} to predict from, expected one of {}",
+                until.unwrap_or("that ends it"),
+                names.join(", ")
+            )
+        }
+    }
+}
