@@ -39,9 +39,13 @@ impl Schema {
         let text = stdout(root(), &["scene", "schema"], 0);
         let schema: Value = serde_json::from_str(&text).expect("JSON");
         let mut compiler = Compiler::new();
-        compiler.add_resource("scene.json", schema).expect("a resource");
+        compiler
+            .add_resource("scene.json", schema)
+            .expect("a resource");
         let mut schemas = Schemas::new();
-        let index = compiler.compile("scene.json", &mut schemas).expect("a valid schema");
+        let index = compiler
+            .compile("scene.json", &mut schemas)
+            .expect("a valid schema");
         Self(schemas, index)
     }
 
@@ -63,7 +67,9 @@ fn json_of(value: &toml::Value) -> Value {
         toml::Value::Datetime(at) => json!(at.to_string()),
         toml::Value::Array(all) => all.iter().map(json_of).collect(),
         toml::Value::Table(table) => {
-            let all = table.iter().map(|(key, value)| (key.clone(), json_of(value)));
+            let all = table
+                .iter()
+                .map(|(key, value)| (key.clone(), json_of(value)));
             Value::Object(all.collect())
         }
     }
@@ -95,7 +101,10 @@ fn the_reference_is_that_of_the_types() {
 
 /// A scene that lacks what an example gives.
 fn around(example: &str) -> String {
-    let first = example.lines().find(|line| line.starts_with('[')).unwrap_or_default();
+    let first = example
+        .lines()
+        .find(|line| line.starts_with('['))
+        .unwrap_or_default();
     let begins = |with: &str| first.starts_with(with);
     if example.starts_with("name =") {
         return example.to_owned();
@@ -123,7 +132,9 @@ fn every_example_of_the_reference_is_read_and_valid() {
     let schema = Schema::of_program();
     let text = fs::read_to_string(root().join("docs/scene.md")).expect("docs/scene.md");
     let blocks = text.split("```toml\n").skip(1);
-    let examples: Vec<&str> = blocks.filter_map(|block| block.split("```").next()).collect();
+    let examples: Vec<&str> = blocks
+        .filter_map(|block| block.split("```").next())
+        .collect();
     assert!(examples.len() >= 15, "{}", examples.len());
     for example in examples {
         let scene = around(example);
@@ -164,10 +175,16 @@ fn what_the_reader_refuses_by_its_types_the_schema_refuses_too() {
         ("mass_g = 6.0", "mass_lb = 6"),
         ("point_mm = [0, 0, 0]", "point_mm = [0, 0]"),
         ("point_mm = [0, 0, 0]\n", ""),
-        ("kind = \"cylinder\", length_mm = 190", "kind = \"cilinder\", length_mm = 190"),
+        (
+            "kind = \"cylinder\", length_mm = 190",
+            "kind = \"cilinder\", length_mm = 190",
+        ),
         ("kind = \"collision\"", "kind = \"bounce\""),
         ("[[goal]]", "[[aim]]"),
-        ("orientation_wxyz = [0.944, 0.016, 0.032, 0.328]", "orientation_wxyz = 1"),
+        (
+            "orientation_wxyz = [0.944, 0.016, 0.032, 0.328]",
+            "orientation_wxyz = 1",
+        ),
     ] {
         let text = plain.replace(from, to);
         assert_ne!(text, plain, "{from}");
@@ -194,22 +211,36 @@ fn every_object_becomes_a_scene_that_is_checked() {
             let scene = scene_from_toml(&text).expect("a scene");
             assert_eq!(scene.rest_goals.len(), usize::from(lands.is_some()));
             let link = &scene.links[LinkIndex(0)];
-            assert!((4e-3..0.6).contains(&link.body.mass_kg()), "{}", link.body.mass_kg());
+            assert!(
+                (4e-3..0.6).contains(&link.body.mass_kg()),
+                "{}",
+                link.body.mass_kg()
+            );
             assert!(!link.features.is_empty());
             // Where the parts that may touch are, the solid is too.
             let height_m = |normal: nalgebra::Vector3<f64>| {
                 let solid = link.solid();
                 let pose = enact::math::Pose::identity();
-                solid.lowest(&pose, &nalgebra::Vector3::zeros(), &normal).expect("a solid").gap_m
+                solid
+                    .lowest(&pose, &nalgebra::Vector3::zeros(), &normal)
+                    .expect("a solid")
+                    .gap_m
             };
             for axis in 0..3 {
                 let normal = nalgebra::Vector3::ith(axis, 1.0);
                 let size_m = -height_m(normal) - height_m(-normal);
-                assert!((5e-3..0.3).contains(&size_m), "{} {axis}: {size_m} m", preset.name);
+                assert!(
+                    (5e-3..0.3).contains(&size_m),
+                    "{} {axis}: {size_m} m",
+                    preset.name
+                );
             }
             let said = stdout(folder.path(), &["scene", "check", &file], 0);
             assert!(said.contains("  mark 2    bounce 2: "), "{said}");
-            assert!(said.contains(&format!("/tracker/{}/pose", preset.name)), "{said}");
+            assert!(
+                said.contains(&format!("/tracker/{}/pose", preset.name)),
+                "{said}"
+            );
         }
     }
 }
@@ -219,22 +250,52 @@ fn a_scene_is_never_replaced_and_an_unknown_object_is_answered_with_the_nearest(
     let folder = folder();
     stdout(folder.path(), &["scene", "new", "die"], 0);
     let refused = |arguments: &[&str], code: i32, message: &str| {
-        let output = enact(folder.path()).args(arguments).output().expect("it runs");
+        let output = enact(folder.path())
+            .args(arguments)
+            .output()
+            .expect("it runs");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
         assert!(said.contains(message), "{arguments:?}: {said}");
     };
     let before = fs::read(folder.path().join("die.toml")).expect("a scene");
     refused(&["scene", "new", "die"], 1, "is there already");
-    assert_eq!(fs::read(folder.path().join("die.toml")).expect("a scene"), before);
+    assert_eq!(
+        fs::read(folder.path().join("die.toml")).expect("a scene"),
+        before
+    );
     refused(&["scene", "new", "pencli"], 1, "did you mean pencil?");
     refused(&["scene", "new", "die", "--unit", "mm"], 1, "is of a mesh");
-    refused(&["scene", "new", "die", "--mass-g", "-1"], 2, "expected a positive number");
-    refused(&["scene", "new", "die", "--tracker-mm", "1,2"], 2, "three numbers");
-    refused(&["scene", "new", "die", "-o", "x.toml", "--lands", "up"], 1, "face_up is \"up\"");
-    refused(&["scene", "new", "die", "-o", "x.toml", "--bounces", "101"], 1, "100 at most");
-    refused(&["scene", "new", "none.obj", "--mass-g", "5"], 1, "does not say its unit");
-    refused(&["scene", "new", "none.stl", "--unit", "mm", "--mass-g", "5"], 1, "cannot read");
+    refused(
+        &["scene", "new", "die", "--mass-g", "-1"],
+        2,
+        "expected a positive number",
+    );
+    refused(
+        &["scene", "new", "die", "--tracker-mm", "1,2"],
+        2,
+        "three numbers",
+    );
+    refused(
+        &["scene", "new", "die", "-o", "x.toml", "--lands", "up"],
+        1,
+        "face_up is \"up\"",
+    );
+    refused(
+        &["scene", "new", "die", "-o", "x.toml", "--bounces", "101"],
+        1,
+        "100 at most",
+    );
+    refused(
+        &["scene", "new", "none.obj", "--mass-g", "5"],
+        1,
+        "does not say its unit",
+    );
+    refused(
+        &["scene", "new", "none.stl", "--unit", "mm", "--mass-g", "5"],
+        1,
+        "cannot read",
+    );
     assert!(!folder.path().join("x.toml").exists());
 }
 
@@ -242,7 +303,10 @@ fn a_scene_is_never_replaced_and_an_unknown_object_is_answered_with_the_nearest(
 fn tetrahedron(is_open: bool) -> String {
     let faces = ["f 1 3 2", "f 1 2 4", "f 1 4 3", "f 2 3 4"];
     let faces = &faces[usize::from(is_open)..];
-    format!("v 10 20 30\nv 16 20 30\nv 10 24 30\nv 10 20 38\n{}\n", faces.join("\n"))
+    format!(
+        "v 10 20 30\nv 16 20 30\nv 10 24 30\nv 10 20 38\n{}\n",
+        faces.join("\n")
+    )
 }
 
 #[test]
@@ -253,11 +317,21 @@ fn a_mesh_becomes_a_body_with_its_centre_and_axes() {
     let without = enact(folder.path()).args(new).output().expect("it runs");
     assert!(String::from_utf8_lossy(&without.stderr).contains("expected its mass in grams"));
     let mut arguments = new.to_vec();
-    arguments.extend(["--mass-g", "100", "--format", "ndjson", "--tracker-mm", "100,200,300"]);
+    arguments.extend([
+        "--mass-g",
+        "100",
+        "--format",
+        "ndjson",
+        "--tracker-mm",
+        "100,200,300",
+    ]);
     let said: Value = serde_json::from_str(&stdout(folder.path(), &arguments, 0)).expect("JSON");
     let centre = said["body"]["centre_mm"].as_array().expect("a point");
     for (found, expected) in centre.iter().zip([115.0, 210.0, 320.0]) {
-        assert!((found.as_f64().expect("a number") - expected).abs() < 1e-6, "{said}");
+        assert!(
+            (found.as_f64().expect("a number") - expected).abs() < 1e-6,
+            "{said}"
+        );
     }
     let text = fs::read_to_string(folder.path().join("corner.toml")).expect("a scene");
     let scene = scene_from_toml(&text).expect("a scene");
@@ -271,7 +345,10 @@ fn a_mesh_becomes_a_body_with_its_centre_and_axes() {
     let mounted = scene.tracks.first().expect("a track").link_from_tracker;
     assert!((mounted.translation.vector - corner.coords).norm() < 1e-12);
     assert_eq!(link.features.len(), 4);
-    let nearest = link.features.iter().map(|of| (of.geometry.place_m() - corner.coords).norm());
+    let nearest = link
+        .features
+        .iter()
+        .map(|of| (of.geometry.place_m() - corner.coords).norm());
     assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9);
 }
 
@@ -279,7 +356,9 @@ fn a_mesh_becomes_a_body_with_its_centre_and_axes() {
 fn an_open_mesh_is_refused_and_its_hull_taken_on_demand() {
     let folder = folder();
     fs::write(folder.path().join("open.obj"), tetrahedron(true)).expect("a file");
-    let new = ["scene", "new", "open.obj", "--unit", "cm", "--mass-g", "100"];
+    let new = [
+        "scene", "new", "open.obj", "--unit", "cm", "--mass-g", "100",
+    ];
     let output = enact(folder.path()).args(new).output().expect("it runs");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1));
@@ -287,7 +366,10 @@ fn an_open_mesh_is_refused_and_its_hull_taken_on_demand() {
     let mut arguments = new.to_vec();
     arguments.push("--hull");
     let said = stdout(folder.path(), &arguments, 0);
-    assert!(said.contains("centre of mass at [115, 210, 320] mm"), "{said}");
+    assert!(
+        said.contains("centre of mass at [115, 210, 320] mm"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -317,15 +399,27 @@ fn check_says_what_is_inferred_and_what_is_missing() {
         assert!(said.contains(line), "{line:?} is not in:\n{said}");
     }
     let said = stdout(folder.path(), &["scene", "check", "bare.toml"], 3);
-    assert!(said.contains("missing: nothing can touch at \"bounce\""), "{said}");
-    let text = stdout(folder.path(), &["scene", "check", "bare.toml", "--format", "ndjson"], 3);
+    assert!(
+        said.contains("missing: nothing can touch at \"bounce 1\", \"bounce 2\""),
+        "{said}"
+    );
+    let text = stdout(
+        folder.path(),
+        &["scene", "check", "bare.toml", "--format", "ndjson"],
+        3,
+    );
     let said: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(said["missing"].as_array().map(Vec::len), Some(1));
     assert_eq!(said["events"][0]["marks"], json!([2, 4]));
     fs::write(folder.path().join("wrong.toml"), scene("[[surfaces]]\n")).expect("a file");
-    let output = enact(folder.path()).args(["scene", "check", "wrong.toml"]).output();
+    let output = enact(folder.path())
+        .args(["scene", "check", "wrong.toml"])
+        .output();
     let output = output.expect("it runs");
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(said.contains("wrong.toml:9:3: unknown key `surfaces`"), "{said}");
+    assert!(
+        said.contains("wrong.toml:9:3: unknown key `surfaces`"),
+        "{said}"
+    );
 }

@@ -419,7 +419,9 @@ pub(super) enum Free {
 
 fn triple(text: &str) -> Result<[f64; 3], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    let numbers = numbers
+        .ok()
+        .and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     let finite = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
     finite.ok_or_else(|| "expected three numbers such as 12,-5,40".into())
 }

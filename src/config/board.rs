@@ -23,7 +23,10 @@ pub(super) fn board(
 ) -> Result<Option<Obstacle>, Fault> {
     let Some(size) = &raw.size_mm else {
         let own = [
-            ("thickness_mm", raw.thickness_mm.as_ref().map(|of| of.span())),
+            (
+                "thickness_mm",
+                raw.thickness_mm.as_ref().map(|of| of.span()),
+            ),
             ("along", raw.along.as_ref().map(|of| of.span())),
         ];
         return match own.into_iter().find_map(|(key, span)| Some((key, span?))) {
@@ -35,7 +38,10 @@ pub(super) fn board(
         };
     };
     let sides_m = size.get_ref().map(|mm| mm / 1e3);
-    if !sides_m.iter().all(|side| *side > 0.0 && *side <= SIDE_LIMIT_M) {
+    if !sides_m
+        .iter()
+        .all(|side| *side > 0.0 && *side <= SIDE_LIMIT_M)
+    {
         return fault(
             size.span(),
             format!(
@@ -58,7 +64,10 @@ pub(super) fn board(
     let across = along - normal * normal.dot(&along);
     let Some(first) = across.try_normalize(1e-2) else {
         let span = raw.along.as_ref().map_or(raw.normal.span(), |of| of.span());
-        return fault(span, "along is the normal, expected a direction in the board");
+        return fault(
+            span,
+            "along is the normal, expected a direction in the board",
+        );
     };
     let turn = Rotation3::from_basis_unchecked(&[first, normal.cross(&first), normal]);
     let half_extents_m = Vector3::new(sides_m[0], sides_m[1], thickness_m) / 2.0;

@@ -76,22 +76,24 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
     let is_edited = scene.timing == Timing::Edited;
     let events: Vec<EventCheck> = (0..scene.events.len()).map(|at| event(scene, at)).collect();
     let (mut open, mut missing) = (Vec::new(), Vec::new());
-    for at in scene.open_events() {
-        let name = &scene.events[at].name;
-        match scene.candidates(at).len() {
+    for (names, count) in inferred(scene) {
+        match count {
             0 => missing.push(format!(
-                "nothing can touch at {name:?}: no feature of the body and surface that may meet, expected features_mm, [[body.face]] or [[surface]]"
+                "nothing can touch at {names}: no feature of the body and surface that may meet, expected features_mm, [[body.face]] or [[surface]]"
             )),
             1 => {}
             count => open.push(format!(
-                "what touches at {name:?} is inferred among {count}: name feature and surface where you know them"
+                "what touches at {names} is inferred among {count}: name feature and surface where you know them"
             )),
         }
     }
     for (link, of) in scene.links.iter_enumerated() {
         let is_met = scene.events.iter().any(|event| concerns(&event.kind, link));
         if !is_met && !scene.is_held(link) && scene.events.len() > 1 {
-            open.push(format!("{:?} takes part in no collision: it only flies", of.name));
+            open.push(format!(
+                "{:?} takes part in no collision: it only flies",
+                of.name
+            ));
         }
         let mut tracks = scene.tracks.iter().filter(|track| track.link == link);
         let at_origin = |track: &Track| {
@@ -115,7 +117,10 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         open.push("no end: the motion ends with the last sample".into());
     }
     let used = |surface: usize| {
-        let collisions = scene.events.iter().filter_map(|event| event.kind.collision());
+        let collisions = scene
+            .events
+            .iter()
+            .filter_map(|event| event.kind.collision());
         let mut worlds = collisions.filter(|of| of.partner == Partner::World);
         worlds.any(|of| {
             let mut contacts = of.contacts.iter();
@@ -141,6 +146,25 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         open,
         missing,
     }
+}
+
+/// Events of which it is inferred what touches, with the number of candidates; those with as many together.
+fn inferred(scene: &Scene) -> Vec<(String, usize)> {
+    // A repeated collision is as many as it is at least.
+    let written = scene.with_marks(0);
+    let mut found: Vec<(String, usize)> = Vec::new();
+    for at in written.open_events() {
+        let name = format!("{:?}", written.events[at].name);
+        let count = written.candidates(at).len();
+        match found.iter_mut().find(|(_, other)| *other == count) {
+            Some((names, _)) => {
+                *names += ", ";
+                *names += &name;
+            }
+            None => found.push((name, count)),
+        }
+    }
+    found
 }
 
 fn concerns(kind: &EventKind, link: LinkIndex) -> bool {
@@ -214,9 +238,7 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
     let (what, marks) = match &event.kind {
         EventKind::Start => ("the motion begins".to_owned(), [1, 1]),
         EventKind::End => ("the motion ends".to_owned(), [1, 1]),
-        EventKind::Waypoint(link) => {
-            (format!("{} flies by", scene.links[*link].name), [1, 1])
-        }
+        EventKind::Waypoint(link) => (format!("{} flies by", scene.links[*link].name), [1, 1]),
         EventKind::Collision(of) => (collision(scene, of), [1, 1]),
         EventKind::Collisions { each, least, most } => (collision(scene, each), [*least, *most]),
     };
@@ -224,7 +246,11 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
         name: event.name.clone(),
         kind: event.kind.as_str(),
         means: format!("{what}; {time}"),
-        marks: if scene.timing == Timing::Edited { [0, 0] } else { marks },
+        marks: if scene.timing == Timing::Edited {
+            [0, 0]
+        } else {
+            marks
+        },
         goals: scene.goals.iter().filter(|goal| goal.event == at).count(),
     }
 }

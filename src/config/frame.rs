@@ -195,8 +195,12 @@ fn computed(solids: &Solids) -> Result<(Pose, Vector3<f64>), Fault> {
         [(only, _)] => only.given_from_shape.rotation,
         _ => UnitQuaternion::identity(),
     };
-    let made = MassDistribution::joined(&parts)
-        .and_then(|whole| Some((whole.centre_m, axes(&whole.tensor_m2, &near, MOMENT_TOLERANCE)?)));
+    let made = MassDistribution::joined(&parts).and_then(|whole| {
+        Some((
+            whole.centre_m,
+            axes(&whole.tensor_m2, &near, MOMENT_TOLERANCE)?,
+        ))
+    });
     let Some((centre_m, (turn, moments_m2))) = made else {
         return fault(
             solids.span.clone(),

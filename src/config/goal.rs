@@ -9,8 +9,8 @@ mod vector;
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use self::keys::{ABOUT, Used};
 use self::vector::{VectorKeys, sd};
@@ -182,7 +182,8 @@ impl<'a> Table<'a> {
                     }
                 };
                 let sets = self.in_axes(set, &turn)?.into_iter();
-                sets.map(|set| hard(GoalQuantity::Spin { axes }, (set, sd))).collect()
+                sets.map(|set| hard(GoalQuantity::Spin { axes }, (set, sd)))
+                    .collect()
             }
             None => Vec::new(),
         };
@@ -194,7 +195,9 @@ impl<'a> Table<'a> {
 
     /// The frame in which a body is given, in its link's axes; of the world the identity.
     fn link_from_given(&self, of: Option<LinkIndex>) -> Pose {
-        of.map_or_else(Pose::identity, |link| self.scene.links[link].link_from_given)
+        of.map_or_else(Pose::identity, |link| {
+            self.scene.links[link].link_from_given
+        })
     }
 
     fn in_axes(&self, set: GoalSet, axes_from_given: &Pose) -> Result<Vec<GoalSet>, Fault> {

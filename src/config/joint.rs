@@ -6,8 +6,8 @@ pub(super) use refused::refuse_free;
 
 use std::ops::Range;
 
-use nalgebra::{Point3, UnitQuaternion, Vector3};
 use crate::config::spanned::Spanned;
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::error::{Fault, fault};
 use super::event::link_of;
@@ -166,7 +166,12 @@ fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
     let mut made = tree::Joint::new(
         kind,
         placed(parent, "parent_at_mm", &raw.parent_at_mm, along)?,
-        placed(Some(child), "child_at_mm", &raw.child_at_mm, turned.inverse())?,
+        placed(
+            Some(child),
+            "child_at_mm",
+            &raw.child_at_mm,
+            turned.inverse(),
+        )?,
     );
     made.damping_n_m_s = number("damping_n_m_s", &raw.damping_n_m_s)?;
     made.stiffness_n_m = number("stiffness_n_m", &raw.stiffness_n_m)?;

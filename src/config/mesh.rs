@@ -22,7 +22,9 @@ pub enum MeshError {
         reason: String,
     },
     /// The geometry is in another file.
-    #[error("has its geometry in another file or in its text, expected a binary glTF: export it as .glb")]
+    #[error(
+        "its geometry is in another file or in its text, expected a binary glTF: export it as .glb"
+    )]
     Elsewhere,
     /// Something of a glTF that is not read.
     #[error("has {0}, which is not read: export it as triangles without it")]

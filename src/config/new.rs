@@ -90,7 +90,7 @@ pub enum NewSceneError {
         expected: &'static str,
     },
     /// The mesh is refused.
-    #[error("the mesh {0}")]
+    #[error("the mesh: {0}")]
     Mesh(#[from] MeshError),
     /// The scene that is made is refused.
     #[error("the scene that this makes is refused: {}", .0.message)]
@@ -112,7 +112,12 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
         NewObject::Preset(name) => {
             let preset = preset(name).ok_or_else(|| unknown(name))?;
             let body = of_preset(preset, of.mass_g);
-            (preset.name.to_owned(), preset.what.to_owned(), body, preset.feature)
+            (
+                preset.name.to_owned(),
+                preset.what.to_owned(),
+                body,
+                preset.feature,
+            )
         }
         NewObject::Mesh {
             name,
@@ -176,7 +181,9 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
                     "# Left out, it is inferred which part of the body touches.\nfeature = {feature:?}"
                 );
             }
-            None => toml += "# Which part of the body touches is inferred; `feature` would say it.\n",
+            None => {
+                toml += "# Which part of the body touches is inferred; `feature` would say it.\n"
+            }
         }
     }
     toml += "\n[[event]]\nname = \"landing\"\nkind = \"end\"\n";
@@ -273,7 +280,9 @@ fn of_mesh(
         keys,
         "shape = {{ kind = \"pieces\", pieces_mm = [\n{hulls}] }}\n"
     );
-    let mut tables = String::from("\n# Corners of its convex hull, by which it may touch.\n[body.features_mm]\n");
+    let mut tables = String::from(
+        "\n# Corners of its convex hull, by which it may touch.\n[body.features_mm]\n",
+    );
     for (index, corner) in corners_m.iter().enumerate() {
         let _ = writeln!(tables, "\"corner {}\" = {}", index + 1, point(corner));
     }
@@ -282,7 +291,11 @@ fn of_mesh(
         mesh.triangles(),
         (mass.volume_m3 * 1e8).round() / 100.0,
         pieces.parts.len(),
-        if pieces.parts.len() == 1 { "piece" } else { "pieces" },
+        if pieces.parts.len() == 1 {
+            "piece"
+        } else {
+            "pieces"
+        },
         corners_m.len()
     ));
     notes.push("the restitution is a guess: set it, or free it by [[free]]".into());

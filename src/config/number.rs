@@ -1,7 +1,7 @@
 //! Checks of numbers, names, vectors and poses; errors point to their place in the text.
 
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use crate::config::spanned::Spanned;
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::error::{Fault, fault};
 use super::raw::{Number, Quadruple, Text, Triple};

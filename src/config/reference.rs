@@ -15,10 +15,18 @@ const WORDS: &[(&str, &str, &[&str])] = &[
     ("event", "kind", &["start", "collision", "waypoint", "end"]),
     ("event", "time", &["fixed", "free"]),
     ("joint", "kind", &["pin", "universal", "ball", "fixed"]),
-    ("body.track", "sees", &["pose", "point", "orientation", "direction"]),
+    (
+        "body.track",
+        "sees",
+        &["pose", "point", "orientation", "direction"],
+    ),
     ("goal", "axes", &["world", "body"]),
     ("goal", "labels", &["fixed", "free"]),
-    ("capture.tracker", "stamps", &["sample", "device", "sequence", "receipt"]),
+    (
+        "capture.tracker",
+        "stamps",
+        &["sample", "device", "sequence", "receipt"],
+    ),
 ];
 
 /// The JSON schema of scene files, draft 2020-12.
@@ -123,7 +131,10 @@ fn add_table(
         let description = words(property, "description").replace('\n', " ");
         let (what, default) = match description.split_once("Default: ") {
             Some((what, default)) => (what.trim().to_owned(), default.trim_end_matches('.')),
-            None => (description.clone(), if is_required(key) { "**needed**" } else { "" }),
+            None => (
+                description.clone(),
+                if is_required(key) { "**needed**" } else { "" },
+            ),
         };
         let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
         let unit = unit.map_or("", |(_, unit)| unit);
@@ -238,8 +249,9 @@ mod tests {
         for (table, key, words) in WORDS.iter().chain(&[("shape", "kind", &kinds[..])]) {
             let text = scene(&format!("{table}.{key}"));
             let said = scene_from_toml(&text).expect_err("a wrong word").message;
-            let mut said: Vec<&str> =
-                said.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+            let mut said: Vec<&str> = said
+                .split(|c: char| !c.is_alphanumeric() && c != '_')
+                .collect();
             said.retain(|word| !word.is_empty());
             for word in *words {
                 assert!(said.contains(word), "{table}.{key} lacks {word}: {said:?}");

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use super::error::{Fault, fault};
 use super::event::link_of;

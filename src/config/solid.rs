@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use super::error::{Fault, fault};
 use super::number::{pose, positive, vector};
@@ -109,7 +109,11 @@ pub(super) fn shape(
 }
 
 /// What is left of a solid's mass around a cavity that is everywhere so far from its surface.
-fn hollow(shape: &Shape, mass: &MassDistribution, wall: &Number) -> Result<MassDistribution, Fault> {
+fn hollow(
+    shape: &Shape,
+    mass: &MassDistribution,
+    wall: &Number,
+) -> Result<MassDistribution, Fault> {
     let wall_m = positive("wall_mm", wall)? / 1e3;
     let cavity = match *shape {
         Shape::Cuboid { half_extents_m } => Shape::Cuboid {

@@ -1,7 +1,7 @@
 //! Tracks: what trackers see of a body, and how it is weighed.
 
-use nalgebra::{Unit, UnitQuaternion, Vector3};
 use crate::config::spanned::Spanned;
+use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use super::error::{Fault, fault};
 use super::number::{direction, index_of, name, pose, positive, topic, unique};

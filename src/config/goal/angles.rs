@@ -1,7 +1,7 @@
 //! What is asked of joints.
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use super::vector::sd;
 use super::{DEG, Table};

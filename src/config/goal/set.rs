@@ -73,10 +73,7 @@ impl Table<'_> {
 /// A set as it is in other axes. A box that is turned is the half-spaces of its sides: the distance from it is
 /// that from all of them together. Fails, in words, of a turned box with a side that is an equality.
 pub(super) fn in_axes(set: GoalSet, axes_from_given: &Pose) -> Result<Vec<GoalSet>, &'static str> {
-    let (turn, shift) = (
-        axes_from_given.rotation,
-        axes_from_given.translation.vector,
-    );
+    let (turn, shift) = (axes_from_given.rotation, axes_from_given.translation.vector);
     if *axes_from_given == Pose::identity() {
         return Ok(vec![set]);
     }

@@ -29,7 +29,13 @@ impl Table<'_> {
                 "expected one of orientation_wxyz, axis: each in a goal of its own",
             );
         }
-        let keys = ["orientation_wxyz", "rpy_deg", "relative_to", "within_deg", "sd_deg"];
+        let keys = [
+            "orientation_wxyz",
+            "rpy_deg",
+            "relative_to",
+            "within_deg",
+            "sd_deg",
+        ];
         self.used.add(&keys);
         Ok(Some(Condition {
             quantity: GoalQuantity::Turn {

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use serde::Deserialize;
 use crate::config::spanned::Spanned;
+use serde::Deserialize;
 
 use super::{Placed, Written};
 use crate::config::error::{Fault, SceneError};

@@ -66,7 +66,9 @@ fn add(
                     let digits = bytes.iter().rev();
                     digits.fold(0_u32, |sum, byte| sum << 8 | u32::from(*byte))
                 };
-                (0..elements.count).map(|at| number(elements.at(at))).collect()
+                (0..elements.count)
+                    .map(|at| number(elements.at(at)))
+                    .collect()
             }
         };
         if first + count > MOST || soup.triangles.len() + indices.len() / 3 > MOST {
@@ -111,7 +113,9 @@ impl<'a> Elements<'a> {
         kind: (DataType, Dimensions),
     ) -> Result<Self, MeshError> {
         if (accessor.data_type(), accessor.dimensions()) != kind {
-            return Err(MeshError::NotRead("positions or indices of an unusual type"));
+            return Err(MeshError::NotRead(
+                "positions or indices of an unusual type",
+            ));
         }
         if accessor.sparse().is_some() {
             return Err(MeshError::NotRead("sparse data"));
@@ -130,7 +134,9 @@ impl<'a> Elements<'a> {
         let length = count.saturating_sub(1).checked_mul(stride);
         let length = length.and_then(|length| length.checked_add(size));
         let to = length.and_then(|length| from.checked_add(length));
-        let bytes = blob.get(from..to.ok_or_else(missing)?).ok_or_else(missing)?;
+        let bytes = blob
+            .get(from..to.ok_or_else(missing)?)
+            .ok_or_else(missing)?;
         Ok(Self {
             bytes,
             stride,

@@ -13,10 +13,12 @@ pub(super) fn soup(bytes: &[u8]) -> Result<Soup, MeshError> {
         ..tobj::LoadOptions::default()
     };
     let no_materials = |_: &std::path::Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
-        .map_err(|error| MeshError::Format {
-            format: "OBJ",
-            reason: error.to_string(),
+    let (models, _) =
+        tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials).map_err(|error| {
+            MeshError::Format {
+                format: "OBJ",
+                reason: error.to_string(),
+            }
         })?;
     let mut soup = Soup::default();
     for model in models {

@@ -70,13 +70,28 @@ fn box_glb() -> Vec<u8> {
 #[test]
 fn every_format_gives_the_box() {
     for (bytes, format, unit_m, volume_m3, x_m) in [
-        (BOX_OBJ.as_bytes().to_vec(), MeshFormat::Obj, 0.01, 6e-6, 0.005),
+        (
+            BOX_OBJ.as_bytes().to_vec(),
+            MeshFormat::Obj,
+            0.01,
+            6e-6,
+            0.005,
+        ),
         (box_stl(), MeshFormat::Stl, 0.001, 6e-9, 0.0005),
         (box_glb(), MeshFormat::Glb, 1.0, 48.0, 6.0),
     ] {
-        let mass = mesh(&bytes, format, unit_m, false).expect("a mesh").mass().unwrap();
-        assert!((mass.volume_m3 / volume_m3 - 1.0).abs() < 1e-6, "{format:?} {mass:?}");
-        assert!((mass.centre_m.x / x_m - 1.0).abs() < 1e-6, "{format:?} {mass:?}");
+        let mass = mesh(&bytes, format, unit_m, false)
+            .expect("a mesh")
+            .mass()
+            .unwrap();
+        assert!(
+            (mass.volume_m3 / volume_m3 - 1.0).abs() < 1e-6,
+            "{format:?} {mass:?}"
+        );
+        assert!(
+            (mass.centre_m.x / x_m - 1.0).abs() < 1e-6,
+            "{format:?} {mass:?}"
+        );
     }
 }
 
@@ -97,7 +112,9 @@ fn what_is_no_solid_is_refused_with_what_to_do() {
     let at = bytes.windows(count.len()).position(|of| of == count);
     let at = at.expect("the indices' accessor");
     bytes[at + 8] = b'9';
-    let said = mesh(&bytes, MeshFormat::Glb, 1.0, false).unwrap_err().to_string();
+    let said = mesh(&bytes, MeshFormat::Glb, 1.0, false)
+        .unwrap_err()
+        .to_string();
     assert!(said.contains("beyond the end"), "{said}");
 }
 

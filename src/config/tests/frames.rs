@@ -296,7 +296,10 @@ mass_g = 480
     let found = Matrix3::from_diagonal(&link.body.moments_kg_m2());
     assert!((seen - found).amax() < 1e-12, "{seen} {found}");
     let names: Vec<&str> = link.features.iter().map(|of| of.name.as_str()).collect();
-    assert!(names.contains(&"handle/rim -z") && names.contains(&"head/end +z"), "{names:?}");
+    assert!(
+        names.contains(&"handle/rim -z") && names.contains(&"head/end +z"),
+        "{names:?}"
+    );
 }
 
 /// A box in axes that are not principal is the half-spaces of its sides; without a width it is refused.
@@ -308,7 +311,9 @@ fn boxes_in_turned_axes_are_their_sides() {
     let at = plain.find(ball).expect("a ball");
     let line = plain[..at].rfind("position_mm").expect("its centre");
     let with = |sides: &str| format!("{}{sides}\n{}", &plain[..line], &plain[at + ball.len()..]);
-    let scene = read(&with("position_within_mm = [[-10, -20, -30], [10, inf, 30]]"));
+    let scene = read(&with(
+        "position_within_mm = [[-10, -20, -30], [10, inf, 30]]",
+    ));
     let sides = scene.goals.iter().filter_map(|goal| match &goal.target {
         GoalTarget::Condition(Condition {
             quantity: GoalQuantity::Position { .. },
@@ -321,7 +326,9 @@ fn boxes_in_turned_axes_are_their_sides() {
     assert_eq!(sides.len(), 5);
     let is_in = |mm: [f64; 3]| {
         let point_m = given.inverse() * Point3::from(Vector3::from(mm) / 1e3);
-        sides.iter().all(|(normal, least)| normal.dot(&point_m.coords) >= least - 1e-12)
+        sides
+            .iter()
+            .all(|(normal, least)| normal.dot(&point_m.coords) >= least - 1e-12)
     };
     assert!(is_in([9.9, 500.0, 29.9]) && is_in([-9.9, -19.9, -29.9]));
     assert!(!is_in([10.1, 0.0, 0.0]) && !is_in([0.0, -20.1, 0.0]) && !is_in([0.0, 0.0, -30.1]));
@@ -343,7 +350,8 @@ fn masses_are_given_once_and_whole() {
     let said = |keys: &str| scene(&format!("{cube}\n{keys}")).expect_err(keys).message;
     assert!(said("mass_g = 1\ncentre_mm = [1, 0, 0]").contains("expected it with inertia_kg_m2"));
     assert!(said("mass_g = 1\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]").contains("expected centre_mm"));
-    let twice = "mass_g = 1\nmoments_kg_m2 = [1e-8, 1e-8, 1e-8]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]";
+    let twice =
+        "mass_g = 1\nmoments_kg_m2 = [1e-8, 1e-8, 1e-8]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]";
     assert!(said(twice).contains("given twice"));
     let great = "mass_g = 1\ncentre_mm = [1, 0, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]";
     assert!(said(great).contains("expected at most"));
@@ -355,7 +363,9 @@ fn masses_are_given_once_and_whole() {
     let said = |keys: &str| scene(keys).expect_err(keys).message;
     assert!(said(&part("mass_g = 1", "")).contains("1 of the body's 2 parts have a mass"));
     assert!(said(&part("", "")).contains("no mass"));
-    assert!(said(&format!("mass_g = 1\n{}", part("mass_g = 1", "mass_g = 1"))).contains("beside those"));
+    assert!(
+        said(&format!("mass_g = 1\n{}", part("mass_g = 1", "mass_g = 1"))).contains("beside those")
+    );
     assert!(said("mass_g = 1").contains("missing key `shape`"));
     let whole = scene(&format!("mass_g = 3\n{}", part("", ""))).expect("a mass for all");
     assert!((whole.links[LinkIndex(0)].body.mass_kg() - 3e-3).abs() < 1e-15);
@@ -405,14 +415,26 @@ along = [0, 1, 0]
     let gap_m = |x: f64, y: f64, z: f64| {
         let board = &scene.obstacles[0];
         let at = Pose::translation(x, y, z);
-        ball.distance_m(&at, &board.shape, &board.world_from_shape).unwrap()
+        ball.distance_m(&at, &board.shape, &board.world_from_shape)
+            .unwrap()
     };
     assert!((gap_m(0.1, 0.0, 0.42) - 0.01).abs() < 1e-9);
     // 40 mm to both sides along x, 100 along y; 20 below.
     assert!((gap_m(0.16, 0.0, 0.39) - 0.01).abs() < 1e-9);
     assert!((gap_m(0.1, 0.12, 0.39) - 0.01).abs() < 1e-9);
     assert!((gap_m(0.1, 0.0, 0.36) - 0.01).abs() < 1e-9);
-    let said = |from: &str, to: &str| scene_from_toml(&text.replace(from, to)).expect_err(to).message;
+    // What hits it is inferred among its sides, each once.
+    let open = format!("{text}[[event]]\nname = \"e\"\nkind = \"collision\"\nbody = \"ball\"\n");
+    let faces = read(&open).surfaces;
+    let faces = faces
+        .iter()
+        .filter(|of| of.geometry.kind() == scene.surfaces[0].geometry.kind());
+    assert_eq!(faces.count(), 6);
+    let said = |from: &str, to: &str| {
+        scene_from_toml(&text.replace(from, to))
+            .expect_err(to)
+            .message
+    };
     assert!(said("size_mm = [200, 80]\n", "").contains("expected size_mm beside it"));
     assert!(said("[200, 80]", "[200, -80]").contains("two positive sides"));
     assert!(said("along = [0, 1, 0]", "along = [0, 0, 1]").contains("along is the normal"));
@@ -431,11 +453,20 @@ fn angles_are_roll_pitch_and_yaw() {
     assert!(near_pose(&a, &b), "{a} {b}");
     let both = plain.replace(&wxyz, &format!("{wxyz}, rpy_deg = {rpy}"));
     let said = scene_from_toml(&both).expect_err("twice").message;
-    assert!(said.contains("expected one of orientation_wxyz, rpy_deg"), "{said}");
+    assert!(
+        said.contains("expected one of orientation_wxyz, rpy_deg"),
+        "{said}"
+    );
     let goal = tilt(1.0, 0.4, -0.3);
-    let wxyz = format!("orientation_wxyz = {}\n", list([goal.w, goal.i, goal.j, goal.k]));
+    let wxyz = format!(
+        "orientation_wxyz = {}\n",
+        list([goal.w, goal.i, goal.j, goal.k])
+    );
     let rpy = list([1.0_f64, 0.4, -0.3].map(f64::to_degrees));
     assert!(plain.contains(&wxyz));
     let turned = read(&plain.replace(&wxyz, &format!("rpy_deg = {rpy}\n")));
-    assert!(near_goal(&read(&plain).goals[0].target, &turned.goals[0].target));
+    assert!(near_goal(
+        &read(&plain).goals[0].target,
+        &turned.goals[0].target
+    ));
 }

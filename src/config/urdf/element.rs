@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::config::spanned::Spanned;
 use nalgebra::{UnitQuaternion, Vector3};
 use roxmltree::{Attribute, Node};
-use crate::config::spanned::Spanned;
 
 use crate::config::error::{Fault, fault};
 use crate::config::number;

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use super::element::Notes;
 use super::merge::{Merged, Turn, merged};

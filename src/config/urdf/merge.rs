@@ -1,7 +1,7 @@
 //! Turns about axes, one after the other with no mass between, as one joint.
 
-use nalgebra::Vector3;
 use crate::config::spanned::Spanned;
+use nalgebra::Vector3;
 
 use crate::config::error::{Fault, fault};
 

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::config::spanned::Spanned;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
-use crate::config::spanned::Spanned;
 
 use super::element::{Element, Notes};
 use super::geometry::{Geometries, geometry};

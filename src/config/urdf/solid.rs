@@ -11,8 +11,8 @@ use super::element::Notes;
 use super::geometry::{Placed, Primitive};
 
 use super::robot::{Inertial, Link};
-use crate::config::principal::{ROUNDING, principal};
 use crate::config::error::{Fault, fault};
+use crate::config::principal::{ROUNDING, principal};
 use crate::math::Pose;
 
 /// How far a solid may be from the centre of mass to count as centred there \[m\].

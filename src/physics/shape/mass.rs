@@ -60,9 +60,7 @@ impl MassDistribution {
         let turn = frame_from_own.rotation.to_rotation_matrix();
         Self {
             volume_m3: self.volume_m3,
-            centre_m: frame_from_own
-                .transform_point(&self.centre_m.into())
-                .coords,
+            centre_m: frame_from_own.transform_point(&self.centre_m.into()).coords,
             tensor_m2: turn.matrix() * self.tensor_m2 * turn.matrix().transpose(),
         }
     }

@@ -4,10 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use super::compound::{Compound, Part};
 use super::error::ShapeError;
 use super::hull::check_hull;
-use super::kind::Shape;
+use super::kind::{Compound, Part, Shape};
 use super::mass::MassDistribution;
 use crate::math::Pose;
 use crate::physics::contact::Feature;
@@ -213,7 +212,9 @@ fn of_side(side: &[Point], prefix: &str, is_closed: bool) -> Vec<(String, Featur
         }
         // Outwards: the way turns left. The edge of an open wall is one too.
         let is_outwards = match (before, after) {
-            (Some(before), Some(after)) => before.perp(&after) > ROUNDING * before.norm() * after.norm(),
+            (Some(before), Some(after)) => {
+                before.perp(&after) > ROUNDING * before.norm() * after.norm()
+            }
             _ => true,
         };
         if !is_outwards {
@@ -224,7 +225,11 @@ fn of_side(side: &[Point], prefix: &str, is_closed: bool) -> Vec<(String, Featur
             // Its axis leads out of the solid, to the side on which the way beside it lies least.
             let way = after.or(before).unwrap_or_else(Point::y);
             let way_before = before.unwrap_or(way);
-            let up = if way_before.y - way.y >= 0.0 { 1.0 } else { -1.0 };
+            let up = if way_before.y - way.y >= 0.0 {
+                1.0
+            } else {
+                -1.0
+            };
             let rim = Feature::Rim {
                 centre_m: axis(point.y),
                 axis: Vector3::z() * up,
@@ -232,7 +237,10 @@ fn of_side(side: &[Point], prefix: &str, is_closed: bool) -> Vec<(String, Featur
             };
             features.push((format!("{prefix}rim {name}"), rim));
         } else {
-            features.push((format!("{prefix}tip {name}"), Feature::corner(axis(point.y))));
+            features.push((
+                format!("{prefix}tip {name}"),
+                Feature::corner(axis(point.y)),
+            ));
         }
     }
     let mut flat = |from: &Point, to: &Point, name: String| {

@@ -47,7 +47,11 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
             };
             [
                 (has_offset, MountSlip::Negated, Some(in_link(negated))),
-                (has_turn, MountSlip::Inverted, Some(in_link(given.inverse()))),
+                (
+                    has_turn,
+                    MountSlip::Inverted,
+                    Some(in_link(given.inverse())),
+                ),
                 (
                     has_turn,
                     MountSlip::Quaternion,

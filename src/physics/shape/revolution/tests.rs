@@ -1,7 +1,10 @@
 use super::*;
 
 fn near(a: f64, b: f64) {
-    assert!((a - b).abs() <= 1e-12 * b.abs().max(1e-9), "{a:e} against {b:e}");
+    assert!(
+        (a - b).abs() <= 1e-12 * b.abs().max(1e-9),
+        "{a:e} against {b:e}"
+    );
 }
 
 fn of(profile_m: &[[f64; 2]], wall_m: Option<f64>) -> Revolution {
@@ -27,8 +30,14 @@ fn cylinders_and_cones_have_the_moments_of_theirs() {
     near(cone.volume_m3, of_cone.volume_m3);
     assert!(cone.centre_m.norm() < 1e-15);
     for axis in 0..3 {
-        near(cylinder.tensor_m2[(axis, axis)], formula.moments_per_mass_m2[axis]);
-        near(cone.tensor_m2[(axis, axis)], of_cone.moments_per_mass_m2[axis]);
+        near(
+            cylinder.tensor_m2[(axis, axis)],
+            formula.moments_per_mass_m2[axis],
+        );
+        near(
+            cone.tensor_m2[(axis, axis)],
+            of_cone.moments_per_mass_m2[axis],
+        );
     }
 }
 
@@ -55,7 +64,10 @@ fn pieces_cover_the_solid_and_leave_its_cavity() {
     let compound = mug.compound();
     let mass = Shape::Compound(compound.clone()).mass().unwrap();
     let exact = mug.mass().unwrap();
-    assert!((mass.volume_m3 / exact.volume_m3 - 1.0).abs() < 0.03, "{mass:?} {exact:?}");
+    assert!(
+        (mass.volume_m3 / exact.volume_m3 - 1.0).abs() < 0.03,
+        "{mass:?} {exact:?}"
+    );
     assert!((mass.centre_m - exact.centre_m).norm() < 5e-4);
     let solid = Shape::Compound(compound).solid().unwrap();
     let ball = Shape::Sphere { radius_m: 0.01 }.solid().unwrap();
@@ -67,26 +79,55 @@ fn pieces_cover_the_solid_and_leave_its_cavity() {
         distance_m
     };
     // In the middle of the cavity, over its floor, and outside: 26, 16 and 20 mm away.
-    assert!((at(0.0, 0.05) - 0.026).abs() < SAGITTA_M, "{}", at(0.0, 0.05));
+    assert!(
+        (at(0.0, 0.05) - 0.026).abs() < SAGITTA_M,
+        "{}",
+        at(0.0, 0.05)
+    );
     assert!((at(0.0, 0.03) - 0.016).abs() < 1e-6, "{}", at(0.0, 0.03));
-    assert!((at(0.07, 0.04) - 0.02).abs() < SAGITTA_M, "{}", at(0.07, 0.04));
+    assert!(
+        (at(0.07, 0.04) - 0.02).abs() < SAGITTA_M,
+        "{}",
+        at(0.07, 0.04)
+    );
     assert!(at(0.0, 0.01) < -0.003);
 }
 
 #[test]
 fn features_are_where_the_outline_bends_and_is_level() {
     let names = |of: &Revolution| -> Vec<String> {
-        of.compound().features.into_iter().map(|(name, _)| name).collect()
+        of.compound()
+            .features
+            .into_iter()
+            .map(|(name, _)| name)
+            .collect()
     };
     let mug = of(&[[0.0, 0.0], [0.04, 0.0], [0.04, 0.08]], Some(0.004));
     assert_eq!(
         names(&mug),
-        ["rim 2", "rim 3", "face 1-2", "side 2-3", "inside rim 3", "inside face 1-2"]
+        [
+            "rim 2",
+            "rim 3",
+            "face 1-2",
+            "side 2-3",
+            "inside rim 3",
+            "inside face 1-2"
+        ]
     );
-    let top = of(&[[0.0, 0.0], [0.02, 0.01], [0.005, 0.05], [0.005, 0.06]], None);
-    assert_eq!(names(&top), ["tip 1", "rim 2", "rim 4", "end 4", "side 3-4"]);
+    let top = of(
+        &[[0.0, 0.0], [0.02, 0.01], [0.005, 0.05], [0.005, 0.06]],
+        None,
+    );
+    assert_eq!(
+        names(&top),
+        ["tip 1", "rim 2", "rim 4", "end 4", "side 3-4"]
+    );
     let features = mug.compound().features;
-    let face = features.iter().find(|(name, _)| name == "inside face 1-2").unwrap().1;
+    let face = features
+        .iter()
+        .find(|(name, _)| name == "inside face 1-2")
+        .unwrap()
+        .1;
     assert_eq!(face, Feature::face(Vector3::z() * 0.004, Vector3::z()));
     let rim = features.iter().find(|(name, _)| name == "rim 2").unwrap().1;
     let lower = Feature::Rim {
@@ -101,7 +142,10 @@ fn features_are_where_the_outline_bends_and_is_level() {
 fn profiles_that_sweep_nothing_are_refused() {
     let refused = |profile_m: &[[f64; 2]], wall_m: Option<f64>| {
         let error = Revolution::new(profile_m, wall_m).expect_err("no solid");
-        assert!(matches!(error, ShapeError::Profile { .. } | ShapeError::NoPart), "{error}");
+        assert!(
+            matches!(error, ShapeError::Profile { .. } | ShapeError::NoPart),
+            "{error}"
+        );
     };
     refused(&[], None);
     refused(&[[0.01, 0.0]], None);
