@@ -164,6 +164,115 @@ fn the_motion_does_not_depend_on_the_frame_and_its_poses_are_of_that() {
     assert!(compared.iter().all(|count| *count > 100), "{compared:?}");
 }
 
+/// The scene of the chain with its rods given in other frames: the first and the last in one, the middle in another.
+fn chain_in(ends: &Pose, middle: &Pose) -> String {
+    let mut text = include_str!("../config/chain.toml").to_owned();
+    let mut change = |from: &str, to: String| {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, &to, 1);
+    };
+    let point = |frame: &Pose, z_mm: f64| {
+        let point_m = frame * Point3::new(0.0, 0.0, z_mm / 1e3);
+        list((point_m.coords * 1e3).iter().copied())
+    };
+    let rod = "length_mm = 200.0, radius_mm = 5 }";
+    for frame in [ends, middle, ends] {
+        let at = format!(
+            "length_mm = 200, radius_mm = 5, position_mm = {}, orientation_wxyz = {} }}",
+            point(frame, 0.0),
+            wxyz(&frame.rotation)
+        );
+        change(rod, at);
+    }
+    change(
+        "tracker = { position_mm = [0, 0, 0.0] }",
+        format!("tracker = {{ position_mm = {} }}", point(ends, 0.0)),
+    );
+    for (parent, child) in [(ends, middle), (middle, ends)] {
+        let axes =
+            [Vector3::x(), Vector3::y()].map(|axis| list((parent.rotation * axis).iter().copied()));
+        change(
+            "axes = [[1, 0, 0], [0, 1, 0]]",
+            format!("axes = [{}, {}]", axes[0], axes[1]),
+        );
+        change(
+            "parent_at_mm = [0, 0, -100.0]",
+            format!("parent_at_mm = {}", point(parent, -100.0)),
+        );
+        let turn = parent.rotation * child.rotation.inverse();
+        let at = format!(
+            "child_at_mm = {}\nchild_orientation_wxyz = {}",
+            point(child, 100.0),
+            wxyz(&turn)
+        );
+        change("child_at_mm = [0, 0, 100.0]", at);
+    }
+    let given =
+        "[0.9707421999082694, -0.09680899047403699, -0.21601409352873766, -0.040317639782225044]";
+    let start = Quaternion::new(
+        0.9707421999082694,
+        -0.09680899047403699,
+        -0.21601409352873766,
+        -0.040317639782225044,
+    );
+    let start = UnitQuaternion::new_normalize(start) * ends.rotation.inverse();
+    change(given, wxyz(&start));
+    change(
+        "point_mm = [0, 0, -100.0]",
+        format!("point_mm = {}", point(ends, -100.0)),
+    );
+    text
+}
+
+#[test]
+fn joined_bodies_move_alike_in_whatever_frames_they_are_given() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/chain.mcap");
+    let ends = Pose::from_parts(
+        Translation3::new(0.02, -0.01, 0.1),
+        UnitQuaternion::from_euler_angles(0.3, 0.2, -0.9),
+    );
+    let middle = Pose::from_parts(
+        Translation3::new(0.0, 0.05, -0.1),
+        UnitQuaternion::from_euler_angles(-1.0, 0.5, 0.4),
+    );
+    let estimate = |name: &str, scene: String| {
+        let [scene_file, output, csv] = ["toml", "mcap", "csv"].map(|of| format!("{name}.{of}"));
+        fs::write(folder.path().join(&scene_file), scene).expect("a file");
+        ran(
+            folder.path(),
+            &["replay", take, "--scene", &scene_file, "-o", &output],
+            0,
+        );
+        ran(
+            folder.path(),
+            &["export", &output, "--to", "csv", "-o", &csv, "--fps", "60"],
+            0,
+        );
+        let text = fs::read_to_string(folder.path().join(csv)).expect("a table");
+        let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+        let bodies = rows.map(|line| line.split(',').nth(2).expect("a body").to_owned());
+        let bodies: Vec<String> = bodies.collect();
+        bodies.into_iter().zip(poses(&text)).collect::<Vec<_>>()
+    };
+    let plain = estimate("plain", include_str!("../config/chain.toml").into());
+    let moved = estimate("moved", chain_in(&ends, &middle));
+    assert_eq!(plain.len(), moved.len());
+    assert!(plain.len() > 60, "{}", plain.len());
+    for ((body, (when, own)), (_, (_, given))) in plain.iter().zip(&moved) {
+        let frame = if body.contains("rod 2") {
+            &middle
+        } else {
+            &ends
+        };
+        let expected = own * frame.inverse();
+        let apart_m = (expected.translation.vector - given.translation.vector).norm();
+        assert!(apart_m < 1e-5, "{body} {when}: {apart_m} m");
+        let turn_rad = expected.rotation.angle_to(&given.rotation);
+        assert!(turn_rad < 1e-4, "{body} {when}: {turn_rad} rad");
+    }
+}
+
 /// Acts a motion of a scene that was made, and estimates it from the recording.
 fn acted(object: &[&str], state: State, after_s: f64) -> (Value, Vec<f64>) {
     let folder = tempfile::tempdir().expect("a folder");
