@@ -400,7 +400,7 @@ fn check_says_what_is_inferred_and_what_is_missing() {
     }
     let said = stdout(folder.path(), &["scene", "check", "bare.toml"], 3);
     assert!(
-        said.contains("missing: nothing can touch at \"bounce\""),
+        said.contains("missing: nothing can touch at \"bounce 1\", \"bounce 2\""),
         "{said}"
     );
     let text = stdout(

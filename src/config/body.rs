@@ -186,7 +186,7 @@ fn add_own(shape: &Shape, features: &mut Vec<Feature>) {
 }
 
 /// Whether two features are equal to the precision of typed numbers.
-fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
+pub(super) fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
     const DIGITS: f64 = 1e-7;
     let numbers = |feature: &contact::Feature| match *feature {
         contact::Feature::Point { point_m, radius_m } => (point_m, Vector3::zeros(), radius_m),

@@ -76,15 +76,14 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
     let is_edited = scene.timing == Timing::Edited;
     let events: Vec<EventCheck> = (0..scene.events.len()).map(|at| event(scene, at)).collect();
     let (mut open, mut missing) = (Vec::new(), Vec::new());
-    for at in scene.open_events() {
-        let name = &scene.events[at].name;
-        match scene.candidates(at).len() {
+    for (names, count) in inferred(scene) {
+        match count {
             0 => missing.push(format!(
-                "nothing can touch at {name:?}: no feature of the body and surface that may meet, expected features_mm, [[body.face]] or [[surface]]"
+                "nothing can touch at {names}: no feature of the body and surface that may meet, expected features_mm, [[body.face]] or [[surface]]"
             )),
             1 => {}
             count => open.push(format!(
-                "what touches at {name:?} is inferred among {count}: name feature and surface where you know them"
+                "what touches at {names} is inferred among {count}: name feature and surface where you know them"
             )),
         }
     }
@@ -147,6 +146,25 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         open,
         missing,
     }
+}
+
+/// Events of which it is inferred what touches, with the number of candidates; those with as many together.
+fn inferred(scene: &Scene) -> Vec<(String, usize)> {
+    // A repeated collision is as many as it is at least.
+    let written = scene.with_marks(0);
+    let mut found: Vec<(String, usize)> = Vec::new();
+    for at in written.open_events() {
+        let name = format!("{:?}", written.events[at].name);
+        let count = written.candidates(at).len();
+        match found.iter_mut().find(|(_, other)| *other == count) {
+            Some((names, _)) => {
+                *names += ", ";
+                *names += &name;
+            }
+            None => found.push((name, count)),
+        }
+    }
+    found
 }
 
 fn concerns(kind: &EventKind, link: LinkIndex) -> bool {

@@ -23,7 +23,7 @@ pub enum MeshError {
     },
     /// The geometry is in another file.
     #[error(
-        "has its geometry in another file or in its text, expected a binary glTF: export it as .glb"
+        "its geometry is in another file or in its text, expected a binary glTF: export it as .glb"
     )]
     Elsewhere,
     /// Something of a glTF that is not read.

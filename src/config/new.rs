@@ -90,7 +90,7 @@ pub enum NewSceneError {
         expected: &'static str,
     },
     /// The mesh is refused.
-    #[error("the mesh {0}")]
+    #[error("the mesh: {0}")]
     Mesh(#[from] MeshError),
     /// The scene that is made is refused.
     #[error("the scene that this makes is refused: {}", .0.message)]

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
 use super::board::board;
-use super::body::body;
+use super::body::{body, is_same};
 use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
@@ -297,11 +297,16 @@ fn add_obstacles(raw: &RawScene, obstacles: &[Obstacle], surfaces: &mut Vec<Surf
             let name = format!("{}/{feature}", obstacle.name);
             let is_it = |text: &Text| *text.get_ref() == name;
             let is_named = events().any(|event| event.surface.as_ref().is_some_and(is_it));
-            let is_taken = surfaces.iter().any(|surface| surface.name == name);
+            let geometry = geometry.placed(&obstacle.world_from_shape);
+            // The upper side of a board is a surface already.
+            let is_taken = surfaces.iter().any(|surface| {
+                let is_of_it = surface.obstacle == Some(index);
+                surface.name == name || is_of_it && is_same(&surface.geometry, &geometry)
+            });
             if (is_open || is_named) && !is_taken {
                 surfaces.push(Surface {
                     name,
-                    geometry: geometry.placed(&obstacle.world_from_shape),
+                    geometry,
                     obstacle: Some(index),
                 });
             }

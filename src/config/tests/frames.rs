@@ -423,6 +423,13 @@ along = [0, 1, 0]
     assert!((gap_m(0.16, 0.0, 0.39) - 0.01).abs() < 1e-9);
     assert!((gap_m(0.1, 0.12, 0.39) - 0.01).abs() < 1e-9);
     assert!((gap_m(0.1, 0.0, 0.36) - 0.01).abs() < 1e-9);
+    // What hits it is inferred among its sides, each once.
+    let open = format!("{text}[[event]]\nname = \"e\"\nkind = \"collision\"\nbody = \"ball\"\n");
+    let faces = read(&open).surfaces;
+    let faces = faces
+        .iter()
+        .filter(|of| of.geometry.kind() == scene.surfaces[0].geometry.kind());
+    assert_eq!(faces.count(), 6);
     let said = |from: &str, to: &str| {
         scene_from_toml(&text.replace(from, to))
             .expect_err(to)

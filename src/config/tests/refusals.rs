@@ -207,10 +207,10 @@ fn bodies_that_cannot_be_are_refused() {
         ),
         (
             "kind = \"cylinder\", length_mm = 190.0, radius_mm = 3.75",
-            "kind = \"hull\", points_mm = [[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]]",
+            "kind = \"revolution\", profile_mm = [[0, 0], [40, 0], [40, -40]]",
             13,
-            "{",
-            "centre of mass is at [10",
+            "[[0",
+            "point 3 of the profile is lower",
         ),
         (
             "orientation_wxyz = [0.70710678, 0.70710678, 0, 0]",

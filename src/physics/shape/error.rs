@@ -72,7 +72,7 @@ pub enum ShapeError {
     },
     /// A mesh is no closed surface.
     #[error(
-        "the mesh is not closed: {open} of its {edges} edges do not lie between two triangles that run along them in opposite directions; close it, or give its hull"
+        "the surface is not closed: {open} of its {edges} edges do not lie between two triangles with one outside; close it, or take its convex hull"
     )]
     Open {
         /// Such edges.

@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 
-use super::compound::{Compound, Part};
 use super::error::ShapeError;
 use super::hull::{check_hull, from_parry, hull_of, to_parry};
-use super::kind::Shape;
+use super::kind::{Compound, Part, Shape};
 use super::mass::MassDistribution;
 use crate::math::Pose;
 
@@ -41,7 +40,8 @@ pub struct TriangleMesh {
 
 impl TriangleMesh {
     /// From corners and triangles between them. Corners that coincide become one, triangles without an area are
-    /// left out, and a surface that is inside out is turned.
+    /// left out. A surface that is inside out is turned, and so are triangles that run the other way round than
+    /// their neighbours: exporters do not always mind.
     ///
     /// Fails where a corner is not finite or missing, where the surface is not closed, and where it encloses
     /// no volume.
@@ -81,9 +81,12 @@ impl TriangleMesh {
             corners_m: welded,
             triangles: kept,
         };
-        mesh.check_closed()?;
-        if mesh.signed_volume_m3() < 0.0 {
-            mesh.triangles.iter_mut().for_each(|of| of.swap(1, 2));
+        if mesh.is_closed() {
+            if mesh.signed_volume_m3() < 0.0 {
+                mesh.triangles.iter_mut().for_each(|of| of.swap(1, 2));
+            }
+        } else {
+            mesh.orient()?;
         }
         mesh.mass()?;
         Ok(mesh)
@@ -97,22 +100,81 @@ impl TriangleMesh {
         Self::new(&corners_m, &triangles)
     }
 
-    /// Every edge lies between two triangles that run along it in opposite directions.
-    fn check_closed(&self) -> Result<(), ShapeError> {
+    /// Whether every edge lies between triangles that run along it in opposite directions.
+    fn is_closed(&self) -> bool {
         let mut passes: BTreeMap<(u32, u32), i64> = BTreeMap::new();
-        for [a, b, c] in &self.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let (edge, way) = match from < to {
-                    true => ((*from, *to), 1),
-                    false => ((*to, *from), -1),
-                };
-                *passes.entry(edge).or_insert(0) += way;
+        for triangle in &self.triangles {
+            for (edge, is_forward) in edges(triangle) {
+                *passes.entry(edge).or_insert(0) += if is_forward { 1 } else { -1 };
             }
         }
-        let open = passes.values().filter(|sum| **sum != 0).count();
-        if open > 0 || passes.is_empty() {
-            let edges = passes.len();
-            return Err(ShapeError::Open { open, edges });
+        !passes.is_empty() && passes.values().all(|sum| *sum == 0)
+    }
+
+    /// Turns triangles until neighbours run along their edge in opposite directions and every connected surface
+    /// has its inside inside. Fails where an edge has not two triangles, and where a surface has one side only.
+    fn orient(&mut self) -> Result<(), ShapeError> {
+        let mut beside: BTreeMap<(u32, u32), Vec<(usize, bool)>> = BTreeMap::new();
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            for (edge, is_forward) in edges(triangle) {
+                beside.entry(edge).or_default().push((index, is_forward));
+            }
+        }
+        let open = |open: usize| ShapeError::Open {
+            open,
+            edges: beside.len(),
+        };
+        let loose = beside.values().filter(|of| of.len() != 2).count();
+        if loose > 0 || beside.is_empty() {
+            return Err(open(loose));
+        }
+        let mut is_turned: Vec<Option<bool>> = vec![None; self.triangles.len()];
+        for first in 0..self.triangles.len() {
+            if is_turned[first].is_some() {
+                continue;
+            }
+            is_turned[first] = Some(false);
+            let mut surface = vec![first];
+            let mut next = 0;
+            while let Some(&at) = surface.get(next) {
+                next += 1;
+                for (edge, is_forward) in edges(&self.triangles[at]) {
+                    for &(other, other_is_forward) in &beside[&edge] {
+                        if other == at {
+                            continue;
+                        }
+                        let turned = is_turned[at] == Some(true);
+                        let wanted = turned ^ (is_forward == other_is_forward);
+                        match is_turned[other] {
+                            None => {
+                                is_turned[other] = Some(wanted);
+                                surface.push(other);
+                            }
+                            Some(found) if found != wanted => return Err(open(1)),
+                            Some(_) => {}
+                        }
+                    }
+                }
+            }
+            let corner = |i: u32| self.corners_m[i as usize];
+            let volumes = surface.iter().map(|at| {
+                let [a, b, c] = self.triangles[*at].map(corner);
+                let volume = a.dot(&b.cross(&c));
+                if is_turned[*at] == Some(true) {
+                    -volume
+                } else {
+                    volume
+                }
+            });
+            let is_inside_out = volumes.sum::<f64>() < 0.0;
+            for at in surface {
+                is_turned[at] = is_turned[at].map(|of| of ^ is_inside_out);
+            }
+        }
+        for (triangle, turned) in self.triangles.iter_mut().zip(is_turned) {
+            if turned == Some(true) {
+                triangle.swap(1, 2);
+            }
         }
         Ok(())
     }
@@ -194,6 +256,14 @@ impl TriangleMesh {
         let points: Vec<Vector3<f64>> = points.into_iter().map(from_parry).collect();
         Ok(fewer(&points, most))
     }
+}
+
+/// The edges of a triangle, the lower corner first, and whether it runs along them so.
+fn edges([a, b, c]: &[u32; 3]) -> [((u32, u32), bool); 3] {
+    [(*a, *b), (*b, *c), (*c, *a)].map(|(from, to)| match from < to {
+        true => ((from, to), true),
+        false => ((to, from), false),
+    })
 }
 
 /// Points that are farthest in directions spread over a sphere (a Fibonacci lattice): all that are so, up to a
@@ -298,6 +368,12 @@ mod tests {
             matches!(open, Err(ShapeError::Open { open: 3, .. })),
             "{open:?}"
         );
+        // Every third triangle the other way round.
+        let mut mixed = triangles.clone();
+        mixed.iter_mut().step_by(3).for_each(|of| of.swap(0, 1));
+        let mended = TriangleMesh::new(&corners, &mixed).unwrap().mass().unwrap();
+        assert!((a.volume_m3 / mended.volume_m3 - 1.0).abs() < 1e-12);
+        assert!((a.centre_m - mended.centre_m).norm() < 1e-12);
         let hull = TriangleMesh::hull(&corners).unwrap();
         assert!((hull.mass().unwrap().volume_m3 / a.volume_m3 - 3.5 / 3.0).abs() < 1e-9);
         let missing = TriangleMesh::new(&corners, &[[0, 1, 99]]);

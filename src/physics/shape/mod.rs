@@ -4,7 +4,6 @@
 //! A shape's own axes have their origin at its centre of mass, so that for a body of uniform
 //! density they are the body's axes.
 
-mod compound;
 mod error;
 mod hull;
 mod kind;
@@ -15,10 +14,9 @@ mod solid;
 #[cfg(test)]
 mod tests;
 
-pub use compound::{Compound, Part};
 pub use error::ShapeError;
 pub use hull::hull_triangles;
-pub use kind::Shape;
+pub use kind::{Compound, Part, Shape};
 pub use mass::{MOMENT_TOLERANCE, MassDistribution, UniformMass, equalise};
 pub use mesh::TriangleMesh;
 pub use revolution::Revolution;

@@ -4,10 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use super::compound::{Compound, Part};
 use super::error::ShapeError;
 use super::hull::check_hull;
-use super::kind::Shape;
+use super::kind::{Compound, Part, Shape};
 use super::mass::MassDistribution;
 use crate::math::Pose;
 use crate::physics::contact::Feature;
