@@ -4,8 +4,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::finish::Opened;
-use crate::pipeline::Pipeline;
+use crate::ingest::Recording;
 use crate::report::{Provenance, command_line};
 
 /// Program and version.
@@ -23,21 +22,26 @@ pub(super) fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// From what an estimate is made. The command is that of `replay`, by whatever it is made.
-pub(super) fn provenance(opened: &Opened, pipeline: &Pipeline) -> Provenance {
-    let recording = file_name(opened.recording.path());
-    let mut words = vec!["enact".to_owned(), "replay".to_owned(), recording.clone()];
-    if let Some(scene) = &opened.scene_file {
+/// From what an estimate is made: a recording, a scene's text and the file of that if it is not attached, and
+/// whether what explains a misfit is set free. The command is that of `replay`, by whatever it is made.
+pub(super) fn provenance(
+    recording: &Recording,
+    (scene_toml, scene_file): (&[u8], Option<&Path>),
+    is_free_auto: bool,
+) -> Provenance {
+    let name = file_name(recording.path());
+    let mut words = vec!["enact".to_owned(), "replay".to_owned(), name.clone()];
+    if let Some(scene) = scene_file {
         words.extend(["--scene".to_owned(), file_name(scene)]);
     }
-    if pipeline.is_free_auto() {
+    if is_free_auto {
         words.extend(["--free", "auto"].map(str::to_owned));
     }
     Provenance {
         program: PROGRAM.to_owned(),
         command: command_line(&words),
-        recording,
-        recording_sha256: sha256(opened.recording.container().bytes()),
-        scene_sha256: sha256(&opened.scene_toml),
+        recording: name,
+        recording_sha256: sha256(recording.container().bytes()),
+        scene_sha256: sha256(scene_toml),
     }
 }
