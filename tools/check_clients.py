@@ -54,7 +54,7 @@ def check_mcap(path):
             if content.DESCRIPTOR.full_name != schema.name:
                 fail(f"{channel.topic}: {content.DESCRIPTOR.full_name}, not {schema.name}")
             if channel.topic == "/scene":
-                check_scene(content)
+                check_scene(content, any(topic.startswith("/sketch/") for topic in counts))
             decoded += 1
         attachments = [a.name for a in reader.iter_attachments()]
     if sum(counts.values()) != summary.statistics.message_count:
@@ -64,10 +64,11 @@ def check_mcap(path):
     print(f"mcap      {decoded} protobuf messages decoded, attachments {attachments}")
 
 
-def check_scene(update):
-    """What is drawn: bodies, what was acted as ghosts that are seen through, ways as lines, events with names."""
+def check_scene(update, has_sketch):
+    """What is drawn: bodies, ways as lines, events with names, and where poses were seen, ghosts that are seen through."""
     kinds = collections.Counter(entity.id.split("/")[0] for entity in update.entities)
-    for kind in ("body", "sketch", "way", "acted way", "event"):
+    seen = ("sketch", "acted way") if has_sketch else ()
+    for kind in ("body", "way", "event", *seen):
         if not kinds[kind]:
             fail(f"/scene: no {kind}")
     for entity in update.entities:

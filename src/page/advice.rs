@@ -98,7 +98,7 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
     }));
     let left_out = said.samples.dropped.iter();
     let left_out = left_out.filter(|(reason, _)| !EXPECTED.contains(&reason.as_str()));
-    let left_out: u64 = left_out.map(|(_, count)| count).sum();
+    let left_out = left_out.fold(0u64, |sum, (_, count)| sum.saturating_add(*count));
     if left_out as f64 > LEFT_OUT * said.samples.read as f64 {
         all.push(format!(
             "{left_out} of {} samples could not be used; at the end of this page it says why. {} shows where the \

@@ -204,9 +204,14 @@ fn ticks([from, to]: [f64; 2], about: f64) -> (Vec<f64>, usize) {
     let steps = [1.0, 2.0, 5.0, 10.0].map(|of| of * power);
     let step = steps.into_iter().find(|step| *step >= rough * 0.99);
     let step = step.unwrap_or(10.0 * power);
-    let first = (from / step - 1e-6).ceil() as i64;
-    let last = (to / step + 1e-6).floor() as i64;
-    let decimals = (-(step * 1.000_001).log10().floor()).max(0.0) as usize;
+    let [first, last] = [(from / step - 1e-6).ceil(), (to / step + 1e-6).floor()];
+    // Not so of spans that rounding makes nothing of either.
+    let is_sane = last - first < 4.0 * about && first.abs() < 1e15;
+    if !is_sane {
+        return (vec![from], 2);
+    }
+    let (first, last) = (first as i64, last as i64);
+    let decimals = (-(step * 1.000_001).log10().floor()).clamp(0.0, 9.0) as usize;
     let all = (first..=last).map(|index| index as f64 * step);
     (all.collect(), decimals)
 }
@@ -231,6 +236,8 @@ mod tests {
         assert_eq!(ticks([-0.003, 0.004], 3.0).1, 3);
         assert_eq!(ticks([2.0, 2.0], 3.0).0, [2.0]);
         assert_eq!(ticks([0.0, f64::NAN], 3.0).0, [0.0]);
+        assert_eq!(ticks([0.0, 5e-324], 3.0).0, [0.0]);
+        assert!((1..6).contains(&ticks([1e300, 1.0000001e300], 3.0).0.len()));
     }
 
     #[test]

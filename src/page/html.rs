@@ -6,7 +6,7 @@ use super::input::Page;
 use super::said::Said;
 use super::strobe::{Size, Strobe};
 use super::svg::escaped;
-use super::{advice, residuals, sections, time_map};
+use super::{advice, checks, events, parameters, residuals, time_map, verdict};
 use crate::motion::Timing;
 use crate::report::ExportProvenance;
 use crate::visual::View;
@@ -44,7 +44,7 @@ pub fn html(page: &Page) -> Result<String, PageError> {
          <meta name=\"generator\" content=\"{}\">\n<title>{title}: estimated motion</title>\n<style>\n{STYLE}{drawn}</style>\n\
          </head>\n<body>\n<main>\n<p class=\"over\">Estimated motion</p>\n<h1><bdi>{title}</bdi></h1>\n{}\n",
         escaped(&page.provenance.program),
-        sections::facts(&said)
+        verdict::facts(&said)
     );
     for loss in page.lost {
         let _ = writeln!(
@@ -61,7 +61,7 @@ pub fn html(page: &Page) -> Result<String, PageError> {
     section(
         &mut text,
         "Does it fit, and what is to blame",
-        &sections::blame(&said),
+        &verdict::blame(&said),
     );
     let next = advice::advice(page, &said);
     let next = next.iter().map(|line| format!("<li>{line}</li>"));
@@ -70,7 +70,7 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         "What to try next",
         &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
     );
-    section(&mut text, "Events", &sections::events(&said));
+    section(&mut text, "Events", &events::events(&said));
     section(
         &mut text,
         "Distance from the samples",
@@ -81,8 +81,8 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         "Acted time and physical time",
         &times(page, &said),
     );
-    section(&mut text, "Parameters", &sections::parameters(&said));
-    section(&mut text, "Checks and samples", &sections::checks(&said));
+    section(&mut text, "Parameters", &parameters::parameters(&said));
+    section(&mut text, "Checks and samples", &checks::checks(&said));
     text += &provenance(page.provenance);
     text += "</main>\n</body>\n</html>\n";
     Ok(text)

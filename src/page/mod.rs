@@ -7,11 +7,14 @@
 
 mod advice;
 mod chart;
+mod checks;
+mod events;
 mod html;
 mod input;
+mod markup;
+mod parameters;
 mod residuals;
 mod said;
-mod sections;
 mod seen;
 pub mod strobe;
 mod svg;
@@ -19,6 +22,7 @@ mod svg;
 mod tests;
 mod theme;
 mod time_map;
+mod verdict;
 
 pub use html::{PageError, html, strobe_of};
 pub use input::Page;

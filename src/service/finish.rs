@@ -183,7 +183,11 @@ pub(super) fn finished(
             input_path: Some(recording.path()),
             of: reported(&outcome),
             scene_toml: &opened.scene_toml,
-            provenance: Some(&provenance(opened, pipeline)),
+            provenance: Some(&provenance(
+                recording,
+                (&opened.scene_toml, opened.scene_file.as_deref()),
+                pipeline,
+            )),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::finish::Opened;
+use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
 use crate::report::{Provenance, command_line};
 
@@ -23,11 +23,16 @@ pub(super) fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// From what an estimate is made. The command is that of `replay`, by whatever it is made, or of `predict`.
-pub(super) fn provenance(opened: &Opened, pipeline: &Pipeline) -> Provenance {
-    let recording = file_name(opened.recording.path());
-    let mut words = vec!["enact".to_owned(), "replay".to_owned(), recording.clone()];
-    if let Some(scene) = &opened.scene_file {
+/// From what an estimate is made: a recording, a scene's text and the file of that if it is not attached, and what was
+/// asked of the pipeline. The command is that of `replay`, by whatever it is made, or of `predict`.
+pub(super) fn provenance(
+    recording: &Recording,
+    (scene_toml, scene_file): (&[u8], Option<&Path>),
+    pipeline: &Pipeline,
+) -> Provenance {
+    let name = file_name(recording.path());
+    let mut words = vec!["enact".to_owned(), "replay".to_owned(), name.clone()];
+    if let Some(scene) = scene_file {
         words.extend(["--scene".to_owned(), file_name(scene)]);
     }
     if let (true, Some(last)) = (pipeline.is_predicting(), pipeline.scene().events.last()) {
@@ -42,8 +47,8 @@ pub(super) fn provenance(opened: &Opened, pipeline: &Pipeline) -> Provenance {
     Provenance {
         program: PROGRAM.to_owned(),
         command: command_line(&words),
-        recording,
-        recording_sha256: sha256(opened.recording.container().bytes()),
-        scene_sha256: sha256(&opened.scene_toml),
+        recording: name,
+        recording_sha256: sha256(recording.container().bytes()),
+        scene_sha256: sha256(scene_toml),
     }
 }

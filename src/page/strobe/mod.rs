@@ -3,6 +3,7 @@
 
 mod draw;
 mod file;
+mod items;
 mod layout;
 mod lit;
 mod plan;

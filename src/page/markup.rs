@@ -1,0 +1,23 @@
+//! Pieces of HTML that parts of a page share.
+
+use super::svg::escaped;
+
+/// A table; columns whose name ends with `*` are numbers.
+pub(super) fn table(columns: &[&str], rows: &str) -> String {
+    let heads = columns.iter().map(|name| match name.strip_suffix('*') {
+        Some(name) => format!("<th scope=\"col\" class=\"n\">{name}</th>"),
+        None => format!("<th scope=\"col\">{name}</th>"),
+    });
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>{}</tr></thead><tbody>{rows}</tbody></table></div>",
+        heads.collect::<String>()
+    )
+}
+
+/// Names one after the other.
+pub(super) fn list(names: &[String]) -> String {
+    let names = names
+        .iter()
+        .map(|name| format!("<bdi>{}</bdi>", escaped(name)));
+    names.collect::<Vec<_>>().join(", ")
+}
