@@ -33,10 +33,11 @@ pub(super) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
 
 /// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
-    let _ = writeln!(io::stderr(), "error: {}", printable_lines(error));
+    let _ = writeln!(io::stderr(), "error: {}", printable(error));
 }
 
 /// Prints a warning on stderr; a closed stderr is ignored.
+#[cfg(feature = "live")]
 pub(super) fn print_warning(warning: &str) {
     let _ = writeln!(io::stderr(), "warning: {}", printable(warning));
 }
